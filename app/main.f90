@@ -1,0 +1,31 @@
+!> The program: reads the command line, runs the command, prints what went wrong, stops.
+program asperity_main
+  use asperity_command_line, only: command_line, parse_command_line
+  use asperity_files, only: write_standard_error
+  use asperity_help, only: show_help, show_next_steps, show_version
+  use asperity_problems, only: problem_list
+  use asperity_process, only: end_process
+  use asperity_run_original, only: run_original_command
+  implicit none
+  type(command_line) :: line
+  type(problem_list) :: problems
+  integer :: status
+
+  call parse_command_line(line, problems)
+  if (problems%count() > 0) then
+    call write_standard_error(problems%text() // 'Try: asperity --help' // new_line('a'))
+    status = 2
+  else
+    select case (line%command)
+    case ('')
+      call show_next_steps(status)
+    case ('help')
+      call show_help(status)
+    case ('version')
+      call show_version(status)
+    case default
+      call run_original_command(line, status)
+    end select
+  end if
+  call end_process(status)
+end program asperity_main

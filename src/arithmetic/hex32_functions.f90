@@ -1,0 +1,289 @@
+!> Root, power, sine and cosine of short hexadecimal numbers, in integers throughout.
+submodule(asperity_hex32) asperity_hex32_functions
+  implicit none
+
+  !> Limbs below the point of a fixed-point number; limb 0 stands above it.
+  integer, parameter :: places = 4
+  !> Terms that bring the series below the last bit of such a number for angles up to pi/4.
+  integer, parameter :: series_terms = 17
+  !> Below 16**exponent the sine rounds to its angle and the cosine to one.
+  integer(int32), parameter :: series_exponent = -3_int32
+
+contains
+
+  module procedure square_root
+    ! The library's constants, cut to 24 bits as its assembler statements had them:
+    ! 1.681595, 1.288973 and 0.8408065.
+    type(hex32), parameter :: c1 = hex32(1763280_int32, 1_int32)
+    type(hex32), parameter :: c2 = hex32(1351586_int32, 1_int32)
+    type(hex32), parameter :: c3 = hex32(14106392_int32, 0_int32)
+    type(hex32), parameter :: half = hex32(8388608_int32, 0_int32)
+    type(hex32), parameter :: quarter = hex32(4194304_int32, 0_int32)
+    type(hex32) :: m, reduced, y, quotient
+    integer(int32) :: p, q
+    integer(int64) :: total
+
+    if (x%fraction == 0_int32) then
+      root = x
+    else
+      ! x = 16**(2p - q) * m, q = 0 or 1. The factor 16**p changes no digit and waits till the end.
+      p = shifta(x%exponent + 1_int32, 1)
+      q = 2_int32*p - x%exponent
+      m = hex32(abs(x%fraction), 0_int32)
+      reduced = hex32(m%fraction, -q)
+      y = c1 - c2/(m + c3)
+      if (q == 1_int32) y = quarter*y
+      y = half*(y + reduced/y)
+      quotient = reduced/y
+      ! The last sum keeps all its digits, in units of 16**(-7), until it is halved and rounded.
+      total = at_seventh_place(y) + at_seventh_place(quotient)
+      root = rounded(total, -4*(fraction_digits + 1) - 1)
+      root%exponent = root%exponent + p
+    end if
+  end procedure square_root
+
+  module procedure three_halves_power
+    integer(int64) :: fraction, square, high, low, radicand
+    integer(int32) :: drop
+
+    if (x%fraction == 0_int32) then
+      power = x
+    else
+      ! The cube, high * 2**24 + low, has 61 to 72 bits and no overflow this way.
+      fraction = int(abs(x%fraction), int64)
+      square = fraction*fraction
+      low = ibits(square, 0, 24)*fraction
+      high = shiftr(square, 24)*fraction + shiftr(low, 24)
+      low = ibits(low, 0, 24)
+      ! Hex digits to drop so that the root has six: as many as make its exponent whole.
+      drop = modulo(x%exponent, 2_int32) + 4_int32
+      if (shiftr(high, 4*drop + 24) /= 0_int64) drop = drop + 2_int32
+      ! Four times the radicand has twice the root, whose last bit decides the rounding.
+      if (4*drop - 2 >= 24) then
+        radicand = shiftr(high, 4*drop - 26)
+      else
+        radicand = ior(shiftl(high, 26 - 4*drop), shiftr(low, 4*drop - 2))
+      end if
+      power = hex32_from_binary(shiftr(whole_root(radicand) + 1_int64, 1), &
+                                2*(3*(x%exponent - fraction_digits) + drop))
+    end if
+  end procedure three_halves_power
+
+  module procedure sine
+    if (x%exponent <= series_exponent .or. x%fraction == 0_int32) then
+      value = x
+    else
+      value = circular(x, 0_int64)
+      if (x%fraction < 0_int32) value = -value
+    end if
+  end procedure sine
+
+  module procedure cosine
+    if (x%exponent <= series_exponent .or. x%fraction == 0_int32) then
+      value = hex32_from_integer(1)
+    else
+      value = circular(x, 1_int64)
+    end if
+  end procedure cosine
+
+  !> The fraction with its exponent, 0 or neighbouring, brought to units of 16**(-7).
+  elemental function at_seventh_place(x) result(units)
+    !> exponent in [-1, 1], so that no digit is lost
+    type(hex32), intent(in) :: x
+    integer(int64) :: units
+
+    units = shiftl(int(x%fraction, int64), 4*(x%exponent + 1))
+  end function at_seventh_place
+
+  !> magnitude * 2**power, normalised and rounded to 24 bits; a tie goes up.
+  elemental function rounded(magnitude, power) result(x)
+    !> in [0, 2**60)
+    integer(int64), intent(in) :: magnitude
+    integer, intent(in) :: power
+    type(hex32) :: x
+    integer(int64) :: aligned
+    integer :: excess
+
+    ! Hex digits are counted with the point between two of them.
+    aligned = shiftl(magnitude, iand(power, 3))
+    excess = 4*((int64_bits - leadz(aligned) + 3)/4 - fraction_digits)
+    if (excess > 0) aligned = aligned + shiftl(1_int64, excess - 1)
+    ! A carry into one digit more leaves only zeros to cut.
+    x = hex32_from_binary(aligned, 4*shifta(power, 2))
+  end function rounded
+
+  !> The whole part of a square root.
+  elemental function whole_root(n) result(root)
+    !> above zero
+    integer(int64), intent(in) :: n
+    integer(int64) :: root, next
+
+    ! Newton from above falls until it has arrived.
+    root = shiftl(1_int64, (int64_bits - leadz(n) + 1)/2)
+    do
+      next = shiftr(root + n/root, 1)
+      if (next >= root) exit
+      root = next
+    end do
+  end function whole_root
+
+  !> The sine of the angle's magnitude plus a number of quarter turns.
+  elemental function circular(x, quarter_turns) result(value)
+    !> magnitude 16**(-3) or more
+    type(hex32), intent(in) :: x
+    integer(int64), intent(in) :: quarter_turns
+    type(hex32) :: value
+    integer(int64) :: angle(0:places), square(0:places), term(0:places)
+    integer(int64) :: quadrant
+    logical :: backwards, by_cosine
+    integer :: i
+
+    call reduce(x, angle, quadrant, backwards)
+    quadrant = quadrant + quarter_turns
+    by_cosine = btest(quadrant, 0)
+    square(:) = times(angle, angle)
+    term(:) = one()
+    do i = 2*series_terms, 2, -2
+      if (by_cosine) then
+        term(:) = divided(times(square, term), int(i*(i - 1), int64))
+      else
+        term(:) = divided(times(square, term), int(i*(i + 1), int64))
+      end if
+      term(:) = one_minus(term)
+    end do
+    if (.not. by_cosine) term(:) = times(angle, term)
+    value = from_limbs(term)
+    if (btest(quadrant, 1) .neqv. (backwards .and. .not. by_cosine)) value = -value
+  end function circular
+
+  !> Takes whole quarter turns off an angle; angle is the magnitude of what remains.
+  pure subroutine reduce(x, angle, quadrant, backwards)
+    type(hex32), intent(in) :: x
+    !> at most pi/4, in fixed point
+    integer(int64), intent(out) :: angle(0:places)
+    !> whole quarter turns nearest to the angle
+    integer(int64), intent(out) :: quadrant
+    !> what remains is below zero
+    logical, intent(out) :: backwards
+    !> 2/pi in limbs: enough for the largest number there is.
+    integer, parameter :: length = 13
+    integer(int64), parameter :: two_over_pi(length) = [ &
+                                 683565275_int64, 618938706_int64, 670080351_int64, &
+                                 301282525_int64, 808900773_int64, 429114425_int64, &
+                                 17299781_int64, 598466235_int64, 827878857_int64, &
+                                 115581988_int64, 927694873_int64, 154069513_int64, &
+                                 879003455_int64]
+    !> pi/2 in the same way.
+    integer(int64), parameter :: half_pi(0:places) = [ &
+                                 1_int64, 612887889_int64, 70064198_int64, &
+                                 640037652_int64, 385988665_int64]
+    integer(int64) :: turns(-2:length), carry
+    integer :: i, last, limb
+
+    turns(:) = 0_int64
+    carry = 0_int64
+    do i = length, 1, -1
+      carry = two_over_pi(i)*int(abs(x%fraction), int64) + carry
+      turns(i) = iand(carry, limb_mask)
+      carry = shiftr(carry, limb_bits)
+    end do
+    turns(0) = carry
+    ! The point moves by the exponent; each limb is read across two of those.
+    do i = 0, places
+      last = limb_bits*i + 4*(x%exponent - fraction_digits)
+      limb = ceiling_quotient(last, limb_bits)
+      carry = shiftl(turns(limb - 1), limb_bits) + turns(limb)
+      angle(i) = iand(shiftr(carry, limb_bits*limb - last), limb_mask)
+    end do
+    quadrant = angle(0)
+    angle(0) = 0_int64
+    backwards = angle(1) >= 2_int64**(limb_bits - 1)
+    if (backwards) then
+      quadrant = quadrant + 1_int64
+      angle(:) = one_minus(angle)
+    end if
+    angle(:) = times(angle, half_pi)
+  end subroutine reduce
+
+  !> i/n rounded upwards.
+  elemental function ceiling_quotient(i, n) result(quotient)
+    integer, intent(in) :: i, n
+    integer :: quotient
+
+    quotient = (i + modulo(-i, n))/n
+  end function ceiling_quotient
+
+  !> One in fixed point.
+  pure function one() result(c)
+    integer(int64) :: c(0:places)
+
+    c(0) = 1_int64
+    c(1:) = 0_int64
+  end function one
+
+  !> 1 - a for a in [0, 1].
+  pure function one_minus(a) result(c)
+    integer(int64), intent(in) :: a(0:places)
+    integer(int64) :: c(0:places)
+    integer(int64) :: borrow
+    integer :: i
+
+    c(:) = one() - a
+    do i = places, 1, -1
+      borrow = merge(1_int64, 0_int64, c(i) < 0_int64)
+      c(i) = c(i) + shiftl(borrow, limb_bits)
+      c(i - 1) = c(i - 1) - borrow
+    end do
+  end function one_minus
+
+  !> Product of two fixed-point numbers, the smaller limbs dropped.
+  pure function times(a, b) result(c)
+    integer(int64), intent(in) :: a(0:places), b(0:places)
+    integer(int64) :: c(0:places)
+    integer(int64) :: carry
+    integer :: i, k
+
+    carry = 0_int64
+    do k = places, 0, -1
+      ! Limb 0 is at most 1, so that at most three of the products reach 2**60.
+      c(k) = carry
+      do i = 0, k
+        c(k) = c(k) + a(i)*b(k - i)
+      end do
+      carry = shiftr(c(k), limb_bits)
+      if (k > 0) c(k) = iand(c(k), limb_mask)
+    end do
+  end function times
+
+  !> A fixed-point number divided by a small one, cut.
+  pure function divided(a, n) result(c)
+    integer(int64), intent(in) :: a(0:places)
+    !> below 2**30
+    integer(int64), intent(in) :: n
+    integer(int64) :: c(0:places)
+    integer(int64) :: rest
+    integer :: i
+
+    rest = 0_int64
+    do i = 0, places
+      rest = shiftl(rest, limb_bits) + a(i)
+      c(i) = rest/n
+      rest = rest - c(i)*n
+    end do
+  end function divided
+
+  !> A fixed-point number in [0, 1], rounded to 24 bits.
+  pure function from_limbs(a) result(x)
+    integer(int64), intent(in) :: a(0:places)
+    type(hex32) :: x
+    integer :: top
+
+    top = 0
+    do while (a(top) == 0_int64 .and. top < places - 1)
+      top = top + 1
+    end do
+    ! Two limbs are enough: sines and cosines never lie at a tie, so what is cut cannot decide.
+    x = rounded(shiftl(a(top), limb_bits) + a(top + 1), -limb_bits*(top + 1))
+  end function from_limbs
+
+end submodule asperity_hex32_functions

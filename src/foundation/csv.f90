@@ -1,0 +1,75 @@
+!> Cells and lines of comma-separated values, in the C locale.
+module asperity_csv
+  use asperity_kinds, only: real64
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: csv_line
+
+  !> One line under construction.
+  type :: csv_line
+    private
+    character(len=640) :: text = ''
+    integer :: used = 0
+  contains
+    procedure, private :: put_number
+    procedure, private :: put_integer
+    procedure, private :: put_logical
+    !> Adds a cell: a double with 17 significant digits, an integer, or a logical as 1 or 0.
+    generic :: put => put_number, put_integer, put_logical
+    !> Adds the line to a text and empties it.
+    procedure :: finish
+  end type csv_line
+
+contains
+
+  subroutine put_number(self, value)
+    class(csv_line), intent(inout) :: self
+    real(real64), intent(in) :: value
+    character(len=25) :: cell
+
+    write (cell, '(es25.16e3)') value
+    call put_cell(self, adjustl(cell))
+  end subroutine put_number
+
+  subroutine put_integer(self, value)
+    class(csv_line), intent(inout) :: self
+    integer, intent(in) :: value
+    character(len=12) :: cell
+
+    write (cell, '(i0)') value
+    call put_cell(self, cell)
+  end subroutine put_integer
+
+  subroutine put_logical(self, value)
+    class(csv_line), intent(inout) :: self
+    logical, intent(in) :: value
+
+    call put_cell(self, merge('1', '0', value))
+  end subroutine put_logical
+
+  !> Adds the line to `buffer` and empties it.
+  subroutine finish(self, buffer)
+    class(csv_line), intent(inout) :: self      !! the line
+    type(text_buffer), intent(inout) :: buffer  !! the text
+
+    call buffer%line(self%text(:self%used))
+    self%used = 0
+  end subroutine finish
+
+  subroutine put_cell(self, cell)
+    type(csv_line), intent(inout) :: self
+    character(len=*), intent(in) :: cell
+    integer :: length
+
+    length = len_trim(cell)
+    if (self%used > 0) then
+      self%used = self%used + 1
+      self%text(self%used:self%used) = ','
+    end if
+    self%text(self%used + 1:self%used + length) = cell(:length)
+    self%used = self%used + length
+  end subroutine put_cell
+
+end module asperity_csv

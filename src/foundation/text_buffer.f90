@@ -1,0 +1,71 @@
+!> A text that grows line by line: what every writer fills before anything is written out.
+module asperity_text_buffer
+  implicit none
+  private
+
+  public :: text_buffer
+
+  !> Text under construction. Lines end with a line feed.
+  type :: text_buffer
+    private
+    character(len=:), allocatable :: store
+    integer :: used = 0
+  contains
+    !> Adds characters without a line end.
+    procedure :: append => buffer_append
+    !> Adds one line; blanks at its end are dropped.
+    procedure :: line => buffer_line
+    !> The text so far.
+    procedure :: text => buffer_text
+    !> Number of characters so far.
+    procedure :: length => buffer_length
+  end type text_buffer
+
+contains
+
+  !> Adds `piece` as it stands.
+  pure subroutine buffer_append(self, piece)
+    class(text_buffer), intent(inout) :: self  !! the text
+    character(len=*), intent(in) :: piece      !! characters to add
+    character(len=:), allocatable :: larger
+    integer :: needed
+
+    if (.not. allocated(self%store)) allocate (character(len=4096) :: self%store)
+    needed = self%used + len(piece)
+    if (needed > len(self%store)) then
+      allocate (character(len=max(needed, 2 * len(self%store))) :: larger)
+      larger(:self%used) = self%store(:self%used)
+      call move_alloc(larger, self%store)
+    end if
+    self%store(self%used + 1:needed) = piece
+    self%used = needed
+  end subroutine buffer_append
+
+  !> Adds `piece` without its trailing blanks, and a line feed.
+  pure subroutine buffer_line(self, piece)
+    class(text_buffer), intent(inout) :: self  !! the text
+    character(len=*), intent(in) :: piece      !! the line
+
+    call self%append(piece(:len_trim(piece)) // new_line('a'))
+  end subroutine buffer_line
+
+  !> The text so far.
+  pure function buffer_text(self) result(text)
+    class(text_buffer), intent(in) :: self  !! the text
+    character(len=:), allocatable :: text   !! a copy of it
+
+    if (allocated(self%store)) then
+      text = self%store(:self%used)
+    else
+      text = ''
+    end if
+  end function buffer_text
+
+  !> Number of characters so far.
+  pure integer function buffer_length(self)
+    class(text_buffer), intent(in) :: self  !! the text
+
+    buffer_length = self%used
+  end function buffer_length
+
+end module asperity_text_buffer

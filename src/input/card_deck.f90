@@ -1,0 +1,351 @@
+!> The original program's card deck: cards in, checked values or a list of problems out.
+module asperity_card_deck
+  use asperity_card_fields, only: read_f_field, read_i_field
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_files, only: read_whole_file
+  use asperity_kinds, only: real64
+  use asperity_problems, only: decimal_text, problem_list
+  implicit none
+  private
+
+  public :: card_deck, model_cards, read_card_deck, parse_card_deck
+
+  !> One model as the cards give it: inches and psi.
+  type :: model_cards
+    integer :: number = 0                       !! NU, NL: asperities
+    type(decimal_value) :: radius               !! RU, RL: summit radius, in
+    type(decimal_value) :: height_max           !! ZUMAX, ZLMAX: stated greatest height, in
+    type(decimal_value) :: elastic_modulus      !! EU, EL: psi
+    type(decimal_value) :: poisson_ratio        !! MUU, MUL
+    type(decimal_value) :: stress_max           !! ELIMTU, ELIMTL: psi
+    type(decimal_value) :: angle                !! THETAU, THETAL: rad
+    type(decimal_value), allocatable :: x(:)    !! mold positions, in
+    type(decimal_value), allocatable :: y(:)    !! mold positions, in
+    type(decimal_value), allocatable :: z(:)    !! heights, in
+  end type model_cards
+
+  !> A whole deck.
+  type :: card_deck
+    character(len=4) :: word_no = ''            !! printed for a contact within the limit
+    character(len=4) :: word_yes = ''           !! printed for a contact at or over the limit
+    type(model_cards) :: upper                  !! the upper model
+    type(model_cards) :: lower                  !! the lower model
+    type(decimal_value) :: lower_width          !! WIDTHL, in
+    type(decimal_value) :: x_displacement       !! XDISPL, in
+    type(decimal_value) :: y_displacement       !! YDISPL, in
+    type(problem_list) :: notes                 !! oddities that are no errors
+  end type card_deck
+
+  !> The cards of a file, and what is found wrong with them.
+  type :: card_reader
+    character(len=:), allocatable :: file, text
+    integer, allocatable :: first(:), last(:)   ! of every line, line end excluded
+    type(problem_list) :: problems
+  end type card_reader
+
+  ! Columns of the cards.
+  integer, parameter :: card_length = 80
+
+contains
+
+  !> Reads and checks a deck. With problems the deck is not to be used.
+  subroutine read_card_deck(path, deck, problems)
+    character(len=*), intent(in) :: path           !! the file
+    type(card_deck), intent(out) :: deck           !! its values
+    type(problem_list), intent(out) :: problems    !! all that is wrong
+    character(len=:), allocatable :: text, failure
+
+    call read_whole_file(path, text, failure)
+    if (allocated(failure)) then
+      call problems%add(failure)
+    else
+      call parse_card_deck(path, text, deck, problems)
+    end if
+  end subroutine read_card_deck
+
+  !> Checks the text of a deck; `path` serves the messages only.
+  subroutine parse_card_deck(path, text, deck, problems)
+    character(len=*), intent(in) :: path           !! name for the messages
+    character(len=*), intent(in) :: text           !! the whole deck
+    type(card_deck), intent(out) :: deck           !! its values
+    type(problem_list), intent(out) :: problems    !! all that is wrong
+    type(card_reader) :: reader
+    integer :: next, bad_byte
+
+    reader%file = path
+    reader%text = text
+    call find_lines(reader)
+    bad_byte = binary_byte(text)
+    if (verify(text, ' ' // achar(9) // achar(10) // achar(13)) == 0) then
+      call reader%problems%add_at(path, 1, 1, 'the deck is empty, expected at least six cards')
+    else if (bad_byte > 0) then
+      call report_binary(reader, bad_byte)
+    else
+      call read_header(reader, deck)
+      next = 5
+      call read_asperities(reader, deck%upper, 'upper', next)
+      call read_asperities(reader, deck%lower, 'lower', next)
+      call check_end(reader, next)
+      call note_heights(path, deck%upper, 'upper', deck%notes)
+      call note_heights(path, deck%lower, 'lower', deck%notes)
+    end if
+    problems = reader%problems
+  end subroutine parse_card_deck
+
+  !> Cards 1 to 4.
+  subroutine read_header(reader, deck)
+    type(card_reader), intent(inout) :: reader
+    type(card_deck), intent(inout) :: deck
+    character(len=card_length) :: words
+
+    words = card(reader, 1)
+    deck%word_no = words(1:4)
+    deck%word_yes = words(5:8)
+    call read_model(reader, 2, 'U', deck%upper)
+    call read_model(reader, 3, 'L', deck%lower)
+    call real_field(reader, 3, 41, 47, 4, 'WIDTHL (width of the lower model)', deck%lower_width, &
+                    positive=.true.)
+    call real_field(reader, 4, 1, 8, 4, 'THETAU (angle of the upper model)', deck%upper%angle)
+    call real_field(reader, 4, 9, 16, 4, 'THETAL (angle of the lower model)', deck%lower%angle)
+    call real_field(reader, 4, 17, 23, 3, 'XDISPL (x displacement)', deck%x_displacement)
+    call real_field(reader, 4, 24, 30, 3, 'YDISPL (y displacement)', deck%y_displacement)
+  end subroutine read_header
+
+  !> Card 2 or 3: one model's numbers.
+  subroutine read_model(reader, line, letter, model)
+    type(card_reader), intent(inout) :: reader
+    integer, intent(in) :: line
+    character(len=1), intent(in) :: letter
+    type(model_cards), intent(inout) :: model
+    character(len=card_length) :: columns
+    character(len=:), allocatable :: name
+    integer :: bad_at
+    real(real64) :: ratio
+
+    columns = card(reader, line)
+    name = 'N' // letter // ' (number of asperities)'
+    call read_i_field(columns(1:5), model%number, bad_at)
+    if (bad_at > 0) then
+      call complain(reader, line, bad_at, name, columns(1:5), 'a whole number in columns 1-5')
+      model%number = 0
+    else if (model%number < 1) then
+      call complain(reader, line, 1, name, columns(1:5), 'at least 1')
+    end if
+    name = 'R' // letter // ' (summit radius)'
+    call real_field(reader, line, 6, 10, 3, name, model%radius, positive=.true.)
+    name = 'Z' // letter // 'MAX (greatest height)'
+    call real_field(reader, line, 11, 15, 3, name, model%height_max)
+    if (model%height_max%digits < 0) &
+      call complain(reader, line, 11, name, columns(11:15), 'no negative number')
+    call check_height(reader, line, 11, 15, name, model, model%height_max)
+    name = 'E' // letter // ' (elastic modulus)'
+    call real_field(reader, line, 16, 25, 0, name, model%elastic_modulus, positive=.true.)
+    name = 'MU' // letter // ' (Poisson''s ratio)'
+    call real_field(reader, line, 26, 30, 3, name, model%poisson_ratio)
+    ratio = decimal_to_real64(model%poisson_ratio)
+    if (ratio <= -1.0_real64 .or. ratio > 0.5_real64) &
+      call complain(reader, line, 26, name, columns(26:30), 'more than -1 and at most 0.5')
+    call real_field(reader, line, 31, 40, 0, 'ELIMT' // letter // ' (allowed stress)', &
+                    model%stress_max)
+  end subroutine read_model
+
+  !> The coordinate cards of one model, from line `next` on.
+  subroutine read_asperities(reader, model, name, next)
+    type(card_reader), intent(inout) :: reader
+    type(model_cards), intent(inout) :: model
+    character(len=*), intent(in) :: name
+    integer, intent(inout) :: next
+    integer :: i, line, present
+
+    if (model%number < 1) then
+      allocate (model%x(0), model%y(0), model%z(0))
+      return
+    end if
+    present = min(model%number, max(0, size(reader%first) - next + 1))
+    allocate (model%x(present), model%y(present), model%z(present))
+    do i = 1, present
+      line = next + i - 1
+      call real_field(reader, line, 1, 6, 3, label(i, 'x'), model%x(i))
+      call real_field(reader, line, 7, 12, 3, label(i, 'y'), model%y(i))
+      call real_field(reader, line, 13, 19, 4, label(i, 'height'), model%z(i))
+      call check_height(reader, line, 13, 19, label(i, 'height'), model, model%z(i))
+    end do
+    next = next + model%number
+    if (present < model%number) &
+      call reader%problems%add_at(reader%file, size(reader%first) + 1, 1, &
+           'wrong count of cards: found ' // decimal_text(present) // ' ' // name // &
+           ' asperities, expected ' // decimal_text(model%number))
+
+  contains
+
+    pure function label(index, what) result(text)
+      integer, intent(in) :: index
+      character(len=*), intent(in) :: what
+      character(len=:), allocatable :: text
+
+      text = what // ' of ' // name // ' asperity ' // decimal_text(index)
+    end function label
+
+  end subroutine read_asperities
+
+  !> Nothing but blank lines may follow the last card.
+  subroutine check_end(reader, next)
+    type(card_reader), intent(inout) :: reader
+    integer, intent(in) :: next
+    integer :: line, column
+
+    do line = next, size(reader%first)
+      column = verify(reader%text(reader%first(line):reader%last(line)), ' ' // achar(9))
+      if (column == 0) cycle
+      call reader%problems%add_at(reader%file, line, column, 'text after the last card: found ''' // &
+           trim(card(reader, line)) // ''', expected the end of the deck (wrong count of cards?)')
+      exit
+    end do
+  end subroutine check_end
+
+  !> Reads columns `from:to` under F format; adds a problem when that is no finite number,
+  !> or, with `positive`, not above zero.
+  subroutine real_field(reader, line, from, to, decimals, name, value, positive)
+    type(card_reader), intent(inout) :: reader
+    integer, intent(in) :: line, from, to, decimals
+    character(len=*), intent(in) :: name
+    type(decimal_value), intent(out) :: value
+    logical, intent(in), optional :: positive
+    character(len=card_length) :: columns
+    character(len=:), allocatable :: format
+    integer :: bad_at
+
+    columns = card(reader, line)
+    format = 'F' // decimal_text(to - from + 1) // '.' // decimal_text(decimals)
+    call read_f_field(columns(from:to), decimals, value, bad_at)
+    if (bad_at > 0) then
+      call complain(reader, line, from + bad_at - 1, name, columns(from:to), &
+                    'a number in columns ' // decimal_text(from) // '-' // decimal_text(to) // &
+                    ' (' // format // ')')
+      value = decimal_value()
+    else if (abs(decimal_to_real64(value)) > huge(1.0_real64)) then
+      call complain(reader, line, from, name, columns(from:to), 'a finite number')
+      value = decimal_value()
+    else if (present(positive)) then
+      if (positive .and. value%digits <= 0) &
+        call complain(reader, line, from, name, columns(from:to), 'more than zero')
+    end if
+  end subroutine real_field
+
+  !> A sphere does not stand higher than its diameter.
+  subroutine check_height(reader, line, from, to, name, model, height)
+    type(card_reader), intent(inout) :: reader
+    integer, intent(in) :: line, from, to
+    character(len=*), intent(in) :: name
+    type(model_cards), intent(in) :: model
+    type(decimal_value), intent(in) :: height
+    character(len=card_length) :: columns
+
+    columns = card(reader, line)
+    if (model%radius%digits <= 0) return
+    if (decimal_to_real64(height) >= 2 * decimal_to_real64(model%radius)) &
+      call complain(reader, line, from, name, columns(from:to), 'less than twice the radius')
+  end subroutine check_height
+
+  !> `FILE:LINE:COLUMN: NAME: found '...', expected ...`.
+  subroutine complain(reader, line, column, name, found, expected)
+    type(card_reader), intent(inout) :: reader
+    integer, intent(in) :: line, column
+    character(len=*), intent(in) :: name, found, expected
+
+    call reader%problems%add_at(reader%file, line, column, &
+                                name // ': found ''' // found // ''', expected ' // expected)
+  end subroutine complain
+
+  !> Names the asperities that stand higher than the stated maximum: the original's own deck has some.
+  subroutine note_heights(path, model, name, notes)
+    character(len=*), intent(in) :: path, name
+    type(model_cards), intent(in) :: model
+    type(problem_list), intent(inout) :: notes
+    real(real64) :: stated, highest
+    character(len=:), allocatable :: which
+    character(len=16) :: numeral
+    integer :: i, found
+
+    stated = decimal_to_real64(model%height_max)
+    highest = stated
+    which = ''
+    found = 0
+    do i = 1, size(model%z)
+      if (.not. decimal_to_real64(model%z(i)) > stated) cycle
+      highest = max(highest, decimal_to_real64(model%z(i)))
+      found = found + 1
+      if (found <= 10) which = which // ' ' // decimal_text(i)
+    end do
+    if (found == 0) return
+    if (found > 10) which = which // ' ...'
+    write (numeral, '(f16.4)') highest
+    call notes%add(path // ': note: ' // decimal_text(found) // ' ' // name // &
+                   ' asperities are higher (up to ' // trim(adjustl(numeral)) // &
+                   ' in) than the stated maximum:' // which)
+  end subroutine note_heights
+
+  !> Splits the text; a carriage return before a line feed belongs to the line end.
+  subroutine find_lines(reader)
+    type(card_reader), intent(inout) :: reader
+    integer :: i, lines, start
+
+    lines = 0
+    do i = 1, len(reader%text)
+      if (reader%text(i:i) == achar(10)) lines = lines + 1
+    end do
+    if (len(reader%text) > 0) then
+      if (reader%text(len(reader%text):) /= achar(10)) lines = lines + 1
+    end if
+    allocate (reader%first(lines), reader%last(lines))
+    start = 1
+    do i = 1, lines
+      reader%first(i) = start
+      reader%last(i) = index(reader%text(start:), achar(10)) + start - 2
+      if (reader%last(i) < start - 1) reader%last(i) = len(reader%text)
+      start = reader%last(i) + 2
+      if (reader%last(i) >= reader%first(i)) then
+        if (reader%text(reader%last(i):reader%last(i)) == achar(13)) &
+          reader%last(i) = reader%last(i) - 1
+      end if
+    end do
+  end subroutine find_lines
+
+  !> The 80 columns of a card; a card that is not there is blank.
+  pure function card(reader, line) result(columns)
+    type(card_reader), intent(in) :: reader
+    integer, intent(in) :: line
+    character(len=card_length) :: columns
+
+    columns = ''
+    if (line > size(reader%first)) return
+    columns = reader%text(reader%first(line):reader%last(line))
+  end function card
+
+  !> Place of the first byte that no text has; 0 when there is none.
+  pure integer function binary_byte(text)
+    character(len=*), intent(in) :: text
+    integer :: i
+
+    do i = 1, len(text)
+      if (iachar(text(i:i)) >= 32 .and. iachar(text(i:i)) /= 127) cycle
+      if (any(iachar(text(i:i)) == [9, 10, 13])) cycle
+      binary_byte = i
+      return
+    end do
+    binary_byte = 0
+  end function binary_byte
+
+  !> Tells where the text stops being text.
+  subroutine report_binary(reader, place)
+    type(card_reader), intent(inout) :: reader
+    integer, intent(in) :: place
+    integer :: line
+
+    line = max(1, count(reader%first <= place))
+    call reader%problems%add_at(reader%file, line, place - reader%first(line) + 1, &
+         'not a text file: found byte ' // decimal_text(iachar(reader%text(place:place))) // &
+         ', expected a card deck')
+  end subroutine report_binary
+
+end module asperity_card_deck

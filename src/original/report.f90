@@ -1,0 +1,366 @@
+!> The printed report of the original program: Tables V, IIIA, IIIB, VII and VI.
+!>
+!> Columns, headings and page breaks are the original's. Column one of every line is the line
+!> printer's carriage control. Touching contacts print `0.0` under both areas, as every printed
+!> table of the thesis does; FORMAT 12 of its listing leaves the second one blank.
+module asperity_report
+  use asperity_kinds, only: real64
+  use asperity_original_records, only: approach_row, contact_record, individual_difference_row, &
+                                       model_record, original_positions, original_records, &
+                                       points_row, position_record, slope_row, total_area_row, &
+                                       total_difference_row, total_load_row
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: write_report, fixed_field
+
+  ! Lines of a contact table before the next page begins (F2MAX).
+  integer, parameter :: lines_a_page = 21
+  ! Asperities on the first page of Table III, and on each further one.
+  integer, parameter :: first_page = 38, further_page = 39
+
+  ! FORMAT statements of the original, for cells that are already text.
+  character(len=*), parameter :: contact_row = '(13x, a7, i3, 2a8, i3, i4, 1x, 2a8, 2a6, 2a8, 3x, a4)'
+  character(len=*), parameter :: totals_row = '(47x, 2a8, a12, 5x, "TOTAL")'
+  character(len=*), parameter :: displacement_row = &
+    '(22x, "RELATIVE DISPLACEMENT OF UPPER MODEL   X   ", a6, " CM   Y  ", a6, " CM")'
+  character(len=*), parameter :: model_row = '(30x, "MODEL", i5, 2a7, a11, a7, a10)'
+  character(len=*), parameter :: angle_row = &
+    '(30x, "THETAU=", a5, 2x, "RADIANS", 10x, "THETAL=", a5, 2x, "RADIANS")'
+  character(len=*), parameter :: asperity_row = '(31x, i5, 3x, 2a9, a10)'
+  character(len=*), parameter :: variance_row = '(25x, a24, 3a10)'
+  character(len=*), parameter :: count_row = '(25x, a24, 3i10)'
+
+contains
+
+  !> The whole report. Without `carriage_control` column one is dropped and a new page is a form
+  !> feed, a double space an empty line.
+  subroutine write_report(records, printed, carriage_control, buffer)
+    type(original_records), intent(in) :: records            !! what was computed
+    logical, intent(in) :: printed(original_positions)       !! positions with a contact table
+    logical, intent(in) :: carriage_control                  !! keep column one
+    type(text_buffer), intent(inout) :: buffer               !! the text
+    type(text_buffer) :: lines
+    integer :: m, number
+
+    call input_table(lines, records%upper, records%lower)
+    call asperity_table(lines, records%upper, 'IIIA', 'UPPER')
+    call asperity_table(lines, records%lower, 'IIIB', 'LOWER')
+    number = 0
+    do m = 1, original_positions
+      if (.not. printed(m)) cycle
+      number = number + 1
+      call contact_table(lines, records, records%positions(m), 'TABLE VII' // letters(number))
+    end do
+    call variance_table(lines, records%variance)
+    if (carriage_control) then
+      call buffer%append(lines%text())
+    else
+      call apply_carriage_control(lines%text(), buffer)
+    end if
+  end subroutine write_report
+
+  !> Table V.
+  subroutine input_table(lines, upper, lower)
+    type(text_buffer), intent(inout) :: lines
+    type(model_record), intent(in) :: upper, lower
+    character(len=100) :: line
+
+    call new_page(lines, 10)
+    call lines%line(repeat(' ', 53) // 'TABLE V')
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 52) // 'INPUT DATA')
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 41) // 'ASPERITY                MATERIAL')
+    call lines%line(repeat(' ', 40) // 'PROPERTIES              PROPERTIES')
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 37) // 'NO. SUMMIT  MAX     ELASTIC POISSONS    MAX')
+    call lines%line(repeat(' ', 41) // 'RADIUS HEIGHT   MODULUS   RATIO    ALLOW.')
+    call lines%line(repeat(' ', 76) // 'STRESS')
+    call lines%line(repeat(' ', 42) // '(CM)   (CM)   (NT/CM2)          (NT/CM2)')
+    call skip(lines, 1)
+    call lines%line(repeat(' ', 30) // 'UPPER')
+    call model_line(upper)
+    call skip(lines, 1)
+    call lines%line(repeat(' ', 30) // 'LOWER')
+    call model_line(lower)
+    call skip(lines, 4)
+    write (line, angle_row) fixed_field(upper%angle, 5, 3), fixed_field(lower%angle, 5, 3)
+    call lines%line(line)
+
+  contains
+
+    subroutine model_line(model)
+      type(model_record), intent(in) :: model
+
+      write (line, model_row) model%number, fixed_field(model%radius, 7, 3), &
+        fixed_field(model%height_max, 7, 4), fixed_field(model%elastic_modulus, 11, 0), &
+        fixed_field(model%poisson_ratio, 7, 3), fixed_field(model%stress_max, 10, 0)
+      call lines%line(line)
+    end subroutine model_line
+
+  end subroutine input_table
+
+  !> Table III of one model. The listing of the lower model tests the upper model's number before
+  !> it continues on a new page; both tables here test their own.
+  subroutine asperity_table(lines, model, number, name)
+    type(text_buffer), intent(inout) :: lines
+    type(model_record), intent(in) :: model
+    character(len=*), intent(in) :: number, name
+    character(len=100) :: line
+    integer :: i, page_end
+
+    call new_page(lines, 6)
+    call lines%line(repeat(' ', 44) // 'TABLE ' // number)
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 24) // 'LOCATIONS AND HEIGHTS OF ASPERITIES ON ' // name // ' MODEL')
+    call headings()
+    page_end = first_page
+    do i = 1, model%number
+      write (line, asperity_row) i, fixed_field(model%x(i), 9, 3), &
+        fixed_field(model%y(i), 9, 3), fixed_field(model%height(i), 10, 4)
+      call lines%line(line)
+      if (i == model%number .or. i < page_end) cycle
+      call new_page(lines, 6)
+      call lines%line(repeat(' ', 44) // 'TABLE ' // number // ' (CONTINUED)')
+      call headings()
+      page_end = page_end + further_page
+    end do
+
+  contains
+
+    subroutine headings()
+      call skip(lines, 2)
+      call lines%line(repeat(' ', 31) // 'ASPERITY  SUMMIT LOCATION     HEIGHT')
+      call lines%line(repeat(' ', 32) // 'INDEX    X-COORD  Y-COORD')
+      call lines%line(repeat(' ', 32) // 'NUMBER')
+      call lines%line(repeat(' ', 43) // '(CM)     (CM)      (CM)')
+    end subroutine headings
+
+  end subroutine asperity_table
+
+  !> Table VII of one position. A page is full after 21 lines; the next page begins before the
+  !> next line, but a total that follows the last place of the list stays on its page.
+  subroutine contact_table(lines, records, position, title)
+    type(text_buffer), intent(inout) :: lines
+    type(original_records), intent(in) :: records
+    type(position_record), intent(in) :: position
+    character(len=*), intent(in) :: title
+    character(len=100) :: line
+    integer :: row, step, on_page
+
+    call contact_heading(lines, title)
+    write (line, displacement_row) fixed_field(position%x_displacement, 6, 3), &
+      fixed_field(position%y_displacement, 6, 3)
+    call lines%line(line)
+    call skip(lines, 2)
+    call column_headings(lines)
+    on_page = 0
+    row = position%first_contact
+    do step = 1, position%steps
+      do while (row <= position%last_contact)
+        if (records%contacts(row)%step /= step) exit
+        call break_full_page()
+        call contact_line(lines, records%contacts(row), records)
+        on_page = on_page + 1
+        row = row + 1
+      end do
+      if (records%contacts(row - 1)%area_no < records%upper%number) call break_full_page()
+      write (line, totals_row) fixed_field(position%totals(1, step), 8, 5), &
+        fixed_field(position%totals(2, step), 8, 5), fixed_field(position%totals(3, step), 12, 0)
+      call lines%line(line)
+      on_page = on_page + 1
+    end do
+
+  contains
+
+    subroutine break_full_page()
+      if (on_page < lines_a_page) return
+      on_page = 0
+      call contact_heading(lines, title)
+      call column_headings(lines)
+    end subroutine break_full_page
+
+  end subroutine contact_table
+
+  !> One contact: with load, or touching without.
+  subroutine contact_line(lines, contact, records)
+    type(text_buffer), intent(inout) :: lines
+    type(contact_record), intent(in) :: contact
+    type(original_records), intent(in) :: records
+    character(len=8) :: pressures(2)
+    character(len=4) :: word
+    character(len=100) :: line
+
+    pressures = ''
+    word = ''
+    if (contact%loaded) then
+      pressures(1) = fixed_field(contact%average_pressure, 8, 0)
+      pressures(2) = fixed_field(contact%maximum_pressure, 8, 0)
+      word = merge(records%word_yes, records%word_no, contact%limit_exceeded)
+    end if
+    write (line, contact_row) fixed_field(contact%approach, 7, 4), contact%area_no, &
+      fixed_field(contact%x, 8, 3), fixed_field(contact%y, 8, 3), contact%upper, contact%lower, &
+      fixed_field(contact%area, 8, 5), fixed_field(contact%projected_area, 8, 5), &
+      fixed_field(contact%slope, 6, 3), fixed_field(contact%load, 6, 0), pressures, word
+    call lines%line(line)
+  end subroutine contact_line
+
+  !> Title of a page of Table VII.
+  subroutine contact_heading(lines, title)
+    type(text_buffer), intent(inout) :: lines
+    character(len=*), intent(in) :: title
+
+    call new_page(lines, 10)
+    call lines%line(repeat(' ', 53) // title)
+    call skip(lines, 3)
+    call lines%line(repeat(' ', 49) // 'CONTACT PARAMETERS')
+    call skip(lines, 1)
+  end subroutine contact_heading
+
+  !> Column headings of Table VII.
+  subroutine column_headings(lines)
+    type(text_buffer), intent(inout) :: lines
+
+    call lines%line(repeat(' ', 15) // 'APPR AREA  CENTER COORD ASPERITY  CALC    PROJ  SLOPE' // &
+                    '  LOAD    AVG    MAX    ELASTIC')
+    call lines%line(repeat(' ', 15) // '     NO.     X       Y   INDEX   CONTACT  AREA      ' // &
+                    repeat(' ', 10) // 'PRESS   PRESS  LIMIT')
+    call lines%line(repeat(' ', 41) // 'U   L   AREA' // repeat(' ', 39) // 'EXCEEDED')
+    call lines%line(repeat(' ', 15) // '(CM)' // repeat(' ', 8) // '(CM)   (CM)' // &
+                    repeat(' ', 11) // '(CM2)   (CM2)' // repeat(' ', 8) // '(NT) (NT/CM2) (NT/CM2)')
+  end subroutine column_headings
+
+  !> Table VI.
+  subroutine variance_table(lines, variance)
+    type(text_buffer), intent(inout) :: lines
+    real(real64), intent(in) :: variance(:, :)
+    character(len=100) :: line
+
+    call new_page(lines, 10)
+    call lines%line(repeat(' ', 48) // 'TABLE VI')
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 37) // 'VARIANCE OF CONTACT PARAMETERS')
+    call lines%line(repeat(' ', 39) // 'FOR MODEL POSITIONS TESTED')
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 25) // 'CONTACT PARAMETER   UNITS  MAXIMUM   MINIMUM   AVERAGE')
+    call skip(lines, 1)
+    call number_row('TOTAL LOAD          (NT)', total_load_row, 0)
+    call skip(lines, 1)
+    call number_row('TOTAL CONTACT AREA  (CM2)', total_area_row, 4)
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 25) // 'NUMBER OF CONTACT')
+    write (line, count_row) 'POINTS' // repeat(' ', 18), nint(variance(points_row, :))
+    call lines%line(line)
+    call skip(lines, 1)
+    call number_row('APPROACH            (CM)', approach_row, 4)
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 25) // 'SLOPE OF CONTACT')
+    call number_row('AREAS', slope_row, 3)
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 25) // 'DIFFERENCE IN CAL-')
+    call lines%line(repeat(' ', 25) // 'CULATED AND PRO-')
+    call number_row('JECTED CONTACT AREA (%)', total_difference_row, 1)
+    call skip(lines, 2)
+    call lines%line(repeat(' ', 25) // 'DIFFERENCE IN CAL-')
+    call lines%line(repeat(' ', 25) // 'CULATED AND PRO-')
+    call lines%line(repeat(' ', 25) // 'JECTED INDIVIDUAL')
+    call number_row('CONTACT AREAS       (%)', individual_difference_row, 1)
+    call new_page(lines, 10)
+    call skip(lines, 1)
+
+  contains
+
+    subroutine number_row(name, row, decimals)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: row, decimals
+      character(len=10) :: cells(3)
+      integer :: i
+
+      do i = 1, 3
+        cells(i) = fixed_field(variance(row, i), 10, decimals)
+      end do
+      write (line, variance_row) name // repeat(' ', max(0, 24 - len(name))), cells
+      ! A unit of five letters runs into the first column's blanks, as FORMAT 41 has it.
+      if (len(name) == 25) line(26:50) = name
+      call lines%line(line)
+    end subroutine number_row
+
+  end subroutine variance_table
+
+  !> A number under `Fw.d`: rounded to nearest, ties away from zero; an exact zero is `0.0` (`0.`
+  !> when d is 0) with its point where the other numbers have theirs; asterisks when it is too long.
+  pure function fixed_field(value, width, decimals) result(field)
+    real(real64), intent(in) :: value      !! the number
+    integer, intent(in) :: width           !! w
+    integer, intent(in) :: decimals        !! d
+    character(len=width) :: field          !! the w columns
+    character(len=20) :: format
+
+    if (abs(value) > 0.0_real64) then
+      write (format, '("(rc, f", i0, ".", i0, ")")') width, decimals
+      write (field, format) value
+    else
+      field = ''
+      field(width - decimals - 1:min(width, width - decimals + 1)) = '0.0'
+    end if
+  end function fixed_field
+
+  !> A form: carriage control `1`, then the slashes of a FORMAT that begins with `1H1`.
+  subroutine new_page(lines, slashes)
+    type(text_buffer), intent(inout) :: lines
+    integer, intent(in) :: slashes
+
+    call lines%line('1')
+    call skip(lines, slashes - 1)
+  end subroutine new_page
+
+  !> Empty lines.
+  subroutine skip(lines, number)
+    type(text_buffer), intent(inout) :: lines
+    integer, intent(in) :: number
+    integer :: i
+
+    do i = 1, number
+      call lines%line('')
+    end do
+  end subroutine skip
+
+  !> Turns column one into what it does on a page.
+  subroutine apply_carriage_control(text, buffer)
+    character(len=*), intent(in) :: text
+    type(text_buffer), intent(inout) :: buffer
+    integer :: first, last
+
+    first = 1
+    do while (first <= len(text))
+      last = first + index(text(first:), new_line('a')) - 2
+      if (last >= first) then
+        select case (text(first:first))
+        case ('1')
+          call buffer%append(achar(12))
+        case ('0')
+          call buffer%line('')
+        end select
+      end if
+      call buffer%line(text(min(first + 1, last + 1):last))
+      first = last + 2
+    end do
+  end subroutine apply_carriage_control
+
+  !> A, B ... Z, AA, AB ...: the letter behind a table's number.
+  pure function letters(number) result(name)
+    integer, intent(in) :: number          !! from 1
+    character(len=:), allocatable :: name  !! its letters
+    integer :: rest
+
+    name = ''
+    rest = number
+    do while (rest > 0)
+      name = achar(iachar('A') + modulo(rest - 1, 26)) // name
+      rest = (rest - 1) / 26
+    end do
+  end function letters
+
+end module asperity_report

@@ -1,0 +1,11 @@
+!> Runs every suite of unit tests.
+program unit_tests
+  use asperity_testing, only: finish, run_suite, tally_type
+  use asperity_test_hex32, only: collect_hex32
+  implicit none
+
+  type(tally_type) :: tally
+
+  call run_suite('hex32', collect_hex32, tally)
+  call finish(tally)
+end program unit_tests
