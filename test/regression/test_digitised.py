@@ -69,7 +69,7 @@ def legible(cell):
 
 
 def interval(cell):
-    """What a printed number can stand for; an illegible one is unbounded, an exact zero is exact."""
+    """What a printed number can stand for; nothing for an illegible one; an exact zero is exact."""
     if not legible(cell):
         return None
     if cell in ("0.0", "0."):
@@ -368,3 +368,20 @@ def test_only_the_last_approach_exceeds_the_limit(table):
     words = [{c["limit_exceeded"] for c in contacts if loaded(c)} for contacts, _ in groups]
     assert all(word <= {"NO"} for word in words[:-1])
     assert "YES" in words[-1]
+
+
+def test_limit_is_a_load():
+    """The least total load of Table VI is that of one contact at the limit."""
+    least = {r["quantity"]: r["minimum"] for r in records(DATA / "table_vi.csv")}["total_load"]
+    for where, record in loaded_records():
+        over = Fraction(record["load"]) >= Fraction(least)
+        assert record["limit_exceeded"] == ("YES" if over else "NO"), where
+
+
+def test_table_vi_agrees_with_table_viic():
+    """Its largest load, area and number of contacts are those that end Table VIIC."""
+    contacts, total = approaches("table_viic")[-1]
+    most = {r["quantity"]: r["maximum"] for r in records(DATA / "table_vi.csv")}
+    assert most["total_load"] == total["load"]
+    assert Decimal(most["total_contact_area"]) == Decimal(total["area"])
+    assert most["contact_points"] == str(len(contacts))

@@ -1,0 +1,45 @@
+# Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help report test lint strict archive docs bench setup clean
+
+DECK ?= data/thesis.deck
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
+
+report: ## print the report of the original program (DECK=other.deck for another deck)
+	@bash .ci/setup build
+	@exe=$$(bash .ci/build release) && "$$exe" "$(DECK)"
+
+test: ## unit tests in the strict build, then the harness against the thesis
+	@bash .ci/setup build test
+	@bash .ci/test
+
+lint: ## check the style of the sources
+	@bash .ci/setup lint
+	@bash .ci/lint
+
+strict: ## build everything with all warnings as errors and all checks on
+	@bash .ci/setup build
+	@bash .ci/build strict
+
+archive: ## rewrite reference_output/ (on purpose only, see CONTRIBUTING.md)
+	@bash .ci/setup build
+	@bash .ci/archive
+
+docs: ## API pages in docs/api
+	@bash .ci/setup docs
+	@PATH="$$PWD/.venv/bin:$$PATH" ford -q ford.md
+	@echo docs/api/index.html
+
+bench: ## time and memory of the thesis run in each arithmetic (SAVE=1 keeps the result)
+	@bash .ci/setup build
+	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save)
+
+setup: ## set up everything for building and testing
+	@bash .ci/setup build test lint
+
+clean: ## remove what was built (.venv stays)
+	rm -rf build docs/api .pytest_cache .hypothesis
+	find test -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,133 @@
+!> A scene: two surfaces, how they move and what stops them, as checked values.
+!>
+!> Numbers are kept as exact decimals, so that every arithmetic converts them by its own rule;
+!> `decimal_to_real64` gives the nearest double. Units are those of the input, one consistent set;
+!> a deck brings cm, N and rad.
+module asperity_scene_values
+  use asperity_decimal, only: decimal_value
+  use asperity_kinds, only: int64, real64
+  use asperity_problems, only: problem_list
+  implicit none
+  private
+
+  public :: scene, scene_surface, scene_motion, scene_loading, scene_limit, scene_effects
+  public :: control_limit, control_approach, control_load, control_words
+  public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
+            criterion_hardy, criterion_words
+  public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
+  public :: thesis_limit_load
+
+  !> Closing ends at the approach at which a contact reaches the limit.
+  integer, parameter :: control_limit = 1
+  !> Closing ends at a given separation of the reference planes.
+  integer, parameter :: control_approach = 2
+  !> Closing ends at a given total load.
+  integer, parameter :: control_load = 3
+  !> The words of a scene for them.
+  character(len=*), parameter :: control_words(3) = [character(len=8) :: 'limit', 'approach', 'load']
+
+  !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
+  integer, parameter :: criterion_none = 0
+  !> The load of a contact.
+  integer, parameter :: criterion_load = 1
+  !> The average pressure of a contact.
+  integer, parameter :: criterion_pressure = 2
+  !> Greenwood and Williamson: the penetration at which plastic flow begins, from the hardness.
+  integer, parameter :: criterion_greenwood_williamson = 3
+  !> Hardy and others: the greatest pressure at which yielding begins, from the yield stress.
+  integer, parameter :: criterion_hardy = 4
+  !> The words of a scene for them; `criterion_none` has none.
+  character(len=*), parameter :: criterion_words(4) = &
+    [character(len=20) :: 'load', 'pressure', 'greenwood_williamson', 'hardy']
+
+  !> The effect is left out.
+  integer, parameter :: effect_off = 1
+  !> The effect is simulated.
+  integer, parameter :: effect_on = 2
+  !> The effect is simulated where it matters more than the tolerance.
+  integer, parameter :: effect_auto = 3
+  !> Interaction only: contacts lower each other elastically.
+  integer, parameter :: effect_coupled = 4
+  !> Interaction only: the whole surface by boundary elements.
+  integer, parameter :: effect_boundary = 5
+  !> The words of a scene for them.
+  character(len=*), parameter :: effect_words(5) = &
+    [character(len=8) :: 'off', 'on', 'auto', 'coupled', 'boundary']
+
+  !> Limit load of the thesis, 65*9.8/2.205 = 288.888... N, to 18 digits.
+  type(decimal_value), parameter :: thesis_limit_load = decimal_value(288888888888888889_int64, -15)
+
+  !> One surface, as it lies in its file: not rotated, mirrored, tilted or moved.
+  type :: scene_surface
+    character(len=:), allocatable :: file                     !! where it was read from
+    real(real64), allocatable :: x(:), y(:)                   !! summits on the reference plane
+    real(real64), allocatable :: height(:)                    !! summits above the reference plane
+    real(real64), allocatable :: radius(:)                    !! summit radii, more than 0
+    type(decimal_value), allocatable :: exact_x(:)            !! x exactly; from a deck only
+    type(decimal_value), allocatable :: exact_y(:)            !! y exactly; from a deck only
+    type(decimal_value), allocatable :: exact_height(:)       !! heights exactly; from a deck only
+    type(decimal_value), allocatable :: exact_radius(:)       !! radii exactly; from a deck only
+    type(decimal_value) :: elastic_modulus                    !! more than 0
+    type(decimal_value) :: poisson_ratio                      !! more than -1, at most 0.5
+    type(decimal_value) :: slope(2)                           !! rise of the plate along x and y
+    type(decimal_value) :: rotation                           !! turn in the plane, rad
+  end type scene_surface
+
+  !> Displacement of the upper surface: position m = 1, 2, ... stands at first + (m - 1) * step.
+  type :: scene_motion
+    type(decimal_value) :: x_first, x_step   !! along x
+    type(decimal_value) :: y_first, y_step   !! along y
+    integer :: positions = 1                 !! number of positions, at least 1
+  end type scene_motion
+
+  !> How far the surfaces close.
+  type :: scene_loading
+    integer :: control = control_limit  !! `control_limit`, `control_approach` or `control_load`
+    type(decimal_value) :: value        !! separation or load at the end; unused for the limit
+    integer :: points = 0               !! states on the way; 0 or 1 is the end state only
+  end type scene_loading
+
+  !> When a contact is at its limit.
+  type :: scene_limit
+    integer :: criterion = criterion_load  !! one of the `criterion_` numbers
+    logical :: from_thesis = .false.       !! `value` is the thesis' 65*9.8/2.205 N by default
+    type(decimal_value) :: value           !! load or average pressure, more than 0
+    type(decimal_value) :: hardness        !! for Greenwood and Williamson, more than 0
+    type(decimal_value) :: yield_stress    !! in shear, for Hardy, more than 0
+  end type scene_limit
+
+  !> What is simulated beyond independent elastic contacts.
+  type :: scene_effects
+    integer :: interaction = effect_off                            !! only `effect_off` so far
+    integer :: friction = effect_off                               !! only `effect_off` so far
+    integer :: plasticity = effect_off                             !! only `effect_off` so far
+    integer :: adhesion = effect_off                               !! only `effect_off` so far
+    integer :: creep = effect_off                                  !! only `effect_off` so far
+    type(decimal_value) :: tolerance = decimal_value(1_int64, -2)  !! share of the load, in (0, 1)
+  end type scene_effects
+
+  !> A whole scene, resolved: defaults and the deck's own values are filled in.
+  !>
+  !> Placing, with A the approach (separation of the reference planes), i one asperity:
+  !>
+  !> 1. both surfaces: rotate (x, y) by `rotation` about the origin, X = x cos - y sin;
+  !> 2. lower surface, when `lower_is_mirrored`: Y = `lower_mirror_width` - Y;
+  !> 3. centre of an upper sphere: z = A + radius - height + slope(1) X + slope(2) Y;
+  !>    of a lower sphere: z = height - radius + slope(1) X + slope(2) Y;
+  !> 4. upper surface: add the displacement to X and Y; z keeps the value of step 3.
+  type :: scene
+    character(len=:), allocatable :: file         !! the scene or deck, for messages
+    logical :: from_deck = .false.                !! surfaces from a deck: cm, N, N/cm2
+    type(scene_surface) :: upper                  !! the upper surface
+    type(scene_surface) :: lower                  !! the lower surface
+    logical :: lower_is_mirrored = .false.        !! a deck's lower surface is
+    type(decimal_value) :: lower_mirror_width     !! the deck's WIDTHL, when mirrored
+    type(decimal_value) :: starting_gap           !! A before closing: 1.27 cm for a deck, else 0
+    type(scene_motion) :: motion                  !! where the upper surface stands
+    type(scene_loading) :: loading                !! how far the surfaces close
+    type(scene_limit) :: limit                    !! when a contact is at its limit
+    type(scene_effects) :: effects                !! what else is simulated
+    type(problem_list) :: notes                   !! oddities of a deck that are no errors
+  end type scene
+
+end module asperity_scene_values
