@@ -11,6 +11,14 @@ strict_flags="-std=f2008 -Wall -Wextra -Werror -g -fbacktrace -fcheck=all \
 # multiply-add, no -march=native, no -ffast-math.
 archive_flags="-O2 -ffp-contract=off"
 
+# fpm does not see a change in an included text: then it must build everything anew.
+texts=$(cat src/*/*.inc | cksum)
+if [ "$(cat build/texts 2>/dev/null)" != "$texts" ]; then
+  rm -rf build/gfortran_*
+  mkdir -p build
+  echo "$texts" > build/texts
+fi
+
 # The last line 'N passed, M failed' of a log; nothing when there is none.
 last_tally() {
   grep -E '^[0-9]+ passed, [0-9]+ failed$' "$1" | tail -n 1

@@ -50,23 +50,29 @@ contains
         return
       else if (word == '--carriage-control') then
         line%carriage_control = .true.
-      else if (index(word, '--') == 1) then
+      else if (len(word) > 1 .and. index(word, '-') == 1) then
         call split_option(word, name, value, inline_value)
-        if (all(name /= [character(len=12) :: '--arithmetic', '--tables', '--contacts', &
+        if (name == '--carriage-control') then
+          call problems%add('option ' // name // ' takes no value, found ''' // value // '''')
+          cycle
+        else if (all(name /= [character(len=12) :: '--arithmetic', '--tables', '--contacts', &
                          '--positions'])) then
           call problems%add('unknown option ' // name // ', expected one of --arithmetic, ' // &
                             '--tables, --contacts, --positions, --carriage-control')
           cycle
         end if
         if (.not. inline_value) then
-          if (i == command_argument_count()) then
+          if (i < command_argument_count()) value = argument(i + 1)
+          ! A value that begins like an option is written --name=value.
+          if (i == command_argument_count() .or. index(value, '--') == 1) then
             call problems%add('option ' // name // ' has no value')
             cycle
           end if
           i = i + 1
-          value = argument(i)
         end if
         call take_option(line, name, value, problems)
+      else if (len(word) == 0) then
+        call problems%add('the name of the deck is empty')
       else if (line%command == '') then
         line%command = 'original'
         line%deck = word
@@ -76,6 +82,7 @@ contains
     end do
     if (line%command == '' .and. command_argument_count() > 0) &
       call problems%add('no card deck named, expected: asperity [OPTIONS] DECK')
+    call check_files(line, problems)
   end subroutine parse_command_line
 
   !> Stores the value of one option.
@@ -100,10 +107,25 @@ contains
       call read_tables(value, line%printed, problems)
     case ('--contacts')
       line%contacts_file = value
-    case ('--positions')
+    case default
       line%positions_file = value
     end select
   end subroutine take_option
+
+  !> No output may take the place of another file that was named.
+  subroutine check_files(line, problems)
+    type(command_line), intent(in) :: line
+    type(problem_list), intent(inout) :: problems
+
+    if (line%contacts_file /= '' .and. line%contacts_file == line%positions_file .and. &
+        index(line%contacts_file, '/dev/') /= 1) &
+      call problems%add('--contacts and --positions both name ' // line%contacts_file)
+    if (line%command /= 'original') return
+    if (line%contacts_file == line%deck) &
+      call problems%add('--contacts names the deck, ' // line%deck)
+    if (line%positions_file == line%deck) &
+      call problems%add('--positions names the deck, ' // line%deck)
+  end subroutine check_files
 
   !> `none`, `all`, or positions separated by commas.
   subroutine read_tables(list, printed, problems)

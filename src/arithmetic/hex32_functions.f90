@@ -11,9 +11,10 @@ submodule(asperity_hex32) asperity_hex32_functions
 
 contains
 
-  module procedure square_root
-    ! The library's constants, cut to 24 bits as its assembler statements had them:
-    ! 1.681595, 1.288973 and 0.8408065.
+  elemental module function square_root(x) result(root)
+    type(hex32), intent(in) :: x
+    type(hex32) :: root
+    ! The library's constants 1.681595, 1.288973 and 0.8408065; cut or rounded they are the same.
     type(hex32), parameter :: c1 = hex32(1763280_int32, 1_int32)
     type(hex32), parameter :: c2 = hex32(1351586_int32, 1_int32)
     type(hex32), parameter :: c3 = hex32(14106392_int32, 0_int32)
@@ -40,9 +41,11 @@ contains
       root = rounded(total, -4*(fraction_digits + 1) - 1)
       root%exponent = root%exponent + p
     end if
-  end procedure square_root
+  end function square_root
 
-  module procedure three_halves_power
+  elemental module function three_halves_power(x) result(power)
+    type(hex32), intent(in) :: x
+    type(hex32) :: power
     integer(int64) :: fraction, square, high, low, radicand
     integer(int32) :: drop
 
@@ -67,24 +70,30 @@ contains
       power = hex32_from_binary(shiftr(whole_root(radicand) + 1_int64, 1), &
                                 2*(3*(x%exponent - fraction_digits) + drop))
     end if
-  end procedure three_halves_power
+  end function three_halves_power
 
-  module procedure sine
+  elemental module function sine(x) result(value)
+    type(hex32), intent(in) :: x
+    type(hex32) :: value
+
     if (x%exponent <= series_exponent .or. x%fraction == 0_int32) then
       value = x
     else
       value = circular(x, 0_int64)
       if (x%fraction < 0_int32) value = -value
     end if
-  end procedure sine
+  end function sine
 
-  module procedure cosine
+  elemental module function cosine(x) result(value)
+    type(hex32), intent(in) :: x
+    type(hex32) :: value
+
     if (x%exponent <= series_exponent .or. x%fraction == 0_int32) then
       value = hex32_from_integer(1)
     else
       value = circular(x, 1_int64)
     end if
-  end procedure cosine
+  end function cosine
 
   !> The fraction with its exponent, 0 or neighbouring, brought to units of 16**(-7).
   elemental function at_seventh_place(x) result(units)

@@ -25,7 +25,8 @@ contains
     numeral = decimal_numeral(value)
     ! The library's own conversion is correctly rounded; a product with a power of ten is not.
     read (numeral, '(f40.0)', iostat=status) nearest
-    if (status /= 0) nearest = sign(ieee_value(nearest, ieee_positive_inf), real(value%digits, real64))
+    if (status /= 0) &
+      nearest = sign(ieee_value(nearest, ieee_positive_inf), real(value%digits, real64))
   end function decimal_to_real64
 
   !> The number as 40 characters that every `F40.0` field reads.

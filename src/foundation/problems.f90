@@ -32,7 +32,8 @@ contains
     integer, intent(in) :: column               !! column, from 1
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    call self%add(file // ':' // decimal_text(line) // ':' // decimal_text(column) // ': ' // message)
+    call self%add(file // ':' // decimal_text(line) // ':' // decimal_text(column) // ': ' // &
+                  message)
   end subroutine problems_add_at
 
   !> Adds `MESSAGE`.

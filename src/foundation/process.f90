@@ -9,11 +9,13 @@ module asperity_process
   interface
     subroutine posix_exit(status) bind(c, name='exit')
       import :: c_int
+      implicit none
       integer(c_int), value :: status
     end subroutine posix_exit
 
     integer(c_int) function posix_getpid() bind(c, name='getpid')
       import :: c_int
+      implicit none
     end function posix_getpid
   end interface
 

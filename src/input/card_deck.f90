@@ -43,8 +43,10 @@ module asperity_card_deck
     type(problem_list) :: problems
   end type card_reader
 
-  ! Columns of the cards.
-  integer, parameter :: card_length = 80
+  ! Columns of a card, and those before its sequence number.
+  integer, parameter :: card_length = 80, text_length = 72
+  ! Cards before the first asperity.
+  integer, parameter :: header_cards = 4
 
 contains
 
@@ -57,7 +59,8 @@ contains
 
     call read_whole_file(path, text, failure)
     if (allocated(failure)) then
-      call problems%add(failure)
+      ! The failure begins with the path; a deck's problem names a line and a column as well.
+      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // ', expected a card deck')
     else
       call parse_card_deck(path, text, deck, problems)
     end if
@@ -70,46 +73,69 @@ contains
     type(card_deck), intent(out) :: deck           !! its values
     type(problem_list), intent(out) :: problems    !! all that is wrong
     type(card_reader) :: reader
-    integer :: next, bad_byte
+    integer :: bad_byte
+    logical :: complete
 
     reader%file = path
     reader%text = text
     call find_lines(reader)
     bad_byte = binary_byte(text)
     if (verify(text, ' ' // achar(9) // achar(10) // achar(13)) == 0) then
-      call reader%problems%add_at(path, 1, 1, 'the deck is empty, expected at least six cards')
+      call reader%problems%add_at(path, 1, 1, 'the deck is empty: found no text, ' // &
+                                   'expected at least six cards')
     else if (bad_byte > 0) then
       call report_binary(reader, bad_byte)
     else
-      call read_header(reader, deck)
-      next = 5
-      call read_asperities(reader, deck%upper, 'upper', next)
-      call read_asperities(reader, deck%lower, 'lower', next)
-      call check_end(reader, next)
-      call note_heights(path, deck%upper, 'upper', deck%notes)
-      call note_heights(path, deck%lower, 'lower', deck%notes)
+      call read_header(reader, deck, complete)
+      if (complete) then
+        call read_asperities(reader, deck)
+        call note_heights(path, deck%upper, 'upper', deck%notes)
+        call note_heights(path, deck%lower, 'lower', deck%notes)
+      end if
     end if
     problems = reader%problems
   end subroutine parse_card_deck
 
-  !> Cards 1 to 4.
-  subroutine read_header(reader, deck)
+  !> Cards 1 to 4; `complete` is false when one of them is missing.
+  subroutine read_header(reader, deck, complete)
     type(card_reader), intent(inout) :: reader
     type(card_deck), intent(inout) :: deck
+    logical, intent(out) :: complete
     character(len=card_length) :: words
 
     words = card(reader, 1)
     deck%word_no = words(1:4)
     deck%word_yes = words(5:8)
-    call read_model(reader, 2, 'U', deck%upper)
-    call read_model(reader, 3, 'L', deck%lower)
-    call real_field(reader, 3, 41, 47, 4, 'WIDTHL (width of the lower model)', deck%lower_width, &
-                    positive=.true.)
+    complete = .true.
+    call require_card(reader, 2, 'NU, RU, ZUMAX, EU, MUU, ELIMTU (the upper model)', complete)
+    if (complete) call read_model(reader, 2, 'U', deck%upper)
+    call require_card(reader, 3, 'NL, RL, ZLMAX, EL, MUL, ELIMTL, WIDTHL (the lower model)', &
+                      complete)
+    if (complete) then
+      call read_model(reader, 3, 'L', deck%lower)
+      call real_field(reader, 3, 41, 47, 4, 'WIDTHL (width of the lower model)', &
+                      deck%lower_width, positive=.true.)
+    end if
+    call require_card(reader, 4, 'THETAU, THETAL, XDISPL, YDISPL (angles, displacement)', complete)
+    if (.not. complete) return
     call real_field(reader, 4, 1, 8, 4, 'THETAU (angle of the upper model)', deck%upper%angle)
     call real_field(reader, 4, 9, 16, 4, 'THETAL (angle of the lower model)', deck%lower%angle)
     call real_field(reader, 4, 17, 23, 3, 'XDISPL (x displacement)', deck%x_displacement)
     call real_field(reader, 4, 24, 30, 3, 'YDISPL (y displacement)', deck%y_displacement)
   end subroutine read_header
+
+  !> Adds a problem when the deck ends before card `line`, which holds `names`.
+  subroutine require_card(reader, line, names, complete)
+    type(card_reader), intent(inout) :: reader
+    integer, intent(in) :: line
+    character(len=*), intent(in) :: names
+    logical, intent(inout) :: complete
+
+    if (line <= size(reader%first)) return
+    complete = .false.
+    call reader%problems%add_at(reader%file, line, 1, 'card ' // decimal_text(line) // &
+         ' is missing: found the end of the deck, expected ' // names)
+  end subroutine require_card
 
   !> Card 2 or 3: one model's numbers.
   subroutine read_model(reader, line, letter, model)
@@ -149,32 +175,49 @@ contains
                     model%stress_max)
   end subroutine read_model
 
-  !> The coordinate cards of one model, from line `next` on.
-  subroutine read_asperities(reader, model, name, next)
+  !> The coordinate cards of both models, and their count. Where NU or NL is not to be trusted, its
+  !> model takes the cards that the other leaves: their fields are checked, their count is not.
+  subroutine read_asperities(reader, deck)
+    type(card_reader), intent(inout) :: reader
+    type(card_deck), intent(inout) :: deck
+    integer :: cards, upper, lower
+
+    cards = max(0, last_card(reader) - header_cards)
+    upper = min(deck%upper%number, cards)
+    lower = min(deck%lower%number, cards - upper)
+    if (deck%upper%number < 1 .and. deck%lower%number < 1) then
+      ! Whose cards these are is unknown, and so is the radius to check their heights against.
+      deck%upper%radius = decimal_value()
+      call read_positions(reader, deck%upper, 'upper or lower', header_cards, cards)
+      call read_positions(reader, deck%lower, 'lower', header_cards + cards, 0)
+      return
+    else if (deck%upper%number < 1) then
+      lower = min(deck%lower%number, cards)
+      upper = cards - lower
+    else if (deck%lower%number < 1) then
+      lower = cards - upper
+    end if
+    call read_positions(reader, deck%upper, 'upper', header_cards, upper)
+    call read_positions(reader, deck%lower, 'lower', header_cards + upper, lower)
+    if (min(deck%upper%number, deck%lower%number) > 0) call check_count(reader, deck, cards)
+  end subroutine read_asperities
+
+  !> The coordinate cards of one model: `number` cards that follow line `before`.
+  subroutine read_positions(reader, model, name, before, number)
     type(card_reader), intent(inout) :: reader
     type(model_cards), intent(inout) :: model
     character(len=*), intent(in) :: name
-    integer, intent(inout) :: next
-    integer :: i, line, present
+    integer, intent(in) :: before, number
+    integer :: i, line
 
-    if (model%number < 1) then
-      allocate (model%x(0), model%y(0), model%z(0))
-      return
-    end if
-    present = min(model%number, max(0, size(reader%first) - next + 1))
-    allocate (model%x(present), model%y(present), model%z(present))
-    do i = 1, present
-      line = next + i - 1
+    allocate (model%x(number), model%y(number), model%z(number))
+    do i = 1, number
+      line = before + i
       call real_field(reader, line, 1, 6, 3, label(i, 'x'), model%x(i))
       call real_field(reader, line, 7, 12, 3, label(i, 'y'), model%y(i))
       call real_field(reader, line, 13, 19, 4, label(i, 'height'), model%z(i))
       call check_height(reader, line, 13, 19, label(i, 'height'), model, model%z(i))
     end do
-    next = next + model%number
-    if (present < model%number) &
-      call reader%problems%add_at(reader%file, size(reader%first) + 1, 1, &
-           'wrong count of cards: found ' // decimal_text(present) // ' ' // name // &
-           ' asperities, expected ' // decimal_text(model%number))
 
   contains
 
@@ -186,22 +229,35 @@ contains
       text = what // ' of ' // name // ' asperity ' // decimal_text(index)
     end function label
 
-  end subroutine read_asperities
+  end subroutine read_positions
 
-  !> Nothing but blank lines may follow the last card.
-  subroutine check_end(reader, next)
+  !> As many coordinate cards as NU and NL say, and nothing but blank lines after them.
+  subroutine check_count(reader, deck, cards)
     type(card_reader), intent(inout) :: reader
-    integer, intent(in) :: next
-    integer :: line, column
+    type(card_deck), intent(in) :: deck
+    integer, intent(in) :: cards
+    character(len=card_length) :: columns
+    character(len=:), allocatable :: count
+    integer :: expected, line
 
-    do line = next, size(reader%first)
-      column = verify(reader%text(reader%first(line):reader%last(line)), ' ' // achar(9))
-      if (column == 0) cycle
-      call reader%problems%add_at(reader%file, line, column, 'text after the last card: found ''' // &
-           trim(card(reader, line)) // ''', expected the end of the deck (wrong count of cards?)')
+    expected = deck%upper%number + deck%lower%number
+    if (cards == expected) return
+    count = 'wrong count of cards: found ' // decimal_text(cards) // ' asperities, expected ' // &
+            decimal_text(expected) // ' (NU ' // decimal_text(deck%upper%number) // ' and NL ' // &
+            decimal_text(deck%lower%number) // ')'
+    if (cards < expected) then
+      call reader%problems%add_at(reader%file, header_cards + cards + 1, 1, count)
+      return
+    end if
+    do line = header_cards + expected + 1, size(reader%first)
+      columns = card(reader, line)
+      if (.not. has_text(columns)) cycle
+      call reader%problems%add_at(reader%file, line, verify(columns, ' ' // achar(9)), &
+           'text after the last card: found ''' // trim(columns) // &
+           ''', expected the end: ' // count)
       exit
     end do
-  end subroutine check_end
+  end subroutine check_count
 
   !> Reads columns `from:to` under F format; adds a problem when that is no finite number,
   !> or, with `positive`, not above zero.
@@ -257,7 +313,7 @@ contains
                                 name // ': found ''' // found // ''', expected ' // expected)
   end subroutine complain
 
-  !> Names the asperities that stand higher than the stated maximum: the original's own deck has some.
+  !> Names the asperities that stand higher than the stated maximum: the thesis' deck has some.
   subroutine note_heights(path, model, name, notes)
     character(len=*), intent(in) :: path, name
     type(model_cards), intent(in) :: model
@@ -322,14 +378,36 @@ contains
     columns = reader%text(reader%first(line):reader%last(line))
   end function card
 
-  !> Place of the first byte that no text has; 0 when there is none.
+  !> Whether a card holds more than blanks and a sequence number.
+  pure logical function has_text(columns)
+    character(len=card_length), intent(in) :: columns
+
+    has_text = verify(columns(:text_length), ' ' // achar(9)) > 0
+  end function has_text
+
+  !> The last line that is a card. Blank lines at the end are none: they must not stand in for cards
+  !> that are missing.
+  pure integer function last_card(reader)
+    type(card_reader), intent(in) :: reader
+
+    do last_card = size(reader%first), 1, -1
+      if (has_text(card(reader, last_card))) return
+    end do
+  end function last_card
+
+  !> Place of the first byte that no text has; 0 when there is none. A carriage return is text only
+  !> where a line ends.
   pure integer function binary_byte(text)
     character(len=*), intent(in) :: text
     integer :: i
 
     do i = 1, len(text)
       if (iachar(text(i:i)) >= 32 .and. iachar(text(i:i)) /= 127) cycle
-      if (any(iachar(text(i:i)) == [9, 10, 13])) cycle
+      if (any(iachar(text(i:i)) == [9, 10])) cycle
+      if (iachar(text(i:i)) == 13) then
+        if (i == len(text)) cycle
+        if (text(i + 1:i + 1) == achar(10)) cycle
+      end if
       binary_byte = i
       return
     end do

@@ -24,7 +24,8 @@ module asperity_scene_values
   !> Closing ends at a given total load.
   integer, parameter :: control_load = 3
   !> The words of a scene for them.
-  character(len=*), parameter :: control_words(3) = [character(len=8) :: 'limit', 'approach', 'load']
+  character(len=*), parameter :: control_words(3) = &
+    [character(len=8) :: 'limit', 'approach', 'load']
 
   !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
   integer, parameter :: criterion_none = 0

@@ -18,8 +18,9 @@ contains
     type(contact_record) :: contact
     integer :: i
 
-    call buffer%line('position,x_displacement,y_displacement,step,approach,area_no,x,y,upper,lower,' // &
-                     'area,projected_area,slope,load,average_pressure,maximum_pressure,limit_exceeded')
+    call buffer%line('position,x_displacement,y_displacement,step,approach,area_no,x,y,' // &
+                     'upper,lower,area,projected_area,slope,load,average_pressure,' // &
+                     'maximum_pressure,limit_exceeded')
     do i = 1, records%contacts_used
       contact = records%contacts(i)
       call line%put(contact%position)
@@ -50,8 +51,8 @@ contains
     type(csv_line) :: line
     integer :: m
 
-    call buffer%line('position,x_displacement,y_displacement,steps,approach,contacts,load,area,' // &
-                     'projected_area,limit_reached')
+    call buffer%line('position,x_displacement,y_displacement,steps,approach,contacts,load,' // &
+                     'area,projected_area,limit_reached')
     do m = 1, original_positions
       call line%put(m)
       call line%put(records%positions(m)%x_displacement)

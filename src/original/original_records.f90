@@ -92,7 +92,7 @@ module asperity_original_records
     integer :: contacts_used = 0                          !! rows in use
     type(position_record) :: positions(original_positions)  !! every position
     real(real64) :: variance(7, 3) = 0.0_real64           !! Table VI: maximum, minimum, average
-    type(problem_list) :: notes                           !! faults of the original that came to bear
+    type(problem_list) :: notes                           !! faults that came to bear
   end type original_records
 
 contains

@@ -21,7 +21,8 @@ module asperity_report
   integer, parameter :: first_page = 38, further_page = 39
 
   ! FORMAT statements of the original, for cells that are already text.
-  character(len=*), parameter :: contact_row = '(13x, a7, i3, 2a8, i3, i4, 1x, 2a8, 2a6, 2a8, 3x, a4)'
+  character(len=*), parameter :: contact_row = &
+    '(13x, a7, i3, 2a8, i3, i4, 1x, 2a8, 2a6, 2a8, 3x, a4)'
   character(len=*), parameter :: totals_row = '(47x, 2a8, a12, 5x, "TOTAL")'
   character(len=*), parameter :: displacement_row = &
     '(22x, "RELATIVE DISPLACEMENT OF UPPER MODEL   X   ", a6, " CM   Y  ", a6, " CM")'
@@ -114,7 +115,8 @@ contains
     call new_page(lines, 6)
     call lines%line(repeat(' ', 44) // 'TABLE ' // number)
     call skip(lines, 2)
-    call lines%line(repeat(' ', 24) // 'LOCATIONS AND HEIGHTS OF ASPERITIES ON ' // name // ' MODEL')
+    call lines%line(repeat(' ', 24) // 'LOCATIONS AND HEIGHTS OF ASPERITIES ON ' // name // &
+                    ' MODEL')
     call headings()
     page_end = first_page
     do i = 1, model%number
@@ -229,7 +231,8 @@ contains
                     repeat(' ', 10) // 'PRESS   PRESS  LIMIT')
     call lines%line(repeat(' ', 41) // 'U   L   AREA' // repeat(' ', 39) // 'EXCEEDED')
     call lines%line(repeat(' ', 15) // '(CM)' // repeat(' ', 8) // '(CM)   (CM)' // &
-                    repeat(' ', 11) // '(CM2)   (CM2)' // repeat(' ', 8) // '(NT) (NT/CM2) (NT/CM2)')
+                    repeat(' ', 11) // '(CM2)   (CM2)' // repeat(' ', 8) // &
+                    '(NT) (NT/CM2) (NT/CM2)')
   end subroutine column_headings
 
   !> Table VI.
@@ -342,6 +345,8 @@ contains
           call buffer%append(achar(12))
         case ('0')
           call buffer%line('')
+        case default
+          continue
         end select
       end if
       call buffer%line(text(min(first + 1, last + 1):last))

@@ -4,11 +4,13 @@
 !> worked out here a second time, digit by digit or as an inequality between whole numbers, and
 !> share nothing with the type under test. Sine and cosine are held against 128-bit reals.
 module asperity_test_hex32
-  use asperity_hex32, only: cos, hex32, hex32_from_binary, hex32_from_decimal, &
-    hex32_from_integer, hex32_from_real64, hex32_from_word, hex32_huge, hex32_tiny, &
-    hex32_to_integer, hex32_to_real64, hex32_word, operator(+), operator(-), operator(*), &
-    operator(/), operator(<), operator(<=), operator(>), operator(>=), operator(==), &
-    operator(/=), sin, sqrt, three_halves_power
+  use asperity_hex32, only: hex32, hex32_huge, hex32_tiny, hex32_from_binary, hex32_from_decimal
+  use asperity_hex32, only: hex32_from_integer, hex32_from_real64, hex32_from_word
+  use asperity_hex32, only: hex32_to_integer, hex32_to_real64, hex32_word
+  use asperity_hex32, only: cos, sin, sqrt, three_halves_power
+  use asperity_hex32, only: operator(+), operator(-), operator(*), operator(/)
+  use asperity_hex32, only: operator(<), operator(<=), operator(>), operator(>=)
+  use asperity_hex32, only: operator(==), operator(/=)
   use asperity_kinds, only: int32, int64, real128, real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
@@ -527,7 +529,7 @@ contains
       call raise(low, 16_int64, max(power, 0))
       call raise(high, 10_int64, max(-exponent10, 0))
       call raise(high, 16_int64, max(power, 0))
-      call check(error, .not. precedes(number, low), trim(message)//' too large')
+      call check(error, (.not. precedes(number, low)), trim(message)//' too large')
       ! The largest stands for all beyond it too.
       if (word == 2147483647_int64) cycle
       call check(error, precedes(number, high), trim(message)//' too small')
@@ -624,6 +626,14 @@ contains
     call both_are('42FCE5F1', '41100000', 'BA11FA3C', '161 quarter turns')
     call both_are('414B65F2', 'C1100000', '3A33378B', '3 quarter turns')
     call both_are('4196CBE4', 'BA666F17', 'C1100000', '6 quarter turns')
+    call both_are('489E3779', '40EC7022', 'C06225EF', '0.618 * 16**8')
+    call both_are('4F9E3779', 'C0FDB813', 'C02218FC', '0.618 * 16**15')
+    call both_are('569E3779', '40F7908E', '40412CB7', '0.618 * 16**22')
+    call both_are('5D9E3779', '40EDA60D', '405F2DF0', '0.618 * 16**29')
+    call both_are('649E3779', 'C03555A1', 'C0FA61F0', '0.618 * 16**36')
+    call both_are('6B9E3779', '40F46D82', 'C04C195C', '0.618 * 16**43')
+    call both_are('729E3779', '407CE650', '40DF76BC', '0.618 * 16**50')
+    call both_are('799E3779', 'C0DB8775', '4083B153', '0.618 * 16**57')
     call both_are('45C45A10', '4024C2E4', 'C0FD58C9', '804257')
     call both_are('7F123456', '40B44074', 'C0B5C89E', 'very large')
     call both_are('7FFFFFFF', '4049E0BE', '40F51BB6', 'the largest')

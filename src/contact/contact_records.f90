@@ -1,0 +1,76 @@
+!> What the present-day solver computes, as records: the kernels fill them, the writers read them.
+!>
+!> Numbers are doubles in the units of the scene, whatever arithmetic computed them.
+module asperity_contact_records
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: contact_row, position_result, scene_results, solve_method, state_row
+  public :: by_events, by_marching, overlap_stable, overlap_original
+
+  !> Each position is solved at the closings at which something happens: no marching.
+  integer, parameter :: by_events = 1
+  !> Each position is closed in equal steps until a limit is passed, as the original does it.
+  integer, parameter :: by_marching = 2
+
+  !> Overlap from the penetration, without cancellation.
+  integer, parameter :: overlap_stable = 1
+  !> Overlap as RU + RL - SQRT(d**2 + z**2), as the original computes it.
+  integer, parameter :: overlap_original = 2
+
+  !> How to compute: the solver proper is `solve_method()`; the rest serves the accuracy study.
+  type :: solve_method
+    integer :: path = by_events               !! `by_events` or `by_marching`
+    integer :: overlap = overlap_stable       !! `overlap_stable` or `overlap_original`
+    real(real64) :: step = 0.0_real64         !! marching step, in the scene's unit of length
+  end type solve_method
+
+  !> One contact in one state of one position.
+  type :: contact_row
+    integer :: area_no = 0                         !! from 1, in the order of first touch
+    integer :: upper = 0                           !! index of the upper asperity
+    integer :: lower = 0                           !! index of the lower asperity
+    logical :: limit_exceeded = .false.            !! at or over its limit
+    real(real64) :: x = 0.0_real64                 !! centre of the contact
+    real(real64) :: y = 0.0_real64                 !! centre of the contact
+    real(real64) :: penetration = 0.0_real64       !! vertical, past first touch
+    real(real64) :: overlap = 0.0_real64           !! decrease of the distance of centres
+    real(real64) :: area = 0.0_real64              !! contact area
+    real(real64) :: projected_area = 0.0_real64    !! its projection on the plane
+    real(real64) :: slope = 0.0_real64             !! tangent of the contact's inclination
+    real(real64) :: load = 0.0_real64              !! force normal to the contact
+    real(real64) :: vertical_load = 0.0_real64     !! its vertical part
+    real(real64) :: average_pressure = 0.0_real64  !! load over area
+    real(real64) :: maximum_pressure = 0.0_real64  !! 1.5 times the average
+  end type contact_row
+
+  !> One state of one position: totals over its contacts.
+  type :: state_row
+    real(real64) :: approach = 0.0_real64        !! separation of the reference planes
+    real(real64) :: closing = 0.0_real64         !! how far past first touch
+    integer :: contacts = 0                      !! touching ones included
+    real(real64) :: load = 0.0_real64            !! sum of the normal forces
+    real(real64) :: vertical_load = 0.0_real64   !! sum of their vertical parts
+    real(real64) :: area = 0.0_real64            !! sum of the areas
+    real(real64) :: projected_area = 0.0_real64  !! sum of the projected areas
+    integer :: first_row = 1                     !! its contacts are rows(first_row ...
+    integer :: last_row = 0                      !! ... last_row) of the position
+  end type state_row
+
+  !> One position: its states in the order of closing; the last one is the end.
+  type :: position_result
+    real(real64) :: x_displacement = 0.0_real64        !! of the upper surface
+    real(real64) :: y_displacement = 0.0_real64        !! of the upper surface
+    logical :: limit_reached = .false.                 !! a contact is at its limit at the end
+    real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
+    type(state_row), allocatable :: states(:)          !! at least one
+    type(contact_row), allocatable :: rows(:)          !! contacts of all states kept
+  end type position_result
+
+  !> All positions of a scene.
+  type :: scene_results
+    type(position_result), allocatable :: positions(:)  !! in order
+  end type scene_results
+
+end module asperity_contact_records

@@ -1,0 +1,182 @@
+!> Numbers as people write them: `2`, `-.5`, `1.27`, `4d5`, `1e-3`.
+!>
+!> At most 18 digits are kept; a longer number is rounded at its 18th digit.
+module asperity_numeral
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_kinds, only: int64, real64, real128
+  implicit none
+  private
+
+  public :: read_numeral, read_whole_number, nearest_double, decimal_sum, is_a_double
+
+  integer, parameter :: most_digits = 18
+  ! No number written with an exponent beyond this can be a double, whatever its length.
+  integer, parameter :: largest_exponent = 100000000
+  ! Powers of ten that are exact in 113 bits and leave the quotient below rightly rounded.
+  integer, parameter :: most_negative_power = -25, most_positive_power = 22
+  integer :: power
+  real(real128), parameter :: powers(0:-most_negative_power) = &
+    [(10.0_real128**power, power = 0, -most_negative_power)]
+
+contains
+
+  !> Reads a whole token as a number. Refused are also numbers that no double can hold:
+  !> infinite ones, and ones other than zero that become zero.
+  pure subroutine read_numeral(token, value, good)
+    character(len=*), intent(in) :: token      !! the token, without blanks
+    type(decimal_value), intent(out) :: value  !! the number, exactly; 0 when refused
+    logical, intent(out) :: good               !! whether the token is such a number
+    integer :: i, digit, kept, dropped, behind_point, exponent
+    logical :: negative, after_point, digit_seen, round_up
+
+    good = .false.
+    negative = .false.
+    after_point = .false.
+    digit_seen = .false.
+    round_up = .false.
+    kept = 0
+    dropped = 0
+    behind_point = 0
+    exponent = 0
+    do i = 1, len(token)
+      digit = iachar(token(i:i)) - iachar('0')
+      if (digit >= 0 .and. digit <= 9) then
+        digit_seen = .true.
+        if (after_point) behind_point = behind_point + 1
+        if (kept < most_digits) then
+          value%digits = 10_int64 * value%digits + int(digit, int64)
+          if (value%digits > 0_int64) kept = kept + 1
+        else
+          if (dropped == 0) round_up = digit >= 5
+          dropped = dropped + 1
+        end if
+      else if (token(i:i) == '.' .and. .not. after_point) then
+        after_point = .true.
+      else if (scan(token(i:i), '+-') > 0 .and. i == 1) then
+        negative = token(i:i) == '-'
+      else if (scan(token(i:i), 'eEdD') > 0 .and. digit_seen) then
+        call read_exponent(token(i + 1:), exponent, good)
+        exit
+      else
+        value = decimal_value()
+        return
+      end if
+      good = digit_seen
+    end do
+    if (.not. good) then
+      value = decimal_value()
+      return
+    end if
+    if (round_up) value%digits = value%digits + 1_int64
+    if (negative) value%digits = -value%digits
+    if (value%digits /= 0_int64) value%exponent = exponent - behind_point + dropped
+    good = is_a_double(value)
+    if (.not. good) value = decimal_value()
+  end subroutine read_numeral
+
+  !> Reads a whole token as a default integer.
+  pure subroutine read_whole_number(token, value, good)
+    character(len=*), intent(in) :: token  !! the token, without blanks
+    integer, intent(out) :: value          !! the number; 0 when refused
+    logical, intent(out) :: good           !! whether the token is such a number
+    type(decimal_value) :: number
+
+    value = 0
+    call read_numeral(token, number, good)
+    good = good .and. verify(token, '+-0123456789') == 0 .and. number%exponent == 0 .and. &
+           abs(number%digits) <= int(huge(value), int64)
+    if (good) value = int(number%digits)
+  end subroutine read_whole_number
+
+  !> The same as `decimal_to_real64`, quickly where that is possible.
+  !>
+  !> The digits (60 bits) and the power of ten are exact in 113 bits. A product below
+  !> 60 + 51 bits is exact too. A quotient that is no midpoint of two doubles is at least
+  !> 1/(2**54 * 5**25) > 2**-113 of itself away from one, so rounding twice does no harm.
+  elemental function nearest_double(value) result(nearest)
+    type(decimal_value), intent(in) :: value  !! exact decimal
+    real(real64) :: nearest                   !! the nearest double
+
+    if (value%exponent >= 0 .and. value%exponent <= most_positive_power) then
+      nearest = real(real(value%digits, real128) * powers(value%exponent), real64)
+    else if (value%exponent < 0 .and. value%exponent >= most_negative_power) then
+      nearest = real(real(value%digits, real128) / powers(-value%exponent), real64)
+    else
+      nearest = decimal_to_real64(value)
+    end if
+  end function nearest_double
+
+  !> Sum of two decimals: exact as long as it has at most 18 digits, else rounded there.
+  elemental function decimal_sum(a, b) result(total)
+    type(decimal_value), intent(in) :: a, b  !! numbers of at most 18 digits
+    type(decimal_value) :: total             !! a + b
+    type(decimal_value) :: fine, coarse
+
+    fine = a
+    coarse = b
+    if (a%digits == 0_int64 .or. (b%digits /= 0_int64 .and. a%exponent > b%exponent)) then
+      fine = b
+      coarse = a
+    end if
+    total = fine
+    if (coarse%digits == 0_int64) return
+    do while (coarse%exponent > fine%exponent .and. &
+              abs(coarse%digits) < 10_int64**(most_digits - 1))
+      coarse%digits = 10_int64 * coarse%digits
+      coarse%exponent = coarse%exponent - 1
+    end do
+    if (coarse%exponent - fine%exponent > most_digits) then
+      fine%digits = 0_int64
+    else if (coarse%exponent > fine%exponent) then
+      fine%digits = rounded_quotient(fine%digits, 10_int64**(coarse%exponent - fine%exponent))
+    end if
+    total = decimal_value(coarse%digits + fine%digits, coarse%exponent)
+  end function decimal_sum
+
+  !> Reads the digits behind an exponent's letter.
+  pure subroutine read_exponent(text, exponent, good)
+    character(len=*), intent(in) :: text
+    integer, intent(out) :: exponent
+    logical, intent(out) :: good
+    integer :: i, first
+
+    exponent = 0
+    first = 1
+    if (len(text) > 0) then
+      if (scan(text(1:1), '+-') > 0) first = 2
+    end if
+    good = len(text) >= first
+    if (good) good = verify(text(first:), '0123456789') == 0
+    if (.not. good) return
+    do i = first, len(text)
+      exponent = min(10 * exponent + iachar(text(i:i)) - iachar('0'), largest_exponent)
+    end do
+    if (text(1:1) == '-') exponent = -exponent
+  end subroutine read_exponent
+
+  !> Whether the nearest double is finite, and zero only for zero.
+  elemental logical function is_a_double(value)
+    type(decimal_value), intent(in) :: value  !! exact decimal
+    real(real64) :: nearest
+
+    is_a_double = value%digits == 0_int64
+    ! Beyond these no double lies, and the library's conversion need not be asked.
+    if (is_a_double .or. value%exponent > 309 .or. value%exponent < -342) return
+    is_a_double = .true.
+    if (abs(value%exponent) < 280) return
+    nearest = decimal_to_real64(value)
+    is_a_double = abs(nearest) <= huge(nearest) .and. abs(nearest) > 0.0_real64
+  end function is_a_double
+
+  !> Quotient rounded to the nearest whole number, halves away from zero.
+  elemental integer(int64) function rounded_quotient(dividend, divisor)
+    integer(int64), intent(in) :: dividend, divisor
+    integer(int64) :: rest
+
+    rounded_quotient = dividend / divisor
+    rest = dividend - rounded_quotient * divisor
+    if (abs(rest) >= divisor - abs(rest)) &
+      rounded_quotient = rounded_quotient + sign(1_int64, dividend)
+  end function rounded_quotient
+
+end module asperity_numeral

@@ -1,0 +1,130 @@
+!> What a card deck brings into a scene, from inches and psi to cm and N.
+module asperity_scene_deck
+  use asperity_card_deck, only: card_deck, model_cards, parse_card_deck, read_card_deck
+  use asperity_decimal, only: decimal_value
+  use asperity_input_problems, only: add_lines
+  use asperity_kinds, only: int64
+  use asperity_numeral, only: decimal_sum, is_a_double, nearest_double
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_scene_values, only: scene, scene_motion, scene_surface, thesis_limit_load
+  implicit none
+  private
+
+  public :: surfaces_from_deck
+
+  ! 2.54 cm in an inch, 0.6894 N/cm2 in a psi, as in the thesis.
+  type(decimal_value), parameter :: inch = decimal_value(254_int64, -2)
+  type(decimal_value), parameter :: psi = decimal_value(6894_int64, -4)
+
+  ! Gap of 0.5 in before the models close; slopes of the support plates along x and y.
+  type(decimal_value), parameter :: thesis_gap = decimal_value(127_int64, -2)
+  type(decimal_value), parameter :: upper_slope(2) = &
+    [decimal_value(400_int64, -5), decimal_value(-58_int64, -5)]
+  type(decimal_value), parameter :: lower_slope(2) = &
+    [decimal_value(-67_int64, -5), decimal_value(-45_int64, -5)]
+
+  ! The thesis' sweep: 100 positions, 0.1 cm apart in x.
+  integer, parameter :: thesis_positions = 100
+  type(decimal_value), parameter :: thesis_step = decimal_value(1_int64, -1)
+
+  ! Cards before the first asperity.
+  integer, parameter :: header_cards = 4
+
+contains
+
+  !> Fills a scene from a deck: surfaces, material, angles, slopes, gap and limit load, all in
+  !> cm and N. `sweep` is the motion that the bare deck stands for.
+  subroutine surfaces_from_deck(path, target_scene, sweep, problems, text)
+    character(len=*), intent(in) :: path           !! the deck
+    type(scene), intent(inout) :: target_scene     !! the scene to fill
+    type(scene_motion), intent(out) :: sweep       !! the thesis' sweep, XDISPL and YDISPL added
+    type(problem_list), intent(inout) :: problems  !! all that is wrong with the deck
+    character(len=*), intent(in), optional :: text !! the deck, when it has been read already
+    type(card_deck) :: deck
+    type(problem_list) :: found
+
+    if (present(text)) then
+      call parse_card_deck(path, text, deck, found)
+    else
+      call read_card_deck(path, deck, found)
+    end if
+    if (found%count() == 0) then
+      target_scene%from_deck = .true.
+      target_scene%notes = deck%notes
+      target_scene%lower_is_mirrored = .true.
+      target_scene%starting_gap = thesis_gap
+      target_scene%limit%value = thesis_limit_load
+      target_scene%limit%from_thesis = .true.
+      call convert_model(path, 2, header_cards, deck%upper, target_scene%upper, found)
+      call convert_model(path, 3, header_cards + deck%upper%number, deck%lower, &
+                         target_scene%lower, found)
+      target_scene%upper%slope = upper_slope
+      target_scene%lower%slope = lower_slope
+      call convert(path, 3, 41, deck%lower_width, inch, target_scene%lower_mirror_width, found)
+      call thesis_sweep(path, deck, sweep, found)
+    end if
+    call add_lines(found, problems)
+  end subroutine surfaces_from_deck
+
+  !> The motion of the thesis, in cm. XDISPL and YDISPL are added, as the original's print says.
+  subroutine thesis_sweep(path, deck, sweep, problems)
+    character(len=*), intent(in) :: path
+    type(card_deck), intent(in) :: deck
+    type(scene_motion), intent(out) :: sweep
+    type(problem_list), intent(inout) :: problems
+    type(decimal_value) :: shift
+
+    call convert(path, header_cards, 17, deck%x_displacement, inch, shift, problems)
+    sweep%x_first = decimal_sum(thesis_step, shift)
+    sweep%x_step = thesis_step
+    call convert(path, header_cards, 24, deck%y_displacement, inch, shift, problems)
+    sweep%y_first = shift
+    sweep%positions = thesis_positions
+  end subroutine thesis_sweep
+
+  !> One model in cm and N/cm2. Card `header` holds its numbers; its asperities follow `before`.
+  subroutine convert_model(path, header, before, model, surface, problems)
+    character(len=*), intent(in) :: path
+    integer, intent(in) :: header, before
+    type(model_cards), intent(in) :: model
+    type(scene_surface), intent(inout) :: surface
+    type(problem_list), intent(inout) :: problems
+    type(decimal_value) :: radius
+    integer :: i
+
+    surface%file = path
+    call convert(path, header, 6, model%radius, inch, radius, problems)
+    call convert(path, header, 16, model%elastic_modulus, psi, surface%elastic_modulus, problems)
+    surface%poisson_ratio = model%poisson_ratio
+    surface%rotation = model%angle
+    allocate (surface%exact_x(model%number), surface%exact_y(model%number), &
+              surface%exact_height(model%number), surface%exact_radius(model%number))
+    surface%exact_radius = radius
+    do i = 1, model%number
+      call convert(path, before + i, 1, model%x(i), inch, surface%exact_x(i), problems)
+      call convert(path, before + i, 7, model%y(i), inch, surface%exact_y(i), problems)
+      call convert(path, before + i, 13, model%z(i), inch, surface%exact_height(i), problems)
+    end do
+    surface%x = nearest_double(surface%exact_x)
+    surface%y = nearest_double(surface%exact_y)
+    surface%height = nearest_double(surface%exact_height)
+    surface%radius = nearest_double(surface%exact_radius)
+  end subroutine convert_model
+
+  !> Multiplies by a unit, exactly. A card's field has at most 10 digits, so nothing overflows.
+  subroutine convert(path, line, column, value, unit, converted, problems)
+    character(len=*), intent(in) :: path
+    integer, intent(in) :: line, column
+    type(decimal_value), intent(in) :: value, unit
+    type(decimal_value), intent(out) :: converted
+    type(problem_list), intent(inout) :: problems
+
+    converted = decimal_value(value%digits * unit%digits, value%exponent + unit%exponent)
+    if (is_a_double(converted)) return
+    call problems%add_at(path, line, column, 'a number beyond the range of a double when ' // &
+                         'converted: found exponent ' // decimal_text(value%exponent) // &
+                         ', expected a number of ordinary size')
+    converted = decimal_value()
+  end subroutine convert
+
+end module asperity_scene_deck

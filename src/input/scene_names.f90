@@ -1,0 +1,100 @@
+!> The groups and names that a scene knows.
+module asperity_scene_names
+  implicit none
+  private
+
+  public :: groups, names, known_name
+  public :: number_of, place_in, group_names, names_of, or_comma
+
+  !> The groups.
+  character(len=*), parameter :: groups(7) = [character(len=8) :: &
+    'surfaces', 'material', 'motion', 'tilt', 'loading', 'limit', 'effects']
+
+  !> One name and its group.
+  type :: known_name
+    character(len=8) :: group = ''   !! its group
+    character(len=15) :: name = ''   !! the name
+  end type known_name
+
+  !> The names; a new one needs a line here and one in the reader.
+  type(known_name), parameter :: names(*) = [ &
+    known_name('surfaces', 'deck'), known_name('surfaces', 'upper'), &
+    known_name('surfaces', 'lower'), known_name('surfaces', 'radius'), &
+    known_name('material', 'elastic_modulus'), known_name('material', 'poisson_ratio'), &
+    known_name('motion', 'x_first'), known_name('motion', 'x_step'), &
+    known_name('motion', 'y_first'), known_name('motion', 'y_step'), &
+    known_name('motion', 'positions'), &
+    known_name('tilt', 'upper_slope'), known_name('tilt', 'lower_slope'), &
+    known_name('tilt', 'rotation'), &
+    known_name('loading', 'control'), known_name('loading', 'value'), &
+    known_name('loading', 'points'), &
+    known_name('limit', 'criterion'), known_name('limit', 'value'), &
+    known_name('limit', 'hardness'), known_name('limit', 'yield_stress'), &
+    known_name('effects', 'interaction'), known_name('effects', 'friction'), &
+    known_name('effects', 'plasticity'), known_name('effects', 'adhesion'), &
+    known_name('effects', 'creep'), known_name('effects', 'tolerance')]
+
+contains
+
+  !> Number of a name among all known ones; 0 when the group has none such.
+  pure integer function number_of(group, name)
+    character(len=*), intent(in) :: group  !! a group
+    character(len=*), intent(in) :: name   !! a name, known or not
+
+    do number_of = size(names), 1, -1
+      if (names(number_of)%group == group .and. names(number_of)%name == name) exit
+    end do
+  end function number_of
+
+  !> Place of a word in a list; 0 when it is not there.
+  pure integer function place_in(words, word)
+    character(len=*), intent(in) :: words(:)  !! the list
+    character(len=*), intent(in) :: word      !! the word
+
+    do place_in = size(words), 1, -1
+      if (words(place_in) == word) exit
+    end do
+  end function place_in
+
+  !> `&surfaces, &material ... or &effects`.
+  pure function group_names() result(text)
+    character(len=:), allocatable :: text  !! for a message
+    integer :: i
+
+    text = '&' // trim(groups(1))
+    do i = 2, size(groups)
+      text = text // or_comma(i, size(groups)) // '&' // trim(groups(i))
+    end do
+  end function group_names
+
+  !> `x_first, x_step ... or positions`.
+  pure function names_of(group) result(text)
+    character(len=*), intent(in) :: group  !! a known group
+    character(len=:), allocatable :: text  !! for a message
+    integer :: i, total, used
+
+    total = 0
+    do i = 1, size(names)
+      if (names(i)%group == group) total = total + 1
+    end do
+    text = ''
+    used = 0
+    do i = 1, size(names)
+      if (names(i)%group /= group) cycle
+      used = used + 1
+      if (used > 1) text = text // or_comma(used, total)
+      text = text // trim(names(i)%name)
+    end do
+  end function names_of
+
+  !> What stands before item `i` of `total` in a list.
+  pure function or_comma(i, total) result(text)
+    integer, intent(in) :: i      !! place in the list, from 2
+    integer, intent(in) :: total  !! length of the list
+    character(len=:), allocatable :: text  !! for a message
+
+    text = ', '
+    if (i == total) text = ' or '
+  end function or_comma
+
+end module asperity_scene_names

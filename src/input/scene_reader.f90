@@ -1,0 +1,286 @@
+!> Reads a scene, or a card deck in its place: text in, checked values or a list of problems out.
+module asperity_scene_reader
+  use asperity_decimal, only: decimal_value
+  use asperity_files, only: read_whole_file
+  use asperity_input_problems, only: add_lines, binary_byte, text_start
+  use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: nearest_double
+  use asperity_problems, only: problem_list
+  use asperity_scene_deck, only: surfaces_from_deck
+  use asperity_scene_fields, only: above_zero, any_number, poisson_range, read_fields, &
+                                   scene_fields, share
+  use asperity_scene_surfaces, only: from_csv, read_surfaces
+  use asperity_scene_values, only: control_limit, control_load, control_words, &
+                                   criterion_greenwood_williamson, criterion_hardy, &
+                                   criterion_load, criterion_none, criterion_pressure, &
+                                   criterion_words, effect_auto, effect_boundary, &
+                                   effect_coupled, effect_off, effect_on, effect_words, scene, &
+                                   scene_motion
+  implicit none
+  private
+
+  public :: read_scene, parse_scene
+
+contains
+
+  !> Reads and checks a scene or a card deck. With problems the scene is not to be used.
+  subroutine read_scene(path, checked, problems)
+    character(len=*), intent(in) :: path         !! the file
+    type(scene), intent(out) :: checked          !! its values, defaults filled in
+    type(problem_list), intent(out) :: problems  !! all that is wrong, in all files it names
+    character(len=:), allocatable :: text, failure
+
+    call read_whole_file(path, text, failure)
+    if (allocated(failure)) then
+      call problems%add(failure)
+    else if (is_scene(text)) then
+      call parse_scene(path, text, checked, problems)
+    else
+      call deck_as_scene(path, text, checked, problems)
+    end if
+  end subroutine read_scene
+
+  !> Checks the text of a scene. `path` serves the messages, and files are named relative to it.
+  subroutine parse_scene(path, text, checked, problems)
+    character(len=*), intent(in) :: path         !! the scene's file
+    character(len=*), intent(in) :: text         !! the whole scene
+    type(scene), intent(out) :: checked          !! its values, defaults filled in
+    type(problem_list), intent(out) :: problems  !! all that is wrong, in all files it names
+    type(scene_fields) :: fields
+    type(problem_list) :: other_files
+
+    checked%file = path
+    call read_fields(path, text, fields)
+    if (binary_byte(text) == 0) then
+      call read_surfaces(path, fields, checked, other_files)
+      call read_material(fields, checked)
+      call read_motion(fields, checked%motion)
+      call read_tilt(fields, checked)
+      call read_loading(fields, checked)
+      call read_limit(fields, checked)
+      call read_effects(fields, checked)
+    end if
+    call fields%problems%hand_over(problems)
+    call add_lines(other_files, problems)
+  end subroutine parse_scene
+
+  !> A deck in the place of a scene is the thesis' sweep over it.
+  subroutine deck_as_scene(path, text, checked, problems)
+    character(len=*), intent(in) :: path, text
+    type(scene), intent(inout) :: checked
+    type(problem_list), intent(inout) :: problems
+    type(scene_motion) :: sweep
+    integer :: last
+
+    checked%file = path
+    if (verify(text, ' ' // achar(9) // achar(10) // achar(13)) == 0) then
+      call problems%add_at(path, 1, 1, 'the file is empty, expected a scene or a card deck')
+      return
+    end if
+    call surfaces_from_deck(path, checked, sweep, problems, text)
+    checked%motion = sweep
+    ! The first card of a deck is two words; this looks like something else.
+    last = index(text // new_line('a'), new_line('a')) - 1
+    if (problems%count() > 0 .and. scan(text(:last), '=,') > 0) &
+      call problems%add_at(path, 1, 1, 'read as a card deck, as the first character is not ' // &
+                           '''&'': a scene begins with a group, as in &surfaces')
+  end subroutine deck_as_scene
+
+  !> Whether a text is a scene: what comes first, comments left out, is `&`, or is nothing.
+  pure logical function is_scene(text)
+    character(len=*), intent(in) :: text
+    integer :: at
+    logical :: in_comment, comment_seen
+
+    in_comment = .false.
+    comment_seen = .false.
+    do at = text_start(text), len(text)
+      if (text(at:at) == achar(10)) in_comment = .false.
+      if (text(at:at) == '!') then
+        in_comment = .true.
+        comment_seen = .true.
+      end if
+      if (in_comment .or. scan(text(at:at), ' ' // achar(9) // achar(10) // achar(13)) > 0) cycle
+      is_scene = text(at:at) == '&'
+      return
+    end do
+    is_scene = comment_seen
+  end function is_scene
+
+  !> Group &material. A deck brings its own; CSV files do not.
+  subroutine read_material(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    type(decimal_value) :: pair(2)
+
+    pair = [checked%upper%elastic_modulus, checked%lower%elastic_modulus]
+    call fields%take_numbers('material', 'elastic_modulus', above_zero, pair)
+    checked%upper%elastic_modulus = pair(1)
+    checked%lower%elastic_modulus = pair(2)
+    pair = [checked%upper%poisson_ratio, checked%lower%poisson_ratio]
+    call fields%take_numbers('material', 'poisson_ratio', poisson_range, pair)
+    checked%upper%poisson_ratio = pair(1)
+    checked%lower%poisson_ratio = pair(2)
+    if (.not. from_csv(fields)) return
+    call require('elastic_modulus')
+    call require('poisson_ratio')
+
+  contains
+
+    subroutine require(name)
+      character(len=*), intent(in) :: name
+
+      if (.not. fields%has('material', name)) &
+        call fields%complain_of_group('material', 'no ' // name // ': surfaces from CSV files ' // &
+                                      'bring none, expected ' // name // &
+                                      ' = upper, lower in &material')
+    end subroutine require
+
+  end subroutine read_material
+
+  !> Group &motion; without it one position at zero displacement.
+  subroutine read_motion(fields, motion)
+    type(scene_fields), intent(inout) :: fields
+    type(scene_motion), intent(inout) :: motion
+
+    call fields%take_number('motion', 'x_first', any_number, motion%x_first)
+    call fields%take_number('motion', 'x_step', any_number, motion%x_step)
+    call fields%take_number('motion', 'y_first', any_number, motion%y_first)
+    call fields%take_number('motion', 'y_step', any_number, motion%y_step)
+    call fields%take_whole('motion', 'positions', 1, motion%positions)
+    if (.not. (ends_well(motion%x_first, motion%x_step) .and. &
+               ends_well(motion%y_first, motion%y_step))) &
+      call fields%complain_of_group('motion', 'the last position is beyond the range of a ' // &
+                                    'double, expected a smaller step or fewer positions')
+
+  contains
+
+    pure logical function ends_well(first, step)
+      type(decimal_value), intent(in) :: first, step
+      real(real64) :: share_of_range, steps
+
+      ! In units of the largest double, so that nothing overflows on the way.
+      steps = real(motion%positions - 1, real64)
+      share_of_range = nearest_double(first) / huge(steps) + &
+                       nearest_double(step) / huge(steps) * steps
+      ends_well = abs(share_of_range) < 1.0_real64
+    end function ends_well
+
+  end subroutine read_motion
+
+  !> Group &tilt. A deck brings its angles and the thesis' slopes.
+  subroutine read_tilt(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    type(decimal_value) :: rotation(2)
+
+    call fields%take_numbers('tilt', 'upper_slope', any_number, checked%upper%slope)
+    call fields%take_numbers('tilt', 'lower_slope', any_number, checked%lower%slope)
+    rotation = [checked%upper%rotation, checked%lower%rotation]
+    call fields%take_numbers('tilt', 'rotation', any_number, rotation)
+    checked%upper%rotation = rotation(1)
+    checked%lower%rotation = rotation(2)
+  end subroutine read_tilt
+
+  !> Group &loading.
+  subroutine read_loading(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+
+    associate (loading => checked%loading)
+      call fields%take_word('loading', 'control', control_words, loading%control)
+      call fields%take_number('loading', 'value', &
+           merge(above_zero, any_number, loading%control == control_load), loading%value)
+      call fields%take_whole('loading', 'points', 0, loading%points)
+      ! What a refused control would need is not known.
+      if (loading%control == 0) return
+      call need(fields, 'loading', 'value', loading%control /= control_limit, &
+                'control = ''' // trim(control_words(loading%control)) // '''')
+    end associate
+  end subroutine read_loading
+
+  !> Group &limit. A deck brings the thesis' limit load; for CSV files there is no default.
+  subroutine read_limit(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    character(len=:), allocatable :: for_what
+    logical :: has_value
+
+    associate (limit => checked%limit)
+      if (.not. fields%has_group('limit') .and. from_csv(fields) .and. &
+          checked%loading%control /= control_limit) then
+        limit%criterion = criterion_none
+        return
+      end if
+      call fields%take_word('limit', 'criterion', criterion_words, limit%criterion)
+      has_value = fields%has('limit', 'value')
+      if (limit%criterion /= criterion_load .or. has_value) then
+        limit%from_thesis = .false.
+        limit%value = decimal_value()
+      end if
+      call fields%take_number('limit', 'value', above_zero, limit%value)
+      call fields%take_number('limit', 'hardness', above_zero, limit%hardness)
+      call fields%take_number('limit', 'yield_stress', above_zero, limit%yield_stress)
+      ! What a refused criterion would need is not known.
+      if (limit%criterion == 0) return
+      for_what = 'criterion = ''' // trim(criterion_words(limit%criterion)) // ''''
+      call need(fields, 'limit', 'value', limit%criterion == criterion_pressure .or. &
+                (limit%criterion == criterion_load .and. (from_csv(fields) .or. has_value)), &
+                for_what)
+      call need(fields, 'limit', 'hardness', &
+                limit%criterion == criterion_greenwood_williamson, for_what)
+      call need(fields, 'limit', 'yield_stress', limit%criterion == criterion_hardy, for_what)
+    end associate
+  end subroutine read_limit
+
+  !> Group &effects. None of them is there yet.
+  subroutine read_effects(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    integer, parameter :: interactions(4) = &
+      [effect_off, effect_auto, effect_coupled, effect_boundary]
+    integer, parameter :: switches(3) = [effect_off, effect_on, effect_auto]
+
+    associate (effects => checked%effects)
+      call take_effect('interaction', interactions, effects%interaction)
+      call take_effect('friction', switches, effects%friction)
+      call take_effect('plasticity', switches, effects%plasticity)
+      call take_effect('adhesion', switches, effects%adhesion)
+      call take_effect('creep', switches, effects%creep)
+      call fields%take_number('effects', 'tolerance', share, effects%tolerance)
+    end associate
+
+  contains
+
+    subroutine take_effect(name, known, effect)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: known(:)
+      integer, intent(inout) :: effect
+      integer :: chosen
+
+      chosen = 1
+      call fields%take_word('effects', name, effect_words(known), chosen)
+      effect = effect_off
+      if (chosen == 0) return
+      if (known(chosen) /= effect_off) &
+        call fields%complain_of('effects', name, 'not available in this version: found ''' // &
+                                trim(effect_words(known(chosen))) // ''', expected ''off''')
+    end subroutine take_effect
+
+  end subroutine read_effects
+
+  !> A name that something needs must stand there; one that nothing needs must not.
+  subroutine need(fields, group, name, is_needed, for_what)
+    type(scene_fields), intent(inout) :: fields
+    character(len=*), intent(in) :: group, name, for_what
+    logical, intent(in) :: is_needed
+
+    if (is_needed .and. .not. fields%has(group, name)) then
+      call fields%complain_of_group(group, 'no ' // name // ' in &' // group // &
+                                    ': expected one with ' // for_what)
+    else if (fields%has(group, name) .and. .not. is_needed) then
+      call fields%complain_of(group, name, 'not used with ' // for_what // ', expected none')
+    end if
+  end subroutine need
+
+end module asperity_scene_reader

@@ -1,0 +1,154 @@
+!> Group &surfaces of a scene: a card deck, or two CSV files.
+module asperity_scene_surfaces
+  use asperity_decimal, only: decimal_value
+  use asperity_input_problems, only: add_lines
+  use asperity_kinds, only: int64
+  use asperity_numeral, only: nearest_double
+  use asperity_problems, only: problem_list
+  use asperity_scene_deck, only: surfaces_from_deck
+  use asperity_scene_fields, only: above_zero, scene_fields
+  use asperity_scene_values, only: scene, scene_motion, scene_surface
+  use asperity_surface_csv, only: read_surface_csv, surface_table
+  implicit none
+  private
+
+  public :: from_csv, read_surfaces
+
+contains
+
+  !> Group &surfaces and the files that it names.
+  subroutine read_surfaces(path, fields, checked, other_files)
+    character(len=*), intent(in) :: path              !! the scene's file
+    type(scene_fields), intent(inout) :: fields       !! the scene's text
+    type(scene), intent(inout) :: checked             !! its surfaces are filled
+    type(problem_list), intent(inout) :: other_files  !! what is wrong with the files it names
+    character(len=:), allocatable :: deck, upper, lower
+    type(scene_motion) :: not_asked_for
+
+    if (.not. fields%has_group('surfaces')) then
+      call fields%complain_of_group('surfaces', 'no surfaces: found no group &surfaces, ' // &
+                                    'expected one with deck, or with upper and lower')
+      return
+    end if
+    call fields%take_text('surfaces', 'deck', deck)
+    call fields%take_text('surfaces', 'upper', upper)
+    call fields%take_text('surfaces', 'lower', lower)
+    if (fields%has('surfaces', 'deck')) then
+      call refuse_beside_deck(fields, 'upper')
+      call refuse_beside_deck(fields, 'lower')
+      call refuse_beside_deck(fields, 'radius')
+      if (allocated(deck)) &
+        call surfaces_from_deck(beside(path, deck), checked, not_asked_for, other_files)
+    else if (fields%has('surfaces', 'upper') .and. fields%has('surfaces', 'lower')) then
+      call read_csv_files(path, upper, lower, fields, checked, other_files)
+    else
+      call fields%complain_of_group('surfaces', 'a surface is missing: expected deck, or both ' // &
+                                    'upper and lower, in &surfaces')
+    end if
+  end subroutine read_surfaces
+
+  !> The two CSV files; the scene's radius serves those that have no radius column.
+  subroutine read_csv_files(path, upper, lower, fields, checked, other_files)
+    character(len=*), intent(in) :: path
+    character(len=:), allocatable, intent(in) :: upper, lower
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    type(problem_list), intent(inout) :: other_files
+    type(decimal_value) :: radius(2)
+    logical :: upper_has_radius, lower_has_radius
+
+    upper_has_radius = .true.
+    lower_has_radius = .true.
+    call fields%take_numbers('surfaces', 'radius', above_zero, radius)
+    if (allocated(upper)) call read_one(upper, radius(1), checked%upper, upper_has_radius)
+    if (allocated(lower)) call read_one(lower, radius(2), checked%lower, lower_has_radius)
+    if (.not. fields%has('surfaces', 'radius')) then
+      if (.not. (upper_has_radius .and. lower_has_radius)) &
+        call fields%complain_of_group('surfaces', 'no radius: found no radius column in the ' // &
+             which(upper_has_radius, lower_has_radius) // ' surface''s file, expected ' // &
+             'radius = upper, lower in &surfaces')
+    else if (upper_has_radius .and. lower_has_radius .and. other_files%count() == 0 .and. &
+             allocated(upper) .and. allocated(lower)) then
+      call fields%complain_of('surfaces', 'radius', 'found although both files have a radius ' // &
+                              'column, expected only where one has none')
+    end if
+
+  contains
+
+    subroutine read_one(name, common, surface, has_radius)
+      character(len=*), intent(in) :: name
+      type(decimal_value), intent(in) :: common
+      type(scene_surface), intent(inout) :: surface
+      logical, intent(out) :: has_radius
+
+      if (common%digits > 0_int64) then
+        call surface_from_csv(beside(path, name), surface, has_radius, other_files, common)
+      else
+        call surface_from_csv(beside(path, name), surface, has_radius, other_files)
+      end if
+    end subroutine read_one
+
+    pure function which(upper_has, lower_has) result(text)
+      logical, intent(in) :: upper_has, lower_has
+      character(len=:), allocatable :: text
+
+      text = 'upper and the lower'
+      if (upper_has) text = 'lower'
+      if (lower_has) text = 'upper'
+    end function which
+
+  end subroutine read_csv_files
+
+  !> A deck brings both surfaces and their radii.
+  subroutine refuse_beside_deck(fields, name)
+    type(scene_fields), intent(inout) :: fields
+    character(len=*), intent(in) :: name
+
+    if (fields%has('surfaces', name)) &
+      call fields%complain_of('surfaces', name, 'found beside deck, expected only with surfaces ' // &
+                              'from CSV files')
+  end subroutine refuse_beside_deck
+
+  !> Fills the numbers of one surface from a CSV file.
+  subroutine surface_from_csv(path, surface, has_radius, problems, common_radius)
+    character(len=*), intent(in) :: path
+    type(scene_surface), intent(inout) :: surface
+    logical, intent(out) :: has_radius
+    type(problem_list), intent(inout) :: problems
+    type(decimal_value), intent(in), optional :: common_radius
+    type(surface_table) :: table
+    type(problem_list) :: found
+
+    if (present(common_radius)) then
+      call read_surface_csv(path, table, found, nearest_double(common_radius))
+    else
+      call read_surface_csv(path, table, found)
+    end if
+    call add_lines(found, problems)
+    surface%file = path
+    ! A file that could not be read shall not be blamed for a missing radius too.
+    has_radius = table%has_radius .or. found%count() > 0
+    if (allocated(table%x)) call move_alloc(table%x, surface%x)
+    if (allocated(table%y)) call move_alloc(table%y, surface%y)
+    if (allocated(table%height)) call move_alloc(table%height, surface%height)
+    if (allocated(table%radius)) call move_alloc(table%radius, surface%radius)
+  end subroutine surface_from_csv
+
+  !> Whether the surfaces come from CSV files.
+  pure logical function from_csv(fields)
+    type(scene_fields), intent(in) :: fields  !! the scene's text
+
+    from_csv = .not. fields%has('surfaces', 'deck') .and. &
+               (fields%has('surfaces', 'upper') .or. fields%has('surfaces', 'lower'))
+  end function from_csv
+
+  !> The path of a file that a scene names: as it is, or beside the scene.
+  pure function beside(scene_path, name) result(path)
+    character(len=*), intent(in) :: scene_path, name
+    character(len=:), allocatable :: path
+
+    path = name
+    if (name(1:1) /= '/') path = scene_path(:index(scene_path, '/', back=.true.)) // name
+  end function beside
+
+end module asperity_scene_surfaces
