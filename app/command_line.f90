@@ -1,5 +1,7 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
+  use asperity_arguments, only: argument, argument_list, read_arguments
+  use asperity_kinds, only: real64
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions
   use asperity_problems, only: decimal_text, problem_list
@@ -10,17 +12,35 @@ module asperity_command_line
 
   !> What the user asked for.
   type :: command_line
-    character(len=:), allocatable :: command         !! empty, help, version or original
-    character(len=:), allocatable :: deck            !! path of the card deck
+    character(len=:), allocatable :: command         !! empty, help, version, original, solve ...
+    character(len=:), allocatable :: topic           !! command whose help is asked for, or empty
+    character(len=:), allocatable :: input           !! path of the deck or scene
     character(len=:), allocatable :: arithmetic      !! one of `arithmetic_names`
     character(len=:), allocatable :: contacts_file   !! path of the contacts CSV, or empty
     character(len=:), allocatable :: positions_file  !! path of the positions CSV, or empty
+    character(len=:), allocatable :: curve_file      !! path of the curve CSV, or empty
+    character(len=:), allocatable :: csv_file        !! path of the study's CSV, or empty
     logical :: printed(original_positions) = .false. !! positions whose contact table is printed
     logical :: carriage_control = .false.            !! keep the printer's column one
+    logical :: quiet = .false.                       !! no summary
+    logical :: budget = .false.                      !! print the error budget
+    integer :: threads = 1                           !! threads to use
+    real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
   end type command_line
 
   ! Positions whose tables the original prints.
   integer, parameter :: thesis_tables(3) = [13, 55, 56]
+  character(len=*), parameter :: later_commands(2) = [character(len=8) :: 'generate', 'study']
+  ! Options of the commands, with a value and without.
+  character(len=*), parameter :: original_valued(4) = &
+    [character(len=18) :: '--arithmetic', '--tables', '--contacts', '--positions']
+  character(len=*), parameter :: original_flags(1) = [character(len=18) :: '--carriage-control']
+  character(len=*), parameter :: solve_valued(6) = &
+    [character(len=18) :: '--contacts', '--positions', '--curve', '--arithmetic', '--accuracy', &
+     '--threads']
+  character(len=*), parameter :: solve_flags(2) = [character(len=18) :: '--budget', '--quiet']
+  character(len=*), parameter :: study_valued(1) = [character(len=18) :: '--csv']
+  character(len=*), parameter :: study_flags(1) = [character(len=18) :: '--quiet']
 
 contains
 
@@ -28,73 +48,65 @@ contains
   subroutine parse_command_line(line, problems)
     type(command_line), intent(out) :: line      !! the choices
     type(problem_list), intent(out) :: problems  !! what is wrong
-    character(len=:), allocatable :: word, name, value
+    type(argument_list) :: list
     integer :: i
-    logical :: inline_value
 
     line%command = ''
-    line%deck = ''
-    line%arithmetic = trim(arithmetic_names(1))
+    line%topic = ''
+    line%input = ''
+    line%arithmetic = ''
     line%contacts_file = ''
     line%positions_file = ''
+    line%curve_file = ''
+    line%csv_file = ''
     line%printed(thesis_tables) = .true.
-    i = 0
-    do while (i < command_argument_count())
-      i = i + 1
-      word = argument(i)
-      if (word == '--help' .or. word == '-h') then
+    if (command_argument_count() == 0) return
+    do i = 1, command_argument_count()
+      select case (argument(i))
+      case ('--help', '-h')
         line%command = 'help'
+        line%topic = argument(1)
         return
-      else if (word == '--version') then
+      case ('--version')
         line%command = 'version'
         return
-      else if (word == '--carriage-control') then
-        line%carriage_control = .true.
-      else if (len(word) > 1 .and. index(word, '-') == 1) then
-        call split_option(word, name, value, inline_value)
-        if (name == '--carriage-control') then
-          call problems%add('option ' // name // ' takes no value, found ''' // value // '''')
-          cycle
-        else if (all(name /= [character(len=12) :: '--arithmetic', '--tables', '--contacts', &
-                         '--positions'])) then
-          call problems%add('unknown option ' // name // ', expected one of --arithmetic, ' // &
-                            '--tables, --contacts, --positions, --carriage-control')
-          cycle
-        end if
-        if (.not. inline_value) then
-          if (i < command_argument_count()) value = argument(i + 1)
-          ! A value that begins like an option is written --name=value.
-          if (i == command_argument_count() .or. index(value, '--') == 1) then
-            call problems%add('option ' // name // ' has no value')
-            cycle
-          end if
-          i = i + 1
-        end if
-        call take_option(line, name, value, problems)
-      else if (len(word) == 0) then
-        call problems%add('the name of the deck is empty')
-      else if (line%command == '') then
-        line%command = 'original'
-        line%deck = word
-      else
-        call problems%add('unexpected argument ''' // word // ''' after the deck ' // line%deck)
-      end if
+      case default
+        continue
+      end select
     end do
-    if (line%command == '' .and. command_argument_count() > 0) &
-      call problems%add('no card deck named, expected: asperity [OPTIONS] DECK')
+    line%command = argument(1)
+    select case (line%command)
+    case ('solve')
+      call read_arguments(2, solve_valued, solve_flags, 'scene', list, problems)
+      if (list%operand == '') &
+        call problems%add('no scene named, expected: asperity solve [OPTIONS] SCENE')
+    case ('accuracy')
+      call read_arguments(2, study_valued, study_flags, 'deck or scene', list, problems)
+      if (list%operand == '') list%operand = 'data/thesis.deck'
+    case default
+      if (any(line%command == later_commands)) then
+        call problems%add('the command ' // line%command // ' is not available in this version')
+        return
+      end if
+      line%command = 'original'
+      line%arithmetic = trim(arithmetic_names(1))
+      call read_arguments(1, original_valued, original_flags, 'deck', list, problems)
+      if (list%operand == '' .and. problems%count() == 0) &
+        call problems%add('no card deck named, expected: asperity [OPTIONS] DECK')
+    end select
+    line%input = list%operand
+    do i = 1, size(list%options)
+      call take_option(line, list%options(i)%name, list%options(i)%value, problems)
+    end do
     call check_files(line, problems)
   end subroutine parse_command_line
 
-  !> Stores the value of one option.
+  !> Stores one option.
   subroutine take_option(line, name, value, problems)
     type(command_line), intent(inout) :: line
     character(len=*), intent(in) :: name, value
     type(problem_list), intent(inout) :: problems
 
-    if (len(value) == 0) then
-      call problems%add('option ' // name // ' has an empty value')
-      return
-    end if
     select case (name)
     case ('--arithmetic')
       if (any(value == arithmetic_names)) then
@@ -107,24 +119,92 @@ contains
       call read_tables(value, line%printed, problems)
     case ('--contacts')
       line%contacts_file = value
-    case default
+    case ('--positions')
       line%positions_file = value
+    case ('--curve')
+      line%curve_file = value
+    case ('--csv')
+      line%csv_file = value
+    case ('--carriage-control')
+      line%carriage_control = .true.
+    case ('--quiet')
+      line%quiet = .true.
+    case ('--budget')
+      line%budget = .true.
+    case ('--threads')
+      call read_threads(value, line%threads, problems)
+    case default
+      call read_accuracy(value, line%accuracy, problems)
     end select
   end subroutine take_option
+
+  !> A whole number of threads from 1 to 9999.
+  subroutine read_threads(value, threads, problems)
+    character(len=*), intent(in) :: value
+    integer, intent(inout) :: threads
+    type(problem_list), intent(inout) :: problems
+    integer :: status
+
+    status = 1
+    if (len(value) <= 4 .and. verify(value, '0123456789') == 0) &
+      read (value, '(i4)', iostat=status) threads
+    if (status == 0 .and. threads > 0) return
+    threads = 1
+    call problems%add('--threads: found ''' // value // ''', expected a number from 1 to 9999')
+  end subroutine read_threads
+
+  !> A relative error between 0 and 1.
+  subroutine read_accuracy(value, accuracy, problems)
+    character(len=*), intent(in) :: value
+    real(real64), intent(inout) :: accuracy
+    type(problem_list), intent(inout) :: problems
+    integer :: status
+
+    status = 1
+    if (verify(value, '0123456789.eEdD+-') == 0 .and. scan(value, '0123456789') > 0) &
+      read (value, '(f40.0)', iostat=status) accuracy
+    if (status == 0 .and. accuracy > 0.0_real64 .and. accuracy < 1.0_real64) return
+    accuracy = 0.0_real64
+    call problems%add('--accuracy: found ''' // value // &
+                      ''', expected a relative error between 0 and 1, for instance 1e-3')
+  end subroutine read_accuracy
 
   !> No output may take the place of another file that was named.
   subroutine check_files(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
+    character(len=*), parameter :: names(4) = &
+      [character(len=11) :: '--contacts', '--positions', '--curve', '--csv']
+    integer :: i, j
 
-    if (line%contacts_file /= '' .and. line%contacts_file == line%positions_file .and. &
-        index(line%contacts_file, '/dev/') /= 1) &
-      call problems%add('--contacts and --positions both name ' // line%contacts_file)
-    if (line%command /= 'original') return
-    if (line%contacts_file == line%deck) &
-      call problems%add('--contacts names the deck, ' // line%deck)
-    if (line%positions_file == line%deck) &
-      call problems%add('--positions names the deck, ' // line%deck)
+    do i = 1, size(names)
+      if (file(i) == '' .or. index(file(i), '/dev/') == 1) cycle
+      if (file(i) == line%input) &
+        call problems%add(trim(names(i)) // ' names the input, ' // line%input)
+      do j = i + 1, size(names)
+        if (file(i) == file(j)) call problems%add(trim(names(i)) // ' and ' // trim(names(j)) // &
+                                                  ' both name ' // file(i))
+      end do
+    end do
+
+  contains
+
+    function file(number) result(path)
+      integer, intent(in) :: number
+      character(len=:), allocatable :: path
+
+      select case (number)
+      case (1)
+        path = line%contacts_file
+      case (2)
+        path = line%positions_file
+      case (3)
+        path = line%curve_file
+      case default
+        path = line%csv_file
+      end select
+    end function file
+
   end subroutine check_files
 
   !> `none`, `all`, or positions separated by commas.
@@ -157,34 +237,5 @@ contains
       first = last + 2
     end do
   end subroutine read_tables
-
-  !> Splits `--name=value`; `inline_value` is false when there is no `=`.
-  subroutine split_option(word, name, value, inline_value)
-    character(len=*), intent(in) :: word
-    character(len=:), allocatable, intent(out) :: name, value
-    logical, intent(out) :: inline_value
-    integer :: equals
-
-    equals = index(word, '=')
-    inline_value = equals > 0
-    if (inline_value) then
-      name = word(:equals - 1)
-      value = word(equals + 1:)
-    else
-      name = word
-      value = ''
-    end if
-  end subroutine split_option
-
-  !> The i-th argument, whole.
-  function argument(i) result(word)
-    integer, intent(in) :: i
-    character(len=:), allocatable :: word
-    integer :: length
-
-    call get_command_argument(i, length=length)
-    allocate (character(len=length) :: word)
-    call get_command_argument(i, word)
-  end function argument
 
 end module asperity_command_line

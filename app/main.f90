@@ -6,6 +6,7 @@ program asperity_main
   use asperity_problems, only: problem_list
   use asperity_process, only: end_process
   use asperity_run_original, only: run_original_command
+  use asperity_run_solve, only: run_solve_command
   implicit none
   type(command_line) :: line
   type(problem_list) :: problems
@@ -23,6 +24,8 @@ program asperity_main
       call show_help(status)
     case ('version')
       call show_version(status)
+    case ('solve')
+      call run_solve_command(line, status)
     case default
       call run_original_command(line, status)
     end select

@@ -27,7 +27,7 @@ contains
     character(len=:), allocatable :: failure
     type(text_buffer) :: report, contacts, positions
 
-    call read_card_deck(line%deck, deck, problems)
+    call read_card_deck(line%input, deck, problems)
     if (problems%count() > 0) then
       call write_standard_error(problems%text())
       status = 2
@@ -39,7 +39,7 @@ contains
     call run_in_arithmetic(line%arithmetic, deck, request, records, failure)
     status = 1
     if (allocated(failure)) then
-      call complain(line%deck // ': ' // failure)
+      call complain(line%input // ': ' // failure)
       return
     end if
     call write_standard_error(records%notes%text())

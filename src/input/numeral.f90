@@ -58,8 +58,8 @@ contains
         call read_exponent(token(i + 1:), exponent, good)
         exit
       else
-        value = decimal_value()
-        return
+        good = .false.
+        exit
       end if
       good = digit_seen
     end do

@@ -32,7 +32,9 @@ contains
 
     call read_whole_file(path, text, failure)
     if (allocated(failure)) then
-      call problems%add(failure)
+      ! The failure begins with the path; a problem of a file names a line and a column as well.
+      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // &
+                           ', expected a scene or a card deck')
     else if (is_scene(text)) then
       call parse_scene(path, text, checked, problems)
     else

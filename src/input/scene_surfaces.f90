@@ -105,8 +105,8 @@ contains
     character(len=*), intent(in) :: name
 
     if (fields%has('surfaces', name)) &
-      call fields%complain_of('surfaces', name, 'found beside deck, expected only with surfaces ' // &
-                              'from CSV files')
+      call fields%complain_of('surfaces', name, 'found beside deck, expected only with ' // &
+                              'surfaces from CSV files')
   end subroutine refuse_beside_deck
 
   !> Fills the numbers of one surface from a CSV file.

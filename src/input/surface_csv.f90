@@ -44,7 +44,9 @@ contains
 
     call read_whole_file(path, text, failure)
     if (allocated(failure)) then
-      call problems%add(failure)
+      ! The failure begins with the path; a problem of a file names a line and a column as well.
+      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // &
+                           ', expected comma-separated numbers')
     else
       call parse_surface_csv(path, text, table, problems, common_radius)
     end if

@@ -1,0 +1,106 @@
+!> Words of the command line, sorted into options and operand by what a command accepts.
+module asperity_arguments
+  use asperity_problems, only: problem_list
+  implicit none
+  private
+
+  public :: argument, argument_list, read_arguments
+
+  !> One option that was given.
+  type :: given_option
+    character(len=:), allocatable :: name   !! with its two dashes
+    character(len=:), allocatable :: value  !! empty for an option without value
+  end type given_option
+
+  !> What was given after the command's own word.
+  type :: argument_list
+    character(len=:), allocatable :: operand        !! the file; empty when none was named
+    type(given_option), allocatable :: options(:)   !! in the order given
+  end type argument_list
+
+contains
+
+  !> Reads the words from number `first` on. `valued` and `flags` are the options known, `operand`
+  !> is what the other word is called.
+  subroutine read_arguments(first, valued, flags, operand, list, problems)
+    integer, intent(in) :: first                    !! number of the first word
+    character(len=*), intent(in) :: valued(:)       !! options with a value
+    character(len=*), intent(in) :: flags(:)        !! options without
+    character(len=*), intent(in) :: operand         !! name of the operand in messages
+    type(argument_list), intent(out) :: list        !! what was given
+    type(problem_list), intent(inout) :: problems   !! what is wrong
+    character(len=:), allocatable :: word, name, value
+    integer :: equals, i
+
+    list%operand = ''
+    allocate (list%options(0))
+    i = first - 1
+    do while (i < command_argument_count())
+      i = i + 1
+      word = argument(i)
+      if (len(word) == 0) then
+        call problems%add('the name of the ' // operand // ' is empty')
+      else if (len(word) == 1 .or. index(word, '-') /= 1) then
+        if (list%operand == '') then
+          list%operand = word
+        else
+          call problems%add('unexpected argument ''' // word // ''' after the ' // operand // &
+                            ' ' // list%operand)
+        end if
+      else
+        equals = index(word, '=')
+        name = word
+        value = ''
+        if (equals > 0) then
+          name = word(:equals - 1)
+          value = word(equals + 1:)
+        end if
+        if (any(name == flags)) then
+          if (equals > 0) &
+            call problems%add('option ' // name // ' takes no value, found ''' // value // '''')
+        else if (.not. any(name == valued)) then
+          call problems%add('unknown option ' // name // ', expected one of' // &
+                            joined(valued) // joined(flags))
+          cycle
+        else if (equals == 0) then
+          if (i < command_argument_count()) value = argument(i + 1)
+          ! A value that begins like an option is written --name=value.
+          if (i == command_argument_count() .or. index(value, '--') == 1) then
+            call problems%add('option ' // name // ' has no value')
+            cycle
+          end if
+          i = i + 1
+        end if
+        if (any(name == valued) .and. len(value) == 0) then
+          call problems%add('option ' // name // ' has an empty value')
+          cycle
+        end if
+        list%options = [list%options, given_option(name, value)]
+      end if
+    end do
+  end subroutine read_arguments
+
+  !> The i-th word of the command line, whole.
+  function argument(i) result(word)
+    integer, intent(in) :: i               !! from 1
+    character(len=:), allocatable :: word  !! as given
+    integer :: length
+
+    call get_command_argument(i, length=length)
+    allocate (character(len=length) :: word)
+    call get_command_argument(i, word)
+  end function argument
+
+  !> Names with a blank before each.
+  pure function joined(names) result(text)
+    character(len=*), intent(in) :: names(:)
+    character(len=:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = 1, size(names)
+      text = text // ' ' // trim(names(i))
+    end do
+  end function joined
+
+end module asperity_arguments

@@ -1,0 +1,117 @@
+!> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
+module asperity_run_solve
+  use asperity_command_line, only: command_line
+  use asperity_contact_records, only: scene_results, solve_method
+  use asperity_corrected_table, only: correct_table
+  use asperity_card_deck, only: card_deck, read_card_deck
+  use asperity_files, only: write_standard_error, write_standard_output, write_whole_file
+  use asperity_original, only: run_in_arithmetic
+  use asperity_original_records, only: original_positions, original_records, original_request
+  use asperity_problems, only: problem_list
+  use asperity_results_csv, only: write_contacts, write_curve, write_positions
+  use asperity_scene_reader, only: read_scene
+  use asperity_scene_values, only: control_limit, scene
+  use asperity_solver, only: solve_in_arithmetic
+  use asperity_summary, only: write_corrected_table, write_summary
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: run_solve_command
+
+contains
+
+  !> Runs the command. All is computed before the first byte is written.
+  subroutine run_solve_command(line, status)
+    type(command_line), intent(in) :: line  !! the user's choices
+    integer, intent(out) :: status          !! exit status
+    type(scene) :: scene_in
+    type(problem_list) :: problems
+    type(scene_results) :: results
+    type(text_buffer) :: summary, contacts, positions, curve
+    character(len=:), allocatable :: arithmetic, failure
+    logical :: keep_rows, thesis_sweep
+
+    call read_scene(line%input, scene_in, problems)
+    if (problems%count() > 0) then
+      call write_standard_error(problems%text())
+      status = 2
+      return
+    end if
+    status = 1
+    call write_standard_error(scene_in%notes%text())
+    arithmetic = 'real64'
+    if (line%arithmetic /= '') arithmetic = line%arithmetic
+    thesis_sweep = is_thesis_sweep(scene_in)
+    keep_rows = line%contacts_file /= '' .or. thesis_sweep
+    call solve_in_arithmetic(arithmetic, scene_in, solve_method(), keep_rows, results, failure)
+    if (allocated(failure)) failure = line%input // ': ' // failure
+    if (complained()) return
+
+    if (.not. line%quiet) then
+      call write_summary(scene_in, arithmetic // ', exact events', results, summary)
+      if (thesis_sweep) call add_corrected_table(line%input, results, summary)
+    end if
+    if (line%contacts_file /= '') then
+      call write_contacts(results, contacts)
+      call write_whole_file(line%contacts_file, contacts%text(), failure)
+      if (complained()) return
+    end if
+    if (line%positions_file /= '') then
+      call write_positions(results, positions)
+      call write_whole_file(line%positions_file, positions%text(), failure)
+      if (complained()) return
+    end if
+    if (line%curve_file /= '') then
+      call write_curve(results, curve)
+      call write_whole_file(line%curve_file, curve%text(), failure)
+      if (complained()) return
+    end if
+    call write_standard_output(summary%text(), failure)
+    if (complained()) return
+    status = 0
+
+  contains
+
+    logical function complained()
+      complained = allocated(failure)
+      if (complained) call write_standard_error(failure // new_line('a'))
+    end function complained
+
+  end subroutine run_solve_command
+
+  !> Whether the scene is a bare deck: the sweep that the original program computes.
+  pure logical function is_thesis_sweep(scene_in)
+    type(scene), intent(in) :: scene_in
+
+    is_thesis_sweep = scene_in%from_deck .and. scene_in%limit%from_thesis .and. &
+                      scene_in%motion%positions == original_positions .and. &
+                      scene_in%loading%control == control_limit .and. &
+                      scene_in%upper%file == scene_in%file
+  end function is_thesis_sweep
+
+  !> Runs the original beside, and prints Table VI before and after. A deck on which the original
+  !> goes astray has no such table.
+  subroutine add_corrected_table(path, results, summary)
+    character(len=*), intent(in) :: path
+    type(scene_results), intent(in) :: results
+    type(text_buffer), intent(inout) :: summary
+    type(card_deck) :: deck
+    type(problem_list) :: problems
+    type(original_records) :: historic, exact_arithmetic
+    character(len=:), allocatable :: failure
+
+    call read_card_deck(path, deck, problems)
+    if (problems%count() > 0) return
+    call run_in_arithmetic('ibm370', deck, original_request(), historic, failure)
+    if (.not. allocated(failure)) &
+      call run_in_arithmetic('real128', deck, original_request(), exact_arithmetic, failure)
+    if (allocated(failure)) then
+      call summary%line('')
+      call summary%line('no Table VI to correct: the original stops at ' // failure)
+    else
+      call write_corrected_table(correct_table(historic, exact_arithmetic, results), summary)
+    end if
+  end subroutine add_corrected_table
+
+end module asperity_run_solve

@@ -1,0 +1,199 @@
+!> What `asperity solve` prints: a short readable summary.
+module asperity_summary
+  use asperity_contact_records, only: scene_results, state_row
+  use asperity_corrected_table, only: corrected_table, stage_names
+  use asperity_kinds, only: real64
+  use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
+                                       slope_row, total_area_row, total_difference_row, &
+                                       total_load_row
+  use asperity_problems, only: decimal_text
+  use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: write_summary, write_corrected_table
+
+contains
+
+  !> The scene, how it was solved, and the totals over its positions.
+  subroutine write_summary(scene_in, how, results, buffer)
+    type(scene), intent(in) :: scene_in         !! what was solved
+    character(len=*), intent(in) :: how         !! arithmetic and method, in words
+    type(scene_results), intent(in) :: results  !! its results
+    type(text_buffer), intent(inout) :: buffer  !! the text
+    real(real64), allocatable :: values(:, :)
+    type(state_row) :: last
+    integer :: m, number, without, at_limit
+
+    number = size(results%positions)
+    allocate (values(number, 6))
+    without = 0
+    at_limit = 0
+    do m = 1, number
+      last = results%positions(m)%states(size(results%positions(m)%states))
+      values(m, :) = [last%load, last%vertical_load, last%area, last%projected_area, &
+                      last%approach, real(last%contacts, real64)]
+      if (last%contacts == 0) without = without + 1
+      if (results%positions(m)%limit_reached) at_limit = at_limit + 1
+    end do
+    call buffer%line(scene_in%file // ': ' // decimal_text(size(scene_in%upper%x)) // &
+                     ' upper and ' // decimal_text(size(scene_in%lower%x)) // &
+                     ' lower asperities, ' // counted(number, 'position'))
+    call buffer%line('solved in ' // how // ', effects: none')
+    call buffer%line('control: ' // trim(control_words(scene_in%loading%control)) // &
+                     limit_text(scene_in))
+    call buffer%line('')
+    if (number == 1) then
+      call buffer%line('                              value')
+    else
+      call buffer%line('                            maximum          minimum          average')
+    end if
+    call value_line('total load', values(:, 1))
+    call value_line('vertical load', values(:, 2))
+    call value_line('contact area', values(:, 3))
+    call value_line('projected area', values(:, 4))
+    call value_line('approach', values(:, 5))
+    call value_line('contacts', values(:, 6))
+    call buffer%line('')
+    call buffer%line('limit reached at ' // decimal_text(at_limit) // ' of ' // &
+                     counted(number, 'position'))
+    if (without > 0) call buffer%line('no contact at ' // counted(without, 'position'))
+
+  contains
+
+    subroutine value_line(name, column)
+      character(len=*), intent(in) :: name
+      real(real64), intent(in) :: column(:)
+      character(len=80) :: line
+
+      if (size(column) == 1) then
+        write (line, '(a18, 3g17.7)') name // repeat(' ', 18), column
+      else
+        write (line, '(a18, 3g17.7)') name // repeat(' ', 18), maxval(column), minval(column), &
+          sum(column) / size(column)
+      end if
+      call buffer%line(line)
+    end subroutine value_line
+
+  end subroutine write_summary
+
+  !> Table VI before and after, one line a number, with what each correction adds.
+  subroutine write_corrected_table(table, buffer)
+    type(corrected_table), intent(in) :: table  !! both versions and the changes
+    type(text_buffer), intent(inout) :: buffer  !! the text
+    character(len=*), parameter :: columns(3) = [character(len=7) :: 'maximum', 'minimum', 'average']
+    integer :: column
+
+    call buffer%line('')
+    call buffer%line('Table VI, corrected                 historic corrected  reason')
+    do column = 1, 3
+      call number_line('total load', total_load_row, column, 0)
+    end do
+    do column = 1, 3
+      call number_line('total contact area', total_area_row, column, 4)
+    end do
+    do column = 1, 3
+      call number_line('contact points', points_row, column, 0)
+    end do
+    do column = 1, 3
+      call number_line('approach', approach_row, column, 4)
+    end do
+    do column = 1, 3
+      call number_line('slope of areas', slope_row, column, 3)
+    end do
+    do column = 1, 3
+      call number_line('area difference, %', total_difference_row, column, 1)
+    end do
+    do column = 1, 3
+      call number_line('individual, %', individual_difference_row, column, 1)
+    end do
+
+  contains
+
+    subroutine number_line(name, row, column, decimals)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: row, column, decimals
+      character(len=11) :: before, after
+      character(len=:), allocatable :: reason
+      character(len=120) :: line
+      integer :: places, stage
+
+      places = decimals
+      ! The original cuts the average number of points to a whole one.
+      if (row == points_row .and. column == 3) places = 2
+      before = fixed(table%historic(row, column), decimals)
+      after = fixed(table%corrected(row, column), places)
+      reason = ''
+      if (before /= after) then
+        do stage = 1, size(stage_names)
+          if (abs(table%change(row, column, stage)) < 0.5_real64 * 10.0_real64**(-places)) cycle
+          if (reason /= '') reason = reason // ', '
+          reason = reason // trim(name_of(stage, row)) // ' ' // &
+                   signed(table%change(row, column, stage), places)
+        end do
+        if (reason == '') reason = 'changes below half a printed unit add up'
+      end if
+      write (line, '(2x, a20, 1x, a7, 3x, 2a11, 2x, a)') name // repeat(' ', 20), &
+        columns(column), before, after, reason
+      call buffer%line(line)
+    end subroutine number_line
+
+    !> The average number of points is no wrong divisor but cut to a whole number.
+    function name_of(stage, row) result(name)
+      integer, intent(in) :: stage, row
+      character(len=:), allocatable :: name
+
+      name = trim(stage_names(stage))
+      if (stage == 3 .and. row == points_row) name = 'cut to a whole number'
+      if (stage == 3 .and. (row == slope_row .or. row == individual_difference_row)) &
+        name = 'contacts left out'
+    end function name_of
+
+  end subroutine write_corrected_table
+
+  !> A number with so many decimals, right-justified.
+  pure function fixed(value, decimals) result(text)
+    real(real64), intent(in) :: value
+    integer, intent(in) :: decimals
+    character(len=11) :: text
+    character(len=12) :: format
+
+    write (format, '("(f11.", i0, ")")') decimals
+    write (text, format) value
+    if (decimals == 0) text = ' ' // text(:10)
+  end function fixed
+
+  !> A change with its sign.
+  pure function signed(value, decimals) result(text)
+    real(real64), intent(in) :: value
+    integer, intent(in) :: decimals
+    character(len=:), allocatable :: text
+    character(len=24) :: digits, format
+
+    write (format, '("(sp, f16.", i0, ")")') max(decimals, 1)
+    write (digits, format) value
+    text = trim(adjustl(digits))
+  end function signed
+
+  !> `1 position`, `2 positions`.
+  pure function counted(number, noun) result(text)
+    integer, intent(in) :: number
+    character(len=*), intent(in) :: noun
+    character(len=:), allocatable :: text
+
+    text = decimal_text(number) // ' ' // noun
+    if (number /= 1) text = text // 's'
+  end function counted
+
+  !> The limit's criterion in words.
+  pure function limit_text(scene_in) result(text)
+    type(scene), intent(in) :: scene_in
+    character(len=:), allocatable :: text
+
+    text = ''
+    if (scene_in%limit%criterion /= criterion_none) &
+      text = ', limit by ' // trim(criterion_words(scene_in%limit%criterion))
+  end function limit_text
+
+end module asperity_summary

@@ -1,0 +1,136 @@
+!> Table VI as it should read, beside what the original prints, with the reason of every change.
+!>
+!> Each number is computed in stages, and each stage removes one fault: rounding (the same program
+!> in real128), overshoot (exact events instead of marching), the contacts left out of the averages
+!> and the wrong divisor, and the loads normal to the contacts (their vertical parts instead).
+module asperity_corrected_table
+  use asperity_contact_records, only: scene_results
+  use asperity_kinds, only: real64
+  use asperity_original_records, only: approach_row, individual_difference_row, original_records, &
+                                       points_row, slope_row, total_area_row, &
+                                       total_difference_row, total_load_row
+  implicit none
+  private
+
+  public :: corrected_table, correct_table, stage_names
+  public :: rounding, overshoot, counting, vertical
+
+  ! Stages, in the order in which faults are removed.
+  integer, parameter :: rounding = 1   !! faults 2 and 3
+  integer, parameter :: overshoot = 2  !! fault 4, and Fault 7's limit is met exactly
+  integer, parameter :: counting = 3   !! faults 1 and 13
+  integer, parameter :: vertical = 4   !! fault 8
+
+  !> What the stages are called in print.
+  character(len=16), parameter :: stage_names(4) = &
+    [character(len=16) :: 'rounding', 'overshoot', 'wrong divisor', 'vertical load']
+
+  !> Table VI, before and after: rows of the original's table; maximum, minimum, average.
+  type :: corrected_table
+    real(real64) :: historic(7, 3) = 0.0_real64   !! as the original prints it
+    real(real64) :: change(7, 3, 4) = 0.0_real64  !! by stage; their sum leads to `corrected`
+    real(real64) :: corrected(7, 3) = 0.0_real64  !! as it should read
+  end type corrected_table
+
+contains
+
+  !> Builds the table from the original's run as it printed (`historic`), the same in real128
+  !> (`exact_arithmetic`) and the present-day results.
+  function correct_table(historic, exact_arithmetic, results) result(table)
+    type(original_records), intent(in) :: historic          !! run in ibm370
+    type(original_records), intent(in) :: exact_arithmetic  !! run in real128
+    type(scene_results), intent(in) :: results              !! with the rows of the last states
+    type(corrected_table) :: table
+    real(real64) :: stage(7, 3, 0:4)
+    integer :: number
+
+    stage(:, :, 0) = historic%variance
+    stage(:, :, rounding) = exact_arithmetic%variance
+    stage(:, :, overshoot) = table_of(results, as_original=.true.)
+    stage(:, :, counting) = table_of(results, as_original=.false.)
+    stage(:, :, vertical) = stage(:, :, counting)
+    stage(total_load_row, :, vertical) = vertical_loads(results)
+    table%historic = stage(:, :, 0)
+    table%corrected = stage(:, :, vertical)
+    do number = 1, 4
+      table%change(:, :, number) = stage(:, :, number) - stage(:, :, number - 1)
+    end do
+  end function correct_table
+
+  !> Table VI of the present-day results. `as_original` keeps the original's averages: contacts from
+  !> the first at its limit on, and the sum over positions divided by their count.
+  function table_of(results, as_original) result(table)
+    type(scene_results), intent(in) :: results
+    logical, intent(in) :: as_original
+    real(real64) :: table(7, 3)
+    real(real64) :: values(size(results%positions), 7), difference, slopes, differences
+    integer :: contacts, i, m
+    logical :: at_limit
+
+    table(:, 1) = -huge(1.0_real64)
+    table(:, 2) = huge(1.0_real64)
+    slopes = 0.0_real64
+    differences = 0.0_real64
+    contacts = 0
+    do m = 1, size(results%positions)
+      associate (position => results%positions(m), &
+                 last => results%positions(m)%states(size(results%positions(m)%states)))
+        values(m, total_load_row) = last%load
+        values(m, total_area_row) = last%area
+        values(m, points_row) = real(last%contacts, real64)
+        values(m, approach_row) = last%approach
+        values(m, total_difference_row) = percent(last%area, last%projected_area)
+        at_limit = .not. as_original
+        do i = last%first_row, last%last_row
+          at_limit = at_limit .or. position%rows(i)%limit_exceeded
+          if (.not. (at_limit .and. position%rows(i)%load > 0.0_real64)) cycle
+          contacts = contacts + 1
+          difference = percent(position%rows(i)%area, position%rows(i)%projected_area)
+          slopes = slopes + position%rows(i)%slope
+          differences = differences + difference
+          table(slope_row, 1) = max(table(slope_row, 1), position%rows(i)%slope)
+          table(slope_row, 2) = min(table(slope_row, 2), position%rows(i)%slope)
+          table(individual_difference_row, 1) = &
+            max(table(individual_difference_row, 1), difference)
+          table(individual_difference_row, 2) = &
+            min(table(individual_difference_row, 2), difference)
+        end do
+      end associate
+    end do
+    do i = 1, 7
+      if (i == slope_row .or. i == individual_difference_row) cycle
+      table(i, 1) = maxval(values(:, i))
+      table(i, 2) = minval(values(:, i))
+      table(i, 3) = sum(values(:, i)) / size(results%positions)
+    end do
+    if (as_original) then
+      table(points_row, 3) = aint(table(points_row, 3))
+      table(total_difference_row, 3) = &
+        sum(values(:, total_difference_row)) / max(1, contacts)
+    end if
+    table(slope_row, 3) = slopes / max(1, contacts)
+    table(individual_difference_row, 3) = differences / max(1, contacts)
+  end function table_of
+
+  !> Maximum, minimum and average of the vertical loads.
+  function vertical_loads(results) result(row)
+    type(scene_results), intent(in) :: results
+    real(real64) :: row(3)
+    real(real64) :: loads(size(results%positions))
+    integer :: m
+
+    do m = 1, size(loads)
+      loads(m) = results%positions(m)%states(size(results%positions(m)%states))%vertical_load
+    end do
+    row = [maxval(loads), minval(loads), sum(loads) / size(loads)]
+  end function vertical_loads
+
+  !> By how much the projected area falls short of the area, %.
+  pure real(real64) function percent(area, projected)
+    real(real64), intent(in) :: area, projected
+
+    percent = 0.0_real64
+    if (area > 0.0_real64) percent = 100 * (area - projected) / area
+  end function percent
+
+end module asperity_corrected_table

@@ -1,0 +1,708 @@
+!> Tests of the scene reader: what is read, what is the default, what is refused and where.
+!>
+!> In the texts of these tests a `|` stands for a line end.
+module asperity_test_scene
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: decimal_sum, nearest_double, read_numeral
+  use asperity_problems, only: problem_list
+  use asperity_scene_reader, only: parse_scene, read_scene
+  use asperity_scene_values, only: control_approach, control_limit, control_load, &
+                                   criterion_greenwood_williamson, criterion_hardy, &
+                                   criterion_load, criterion_none, criterion_pressure, &
+                                   effect_off, scene
+  use asperity_surface_csv, only: parse_surface_csv, surface_table
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_scene
+
+  ! Texts are read as if they stood here; tests run in the project's folder.
+  character(len=*), parameter :: place = 'data/examples/t.scene'
+  character(len=*), parameter :: deck = '&surfaces deck = "../thesis.deck" / '
+  character(len=*), parameter :: files = '&surfaces upper="ball.csv", lower="bump.csv" / '
+  character(len=*), parameter :: material = &
+    '&material elastic_modulus=2*1, poisson_ratio=2*0 / '
+  character(len=*), parameter :: limit = '&limit value=1 / '
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_scene(suite)
+    !> all tests of this module
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    suite = [ &
+            new_unittest('numbers are read exactly', test_numerals), &
+            new_unittest('what is no number is refused', test_bad_numerals), &
+            new_unittest('quick conversion equals the library''s', test_nearest_double), &
+            new_unittest('sums of decimals', test_decimal_sum), &
+            new_unittest('a deck in a scene, and the defaults', test_deck_defaults), &
+            new_unittest('a deck in the place of a scene', test_bare_deck), &
+            new_unittest('a group overrides the deck name by name', test_overrides), &
+            new_unittest('syntax that is accepted', test_syntax), &
+            new_unittest('the thesis'' scene', test_thesis_scene), &
+            new_unittest('surfaces from CSV files', test_csv_scene), &
+            new_unittest('radii from the files', test_csv_radii), &
+            new_unittest('loading and limit', test_loading_and_limit), &
+            new_unittest('bad syntax', test_bad_syntax), &
+            new_unittest('unknown and repeated groups and names', test_unknown), &
+            new_unittest('bad values', test_bad_values), &
+            new_unittest('names missing or out of place', test_missing), &
+            new_unittest('effects that are not there yet', test_effects), &
+            new_unittest('all problems of all files are told', test_all_problems), &
+            new_unittest('files that cannot be read', test_unreadable), &
+            new_unittest('good surface files', test_good_csv), &
+            new_unittest('bad surface files', test_bad_csv), &
+            new_unittest('many problems are counted', test_many_problems) &
+            ]
+  end subroutine collect_scene
+
+  subroutine test_numerals(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call one('2', 2_int64, 0)
+    call one('-.5', -5_int64, -1)
+    call one('+1.', 1_int64, 0)
+    call one('1.270', 1270_int64, -3)
+    call one('4d5', 4_int64, 5)
+    call one('4.25E-07', 425_int64, -9)
+    call one('0.000', 0_int64, 0)
+    call one('000012345678901234567.8', 123456789012345678_int64, -1)
+    call one('12345678901234567849.9', 123456789012345678_int64, 2)
+    call one('1234567890123456785', 123456789012345679_int64, 1)
+    call one('0.1234567890123456784999', 123456789012345678_int64, -18)
+    call one('999999999999999999.9', 1000000000000000000_int64, 0)
+
+  contains
+
+    subroutine one(token, digits, exponent)
+      character(len=*), intent(in) :: token
+      integer(int64), intent(in) :: digits
+      integer, intent(in) :: exponent
+      type(decimal_value) :: value
+      logical :: good
+
+      call read_numeral(token, value, good)
+      call check(error, good, token // ' was refused')
+      call check(error, value%digits, digits, 'digits of ' // token)
+      call check(error, value%exponent, exponent, 'exponent of ' // token)
+    end subroutine one
+
+  end subroutine test_numerals
+
+  subroutine test_bad_numerals(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=13), parameter :: bad(*) = [character(len=13) :: '', '-', '.', '+.', '1e', &
+      '1e+', '1.2.3', '1-5', '--1', 'e5', '1e5.', '0x10', 'nan', 'inf', '-Infinity', '1e309', &
+      '-1.8e308', '1e-400', '1e99999999999', '1e-9999999', '1,5', '1 2', '1_8', '1e1e1']
+    type(decimal_value) :: value
+    logical :: good
+    integer :: i
+
+    do i = 1, size(bad)
+      call read_numeral(trim(bad(i)), value, good)
+      call check(error, .not. good, '"' // trim(bad(i)) // '" was taken for a number')
+    end do
+  end subroutine test_bad_numerals
+
+  !> Digits of all lengths and all exponents on either side of the quick range.
+  subroutine test_nearest_double(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(decimal_value) :: value
+    integer(int64) :: state
+    integer :: i, exponent
+
+    state = 88172645463325252_int64
+    do i = 1, 2000
+      do exponent = -30, 26, 7
+        state = ieor(state, ishft(state, 13))
+        state = ieor(state, ishft(state, -7))
+        state = ieor(state, ishft(state, 17))
+        value = decimal_value(mod(state, 10_int64**(1 + mod(i, 18))), exponent + mod(i, 7))
+        call check(error, transfer(nearest_double(value), 0_int64), &
+                   transfer(decimal_to_real64(value), 0_int64), 'bits of a converted number')
+      end do
+    end do
+  end subroutine test_nearest_double
+
+  subroutine test_decimal_sum(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call one(decimal_value(1_int64, -1), decimal_value(254_int64, -3), 354_int64, -3)
+    call one(decimal_value(254_int64, -3), decimal_value(-1_int64, -1), 154_int64, -3)
+    call one(decimal_value(7_int64, -2), decimal_value(0_int64, 0), 7_int64, -2)
+    call one(decimal_value(0_int64, -9), decimal_value(7_int64, 2), 7_int64, 2)
+    call one(decimal_value(1_int64, 300), decimal_value(1_int64, 0), 10_int64**17, 283)
+    call one(decimal_value(1_int64, 17), decimal_value(6_int64, -1), 10_int64**17 + 1, 0)
+    call one(decimal_value(1_int64, 17), decimal_value(-4_int64, -1), 10_int64**17, 0)
+
+  contains
+
+    subroutine one(a, b, digits, exponent)
+      type(decimal_value), intent(in) :: a, b
+      integer(int64), intent(in) :: digits
+      integer, intent(in) :: exponent
+      type(decimal_value) :: total
+
+      total = decimal_sum(a, b)
+      call check(error, total%digits, digits, 'digits of the sum')
+      call check(error, total%exponent, exponent, 'exponent of the sum')
+    end subroutine one
+
+  end subroutine test_decimal_sum
+
+  subroutine test_deck_defaults(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+
+    call accept(error, deck, found)
+    if (allocated(error)) return
+    call check(error, found%file, place, 'file')
+    call check(error, found%from_deck, 'a deck is a deck')
+    call check(error, found%upper%file, 'data/examples/../thesis.deck', 'file of the deck')
+    call check(error, size(found%upper%x), 37, 'upper asperities')
+    call check(error, size(found%lower%radius), 75, 'lower asperities')
+    ! First upper card: 3.228, 0.977, 0.0654 in; times 2.54.
+    call check_decimal(error, found%upper%exact_x(1), 819912_int64, -5, 'x of upper 1')
+    call check_decimal(error, found%upper%exact_y(1), 248158_int64, -5, 'y of upper 1')
+    call check_decimal(error, found%upper%exact_height(1), 166116_int64, -6, 'height of upper 1')
+    call check_decimal(error, found%upper%exact_radius(37), 127000_int64, -5, 'radius of upper 37')
+    call check_double(error, found%upper%x(1), 8.19912_real64, 'x of upper 1')
+    call check_double(error, found%lower%radius(75), 1.27_real64, 'radius of lower 75')
+    ! 400000 psi times 0.6894.
+    call check_number(error, found%upper%elastic_modulus, 275760.0_real64, 'upper modulus')
+    call check_number(error, found%lower%elastic_modulus, 275760.0_real64, 'lower modulus')
+    call check_number(error, found%upper%poisson_ratio, 0.42_real64, 'upper ratio')
+    call check_number(error, found%upper%slope(1), 0.004_real64, 'upper slope x')
+    call check_number(error, found%upper%slope(2), -0.00058_real64, 'upper slope y')
+    call check_number(error, found%lower%slope(1), -0.00067_real64, 'lower slope x')
+    call check_number(error, found%lower%slope(2), -0.00045_real64, 'lower slope y')
+    call check_number(error, found%lower%rotation, 0.0_real64, 'lower rotation')
+    call check(error, found%lower_is_mirrored, 'a deck''s lower surface is mirrored')
+    ! WIDTHL 3.455 in.
+    call check_number(error, found%lower_mirror_width, 8.7757_real64, 'mirror width')
+    call check_number(error, found%starting_gap, 1.27_real64, 'gap')
+    call check(error, found%motion%positions, 1, 'positions')
+    call check_number(error, found%motion%x_first, 0.0_real64, 'first x')
+    call check_number(error, found%motion%x_step, 0.0_real64, 'x step')
+    call check(error, found%loading%control, control_limit, 'control')
+    call check(error, found%loading%points, 0, 'points')
+    call check(error, found%limit%criterion, criterion_load, 'criterion')
+    call check(error, found%limit%from_thesis, 'the limit is the thesis''')
+    ! 65*9.8/2.205 is 2600/9.
+    call check_number(error, found%limit%value, 2600 / 9.0_real64, 'limit load')
+    call check(error, found%effects%interaction, effect_off, 'interaction')
+    call check_number(error, found%effects%tolerance, 0.01_real64, 'tolerance')
+    call check(error, found%notes%count(), 1, 'the deck''s eight high asperities are noted')
+  end subroutine test_deck_defaults
+
+  subroutine test_bare_deck(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+    type(problem_list) :: problems
+
+    call read_scene('data/thesis.deck', found, problems)
+    call check(error, problems%text(), '', 'problems')
+    if (allocated(error)) return
+    call check(error, found%file, 'data/thesis.deck', 'file')
+    call check(error, size(found%lower%x), 75, 'lower asperities')
+    call check(error, found%motion%positions, 100, 'positions')
+    call check_number(error, found%motion%x_first, 0.1_real64, 'first x')
+    call check_number(error, found%motion%x_step, 0.1_real64, 'x step')
+    call check_number(error, found%motion%y_first, 0.0_real64, 'first y')
+    call check_number(error, found%motion%y_step, 0.0_real64, 'y step')
+    call check(error, found%limit%from_thesis, 'the limit is the thesis''')
+
+    call read_scene('data/examples/shifted.deck', found, problems)
+    call check(error, problems%text(), '', 'problems of the shifted deck')
+    if (allocated(error)) return
+    ! XDISPL 0.5 in, YDISPL -0.25 in; angles 0.1 and -0.2.
+    call check_number(error, found%motion%x_first, 1.37_real64, 'first x, shifted')
+    call check_number(error, found%motion%y_first, -0.635_real64, 'first y, shifted')
+    call check_number(error, found%upper%rotation, 0.1_real64, 'upper rotation')
+    call check_number(error, found%lower%rotation, -0.2_real64, 'lower rotation')
+  end subroutine test_bare_deck
+
+  subroutine test_overrides(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+
+    call accept(error, deck // '&material poisson_ratio = 0.3, 0.25 / &tilt rotation = 1, 2 /' // &
+                '&limit value = 100 / &motion positions = 3, y_step = -.5/', found)
+    if (allocated(error)) return
+    call check_number(error, found%upper%elastic_modulus, 275760.0_real64, 'modulus')
+    call check_number(error, found%upper%poisson_ratio, 0.3_real64, 'upper ratio')
+    call check_number(error, found%lower%poisson_ratio, 0.25_real64, 'lower ratio')
+    call check_number(error, found%upper%slope(1), 0.004_real64, 'slope')
+    call check_number(error, found%upper%rotation, 1.0_real64, 'upper rotation')
+    call check_number(error, found%lower%rotation, 2.0_real64, 'lower rotation')
+    call check_number(error, found%limit%value, 100.0_real64, 'limit load')
+    call check(error, .not. found%limit%from_thesis, 'the limit is the scene''s')
+    call check(error, found%motion%positions, 3, 'positions')
+    call check_number(error, found%motion%y_step, -0.5_real64, 'y step')
+    call check_number(error, found%motion%x_first, 0.0_real64, 'first x')
+  end subroutine test_overrides
+
+  subroutine test_syntax(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+    character(len=*), parameter :: crlf = achar(13) // '|'
+
+    call accept(error, '! a comment with / and & and ''|| &SURFACES Deck=''../thesis.deck''/' // &
+                '&Tilt upper_SLOPE=2*-1d-3 ! comment|lower_slope = 1 2|, rotation=.5,' // &
+                crlf // '2.e0,/!end' // crlf // '&loading CONTROL="Approach" value=-3E-1/|', found)
+    if (allocated(error)) return
+    call check_number(error, found%upper%slope(1), -0.001_real64, 'upper slope x')
+    call check_number(error, found%upper%slope(2), -0.001_real64, 'upper slope y')
+    call check_number(error, found%lower%slope(1), 1.0_real64, 'lower slope x')
+    call check_number(error, found%lower%slope(2), 2.0_real64, 'lower slope y')
+    call check_number(error, found%upper%rotation, 0.5_real64, 'upper rotation')
+    call check_number(error, found%lower%rotation, 2.0_real64, 'lower rotation')
+    call check(error, found%loading%control, control_approach, 'control')
+    call check_number(error, found%loading%value, -0.3_real64, 'approach')
+    call accept(error, char(239) // char(187) // char(191) // deck, found)
+    ! A doubled quote is one, and the other kind of quote is a character.
+    call refuse_file(error, '&surfaces deck=''it''''s "x".deck'' /', &
+                     'data/examples/it''s "x".deck:1:1: cannot be opened')
+    call refuse_file(error, '&surfaces deck="it''s ""x"".deck" /', &
+                     'data/examples/it''s "x".deck:1:1: cannot be opened')
+    call refuse_file(error, '&surfaces deck="/none/x.deck" /', '/none/x.deck:1:1: cannot be opened')
+  end subroutine test_syntax
+
+  subroutine test_thesis_scene(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: long, bare
+    type(problem_list) :: problems
+    integer :: i
+
+    call read_scene('data/examples/thesis.scene', long, problems)
+    call check(error, problems%text(), '', 'problems')
+    call read_scene('data/thesis.deck', bare, problems)
+    if (allocated(error)) return
+    ! What is written out equals what the deck stands for.
+    do i = 1, 2
+      call check_number(error, long%upper%slope(i), decimal_to_real64(bare%upper%slope(i)), 'slope')
+      call check_number(error, long%lower%slope(i), decimal_to_real64(bare%lower%slope(i)), 'slope')
+    end do
+    call check_number(error, long%upper%elastic_modulus, &
+                      decimal_to_real64(bare%upper%elastic_modulus), 'modulus')
+    call check_number(error, long%motion%x_first, decimal_to_real64(bare%motion%x_first), 'first x')
+    call check_number(error, long%motion%x_step, decimal_to_real64(bare%motion%x_step), 'x step')
+    call check(error, long%motion%positions, bare%motion%positions, 'positions')
+    call check(error, long%limit%from_thesis, 'the limit is the thesis''')
+    call read_scene('data/examples/position_56.scene', long, problems)
+    call check(error, problems%text(), '', 'problems of position 56')
+    call check(error, long%loading%points, 50, 'points')
+  end subroutine test_thesis_scene
+
+  subroutine test_csv_scene(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+    type(problem_list) :: problems
+
+    call read_scene('data/examples/csv_surfaces.scene', found, problems)
+    call check(error, problems%text(), '', 'problems')
+    if (allocated(error)) return
+    call check(error, .not. (found%from_deck .or. found%lower_is_mirrored), 'no deck')
+    call check(error, .not. allocated(found%upper%exact_x), 'no exact decimals')
+    call check(error, found%lower%file, 'data/examples/lower.csv', 'file')
+    call check(error, size(found%upper%x), 5, 'upper asperities')
+    call check_double(error, found%upper%x(3), -2.5_real64, 'x')
+    call check_double(error, found%upper%y(3), 1.0_real64, 'y')
+    call check_double(error, found%lower%height(5), 0.052_real64, 'height')
+    call check_double(error, found%upper%radius(5), 2.0_real64, 'upper radius')
+    call check_double(error, found%lower%radius(1), 1.5_real64, 'lower radius')
+    call check_number(error, found%lower%elastic_modulus, 70000.0_real64, 'modulus')
+    call check_number(error, found%lower%slope(2), 0.0_real64, 'slope')
+    call check_number(error, found%starting_gap, 0.0_real64, 'gap')
+    call check(error, found%loading%control, control_load, 'control')
+    call check(error, found%limit%criterion, criterion_hardy, 'criterion')
+    call check_number(error, found%limit%yield_stress, 250.0_real64, 'yield stress')
+  end subroutine test_csv_scene
+
+  subroutine test_csv_radii(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+    type(problem_list) :: problems
+
+    call read_scene('data/examples/one_pair.scene', found, problems)
+    call check(error, problems%text(), '', 'problems')
+    if (allocated(error)) return
+    call check_double(error, found%upper%radius(1), 5.0_real64, 'upper radius')
+    call check_double(error, found%lower%radius(1), 10.0_real64, 'lower radius')
+    call check_double(error, found%lower%height(1), 0.1_real64, 'lower height')
+    call check(error, found%limit%criterion, criterion_none, 'no limit')
+    ! A radius for the file that has none; the other keeps its own.
+    call accept(error, '&surfaces upper="ball.csv", lower="lower.csv", radius=9,7 /' // &
+                material // limit, found)
+    if (allocated(error)) return
+    call check_double(error, found%upper%radius(1), 5.0_real64, 'the file''s own radius')
+    call check_double(error, found%lower%radius(5), 7.0_real64, 'the scene''s radius')
+    call refuse(error, '&surfaces upper="upper.csv", lower="bump.csv" /' // material // limit, &
+                '1:1', 'no radius column in the upper surface''s file')
+    call refuse(error, '&surfaces upper="upper.csv", lower="lower.csv" /' // material // limit, &
+                '1:1', 'no radius column in the upper and the lower surface''s file')
+    call refuse(error, '&surfaces upper="ball.csv", lower="bump.csv",| radius=1,1 /' // &
+                material // limit, '2:2', 'radius: found although both files')
+  end subroutine test_csv_radii
+
+  subroutine test_loading_and_limit(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+
+    call accept(error, files // material // '&loading control="load", value=1e-300, points=7 /' // &
+                '&limit criterion="pressure", value=2.5 /', found)
+    if (allocated(error)) return
+    call check(error, found%loading%points, 7, 'points')
+    call check_number(error, found%loading%value, 1e-300_real64, 'load')
+    call check(error, found%limit%criterion, criterion_pressure, 'criterion')
+    call check_number(error, found%limit%value, 2.5_real64, 'pressure')
+    call accept(error, deck // '&limit criterion="greenwood_williamson", hardness=3e4 /', found)
+    if (allocated(error)) return
+    call check(error, found%limit%criterion, criterion_greenwood_williamson, 'criterion')
+    call check_number(error, found%limit%hardness, 3e4_real64, 'hardness')
+    call check(error, .not. found%limit%from_thesis, 'the thesis'' load has no part in it')
+    call accept(error, deck // '&limit criterion="load" /', found)
+    if (allocated(error)) return
+    call check(error, found%limit%from_thesis, 'the thesis'' load')
+  end subroutine test_loading_and_limit
+
+  subroutine test_bad_syntax(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call refuse(error, '', '1:1', 'found no group &surfaces')
+    call refuse(error, deck // '| stray words /|', '2:2', 'text outside a group: found ''stray''')
+    call refuse(error, deck // '|  &tilt rotation = 1, 1 |', '2:3', 'group &tilt has no end')
+    call refuse(error, deck // '&tilt rotation = 1, 1 |  &loading points = 1 /', '2:3', &
+                'group &tilt has no end')
+    call refuse(error, deck // '|&loading control = ''limit /|', '2:20', 'a text has no end')
+    call refuse(error, deck // '|& tilt rotation = 1, 1 /', '2:1', 'a group without a name')
+    call refuse(error, deck // '|&tilt rotation(1) = 1 /', '2:15', 'an index is not read')
+    call refuse(error, deck // '|&tilt = 1 /', '2:7', 'no name with values: found ''=''')
+    call refuse(error, deck // '|&tilt rotation 1, 1 /', '2:7', 'no name with values')
+    call refuse(error, deck // '|&tilt rotation = /', '2:18', 'a value is missing')
+    call refuse(error, deck // '|&tilt rotation = 1,, 2 /', '2:20', 'a value is missing')
+    call refuse(error, deck // '|&tilt rotation = , 1, 2 /', '2:18', 'a value is missing')
+    call refuse(error, deck // '|&tilt rotation = 2* /', '2:20', 'a repeat count')
+    call refuse(error, deck // '|&tilt rotation = 0*5 1 1/', '2:20', 'a repeat count')
+    call refuse(error, deck // '|&tilt rotation = 9999999999*5/', '2:29', 'a repeat count')
+    call refuse(error, deck // '|&tilt' // achar(0) // '/', '2:6', 'not a text file')
+    call refuse(error, deck // '|&tilt rotation = 1, 2', '2:1', 'found the end of the file')
+  end subroutine test_bad_syntax
+
+  subroutine test_unknown(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call refuse(error, deck // '| &moton x_first = 1 /', '2:2', &
+                'unknown group: found ''&moton'', expected &surfaces, &material, &motion, &tilt, &loading, &limit or &effects')
+    call refuse(error, deck // '|&motion|   X_frist = 1 /', '3:4', 'unknown name in &motion: ' // &
+                'found ''x_frist'', expected x_first, x_step, y_first, y_step or positions')
+    call refuse(error, deck // '|&motion / &motion /', '2:11', 'group &motion stands twice')
+    call refuse(error, deck // '|&motion x_first=1, x_first=1 /', '2:20', 'x_first stands twice')
+  end subroutine test_unknown
+
+  subroutine test_bad_values(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=*), parameter :: finite = 'expected a finite number within the range of a double'
+
+    call refuse(error, deck // '|&motion x_first = 1.2.3 /', '2:19', 'found ''1.2.3'', ' // finite)
+    call refuse(error, deck // '|&motion x_first = one /', '2:19', 'found ''one'', ' // finite)
+    call refuse(error, deck // '|&motion x_first = "1" /', '2:19', &
+                'found the text ''1'', ' // finite)
+    call refuse(error, deck // '|&motion x_first = nan /', '2:19', finite)
+    call refuse(error, deck // '|&motion x_first = 1e400 /', '2:19', finite)
+    call refuse(error, deck // '|&motion x_first = 1e-400 /', '2:19', finite)
+    call refuse(error, deck // '|&motion x_first = 1, 2 /', '2:9', 'found 2, expected 1')
+    call refuse(error, deck // '|&tilt rotation = 1 /', '2:7', 'found 1, expected 2')
+    call refuse(error, deck // '|&tilt rotation = 999999999*1 999999999*1 999999999*1 /', '2:7', &
+                'found 2999999997, expected 2')
+    call refuse(error, deck // '|&motion positions = 0 /', '2:21', 'a whole number from 1 to')
+    call refuse(error, deck // '|&motion positions = 1.5 /', '2:21', 'a whole number from 1 to')
+    call refuse(error, deck // '|&motion positions = 1e2 /', '2:21', 'a whole number from 1 to')
+    call refuse(error, deck // '|&motion positions = 9999999999 /', '2:21', 'to 2147483647')
+    call refuse(error, deck // '|&motion x_step=1e308, positions=3 /', '2:1', 'the last position')
+    call refuse(error, deck // '|&material elastic_modulus = 1, 0 /', '2:32', 'more than 0')
+    call refuse(error, deck // '|&material elastic_modulus = -1, 1 /', '2:29', 'more than 0')
+    call refuse(error, deck // '|&material poisson_ratio = 0.51, 0 /', '2:27', 'at most 0.5')
+    call refuse(error, deck // '|&material poisson_ratio = 0, -1 /', '2:30', 'more than -1')
+    call refuse(error, deck // '|&loading control="lode" /', '2:18', 'found the text ''lode'', ' // &
+                'expected ''limit'', ''approach'' or ''load''')
+    call refuse(error, deck // '|&loading control=limit /', '2:18', 'found ''limit'', expected')
+    call refuse(error, deck // '|&loading control="load", value=0 /', '2:32', 'more than 0')
+    call refuse(error, deck // '|&loading points=-1 /', '2:17', 'a whole number from 0')
+    call refuse(error, deck // '|&limit criterion="luck", value=1 /', '2:18', &
+                '''load'', ''pressure'', ''greenwood_williamson'' or ''hardy''')
+    call refuse(error, deck // '|&limit value=-2 /', '2:14', 'more than 0')
+    call refuse(error, deck // '|&effects tolerance=1 /', '2:20', 'less than 1')
+    call refuse(error, '&surfaces deck=5 /', '1:16', 'a text between quotes')
+    call refuse(error, '&surfaces deck="" /', '1:16', 'a text between quotes')
+  end subroutine test_bad_values
+
+  subroutine test_missing(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call refuse(error, '&surfaces /', '1:1', 'a surface is missing')
+    call refuse(error, '&surfaces upper="ball.csv" /' // material // limit, '1:1', &
+                'a surface is missing')
+    call refuse(error, '&surfaces upper="ball.csv", deck="../thesis.deck" /', '1:11', &
+                'upper: found beside deck')
+    call refuse(error, deck(:len(deck) - 2) // '|radius=1,1 /', '2:1', 'radius: found beside deck')
+    call refuse(error, limit // files // '&material elastic_modulus=1,1 /', '1:65', &
+                'no poisson_ratio')
+    call refuse(error, files // '|' // material, '1:1', 'no value in &limit')
+    call refuse(error, files // '|' // material // '&limit /', '2:52', 'no value in &limit')
+    call refuse(error, deck // '|&limit criterion="pressure" /', '2:1', 'no value in &limit')
+    call refuse(error, deck // '|&limit criterion="hardy" /', '2:1', 'no yield_stress in &limit')
+    call refuse(error, deck // '|&limit criterion="greenwood_williamson" /', '2:1', 'no hardness')
+    call refuse(error, deck // '|&limit criterion="hardy", yield_stress=1, value=2 /', '2:43', &
+                'value: not used with criterion = ''hardy''')
+    call refuse(error, deck // '|&loading control="load" /', '2:1', 'no value in &loading')
+    call refuse(error, deck // '|&loading value=3 /', '2:10', 'value: not used with control')
+  end subroutine test_missing
+
+  subroutine test_effects(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+
+    call accept(error, deck // '&effects interaction="OFF", friction="off", plasticity="off", ' // &
+                'adhesion="off", creep="off", tolerance=0.5 /', found)
+    call refuse(error, deck // '|&effects interaction="coupled" /', '2:10', &
+                'interaction: not available in this version: found ''coupled'', expected ''off''')
+    call refuse(error, deck // '|&effects interaction="boundary" /', '2:10', 'not available')
+    call refuse(error, deck // '|&effects creep="auto" /', '2:10', 'not available')
+    call refuse(error, deck // '|&effects friction="on" /', '2:10', 'not available')
+    call refuse(error, deck // '|&effects interaction="on" /', '2:22', &
+                'expected ''off'', ''auto'', ''coupled'' or ''boundary''')
+    call refuse(error, deck // '|&effects friction="coupled" /', '2:19', &
+                'expected ''off'', ''on'' or ''auto''')
+  end subroutine test_effects
+
+  subroutine test_all_problems(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+    type(problem_list) :: problems
+
+    call parse_scene(place, lines('&surfaces upper="none.csv", lower="bump.csv" /|' // &
+                                  '&motion x_first=a, positions=b /|&limit|&tilt slope=1 /'), &
+                     found, problems)
+    call check(error, problems%text(), lines( &
+         place // ':4:1: group &limit has no end: found another group, expected ''/''|' // &
+         place // ':4:7: unknown name in &tilt: found ''slope'', ' // &
+         'expected upper_slope, lower_slope or rotation|' // &
+         place // ':1:1: no elastic_modulus: surfaces from CSV files bring none, ' // &
+         'expected elastic_modulus = upper, lower in &material|' // &
+         place // ':1:1: no poisson_ratio: surfaces from CSV files bring none, ' // &
+         'expected poisson_ratio = upper, lower in &material|' // &
+         place // ':2:17: x_first: found ''a'', ' // &
+         'expected a finite number within the range of a double|' // &
+         place // ':2:30: positions: found ''b'', expected a whole number from 1 to 2147483647|' // &
+         place // ':3:1: no value in &limit: expected one with criterion = ''load''|' // &
+         'data/examples/none.csv:1:1: cannot be opened: No such file or directory, ' // &
+         'expected comma-separated numbers|'), 'all problems')
+  end subroutine test_all_problems
+
+  subroutine test_unreadable(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: found
+    type(problem_list) :: problems
+    character(len=:), allocatable :: text
+
+    call read_scene('data/none.scene', found, problems)
+    call check(error, problems%text(), &
+               lines('data/none.scene:1:1: cannot be opened: No such file or directory, ' // &
+                     'expected a scene or a card deck|'), 'no file')
+    call read_scene('data', found, problems)
+    call check(error, problems%count(), 1, 'a folder')
+    ! A CSV file given for a scene: read as a deck, and the message says so.
+    call read_scene('data/examples/lower.csv', found, problems)
+    text = problems%text()
+    call check(error, index(text, 'data/examples/lower.csv:1:1: read as a card deck') > 0, &
+               'a CSV file for a scene: ' // text)
+    call refuse_file(error, '&surfaces deck="lower.csv" /', 'data/examples/lower.csv:2:')
+  end subroutine test_unreadable
+
+  subroutine test_good_csv(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(surface_table) :: table
+    type(problem_list) :: problems
+
+    call parse_surface_csv('s.csv', lines(achar(13) // '||radius , height,x,y' // achar(13) // '|' // &
+                                          '|1.5,.25, 1 ,-2e0|' // achar(9) // '|2,-7,3,4'), &
+                           table, problems)
+    call check(error, problems%text(), '', 'problems')
+    if (allocated(error)) return
+    call check(error, table%has_radius, 'a radius column')
+    call check(error, size(table%x), 2, 'rows')
+    call check(error, size(table%radius), 2, 'radii')
+    call check_double(error, table%x(1), 1.0_real64, 'x')
+    call check_double(error, table%y(1), -2.0_real64, 'y')
+    call check_double(error, table%height(1), 0.25_real64, 'height')
+    call check_double(error, table%radius(1), 1.5_real64, 'radius')
+    call check_double(error, table%y(2), 4.0_real64, 'y of the last row')
+    call check_double(error, table%height(2), -7.0_real64, 'a dale is no error')
+    call parse_surface_csv('s.csv', lines('x,y,height|1,2,3|'), table, problems)
+    call check(error, problems%text(), '', 'problems without radii')
+    call check(error, .not. (table%has_radius .or. allocated(table%radius)), 'no radii')
+  end subroutine test_good_csv
+
+  subroutine test_bad_csv(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=*), parameter :: head = 'x,y,height,radius|'
+
+    call one('', '1:1', 'the file is empty')
+    call one(' ||', '1:1', 'the file is empty')
+    call one(head, '2:1', 'no asperity')
+    call one('x,y|1,2|', '1:1', 'no column height')
+    call one('|x,y,height,size|1,2,3,4|', '2:12', 'unknown column: found ''size''')
+    call one('x,y,height,|1,2,3,4|', '1:12', 'unknown column: found ''''')
+    call one('x,y,X,height|', '1:5', 'unknown column: found ''X''')
+    call one('x,y,height,x|', '1:12', 'column x stands twice')
+    call one('x,y,height,radius,|', '1:1', 'found 5 columns')
+    call one('1,2,0.1,1|', '1:1', 'unknown column', total=4)
+    call one(head // '1,2,0.1|', '2:1', 'found 3 cells, expected 4')
+    call one(head // '1,2,0.1,1,|', '2:1', 'found 5 cells, expected 4')
+    call one(head // '1, b,0.1,1|', '2:4', 'y: found ''b'', expected a finite number')
+    call one(head // '1,,0.1,1|', '2:3', 'y: found ''''')
+    call one(head // '|1,2,nan,1|', '3:5', 'height: found ''nan''')
+    call one(head // '1,2,0.1,1|1e999,2,0.1,1', '3:1', 'x: found ''1e999''')
+    call one(head // '1,2,0.1,0|', '2:9', 'radius: found ''0'', expected more than 0')
+    call one(head // '1,2,0.1,-1|', '2:9', 'radius: found ''-1''')
+    call one(head // '1,2,2.0,1|', '2:5', 'height: found ''2.0'', expected less than twice')
+    call one(head // '"1",2,0.1,1|', '2:1', 'x: found ''"1"''')
+    call one(head // '1,2' // achar(7) // ',0.1,1|', '2:4', 'not a text file')
+    call one('x,y,height|1,2,2.5|', '2:5', 'less than twice the radius', radius=1.25_real64)
+
+  contains
+
+    subroutine one(text, where, fragment, total, radius)
+      character(len=*), intent(in) :: text, where, fragment
+      integer, intent(in), optional :: total
+      real(real64), intent(in), optional :: radius
+      type(surface_table) :: table
+      type(problem_list) :: problems
+
+      if (present(radius)) then
+        call parse_surface_csv('s.csv', lines(text), table, problems, radius)
+      else
+        call parse_surface_csv('s.csv', lines(text), table, problems)
+      end if
+      if (present(total)) then
+        call check(error, problems%count(), total, 'problems of ' // text)
+      else
+        call check(error, problems%count(), 1, 'problems of ' // text // ': ' // problems%text())
+      end if
+      call check_start(error, problems, 's.csv:' // where // ': ', fragment)
+    end subroutine one
+
+  end subroutine test_bad_csv
+
+  subroutine test_many_problems(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(surface_table) :: table
+    type(scene) :: found
+    type(problem_list) :: problems
+    character(len=:), allocatable :: text
+    character(len=*), parameter :: csv_end = 's.csv: and 150 more problems' // new_line('a')
+    character(len=*), parameter :: scene_end = place // ': and 10 more problems' // new_line('a')
+
+    call parse_surface_csv('s.csv', lines('x,y,height|' // repeat('a,1,1|', 200)), table, problems)
+    text = problems%text()
+    call check(error, problems%count(), 51, 'lines of problems')
+    call check(error, index(text, csv_end) == len(text) - len(csv_end) + 1, 'the last line')
+    call parse_scene(place, deck // '&tilt ' // repeat('a=1,', 60) // '/', found, problems)
+    text = problems%text()
+    call check(error, problems%count(), 51, 'lines of problems of a scene')
+    call check(error, index(text, scene_end) == len(text) - len(scene_end) + 1, 'the scene''s last')
+  end subroutine test_many_problems
+
+  !> A text with `|` for line ends.
+  pure function lines(text)
+    character(len=*), intent(in) :: text
+    character(len=len(text)) :: lines
+    integer :: i
+
+    lines = text
+    do i = 1, len(text)
+      if (text(i:i) == '|') lines(i:i) = new_line('a')
+    end do
+  end function lines
+
+  !> Reads a scene that must be good.
+  subroutine accept(error, text, found)
+    type(error_type), allocatable, intent(inout) :: error
+    character(len=*), intent(in) :: text
+    type(scene), intent(out) :: found
+    type(problem_list) :: problems
+
+    call parse_scene(place, lines(text), found, problems)
+    call check(error, problems%text(), '', 'problems of ' // text)
+  end subroutine accept
+
+  !> Reads a scene that must have one problem, at a line and column, with these words.
+  subroutine refuse(error, text, where, fragment)
+    type(error_type), allocatable, intent(inout) :: error
+    character(len=*), intent(in) :: text, where, fragment
+
+    call refuse_file(error, text, place // ':' // where // ': ', fragment)
+  end subroutine refuse
+
+  !> Reads a scene that must have one problem, which starts with these words.
+  subroutine refuse_file(error, text, start, fragment)
+    type(error_type), allocatable, intent(inout) :: error
+    character(len=*), intent(in) :: text, start
+    character(len=*), intent(in), optional :: fragment
+    type(scene) :: found
+    type(problem_list) :: problems
+
+    call parse_scene(place, lines(text), found, problems)
+    if (present(fragment)) then
+      call check(error, problems%count(), 1, 'problems of ' // text // ': ' // problems%text())
+      call check_start(error, problems, start, fragment)
+    else
+      call check_start(error, problems, start, '')
+    end if
+  end subroutine refuse_file
+
+  subroutine check_start(error, problems, start, fragment)
+    type(error_type), allocatable, intent(inout) :: error
+    type(problem_list), intent(in) :: problems
+    character(len=*), intent(in) :: start, fragment
+    character(len=:), allocatable :: text
+
+    text = problems%text()
+    call check(error, index(text, start) == 1 .and. index(text, fragment) > 0, &
+               'found "' // text // '", expected "' // start // '... ' // fragment // '"')
+  end subroutine check_start
+
+  subroutine check_decimal(error, found, digits, exponent, what)
+    type(error_type), allocatable, intent(inout) :: error
+    type(decimal_value), intent(in) :: found
+    integer(int64), intent(in) :: digits
+    integer, intent(in) :: exponent
+    character(len=*), intent(in) :: what
+
+    call check(error, found%digits, digits, 'digits of ' // what)
+    call check(error, found%exponent, exponent, 'exponent of ' // what)
+  end subroutine check_decimal
+
+  !> The nearest double of a decimal, to the last bit.
+  subroutine check_number(error, found, expected, what)
+    type(error_type), allocatable, intent(inout) :: error
+    type(decimal_value), intent(in) :: found
+    real(real64), intent(in) :: expected
+    character(len=*), intent(in) :: what
+
+    call check_double(error, decimal_to_real64(found), expected, what)
+  end subroutine check_number
+
+  subroutine check_double(error, found, expected, what)
+    type(error_type), allocatable, intent(inout) :: error
+    real(real64), intent(in) :: found, expected
+    character(len=*), intent(in) :: what
+
+    call check(error, found, expected, 0.0_real64, what)
+  end subroutine check_double
+
+end module asperity_test_scene
