@@ -98,6 +98,8 @@ contains
     do i = 1, size(list%options)
       call take_option(line, list%options(i)%name, list%options(i)%value, problems)
     end do
+    if (line%accuracy > 0 .and. line%arithmetic /= '') &
+      call problems%add('--accuracy chooses the arithmetic: leave out --arithmetic')
     call check_files(line, problems)
   end subroutine parse_command_line
 

@@ -1,18 +1,21 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
+  use asperity_accuracy_choice, only: solve_to_accuracy
   use asperity_command_line, only: command_line
   use asperity_contact_records, only: scene_results, solve_method
   use asperity_corrected_table, only: correct_table
   use asperity_card_deck, only: card_deck, read_card_deck
+  use asperity_error_budget, only: error_budget, measure_budget
   use asperity_files, only: write_standard_error, write_standard_output, write_whole_file
+  use asperity_kinds, only: real64
   use asperity_original, only: run_in_arithmetic
-  use asperity_original_records, only: original_positions, original_records, original_request
+  use asperity_original_records, only: original_records, original_request
   use asperity_problems, only: problem_list
   use asperity_results_csv, only: write_contacts, write_curve, write_positions
   use asperity_scene_reader, only: read_scene
-  use asperity_scene_values, only: control_limit, scene
+  use asperity_scene_values, only: is_thesis_sweep, scene
   use asperity_solver, only: solve_in_arithmetic
-  use asperity_summary, only: write_corrected_table, write_summary
+  use asperity_summary, only: write_budget, write_choice, write_corrected_table, write_summary
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -30,6 +33,8 @@ contains
     type(scene_results) :: results
     type(text_buffer) :: summary, contacts, positions, curve
     character(len=:), allocatable :: arithmetic, failure
+    type(error_budget) :: budget
+    real(real64) :: bound
     logical :: keep_rows, thesis_sweep
 
     call read_scene(line%input, scene_in, problems)
@@ -44,12 +49,22 @@ contains
     if (line%arithmetic /= '') arithmetic = line%arithmetic
     thesis_sweep = is_thesis_sweep(scene_in)
     keep_rows = line%contacts_file /= '' .or. thesis_sweep
-    call solve_in_arithmetic(arithmetic, scene_in, solve_method(), keep_rows, results, failure)
+    if (line%accuracy > 0.0_real64) then
+      call solve_to_accuracy(scene_in, line%accuracy, keep_rows, results, arithmetic, bound, &
+                             failure)
+    else
+      call solve_in_arithmetic(arithmetic, scene_in, solve_method(), keep_rows, results, failure)
+    end if
+    if (.not. allocated(failure) .and. line%budget) &
+      call measure_budget(scene_in, arithmetic, results, budget, failure)
     if (allocated(failure)) failure = line%input // ': ' // failure
     if (complained()) return
 
     if (.not. line%quiet) then
       call write_summary(scene_in, arithmetic // ', exact events', results, summary)
+      if (line%accuracy > 0.0_real64) &
+        call write_choice(line%accuracy, arithmetic // ', exact events', bound, summary)
+      if (line%budget) call write_budget(budget, size(results%positions), summary)
       if (thesis_sweep) call add_corrected_table(line%input, results, summary)
     end if
     if (line%contacts_file /= '') then
@@ -79,16 +94,6 @@ contains
     end function complained
 
   end subroutine run_solve_command
-
-  !> Whether the scene is a bare deck: the sweep that the original program computes.
-  pure logical function is_thesis_sweep(scene_in)
-    type(scene), intent(in) :: scene_in
-
-    is_thesis_sweep = scene_in%from_deck .and. scene_in%limit%from_thesis .and. &
-                      scene_in%motion%positions == original_positions .and. &
-                      scene_in%loading%control == control_limit .and. &
-                      scene_in%upper%file == scene_in%file
-  end function is_thesis_sweep
 
   !> Runs the original beside, and prints Table VI before and after. A deck on which the original
   !> goes astray has no such table.

@@ -16,8 +16,10 @@ module asperity_csv
     procedure, private :: put_number
     procedure, private :: put_integer
     procedure, private :: put_logical
-    !> Adds a cell: a double with 17 significant digits, an integer, or a logical as 1 or 0.
-    generic :: put => put_number, put_integer, put_logical
+    procedure, private :: put_word
+    !> Adds a cell: a double with 17 significant digits, an integer, a logical as 1 or 0, or a
+    !> word without comma.
+    generic :: put => put_number, put_integer, put_logical, put_word
     !> Adds the line to a text and empties it.
     procedure :: finish
   end type csv_line
@@ -48,6 +50,13 @@ contains
 
     call put_cell(self, merge('1', '0', value))
   end subroutine put_logical
+
+  subroutine put_word(self, value)
+    class(csv_line), intent(inout) :: self
+    character(len=*), intent(in) :: value
+
+    call put_cell(self, value)
+  end subroutine put_word
 
   !> Adds the line to `buffer` and empties it.
   subroutine finish(self, buffer)

@@ -143,8 +143,8 @@ contains
       call skip_blanks(list%text, at)
       if (at > len(list%text)) then
         if (.not. list%groups(number)%is_broken) &
-          call problems%add_at_byte(list%text, ampersand, 'group &' // &
-                                    list%text(group%first:group%last) // ' has no end: ' // &
+          call problems%add_at_byte(list%text, ampersand, 'group ' // &
+                                    quoted(list%text(ampersand:group%last)) // ' has no end: ' // &
                                     'found the end of the file, expected ''/''')
         list%groups(number)%is_broken = .true.
         return
@@ -155,8 +155,8 @@ contains
         return
       case ('&')
         if (.not. list%groups(number)%is_broken) &
-          call problems%add_at_byte(list%text, at, 'group &' // &
-                                    list%text(group%first:group%last) // ' has no end: ' // &
+          call problems%add_at_byte(list%text, at, 'group ' // &
+                                    quoted(list%text(ampersand:group%last)) // ' has no end: ' // &
                                     'found another group, expected ''/''')
         list%groups(number)%is_broken = .true.
         return
@@ -195,7 +195,7 @@ contains
         ! A comma may stand behind the last value too; two in a row leave one out.
         if (comma .and. .not. entry%is_broken) then
           call problems%add_at_byte(list%text, at, 'a value is missing: found '','', expected ' // &
-                                    'a value of ' // list%text(entry%first:entry%last))
+                                    'a value of ' // quoted(list%text(entry%first:entry%last)))
           entry%is_broken = .true.
         end if
         comma = .true.
@@ -210,7 +210,7 @@ contains
     if (entry%last_value < entry%first_value .and. .not. entry%is_broken) then
       call problems%add_at_byte(list%text, min(at, len(list%text) + 1), 'a value is missing: ' // &
                                 'found none, expected a value of ' // &
-                                list%text(entry%first:entry%last))
+                                quoted(list%text(entry%first:entry%last)))
       entry%is_broken = .true.
     end if
     call grow_entries(list)
@@ -231,7 +231,7 @@ contains
     if (entry%last >= entry%first .and. next_character(list%text, equals) == '(') then
       call problems%add_at_byte(list%text, equals, 'an index is not read: found ''('', ' // &
                                 'expected ''='' and all values of ' // &
-                                list%text(entry%first:entry%last))
+                                quoted(list%text(entry%first:entry%last)))
     else if (.not. list%groups(entry%group)%is_broken) then
       call problems%add_at_byte(list%text, at, 'no name with values: found ' // found // &
                                 ', expected ''name = value'' or ''/''')

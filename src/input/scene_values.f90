@@ -15,7 +15,7 @@ module asperity_scene_values
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
-  public :: thesis_limit_load
+  public :: thesis_limit_load, is_thesis_sweep
 
   !> Closing ends at the approach at which a contact reaches the limit.
   integer, parameter :: control_limit = 1
@@ -57,6 +57,9 @@ module asperity_scene_values
 
   !> Limit load of the thesis, 65*9.8/2.205 = 288.888... N, to 18 digits.
   type(decimal_value), parameter :: thesis_limit_load = decimal_value(288888888888888889_int64, -15)
+
+  ! Positions of the original's sweep.
+  integer, parameter :: thesis_positions = 100
 
   !> One surface, as it lies in its file: not rotated, mirrored, tilted or moved.
   type :: scene_surface
@@ -130,5 +133,17 @@ module asperity_scene_values
     type(scene_effects) :: effects                !! what else is simulated
     type(problem_list) :: notes                   !! oddities of a deck that are no errors
   end type scene
+
+contains
+
+  !> Whether the scene is a bare deck: the sweep that the original program computes.
+  pure logical function is_thesis_sweep(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values
+
+    is_thesis_sweep = scene_in%from_deck .and. scene_in%limit%from_thesis .and. &
+                      scene_in%motion%positions == thesis_positions .and. &
+                      scene_in%loading%control == control_limit .and. &
+                      scene_in%upper%file == scene_in%file
+  end function is_thesis_sweep
 
 end module asperity_scene_values

@@ -374,10 +374,12 @@ contains
 
     call refuse(error, '', '1:1', 'found no group &surfaces')
     call refuse(error, deck // '| stray words /|', '2:2', 'text outside a group: found ''stray''')
-    call refuse(error, deck // '|  &tilt rotation = 1, 1 |', '2:3', 'group &tilt has no end')
+    call refuse(error, deck // '|  &tilt rotation = 1, 1 |', '2:3', 'group ''&tilt'' has no end')
     call refuse(error, deck // '&tilt rotation = 1, 1 |  &loading points = 1 /', '2:3', &
-                'group &tilt has no end')
+                'group ''&tilt'' has no end')
     call refuse(error, deck // '|&loading control = ''limit /|', '2:20', 'a text has no end')
+    call refuse_file(error, deck // '|&loading control = ''limit|'' /', &
+                     place // ':2:20: a text has no end')
     call refuse(error, deck // '|& tilt rotation = 1, 1 /', '2:1', 'a group without a name')
     call refuse(error, deck // '|&tilt rotation(1) = 1 /', '2:15', 'an index is not read')
     call refuse(error, deck // '|&tilt = 1 /', '2:7', 'no name with values: found ''=''')
@@ -396,7 +398,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
 
     call refuse(error, deck // '| &moton x_first = 1 /', '2:2', &
-                'unknown group: found ''&moton'', expected &surfaces, &material, &motion, &tilt, &loading, &limit or &effects')
+                'unknown group: found ''&moton'', expected &surfaces, &material, &motion, ' // &
+                '&tilt, &loading, &limit or &effects')
     call refuse(error, deck // '|&motion|   X_frist = 1 /', '3:4', 'unknown name in &motion: ' // &
                 'found ''x_frist'', expected x_first, x_step, y_first, y_step or positions')
     call refuse(error, deck // '|&motion / &motion /', '2:11', 'group &motion stands twice')
@@ -427,8 +430,8 @@ contains
     call refuse(error, deck // '|&material elastic_modulus = -1, 1 /', '2:29', 'more than 0')
     call refuse(error, deck // '|&material poisson_ratio = 0.51, 0 /', '2:27', 'at most 0.5')
     call refuse(error, deck // '|&material poisson_ratio = 0, -1 /', '2:30', 'more than -1')
-    call refuse(error, deck // '|&loading control="lode" /', '2:18', 'found the text ''lode'', ' // &
-                'expected ''limit'', ''approach'' or ''load''')
+    call refuse(error, deck // '|&loading control="lode" /', '2:18', &
+                'found the text ''lode'', expected ''limit'', ''approach'' or ''load''')
     call refuse(error, deck // '|&loading control=limit /', '2:18', 'found ''limit'', expected')
     call refuse(error, deck // '|&loading control="load", value=0 /', '2:32', 'more than 0')
     call refuse(error, deck // '|&loading points=-1 /', '2:17', 'a whole number from 0')
@@ -488,7 +491,7 @@ contains
                                   '&motion x_first=a, positions=b /|&limit|&tilt slope=1 /'), &
                      found, problems)
     call check(error, problems%text(), lines( &
-         place // ':4:1: group &limit has no end: found another group, expected ''/''|' // &
+         place // ':4:1: group ''&limit'' has no end: found another group, expected ''/''|' // &
          place // ':4:7: unknown name in &tilt: found ''slope'', ' // &
          'expected upper_slope, lower_slope or rotation|' // &
          place // ':1:1: no elastic_modulus: surfaces from CSV files bring none, ' // &
@@ -497,7 +500,8 @@ contains
          'expected poisson_ratio = upper, lower in &material|' // &
          place // ':2:17: x_first: found ''a'', ' // &
          'expected a finite number within the range of a double|' // &
-         place // ':2:30: positions: found ''b'', expected a whole number from 1 to 2147483647|' // &
+         place // ':2:30: positions: found ''b'', ' // &
+         'expected a whole number from 1 to 2147483647|' // &
          place // ':3:1: no value in &limit: expected one with criterion = ''load''|' // &
          'data/examples/none.csv:1:1: cannot be opened: No such file or directory, ' // &
          'expected comma-separated numbers|'), 'all problems')
@@ -528,8 +532,8 @@ contains
     type(surface_table) :: table
     type(problem_list) :: problems
 
-    call parse_surface_csv('s.csv', lines(achar(13) // '||radius , height,x,y' // achar(13) // '|' // &
-                                          '|1.5,.25, 1 ,-2e0|' // achar(9) // '|2,-7,3,4'), &
+    call parse_surface_csv('s.csv', lines(achar(13) // '||radius , height,x,y' // achar(13) // &
+                                          '||1.5,.25, 1 ,-2e0|' // achar(9) // '|2,-7,3,4'), &
                            table, problems)
     call check(error, problems%text(), '', 'problems')
     if (allocated(error)) return

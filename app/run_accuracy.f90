@@ -1,0 +1,73 @@
+!> The command `asperity accuracy [DECK or SCENE]`: the study of what accuracy costs in time.
+module asperity_run_accuracy
+  use asperity_accuracy_study, only: accuracy_row, run_accuracy_study
+  use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
+  use asperity_card_deck, only: card_deck, read_card_deck
+  use asperity_command_line, only: command_line
+  use asperity_files, only: write_standard_error, write_standard_output, write_whole_file
+  use asperity_kinds, only: real64
+  use asperity_problems, only: problem_list
+  use asperity_scene_reader, only: read_scene
+  use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: run_accuracy_command
+
+  ! Time spent on every row, s: enough for a steady median.
+  real(real64), parameter :: seconds_a_row = 0.2_real64
+
+contains
+
+  !> Runs the command. All is computed before the first byte is written.
+  subroutine run_accuracy_command(line, status)
+    type(command_line), intent(in) :: line  !! the user's choices
+    integer, intent(out) :: status          !! exit status
+    type(scene) :: scene_in
+    type(card_deck), allocatable :: deck
+    type(problem_list) :: problems
+    type(accuracy_row), allocatable :: rows(:)
+    type(text_buffer) :: table, csv
+    character(len=:), allocatable :: failure
+
+    call read_scene(line%input, scene_in, problems)
+    if (problems%count() == 0) then
+      if (scene_in%loading%control /= control_limit .or. &
+          scene_in%limit%criterion /= criterion_load) &
+        call problems%add(line%input // ': the accuracy study needs a scene that ends at a ' // &
+                          'limit load: control = ''limit'', criterion = ''load''')
+    end if
+    if (problems%count() == 0 .and. is_thesis_sweep(scene_in)) then
+      allocate (deck)
+      call read_card_deck(line%input, deck, problems)
+    end if
+    if (problems%count() > 0) then
+      call write_standard_error(problems%text())
+      status = 2
+      return
+    end if
+    status = 1
+    call run_accuracy_study(scene_in, deck, seconds_a_row, rows, failure)
+    if (allocated(failure)) failure = line%input // ': ' // failure
+    if (complained()) return
+    if (line%csv_file /= '') then
+      call write_accuracy_csv(rows, csv)
+      call write_whole_file(line%csv_file, csv%text(), failure)
+      if (complained()) return
+    end if
+    if (.not. line%quiet) call write_accuracy_table(rows, table)
+    call write_standard_output(table%text(), failure)
+    if (complained()) return
+    status = 0
+
+  contains
+
+    logical function complained()
+      complained = allocated(failure)
+      if (complained) call write_standard_error(failure // new_line('a'))
+    end function complained
+
+  end subroutine run_accuracy_command
+
+end module asperity_run_accuracy

@@ -1,0 +1,110 @@
+!> The cheapest way of computing that has the accuracy asked for.
+!>
+!> The ways are the front of the accuracy study, cheapest first: exact events with the stable
+!> overlap, in real64 and in real128. Shorter arithmetics and marching are not on it: they are no
+!> cheaper, or not clearly. Each way's error is bounded from what was solved, not from a table, so
+!> that the promise holds on scenes the study has never seen.
+module asperity_accuracy_choice
+  use asperity_contact_records, only: scene_results, solve_method, state_row
+  use asperity_kinds, only: real64
+  use asperity_scene_values, only: scene
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_solver, only: solve_in_arithmetic
+  implicit none
+  private
+
+  public :: front_arithmetics, solve_to_accuracy, error_bound, finest_accuracy
+
+  !> The front of the accuracy study, cheapest first.
+  character(len=7), parameter :: front_arithmetics(2) = [character(len=7) :: 'real64', 'real128']
+
+  !> Results are handed over as doubles: nothing finer can be promised.
+  real(real64), parameter :: finest_accuracy = 4 * epsilon(1.0_real64)
+
+  ! Rounding errors of a position's coordinates and separations, in units of roundoff: placing (3),
+  ! the difference in plan, its square and root, the separation and the gap, each at most 1.
+  real(real64), parameter :: roundings = 12.0_real64
+
+contains
+
+  !> Solves a scene in the cheapest way whose error bound is within `accuracy`.
+  !> `failure` is allocated when no way is good enough or the scene cannot be solved.
+  subroutine solve_to_accuracy(scene_in, accuracy, keep_rows, results, arithmetic, bound, failure)
+    type(scene), intent(in) :: scene_in                        !! checked values
+    real(real64), intent(in) :: accuracy                       !! relative error allowed
+    logical, intent(in) :: keep_rows                           !! keep the contacts of every state
+    type(scene_results), intent(out) :: results                !! all positions
+    character(len=:), allocatable, intent(out) :: arithmetic   !! the way taken
+    real(real64), intent(out) :: bound                         !! its error bound, relative
+    character(len=:), allocatable, intent(out) :: failure      !! why not
+    character(len=10) :: digits
+    integer :: way
+
+    do way = 1, size(front_arithmetics)
+      arithmetic = trim(front_arithmetics(way))
+      call solve_in_arithmetic(arithmetic, scene_in, solve_method(), keep_rows, results, failure)
+      if (allocated(failure)) return
+      bound = error_bound(arithmetic, scene_in, results)
+      if (bound <= accuracy) return
+    end do
+    write (digits, '(es10.1e3)') bound
+    failure = 'no way of computing has this accuracy; the best one, ' // arithmetic // &
+              ', is good to' // digits
+  end subroutine solve_to_accuracy
+
+  !> Bound of the relative error of every total: load, vertical load, area, approach.
+  !>
+  !> Coordinates are rounded, so penetrations are uncertain by some roundoffs of the coordinates'
+  !> size. The total load of independent contacts changes by at most 3/2 of that over the closing,
+  !> because load grows at least as the power 3/2 of the closing.
+  function error_bound(arithmetic, scene_in, results) result(bound)
+    character(len=*), intent(in) :: arithmetic      !! a name of `front_arithmetics`
+    type(scene), intent(in) :: scene_in             !! what was solved
+    type(scene_results), intent(in) :: results      !! solved positions
+    real(real64) :: bound
+    real(real64) :: roundoff, in_plan, in_height, radius, uncertainty, steepest
+    type(state_row) :: last
+    integer :: m
+
+    roundoff = 0.5_real64 * epsilon(1.0_real64)
+    if (arithmetic == 'real128') roundoff = roundoff * 2.0_real64**(53 - 113)
+    radius = min(minval(scene_in%upper%radius), minval(scene_in%lower%radius))
+    in_height = max(maxval(abs(scene_in%upper%height)), maxval(abs(scene_in%lower%height)))
+    in_plan = max(extent(scene_in%upper%x), extent(scene_in%upper%y), &
+                  extent(scene_in%lower%x), extent(scene_in%lower%y), &
+                  abs(decimal_to_real64(scene_in%lower_mirror_width)), &
+                  displacement(scene_in))
+    bound = finest_accuracy
+    do m = 1, size(results%positions)
+      last = results%positions(m)%states(size(results%positions(m)%states))
+      if (.not. last%closing > 0.0_real64) cycle
+      ! An error in plan tilts into height by the slope of the contact, d/z of at most
+      ! sqrt(2 (RU + RL) H) over the radius' size.
+      steepest = min(1.0_real64, sqrt(4 * max(in_height, last%closing) / radius))
+      uncertainty = roundings * roundoff * (in_height + steepest * in_plan)
+      bound = max(bound, 1.5_real64 * uncertainty / last%closing + finest_accuracy)
+      if (abs(last%approach) > 0.0_real64) &
+        bound = max(bound, uncertainty / abs(last%approach) + finest_accuracy)
+    end do
+  end function error_bound
+
+  !> Largest magnitude of some coordinates.
+  pure real(real64) function extent(coordinates)
+    real(real64), intent(in) :: coordinates(:)
+
+    extent = maxval(abs(coordinates))
+  end function extent
+
+  !> Largest magnitude of the displacement.
+  pure real(real64) function displacement(scene_in)
+    type(scene), intent(in) :: scene_in
+
+    associate (motion => scene_in%motion)
+      displacement = max(abs(decimal_to_real64(motion%x_first)), &
+                         abs(decimal_to_real64(motion%y_first))) + &
+                     (motion%positions - 1) * max(abs(decimal_to_real64(motion%x_step)), &
+                                                  abs(decimal_to_real64(motion%y_step)))
+    end associate
+  end function displacement
+
+end module asperity_accuracy_choice

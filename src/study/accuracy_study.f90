@@ -1,0 +1,293 @@
+!> What accuracy costs in time: every way of computing a sweep, its errors and its time.
+!>
+!> Ways: four arithmetics; exact events, or marching with four steps; the original's overlap, or
+!> the stable one; and the original program itself where the input is a deck. Errors are measured
+!> against exact events with the stable overlap in real128.
+module asperity_accuracy_study
+  use asperity_card_deck, only: card_deck
+  use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
+                                      scene_results, solve_method, state_row
+  use asperity_kinds, only: int64, real64
+  use asperity_decimal, only: decimal_value
+  use asperity_original, only: arithmetic_names, run_in_arithmetic
+  use asperity_original_records, only: original_positions, original_records, original_request
+  use asperity_scene_values, only: scene
+  use asperity_solver, only: solve_in_arithmetic
+  use asperity_timed_sweep_ibm370, only: timed_ibm370 => run_timed
+  use asperity_timed_sweep_real128, only: timed_real128 => run_timed
+  use asperity_timed_sweep_real32, only: timed_real32 => run_timed
+  use asperity_timed_sweep_real64, only: timed_real64 => run_timed
+  use asperity_timing, only: timing_samples
+  implicit none
+  private
+
+  public :: accuracy_row, run_accuracy_study
+  public :: load_error, area_error, pressure_error, approach_error, count_error
+  public :: way_events, way_marching, way_original
+
+  ! Ways of computing.
+  integer, parameter :: way_events = 1    !! exact events
+  integer, parameter :: way_marching = 2  !! marching, nothing carried between positions
+  integer, parameter :: way_original = 3  !! the original program, state carried
+
+  ! Quantities whose error is measured, at the last state of every position but for the pressure.
+  integer, parameter :: load_error = 1      !! total load
+  integer, parameter :: area_error = 2      !! total area
+  integer, parameter :: pressure_error = 3  !! of the first contact, one step past its touch
+  integer, parameter :: approach_error = 4  !! approach
+  integer, parameter :: count_error = 5     !! number of contacts
+
+  !> Marching steps of the study, in the scene's unit of length, and their powers of ten.
+  integer, parameter :: step_powers(4) = [-2, -3, -4, -5]
+  real(real64), parameter :: steps(4) = [1.0e-2_real64, 1.0e-3_real64, 1.0e-4_real64, &
+                                         1.0e-5_real64]
+  !> The step at which the pressure of exact events is taken: the original's.
+  integer, parameter :: usual_step = 2
+
+  ! Two rows cost the same, or err the same, when they differ by less than this factor. It is wide
+  ! on purpose: the front must not depend on the clock's mood.
+  real(real64), parameter :: same_time = 1.5_real64, same_error = 1.1_real64
+
+  !> One way of computing: its cost and its errors.
+  type :: accuracy_row
+    character(len=7) :: arithmetic = ''          !! one of `arithmetic_names`
+    integer :: way = way_events                  !! one of the ways above
+    real(real64) :: step = 0.0_real64            !! marching step; 0 for exact events
+    integer :: overlap = overlap_stable          !! `overlap_stable` or `overlap_original`
+    real(real64) :: seconds = 0.0_real64         !! a position, median
+    real(real64) :: spread = 0.0_real64          !! half the quartile distance over the median
+    real(real64) :: ratio = 1.0_real64           !! seconds over those of the fastest row
+    real(real64) :: largest(5) = 0.0_real64      !! relative errors, largest over the positions
+    real(real64) :: mean(5) = 0.0_real64         !! relative errors, mean over the positions
+    real(real64) :: worst = 0.0_real64           !! largest of the errors but for the count
+    logical :: on_front = .false.                !! the cheapest for its accuracy
+  end type accuracy_row
+
+contains
+
+  !> Runs the study. The scene is a sweep to the limit; `deck` is allocated when it came from a
+  !> deck alone, and the original program can be run on it.
+  subroutine run_accuracy_study(scene_in, deck, least_seconds, rows, failure)
+    type(scene), intent(in) :: scene_in                         !! checked values
+    type(card_deck), allocatable, intent(in) :: deck            !! its cards, or not allocated
+    real(real64), intent(in) :: least_seconds                   !! time to spend on a row, s
+    type(accuracy_row), allocatable, intent(out) :: rows(:)     !! all ways, in a fixed order
+    character(len=:), allocatable, intent(out) :: failure       !! why it cannot be run
+    type(scene_results) :: reference(size(steps)), results
+    type(timing_samples) :: timing
+    type(accuracy_row) :: row
+    integer :: a, k, overlap
+
+    do k = 1, size(steps)
+      call solve_in_arithmetic('real128', scene_in, solve_method(step=steps(k)), .false., &
+                               reference(k), failure)
+      if (allocated(failure)) return
+    end do
+    allocate (rows(0))
+    do a = 1, size(arithmetic_names)
+      do overlap = overlap_stable, overlap_original
+        row = accuracy_row(arithmetic=arithmetic_names(a), way=way_events, overlap=overlap)
+        call add_row(usual_step)
+        if (allocated(failure)) return
+        do k = 1, size(steps)
+          row = accuracy_row(arithmetic=arithmetic_names(a), way=way_marching, step=steps(k), &
+                             overlap=overlap)
+          call add_row(k)
+          if (allocated(failure)) return
+        end do
+      end do
+      if (allocated(deck)) then
+        row = accuracy_row(arithmetic=arithmetic_names(a), way=way_original, &
+                           step=steps(usual_step), overlap=overlap_original)
+        call run_original_row(row, deck, reference(usual_step), least_seconds, failure)
+        if (allocated(failure)) then
+          ! The original goes astray on this deck: its row is left out, the study goes on.
+          deallocate (failure)
+        else
+          rows = [rows, row]
+        end if
+      end if
+    end do
+    rows%ratio = rows%seconds / minval(rows%seconds)
+    call mark_front(rows)
+
+  contains
+
+    subroutine add_row(k)
+      integer, intent(in) :: k
+
+      call run_row(row, scene_in, k, least_seconds, results, timing, failure)
+      if (allocated(failure)) return
+      call set_times(row, timing)
+      call measure(row, results, reference(k))
+      rows = [rows, row]
+    end subroutine add_row
+
+  end subroutine run_accuracy_study
+
+  !> Runs one row of the present-day kernel.
+  subroutine run_row(row, scene_in, k, least_seconds, results, timing, failure)
+    type(accuracy_row), intent(in) :: row
+    type(scene), intent(in) :: scene_in
+    integer, intent(in) :: k
+    real(real64), intent(in) :: least_seconds
+    type(scene_results), intent(out) :: results
+    type(timing_samples), intent(out) :: timing
+    character(len=:), allocatable, intent(out) :: failure
+    type(solve_method) :: method
+
+    method%path = merge(by_events, by_marching, row%way == way_events)
+    method%overlap = row%overlap
+    method%step = steps(k)
+    select case (row%arithmetic)
+    case ('ibm370')
+      call timed_ibm370(scene_in, method, least_seconds, results, timing, failure)
+    case ('real32')
+      call timed_real32(scene_in, method, least_seconds, results, timing, failure)
+    case ('real64')
+      call timed_real64(scene_in, method, least_seconds, results, timing, failure)
+    case default
+      call timed_real128(scene_in, method, least_seconds, results, timing, failure)
+    end select
+  end subroutine run_row
+
+  !> Runs the original program as a row: timed without its contact rows, measured with them.
+  subroutine run_original_row(row, deck, reference, least_seconds, failure)
+    type(accuracy_row), intent(inout) :: row
+    type(card_deck), intent(in) :: deck
+    type(scene_results), intent(in) :: reference
+    real(real64), intent(in) :: least_seconds
+    character(len=:), allocatable, intent(out) :: failure
+    type(original_request) :: request
+    type(original_records) :: records
+    type(scene_results) :: results
+    type(timing_samples) :: timing
+    integer(int64) :: from, until, rate
+    integer :: m
+
+    request%approach_step = decimal_value(1_int64, step_powers(usual_step))
+    do while (timing%total() < least_seconds .or. timing%passes() < 3)
+      call system_clock(from, rate)
+      call run_in_arithmetic(row%arithmetic, deck, request, records, failure)
+      call system_clock(until)
+      if (allocated(failure)) return
+      call timing%add(real(until - from, real64) / real(rate, real64), original_positions)
+    end do
+    request%keep_contacts = .true.
+    call run_in_arithmetic(row%arithmetic, deck, request, records, failure)
+    if (allocated(failure)) return
+    allocate (results%positions(original_positions))
+    do m = 1, original_positions
+      associate (position => records%positions(m))
+        allocate (results%positions(m)%states(1))
+        results%positions(m)%states(1) = &
+          state_row(load=position%load, area=position%area, approach=position%approach, &
+                    contacts=position%contacts)
+        results%positions(m)%first_step_pressure = first_pressure(m)
+      end associate
+    end do
+    call set_times(row, timing)
+    call measure(row, results, reference)
+
+  contains
+
+    !> Pressure of the first contact one whole step past touch; -1 where the step was cut short by
+    !> the next contact.
+    real(real64) function first_pressure(m)
+      integer, intent(in) :: m
+      integer :: i
+
+      first_pressure = -1.0_real64
+      associate (first => records%positions(m)%first_contact, &
+                 last => records%positions(m)%last_contact)
+        do i = first, last
+          if (records%contacts(i)%step /= 2) cycle
+          if (abs(records%contacts(first)%approach - records%contacts(i)%approach - row%step) < &
+              0.01_real64 * row%step) first_pressure = records%contacts(i)%average_pressure
+          exit
+        end do
+      end associate
+    end function first_pressure
+
+  end subroutine run_original_row
+
+  !> Median and spread of a row.
+  pure subroutine set_times(row, timing)
+    type(accuracy_row), intent(inout) :: row
+    type(timing_samples), intent(in) :: timing
+
+    row%seconds = timing%median()
+    row%spread = timing%spread()
+  end subroutine set_times
+
+  !> Relative errors over all positions.
+  pure subroutine measure(row, results, reference)
+    type(accuracy_row), intent(inout) :: row
+    type(scene_results), intent(in) :: results, reference
+    real(real64) :: errors(5)
+    type(state_row) :: have, want
+    integer :: m, pressures
+
+    pressures = 0
+    do m = 1, size(reference%positions)
+      have = last_state(results, m)
+      want = last_state(reference, m)
+      errors(load_error) = relative(have%load, want%load)
+      errors(area_error) = relative(have%area, want%area)
+      errors(approach_error) = relative(have%approach, want%approach)
+      errors(count_error) = relative(real(have%contacts, real64), real(want%contacts, real64))
+      errors(pressure_error) = 0.0_real64
+      if (results%positions(m)%first_step_pressure >= 0.0_real64) then
+        errors(pressure_error) = relative(results%positions(m)%first_step_pressure, &
+                                          reference%positions(m)%first_step_pressure)
+        pressures = pressures + 1
+      end if
+      row%largest = max(row%largest, errors)
+      row%mean = row%mean + errors
+    end do
+    row%mean = row%mean / size(reference%positions)
+    row%mean(pressure_error) = row%mean(pressure_error) * size(reference%positions) / &
+                               max(1, pressures)
+    row%worst = maxval(row%largest([load_error, area_error, pressure_error, approach_error]))
+  end subroutine measure
+
+  !> The last state of a position.
+  pure function last_state(results, m) result(state)
+    type(scene_results), intent(in) :: results
+    integer, intent(in) :: m
+    type(state_row) :: state
+
+    state = results%positions(m)%states(size(results%positions(m)%states))
+  end function last_state
+
+  !> |have - want| over |want|; the difference itself where `want` is zero.
+  elemental real(real64) function relative(have, want)
+    real(real64), intent(in) :: have, want
+
+    relative = abs(have - want)
+    if (abs(want) > 0.0_real64) relative = relative / abs(want)
+  end function relative
+
+  !> Marks the rows that no other row beats: one clearly more accurate at no clearly higher cost, or
+  !> as accurate and clearly cheaper. Of rows equal in both the first stands.
+  pure subroutine mark_front(rows)
+    type(accuracy_row), intent(inout) :: rows(:)
+    integer :: i, j
+    logical :: beaten
+
+    do i = 1, size(rows)
+      beaten = .false.
+      do j = 1, size(rows)
+        if (j == i) cycle
+        if (rows(j)%worst * same_error < rows(i)%worst) then
+          beaten = beaten .or. rows(j)%seconds < rows(i)%seconds * same_time
+        else if (rows(j)%worst <= rows(i)%worst * same_error) then
+          beaten = beaten .or. rows(j)%seconds * same_time < rows(i)%seconds .or. &
+                   (j < i .and. rows(j)%seconds < rows(i)%seconds * same_time)
+        end if
+      end do
+      rows(i)%on_front = .not. beaten
+    end do
+  end subroutine mark_front
+
+end module asperity_accuracy_study

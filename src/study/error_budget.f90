@@ -1,0 +1,64 @@
+!> How much of each total's error comes from the arithmetic, from the step and from the model.
+module asperity_error_budget
+  use asperity_contact_records, only: scene_results, solve_method, state_row
+  use asperity_kinds, only: real64
+  use asperity_scene_values, only: scene
+  use asperity_solver, only: solve_in_arithmetic
+  implicit none
+  private
+
+  public :: budget_line, error_budget, measure_budget
+
+  !> One total: its value and the plus-or-minus of each source, in the total's own unit.
+  type :: budget_line
+    character(len=14) :: name = ''            !! the total
+    real(real64) :: value = 0.0_real64        !! over one position, or the average of the sweep
+    real(real64) :: arithmetic = 0.0_real64   !! largest over the positions
+    real(real64) :: step = 0.0_real64         !! largest over the positions; exact events have none
+  end type budget_line
+
+  !> The budget of a scene. The model's share is not known without effects to compare with.
+  type :: error_budget
+    type(budget_line) :: lines(4)   !! load, vertical load, area, approach
+    logical :: by_reference = .false.  !! the results are the reference: rounding to doubles remains
+  end type error_budget
+
+contains
+
+  !> Compares results with exact events in real128. `failure` is allocated when that cannot be run.
+  subroutine measure_budget(scene_in, arithmetic, results, budget, failure)
+    type(scene), intent(in) :: scene_in                    !! what was solved
+    character(len=*), intent(in) :: arithmetic             !! in which arithmetic
+    type(scene_results), intent(in) :: results             !! its results, by exact events
+    type(error_budget), intent(out) :: budget              !! plus-or-minus of the totals
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(scene_results) :: reference
+    real(real64) :: have(4), want(4)
+    integer :: m
+
+    call solve_in_arithmetic('real128', scene_in, solve_method(), .false., reference, failure)
+    if (allocated(failure)) return
+    budget%by_reference = arithmetic == 'real128'
+    budget%lines%name = [character(len=14) :: 'total load', 'vertical load', 'contact area', &
+                         'approach']
+    do m = 1, size(results%positions)
+      have = totals(results, m)
+      want = totals(reference, m)
+      ! The reference itself is handed over as doubles.
+      budget%lines%arithmetic = max(budget%lines%arithmetic, abs(have - want) + 0.5 * spacing(want))
+      budget%lines%value = budget%lines%value + have / size(results%positions)
+    end do
+  end subroutine measure_budget
+
+  !> Load, vertical load, area and approach of the last state.
+  pure function totals(results, m) result(row)
+    type(scene_results), intent(in) :: results
+    integer, intent(in) :: m
+    real(real64) :: row(4)
+    type(state_row) :: last
+
+    last = results%positions(m)%states(size(results%positions(m)%states))
+    row = [last%load, last%vertical_load, last%area, last%approach]
+  end function totals
+
+end module asperity_error_budget
