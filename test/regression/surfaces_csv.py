@@ -1,0 +1,101 @@
+"""Small scenes for tests: surfaces and scene files written, solved, and the results read."""
+
+import csv
+import subprocess
+from dataclasses import dataclass
+from fractions import Fraction
+
+from exact_contact import Scene, Surface
+
+
+@dataclass
+class Solved:
+    """What a run of `asperity solve` left."""
+
+    status: int
+    stdout: str
+    stderr: str
+    positions: list
+    contacts: list
+    curve: list
+
+
+def text_of(value):
+    """A number as the scene reads it; a pair with a comma; a word in quotes."""
+    if isinstance(value, (tuple, list)):
+        return ", ".join(map(text_of, value))
+    if isinstance(value, Fraction):
+        value = float(value)
+    return f"'{value}'" if isinstance(value, str) else repr(value)
+
+
+def write_surface(path, rows):
+    """Rows (x, y, height, radius) of doubles."""
+    path.write_text("x,y,height,radius\n"
+                    + "".join(",".join(repr(float(c)) for c in row) + "\n" for row in rows))
+    return path.name
+
+
+def write_scene(path, **groups):
+    """One group a keyword, each a dict."""
+    path.write_text("".join(
+        f"&{group} " + ", ".join(f"{name} = {text_of(value)}" for name, value in names.items())
+        + " /\n" for group, names in groups.items()))
+    return path
+
+
+def write_csv_scene(folder, upper, lower, name="pair", modulus=(2.0e5, 1.0e5), ratio=(0.3, 0.25),
+                    **groups):
+    """Two surfaces and the scene that names them."""
+    return write_scene(
+        folder / f"{name}.scene",
+        surfaces={"upper": write_surface(folder / f"{name}_upper.csv", upper),
+                  "lower": write_surface(folder / f"{name}_lower.csv", lower)},
+        material={"elastic_modulus": modulus, "poisson_ratio": ratio}, **groups)
+
+
+def exact_csv_scene(upper, lower, modulus=(2.0e5, 1.0e5), ratio=(0.3, 0.25), **groups):
+    """The same scene for the exact evaluation. CSV cells are doubles, the rest is its text."""
+    def decimals(values):
+        return tuple(Fraction(repr(v)) for v in values)
+
+    tilt, motion = groups.get("tilt", {}), groups.get("motion", {})
+    loading, limit = groups.get("loading", {}), groups.get("limit", {})
+    rotation = decimals(tilt.get("rotation", (0.0, 0.0)))
+    surfaces = [
+        Surface([tuple(map(Fraction, row)) for row in rows], Fraction(repr(modulus[i])),
+                Fraction(repr(ratio[i])), decimals(tilt.get(side + "_slope", (0.0, 0.0))),
+                rotation[i])
+        for i, (side, rows) in enumerate((("upper", upper), ("lower", lower)))]
+    criterion = limit.get("criterion", "load")
+    number = {"greenwood_williamson": "hardness", "hardy": "yield_stress"}.get(criterion, "value")
+    return Scene(
+        *surfaces,
+        first=decimals(motion.get(axis + "_first", 0.0) for axis in "xy"),
+        step=decimals(motion.get(axis + "_step", 0.0) for axis in "xy"),
+        positions=motion.get("positions", 1), control=loading.get("control", "limit"),
+        value=Fraction(repr(loading["value"])) if "value" in loading else None,
+        criterion=criterion, limit=Fraction(repr(limit[number])) if number in limit else None)
+
+
+def solve(asperity, scene, *options, contacts=True, curve=False):
+    """Run the solver; the CSV files appear beside the scene and are read."""
+    stem = scene.parent / (scene.name + "-" + "".join(options).strip("-"))
+    files = {"positions": stem.with_suffix(".positions.csv")}
+    if contacts:
+        files["contacts"] = stem.with_suffix(".contacts.csv")
+    if curve:
+        files["curve"] = stem.with_suffix(".curve.csv")
+    named = [part for name, path in files.items() for part in ("--" + name, path)]
+    done = subprocess.run([asperity, "solve", scene, *options, *named], capture_output=True,
+                          text=True, timeout=120)
+    return Solved(done.returncode, done.stdout, done.stderr,
+                  *(records(files.get(name)) for name in ("positions", "contacts", "curve")))
+
+
+def records(path):
+    """Rows of a CSV file; none when it is not there."""
+    if path is None or not path.exists():
+        return []
+    with open(path, encoding="ascii", newline="") as file:
+        return list(csv.DictReader(file))
