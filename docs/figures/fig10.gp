@@ -4,9 +4,15 @@ load 'style.gp'
 load 'curves.gp'
 set xlabel 'Total load (N)'
 set ylabel 'Contacts'
-set xrange [0:1450]
+set xrange [0:1500]
 set yrange [0:9]
 set ytics 1
-set key at graph 0.97, 0.30 right
-plot for [k = 1:3] curve(word('13 55 56', k)) using 'load':'contacts' \
-  with steps linetype k title label(word('1.3 5.5 5.6', k))
+set key at graph 0.99, 0.32 right reverse Left
+# The states at which the number changes, and the last.
+changes(k) = "< awk -F, '$5 != count { print } { count = $5; last = $0 } END { print last }' " . \
+  curve(k)
+# Lines that run together differ in width.
+plot for [k = 1:3] changes(k) using 'load':'contacts' with steps linetype k \
+    linewidth 7.5 - 2 * k title title_of(k), \
+  for [k = 1:3] printed(k) using 1:2 with points linetype k pointsize 0.7 linewidth 1 notitle, \
+  NaN with points pointtype 6 pointsize 0.7 linecolor rgb '#333333' linewidth 1 title 'printed in the thesis'

@@ -1,11 +1,11 @@
 !> Decimal numbers kept exactly, so that each arithmetic converts them by its own rule.
 module asperity_decimal
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64, real128, real64
   implicit none
   private
 
-  public :: decimal_value, decimal_to_real64, decimal_numeral
+  public :: decimal_value, decimal_to_real64, decimal_numeral, decimal_order, decimal_beyond
 
   !> The number digits * 10**exponent.
   type :: decimal_value
@@ -20,14 +20,49 @@ contains
     type(decimal_value), intent(in) :: value  !! exact decimal
     real(real64) :: nearest                   !! the nearest double
     character(len=40) :: numeral
-    integer :: status
 
-    numeral = decimal_numeral(value)
-    ! The library's own conversion is correctly rounded; a product with a power of ten is not.
-    read (numeral, '(f40.0)', iostat=status) nearest
-    if (status /= 0) &
+    if (decimal_beyond(value, real(huge(nearest), real128))) then
       nearest = sign(ieee_value(nearest, ieee_positive_inf), real(value%digits, real64))
+    else if (decimal_order(value) < -(range(nearest) + 40)) then
+      nearest = 0.0_real64
+    else
+      numeral = decimal_numeral(value)
+      ! The library's own conversion is correctly rounded; a product with a power of ten is not.
+      read (numeral, '(f40.0)') nearest
+    end if
   end function decimal_to_real64
+
+  !> The least n with |value| < 10**n; a very negative number for zero.
+  elemental integer function decimal_order(value)
+    type(decimal_value), intent(in) :: value  !! exact decimal
+    integer(int64) :: rest
+
+    decimal_order = value%exponent
+    rest = abs(value%digits)
+    if (rest == 0_int64) decimal_order = -huge(decimal_order)
+    do while (rest > 0_int64)
+      rest = rest / 10_int64
+      decimal_order = decimal_order + 1
+    end do
+  end function decimal_order
+
+  !> Whether |value| is above `largest`, the largest number of some kind, to 18 digits. A read would
+  !> find out too, but raise an overflow.
+  elemental logical function decimal_beyond(value, largest)
+    type(decimal_value), intent(in) :: value  !! exact decimal
+    real(real128), intent(in) :: largest      !! more than 1
+    real(real128) :: leading
+    integer :: order
+
+    decimal_beyond = .false.
+    ! No kind's largest number is below 1E38: the usual case ends here.
+    if (decimal_order(value) < 38) return
+    order = ceiling(log10(largest))
+    decimal_beyond = decimal_order(value) > order
+    if (decimal_order(value) /= order) return
+    leading = abs(real(value%digits, real128)) * 10.0_real128**(value%exponent - order + 18)
+    decimal_beyond = leading > largest / 10.0_real128**(order - 18)
+  end function decimal_beyond
 
   !> The number as 40 characters that every `F40.0` field reads.
   pure function decimal_numeral(value) result(numeral)

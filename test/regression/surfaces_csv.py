@@ -78,14 +78,11 @@ def exact_csv_scene(upper, lower, modulus=(2.0e5, 1.0e5), ratio=(0.3, 0.25), **g
         criterion=criterion, limit=Fraction(repr(limit[number])) if number in limit else None)
 
 
-def solve(asperity, scene, *options, contacts=True, curve=False):
-    """Run the solver; the CSV files appear beside the scene and are read."""
-    stem = scene.parent / (scene.name + "-" + "".join(options).strip("-"))
-    files = {"positions": stem.with_suffix(".positions.csv")}
-    if contacts:
-        files["contacts"] = stem.with_suffix(".contacts.csv")
-    if curve:
-        files["curve"] = stem.with_suffix(".curve.csv")
+def solve(asperity, scene, *options, folder=None, contacts=True, curve=False):
+    """Run the solver; the CSV files appear in the folder, else beside the scene, and are read."""
+    folder = folder or scene.parent
+    wanted = ["positions"] + ["contacts"] * contacts + ["curve"] * curve
+    files = {name: folder / "-".join((scene.name, *options, name + ".csv")) for name in wanted}
     named = [part for name, path in files.items() for part in ("--" + name, path)]
     done = subprocess.run([asperity, "solve", scene, *options, *named], capture_output=True,
                           text=True, timeout=120)
