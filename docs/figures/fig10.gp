@@ -13,6 +13,6 @@ changes(k) = "< awk -F, '$5 != count { print } { count = $5; last = $0 } END { p
   curve(k)
 # Lines that run together differ in width.
 plot for [k = 1:3] changes(k) using 'load':'contacts' with steps linetype k \
-    linewidth 7.5 - 2 * k title title_of(k), \
-  for [k = 1:3] printed(k) using 1:2 with points linetype k pointsize 0.7 linewidth 1 notitle, \
-  NaN with points pointtype 6 pointsize 0.7 linecolor rgb '#333333' linewidth 1 title 'printed in the thesis'
+    linewidth 6 - 1.5 * k title title_of(k), \
+  for [k = 1:3] printed(k) using 1:2 with points linetype 4 notitle, \
+  NaN with points linetype 4 title 'printed in the thesis'

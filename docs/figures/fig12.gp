@@ -11,5 +11,5 @@ set format y '%g'
 set ytics add (0.0005, 0.002, 0.005, 0.02, 0.05, 0.2)
 set key top left reverse Left
 plot for [k = 1:3] curve(k) using 'load':'area' with lines linetype k title title_of(k), \
-  for [k = 1:3] printed(k) using 1:4 with points linetype k pointsize 0.8 linewidth 1 notitle, \
-  NaN with points pointtype 6 pointsize 0.8 linecolor rgb '#333333' title 'printed in the thesis'
+  for [k = 1:3] printed(k) using 1:4 with points linetype 4 notitle, \
+  NaN with points linetype 4 title 'printed in the thesis'

@@ -18,15 +18,17 @@ blue = 0x004488
 yellow = 0xDDAA33
 red = 0xBB5566
 grey = 0x888888
-set linetype 1 linecolor rgb yellow linewidth 2 pointtype 6
-set linetype 2 linecolor rgb red linewidth 2 pointtype 4
-set linetype 3 linecolor rgb blue linewidth 2 pointtype 8
+set linetype 1 linecolor rgb yellow linewidth 2
+set linetype 2 linecolor rgb red linewidth 2
+set linetype 3 linecolor rgb blue linewidth 2
+# The numbers that the thesis prints.
+set linetype 4 linecolor rgb '#222222' linewidth 1 pointtype 6 pointsize 0.8
 
 set border 3 linecolor rgb '#666666' linewidth 0.8
 set tics nomirror out scale 0.6 textcolor rgb '#333333'
 set grid linecolor rgb '#DDDDDD' linewidth 0.6 linetype 1
 set key samplen 2.5 spacing 1.2 textcolor rgb '#333333'
 set bmargin 3.6
-set lmargin 10
+set lmargin 11.5
 set rmargin 3
 set tmargin 1.5

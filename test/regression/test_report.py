@@ -1,46 +1,22 @@
 """The printed report against the digitised tables of the thesis, cell by cell."""
 
-import csv
 import subprocess
 
 import numpy as np
 import pytest
 
+from cells_met import ILLEGIBLE, TABLES, digitised, printed_rows, report_of, table_of_cells
 from printed_report import NotFound, Report
 
-TABLES = ("IIIA", "IIIB", "V", "VI", "VIIA", "VIIB", "VIIC")
-ILLEGIBLE = "?"
 COMBINED_RADIUS = 0.635  # cm: two spheres of 1.27 cm
 # One unit in the last place of a System/370 short number between 1 and 16: the size of the
 # sphere centres' heights and of their distance, from which the original takes its overlap W.
 UNIT = 16.0 ** -5
 
 
-def digitised(root, table):
-    with open(root / "reference_output" / "thesis" / f"table_{table.lower()}.csv") as file:
-        return list(csv.DictReader(file))
-
-
-def printed_rows(report, table):
-    if table.startswith("III"):
-        return report.asperities(f"TABLE {table}")
-    if table == "V":
-        return report.models()
-    if table == "VI":
-        return report.variance()
-    return report.contacts(f"TABLE {table}")
-
-
-def report_of(asperity, root, arithmetic):
-    done = subprocess.run([asperity, root / "data" / "thesis.deck", "--arithmetic", arithmetic],
-                          capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    return Report(done.stdout)
-
-
 @pytest.fixture(scope="module", params=("ibm370", "real64"))
-def arithmetic_and_report(request, asperity, root):
-    return request.param, report_of(asperity, root, request.param)
+def arithmetic_and_report(request, asperity):
+    return request.param, report_of(asperity, request.param)
 
 
 def half_unit(text):
@@ -90,9 +66,9 @@ POSITION = {"VIIA": 13, "VIIB": 55, "VIIC": 56}
 
 
 @pytest.mark.parametrize("table", TABLES)
-def test_every_legible_cell(arithmetic_and_report, table, root, tally):
+def test_every_legible_cell(arithmetic_and_report, table, tally):
     arithmetic, report = arithmetic_and_report
-    expected, found = digitised(root, table), printed_rows(report, table)
+    expected, found = digitised(table), printed_rows(report, table)
     assert len(found) == len(expected), f"Table {table}: rows printed and digitised"
     compared = met = exact = illegible = 0
     step, contacts = 1, 0
@@ -130,16 +106,16 @@ def test_every_legible_cell(arithmetic_and_report, table, root, tally):
 
 
 @pytest.mark.parametrize("table", ("VIIA", "VIIB", "VIIC"))
-def test_displacement_of_contact_tables(arithmetic_and_report, table, root):
+def test_displacement_of_contact_tables(arithmetic_and_report, table):
     _, report = arithmetic_and_report
-    heading = {row["table"]: row for row in digitised(root, "vii_headings")}[table]
+    heading = {row["table"]: row for row in digitised("vii_headings")}[table]
     x, y = report.displacement(f"TABLE {table}")
     assert (x, y) == (heading["x_displacement"], heading["y_displacement"])
 
 
-def test_rows_that_were_promised(asperity, root):
+def test_rows_that_were_promised(asperity):
     """140 loaded rows, 51 total rows, 336 coordinates."""
-    report = report_of(asperity, root, "ibm370")
+    report = report_of(asperity, "ibm370")
     rows = [row for table in POSITION for row in report.contacts(f"TABLE {table}")]
     assert sum(row["kind"] == "total" for row in rows) == 51
     assert sum(row["kind"] == "contact" and row["average_pressure"] != "" for row in rows) == 140
@@ -147,9 +123,9 @@ def test_rows_that_were_promised(asperity, root):
     assert 3 * len(coordinates) == 336
 
 
-def test_page_breaks_are_the_scan_s(asperity, root):
+def test_page_breaks_are_the_scan_s(asperity):
     """A page of Table VII holds 21 lines; the scan shows where each of them begins."""
-    report = report_of(asperity, root, "ibm370")
+    report = report_of(asperity, "ibm370")
     pages = [page for page in report.pages if any("TABLE VII" in line for line in page)]
     first_cells = []
     for page in pages:
@@ -166,3 +142,10 @@ def test_a_missing_table_is_a_failure(asperity, root):
                           capture_output=True, text=True, timeout=60)
     with pytest.raises(NotFound):
         Report(done.stdout).contacts("TABLE VIIA")
+
+
+def test_the_readme_counts_the_cells(asperity, root):
+    """The README's table of cells met in each arithmetic is that of this build."""
+    readme = (root / "README.md").read_text()
+    for line in table_of_cells(asperity):
+        assert line in readme, f"README.md has no line '{line}'"
