@@ -26,8 +26,8 @@ set palette defined (0 '#FDE725', 1 '#90D743', 2 '#35B779', 3 '#21918C', 4 '#316
   5 '#443983', 6 '#440154')
 set cbrange [0:300]
 set cbtics 50 scale 0.4 textcolor rgb '#333333'
-set cblabel 'Load of a contact (N)'
-set style fill solid 1.0 border linecolor rgb '#222222'
+set cblabel 'Load of a contact (N)' offset 2.2, 0
+set style fill solid 1.0 noborder
 set linetype 5 linecolor rgb '#777777' linewidth 1 pointtype 7 pointsize 0.35
 set linetype 6 linecolor rgb blue linewidth 1 pointtype 1 pointsize 0.6
 unset grid
@@ -35,8 +35,8 @@ set border 15
 set multiplot
 
 # Both axes of a panel have the same scale: its size in dots and its ranges go together.
-set lmargin at screen 62.0 / width
-set rmargin at screen 782.0 / width
+set lmargin at screen 70.0 / width
+set rmargin at screen 790.0 / width
 set bmargin at screen 395.0 / height
 set tmargin at screen (395 + 720 * 9.4 / 22.1) / height
 set xrange [-0.3:21.8]
@@ -45,7 +45,7 @@ set xlabel 'x (cm)'
 set ylabel 'y (cm)'
 set xtics 2
 set ytics 2
-set key at screen 0.5, 0.975 center maxrows 1 samplen 1 reverse Left width 2
+set key horizontal at screen 0.54, 0.972 center samplen 1 width 1
 unset colorbox
 set object 1 rectangle from 0, 0 to lower_length, model_width behind \
   fillcolor rgb '#F3F3F3' fillstyle solid border linecolor rgb '#777777'
@@ -60,14 +60,18 @@ set object 3 rectangle from ax - half, ay - half to ax + half, ay + half front \
   fillstyle empty border linecolor rgb '#222222'
 set object 4 rectangle from bx - half, by - half to bx + half, by + half front \
   fillstyle empty border linecolor rgb '#222222'
+set label 3 'lower model' at 0.3, 0.5 textcolor rgb '#555555'
+set label 4 'upper model, moved by 5.6 cm' at shift + 0.3, 0.5 textcolor rgb blue
 set label 1 'a' at ax + half + 0.12, ay front
 set label 2 'b' at bx + half + 0.12, by front
 plot summits(1) using ($1 * inch):(model_width - $2 * inch) with points linetype 5 \
-    title 'summits below', \
+    title 'lower summits', \
   summits(0) using ($1 * inch + shift):($2 * inch) with points linetype 6 \
-    title 'summits above, moved by 5.6 cm', \
+    title 'upper summits', \
   contacts using 1:2:(radius($3)):4 with circles linecolor palette notitle, \
-  NaN with points pointtype 7 linecolor rgb '#35B779' title 'contacts'
+  contacts using 1:2:(radius($3)) with circles fillstyle empty \
+    border linecolor rgb '#222222' linewidth 0.4 notitle, \
+  NaN with points pointtype 7 pointsize 0.7 linecolor rgb '#35B779' title 'contacts, to scale'
 
 unset key
 unset label
@@ -80,26 +84,28 @@ set ytics 0.2
 set format '%.1f'
 set linetype 5 pointsize 0.8
 set linetype 6 pointsize 1.2
+outlines = "contacts using 1:2:(radius($3)) with circles fillstyle empty " . \
+  "border linecolor rgb 'white' linewidth 0.6"
 zoom = "contacts using 1:2:(radius($3)):4 with circles linecolor palette, " . \
-  "contacts using 1:2:(radius($3)) with circles fillstyle empty border linecolor rgb '#222222', " . \
+  outlines . ", " . \
   "summits(1) using ($1 * inch):(model_width - $2 * inch) with points linetype 5, " . \
   "summits(0) using ($1 * inch + shift):($2 * inch) with points linetype 6, " . \
-  "contacts using 1:2:(sprintf('%.0f N', $4)):(ink($4)) with labels textcolor rgb variable"
+  "contacts using 1:2:(sprintf('%.0f N', $4)):(ink($4)) with labels textcolor rgb variable font ',11'"
 
-set lmargin at screen 62.0 / width
-set rmargin at screen 302.0 / width
+set lmargin at screen 70.0 / width
+set rmargin at screen 310.0 / width
 set title 'a' offset 0, -0.6
 set xrange [ax - half:ax + half]
 set yrange [ay - half:ay + half]
 eval 'plot ' . zoom
 
-set lmargin at screen 382.0 / width
-set rmargin at screen 622.0 / width
+set lmargin at screen 395.0 / width
+set rmargin at screen 635.0 / width
 set title 'b'
 set xrange [bx - half:bx + half]
 set yrange [by - half:by + half]
 unset ylabel
-set colorbox user origin 672.0 / width, 62.0 / height size 18.0 / width, 240.0 / height
+set colorbox user origin 680.0 / width, 62.0 / height size 18.0 / width, 240.0 / height
 set format cb '%g'
 eval 'plot ' . zoom
 unset multiplot

@@ -1,0 +1,59 @@
+# Error against time a position: every way of computing of `asperity accuracy`.
+height = 560
+load 'style.gp'
+file = data . '/accuracy.csv'
+arithmetics = 'ibm370 real32 real64 real128'
+methods = 'events marching original'
+method_names = "'exact events' 'marching' 'original program'"
+array colour[4] = [red, yellow, blue, 0x222222]
+array filled[3] = [7, 9, 5]
+array open[3] = [6, 8, 4]
+set linetype 5 linecolor rgb '#222222' linewidth 1 dashtype 2
+
+# An error of zero has no place on a logarithmic axis.
+floor_at = 1e-17
+place(error) = error > floor_at ? error : floor_at
+is(column, text) = strcol(column) eq text
+microseconds = 1e6
+
+set logscale xy
+set xlabel 'Time a position (µs)'
+set ylabel 'Largest relative error over all positions' offset -1
+set xrange [2:20000]
+set yrange [1e-18:30]
+set format x '%g'
+set format y '10^{%T}'
+set ytics 1e-15, 1000, 1 nomirror
+unset mxtics
+unset mytics
+set ytics add ('0' floor_at)
+set lmargin 10
+set rmargin at screen 0.765
+set key at screen 0.785, 0.955 left top reverse Left samplen 1.2 spacing 1.25 width -2
+set arrow 1 from 2, floor_at to 20000, floor_at nohead linecolor rgb '#999999' dashtype 3
+set label 1 'no error seen: drawn at 10^{-17}' at 2.5, 4 * floor_at \
+  textcolor rgb '#666666' font ',11'
+
+at(a, m, overlap) = is('arithmetic', word(arithmetics, a)) && is('method', word(methods, m)) && \
+  is('overlap', overlap) ? microseconds * column('seconds_per_position') : NaN
+front(x) = column('front') == 1 ? x : NaN
+step_name(a) = is('arithmetic', a) && is('method', 'marching') && is('overlap', 'stable') ? \
+  sprintf('step %g cm', column('step')) : ''
+
+plot "< awk -F, 'NR == 1 || $NF == 1' " . file \
+    using (microseconds * column('seconds_per_position')):(place(column('worst'))) \
+    smooth unique with lines linetype 5 title 'the cheapest', \
+  for [a = 1:4] for [m = 1:3] file using (at(a, m, 'stable')):(place(column('worst'))) \
+    with points pointtype filled[m] linecolor rgb colour[a] notitle, \
+  for [a = 1:4] for [m = 1:3] file using (at(a, m, 'original')):(place(column('worst'))) \
+    with points pointtype open[m] linecolor rgb colour[a] linewidth 1.2 notitle, \
+  file using (at(4, 2, 'stable')):(place(column('worst'))):(step_name('real128')) \
+    with labels left offset 1, 0 font ',11' textcolor rgb '#666666' notitle, \
+  NaN with lines linecolor rgb 'white' title ' ', \
+  for [a = 1:4] NaN with lines linewidth 6 linecolor rgb colour[a] title word(arithmetics, a), \
+  NaN with lines linecolor rgb 'white' title ' ', \
+  for [m = 1:3] NaN with points pointtype open[m] linecolor rgb '#222222' \
+    title word(method_names, m), \
+  NaN with lines linecolor rgb 'white' title ' ', \
+  NaN with points pointtype filled[1] linecolor rgb '#222222' title 'full: stable overlap', \
+  NaN with points pointtype open[1] linecolor rgb '#222222' title 'open: original overlap'
