@@ -33,7 +33,7 @@ docs: ## API pages in docs/api
 	@PATH="$$PWD/.venv/bin:$$PATH" ford -q ford.md
 	@echo docs/api/index.html
 
-bench: ## time and memory of the thesis run in each arithmetic (SAVE=1 keeps the result)
+bench: ## time, memory and what accuracy costs in time (SAVE=1 keeps the result)
 	@bash .ci/setup build
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save)
 

@@ -18,8 +18,8 @@ microseconds = 1e6
 
 set logscale xy
 set xlabel 'Time a position (µs)'
-set ylabel 'Largest relative error over all positions' offset -1
-set xrange [2:20000]
+set ylabel 'Largest relative error over all positions'
+set xrange [2:50000]
 set yrange [1e-18:30]
 set format x '%g'
 set format y '10^{%T}'
@@ -27,33 +27,32 @@ set ytics 1e-15, 1000, 1 nomirror
 unset mxtics
 unset mytics
 set ytics add ('0' floor_at)
-set lmargin 10
-set rmargin at screen 0.765
-set key at screen 0.785, 0.955 left top reverse Left samplen 1.2 spacing 1.25 width -2
-set arrow 1 from 2, floor_at to 20000, floor_at nohead linecolor rgb '#999999' dashtype 3
+set rmargin at screen 0.768
+set key at screen 0.785, 0.955 left top reverse Left samplen 1.2 spacing 1.25 font ',13'
+set arrow 1 from 2, floor_at to 50000, floor_at nohead linecolor rgb '#999999' dashtype 3
 set label 1 'no error seen: drawn at 10^{-17}' at 2.5, 4 * floor_at \
   textcolor rgb '#666666' font ',11'
 
 at(a, m, overlap) = is('arithmetic', word(arithmetics, a)) && is('method', word(methods, m)) && \
   is('overlap', overlap) ? microseconds * column('seconds_per_position') : NaN
-front(x) = column('front') == 1 ? x : NaN
-step_name(a) = is('arithmetic', a) && is('method', 'marching') && is('overlap', 'stable') ? \
-  sprintf('step %g cm', column('step')) : ''
+step_name(a) = is('arithmetic', word(arithmetics, a)) && is('method', 'marching') && is('overlap', 'stable') ? \
+  sprintf(sprintf('step %%.%df cm', decimals(column('step'))), column('step')) : ''
+decimals(step) = int(ceil(-log10(step) - 0.01))
 
 plot "< awk -F, 'NR == 1 || $NF == 1' " . file \
     using (microseconds * column('seconds_per_position')):(place(column('worst'))) \
-    smooth unique with lines linetype 5 title 'the cheapest', \
+    smooth unique with lines linetype 5 title 'cheapest (front)', \
   for [a = 1:4] for [m = 1:3] file using (at(a, m, 'stable')):(place(column('worst'))) \
     with points pointtype filled[m] linecolor rgb colour[a] notitle, \
   for [a = 1:4] for [m = 1:3] file using (at(a, m, 'original')):(place(column('worst'))) \
     with points pointtype open[m] linecolor rgb colour[a] linewidth 1.2 notitle, \
-  file using (at(4, 2, 'stable')):(place(column('worst'))):(step_name('real128')) \
-    with labels left offset 1, 0 font ',11' textcolor rgb '#666666' notitle, \
+  file using (46000):(place(column('worst'))):(step_name(4)) with labels right font ',11' textcolor rgb '#666666' notitle, \
   NaN with lines linecolor rgb 'white' title ' ', \
   for [a = 1:4] NaN with lines linewidth 6 linecolor rgb colour[a] title word(arithmetics, a), \
   NaN with lines linecolor rgb 'white' title ' ', \
-  for [m = 1:3] NaN with points pointtype open[m] linecolor rgb '#222222' \
+  for [m = 1:3] NaN with points pointtype open[m] linecolor rgb '#222222' linewidth 1.2 \
     title word(method_names, m), \
   NaN with lines linecolor rgb 'white' title ' ', \
-  NaN with points pointtype filled[1] linecolor rgb '#222222' title 'full: stable overlap', \
-  NaN with points pointtype open[1] linecolor rgb '#222222' title 'open: original overlap'
+  NaN with points pointtype filled[1] linecolor rgb '#222222' title 'stable overlap', \
+  NaN with points pointtype open[1] linecolor rgb '#222222' linewidth 1.2 \
+    title 'original overlap'

@@ -1,14 +1,16 @@
-"""Time and memory of the thesis run, whole process, in each arithmetic.
+"""Time and memory of the thesis run, whole process, and what accuracy costs in time.
 
     python test/bench/run_bench.py [--runs N] [--save]
 
 Times are wall time from start to end of `asperity data/thesis.deck > report`. The runs of the
 arithmetics take turns, so that a slow moment of the machine hits all of them. Prints ratios
-first: these carry over to another machine, milliseconds do not. With --save the same text goes
-to reference_output/bench/.
+first: these carry over to another machine, milliseconds do not. The accuracy study follows: every
+way of computing the same sweep, its time a position and its errors. With --save both go to
+reference_output/bench/.
 """
 
 import argparse
+import csv
 import datetime
 import os
 import platform
@@ -124,10 +126,36 @@ def table(seconds, memory):
         yield " ".join(f"{cell:>13}" for cell in cells)
 
 
-def save(text):
+def accuracy_study(path):
+    """The study's table and CSV, and the ratios that one looks for first."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "accuracy.csv"
+        table_text = output_of(path, "accuracy", DECK, "--csv", str(file))
+        text = file.read_text(encoding="ascii")
+    rows = {(r["arithmetic"], r["method"], float(r["step"]), r["overlap"]): r
+            for r in csv.DictReader(text.splitlines())}
+    events = rows["real64", "events", 0.0, "stable"]
+
+    def slower(*key):
+        return float(rows[key]["seconds_per_position"]) / float(events["seconds_per_position"])
+
+    ratios = [
+        "time a position, exact events in real64 = 1",
+        f"  marching at 0.001 cm in real64, stable overlap   "
+        f"{slower('real64', 'marching', 0.001, 'stable'):8.2f}",
+        f"  original program in real64                       "
+        f"{slower('real64', 'original', 0.001, 'original'):8.2f}",
+        f"  exact events in real128                          "
+        f"{slower('real128', 'events', 0.0, 'stable'):8.2f}",
+    ]
+    return ratios + ["", table_text], text
+
+
+def save(name, text):
     folder = ROOT / "reference_output" / "bench"
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"thesis-run.{datetime.date.today().isoformat()}.txt"
+    stem, _, ending = name.rpartition(".")
+    path = folder / f"{stem}.{datetime.date.today().isoformat()}.{ending}"
     path.write_text(text, encoding="utf-8")
     print(f"saved     {path.relative_to(ROOT)}")
 
@@ -151,10 +179,13 @@ def main():
     seconds = measure(path, options.runs)
     memory = {arithmetic: peak_memory(path, arithmetic) for arithmetic in ARITHMETICS}
     lines.extend(table(seconds, memory))
+    study, study_csv = accuracy_study(path)
+    lines += ["", *study]
     text = "\n".join(lines) + "\n"
     print(text, end="")
     if options.save:
-        save(text)
+        save("bench.txt", text)
+        save("accuracy.csv", study_csv)
 
 
 if __name__ == "__main__":
