@@ -1,7 +1,7 @@
 # Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help report test lint strict archive docs bench setup clean
+.PHONY: help report test lint strict archive docs bench figures setup clean
 
 DECK ?= data/thesis.deck
 
@@ -36,6 +36,10 @@ docs: ## API pages in docs/api
 bench: ## time, memory and what accuracy costs in time (SAVE=1 keeps the result)
 	@bash .ci/setup build
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save)
+
+figures: ## draw the pictures in docs/figures anew
+	@bash .ci/setup build figures
+	@bash .ci/figures
 
 setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint

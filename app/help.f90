@@ -19,22 +19,43 @@ contains
     call text%line('asperity: contact between rough surfaces of spherical asperities')
     call text%line('')
     call text%line('Type next:')
-    call text%line('  asperity data/thesis.deck      print the report of the original program')
-    call text%line('  asperity --help                all commands and options')
+    call text%line('  asperity data/thesis.deck           print the report of the original program')
+    call text%line('  asperity solve data/thesis.deck     the same deck by the present-day solver')
+    call text%line('  asperity accuracy data/thesis.deck  what accuracy costs in time')
+    call text%line('  asperity --help                     all commands and options')
     call text%line('With fpm: fpm run -- data/thesis.deck')
     call print_text(text, status)
   end subroutine show_next_steps
 
-  !> All commands and options.
-  subroutine show_help(status)
-    integer, intent(out) :: status  !! exit status
+  !> Help on a command, or on all of them.
+  subroutine show_help(topic, status)
+    character(len=*), intent(in) :: topic  !! first word of the command line
+    integer, intent(out) :: status         !! exit status
     type(text_buffer) :: text
 
+    select case (topic)
+    case ('solve')
+      call describe_solve(text)
+    case ('accuracy')
+      call describe_accuracy(text)
+    case default
+      call describe_all(text)
+    end select
+    call text%line('')
+    call text%line('Exit status: 0 done, 1 could not be computed, 2 bad command line or bad input')
+    call print_text(text, status)
+  end subroutine show_help
+
+  subroutine describe_all(text)
+    type(text_buffer), intent(inout) :: text
+
     call text%line('Usage: asperity [OPTIONS] DECK')
+    call text%line('       asperity solve [OPTIONS] SCENE')
+    call text%line('       asperity accuracy [OPTIONS] [DECK or SCENE]')
+    call text%line('       asperity COMMAND --help')
     call text%line('')
-    call text%line('Runs the original program on a card deck and prints its report.')
+    call text%line('asperity DECK runs the original program on a card deck and prints its report.')
     call text%line('')
-    call text%line('Options')
     call text%line('  --arithmetic NAME   ibm370 (default), real32, real64 or real128')
     call text%line('  --tables LIST       positions whose contact table is printed: none, all, or')
     call text%line('                      numbers from 1 to 100 with commas (default 13,55,56)')
@@ -42,10 +63,36 @@ contains
     call text%line('  --positions FILE    write the last approach of every position as CSV')
     call text%line('  --carriage-control  keep the line printer''s column one (1, 0, blank)')
     call text%line('  --help, --version')
+  end subroutine describe_all
+
+  subroutine describe_solve(text)
+    type(text_buffer), intent(inout) :: text
+
+    call text%line('Usage: asperity solve [OPTIONS] SCENE')
     call text%line('')
-    call text%line('Exit status: 0 done, 1 could not be computed, 2 bad command line or bad input')
-    call print_text(text, status)
-  end subroutine show_help
+    call text%line('Solves a scene, or the sweep of a card deck, and prints a summary.')
+    call text%line('')
+    call text%line('  --contacts FILE     write every contact of every state as CSV')
+    call text%line('  --positions FILE    write the last state of every position as CSV')
+    call text%line('  --curve FILE        write the totals of every state as CSV')
+    call text%line('  --arithmetic NAME   real64 (default), real32, real128 or ibm370')
+    call text%line('  --accuracy ERROR    take the cheapest way with this relative error, such as 1e-3')
+    call text%line('  --budget            print the error of every total, by source')
+    call text%line('  --threads N         threads to use; this version uses one')
+    call text%line('  --quiet             print no summary')
+  end subroutine describe_solve
+
+  subroutine describe_accuracy(text)
+    type(text_buffer), intent(inout) :: text
+
+    call text%line('Usage: asperity accuracy [OPTIONS] [DECK or SCENE]')
+    call text%line('')
+    call text%line('Computes a sweep to the limit load in every way, and prints time and errors of')
+    call text%line('each. Without a file it takes data/thesis.deck of the current folder.')
+    call text%line('')
+    call text%line('  --csv FILE          write the table with all digits')
+    call text%line('  --quiet             print no table')
+  end subroutine describe_accuracy
 
   !> Name and version.
   subroutine show_version(status)

@@ -22,7 +22,7 @@ program asperity_main
     case ('')
       call show_next_steps(status)
     case ('help')
-      call show_help(status)
+      call show_help(line%topic, status)
     case ('version')
       call show_version(status)
     case ('accuracy')

@@ -1,5 +1,5 @@
 # Figure 28 of the thesis: the contact areas at position 56, to scale, on the models' outlines.
-height = 745
+height = 760
 load 'style.gp'
 inch = 2.54
 # The thesis gives the asperity surfaces, 3 in x 8 in and 3 in x 4 in; the models are 3.455 in wide.
@@ -28,8 +28,8 @@ set cbrange [0:300]
 set cbtics 50 scale 0.4 textcolor rgb '#333333'
 set cblabel 'Load of a contact (N)' offset 2.2, 0
 set style fill solid 1.0 noborder
-set linetype 5 linecolor rgb '#777777' linewidth 1 pointtype 7 pointsize 0.35
-set linetype 6 linecolor rgb blue linewidth 1 pointtype 1 pointsize 0.6
+set linetype 5 linecolor rgb '#777777' linewidth 1 pointtype 7 pointsize 0.25
+set linetype 6 linecolor rgb blue linewidth 1 pointtype 1 pointsize 0.43
 unset grid
 set border 15
 set multiplot
@@ -37,12 +37,12 @@ set multiplot
 # Both axes of a panel have the same scale: its size in dots and its ranges go together.
 set lmargin at screen 70.0 / width
 set rmargin at screen 790.0 / width
-set bmargin at screen 395.0 / height
-set tmargin at screen (395 + 720 * 9.4 / 22.1) / height
+set bmargin at screen 408.0 / height
+set tmargin at screen (408 + 720 * 9.4 / 22.1) / height
 set xrange [-0.3:21.8]
 set yrange [-0.3:9.1]
 set xlabel 'x (cm)'
-set ylabel 'y (cm)'
+set ylabel 'y (cm)' offset 0.6, 0
 set xtics 2
 set ytics 2
 set key horizontal at screen 0.54, 0.972 center samplen 1 width 1
@@ -71,26 +71,27 @@ plot summits(1) using ($1 * inch):(model_width - $2 * inch) with points linetype
   contacts using 1:2:(radius($3)):4 with circles linecolor palette notitle, \
   contacts using 1:2:(radius($3)) with circles fillstyle empty \
     border linecolor rgb '#222222' linewidth 0.4 notitle, \
-  NaN with points pointtype 7 pointsize 0.7 linecolor rgb '#35B779' title 'contacts, to scale'
+  NaN with points pointtype 7 pointsize 0.5 linecolor rgb '#35B779' title 'contacts, to scale'
 
 unset key
 unset label
 unset object 3
 unset object 4
-set bmargin at screen 62.0 / height
-set tmargin at screen 302.0 / height
+set bmargin at screen 72.0 / height
+set tmargin at screen 312.0 / height
 set xtics 0.2
 set ytics 0.2
 set format '%.1f'
-set linetype 5 pointsize 0.8
-set linetype 6 pointsize 1.2
+set linetype 5 pointsize 0.58
+set linetype 6 pointsize 0.86
 outlines = "contacts using 1:2:(radius($3)) with circles fillstyle empty " . \
   "border linecolor rgb 'white' linewidth 0.6"
 zoom = "contacts using 1:2:(radius($3)):4 with circles linecolor palette, " . \
   outlines . ", " . \
   "summits(1) using ($1 * inch):(model_width - $2 * inch) with points linetype 5, " . \
   "summits(0) using ($1 * inch + shift):($2 * inch) with points linetype 6, " . \
-  "contacts using 1:2:(sprintf('%.0f N', $4)):(ink($4)) with labels textcolor rgb variable font ',11'"
+  "contacts using 1:2:(sprintf('%.0f N', $4)):(ink($4)) with labels " . \
+  "textcolor rgb variable font ',11'"
 
 set lmargin at screen 70.0 / width
 set rmargin at screen 310.0 / width
@@ -105,7 +106,7 @@ set title 'b'
 set xrange [bx - half:bx + half]
 set yrange [by - half:by + half]
 unset ylabel
-set colorbox user origin 680.0 / width, 62.0 / height size 18.0 / width, 240.0 / height
+set colorbox user origin 680.0 / width, 72.0 / height size 18.0 / width, 240.0 / height
 set format cb '%g'
 eval 'plot ' . zoom
 unset multiplot

@@ -6,8 +6,8 @@ if (kind eq 'svg') {
     linewidth 1.2
 } else {
   # Twice as many dots, for screens with fine dots; shown at the width of the SVG.
-  set terminal pngcairo size 2 * width, 2 * height enhanced font 'DejaVu Sans,14' fontscale 1.6 \
-    linewidth 2.4 pointscale 2 background 'white'
+  set terminal pngcairo size 2 * width, 2 * height enhanced font 'DejaVu Sans,14' fontscale 1.5 \
+    linewidth 2.4 pointscale 2.8 background 'white'
 }
 set output out
 set encoding utf8
@@ -22,7 +22,7 @@ set linetype 1 linecolor rgb yellow linewidth 2
 set linetype 2 linecolor rgb red linewidth 2
 set linetype 3 linecolor rgb blue linewidth 2
 # The numbers that the thesis prints.
-set linetype 4 linecolor rgb '#222222' linewidth 1 pointtype 6 pointsize 0.8
+set linetype 4 linecolor rgb '#222222' linewidth 1 pointtype 6 pointsize 0.6
 
 set border 3 linecolor rgb '#666666' linewidth 0.8
 set tics nomirror out scale 0.6 textcolor rgb '#333333'

@@ -35,24 +35,26 @@ set label 1 'no error seen: drawn at 10^{-17}' at 2.5, 4 * floor_at \
 
 at(a, m, overlap) = is('arithmetic', word(arithmetics, a)) && is('method', word(methods, m)) && \
   is('overlap', overlap) ? microseconds * column('seconds_per_position') : NaN
-step_name(a) = is('arithmetic', word(arithmetics, a)) && is('method', 'marching') && is('overlap', 'stable') ? \
-  sprintf(sprintf('step %%.%df cm', decimals(column('step'))), column('step')) : ''
-decimals(step) = int(ceil(-log10(step) - 0.01))
+step_name(a) = is('arithmetic', word(arithmetics, a)) && is('method', 'marching') && \
+  is('overlap', 'stable') ? sprintf(step_format(column('step')), column('step')) : ''
+step_format(step) = sprintf('step %%.%df cm', int(ceil(-log10(step) - 0.01)))
 
 plot "< awk -F, 'NR == 1 || $NF == 1' " . file \
     using (microseconds * column('seconds_per_position')):(place(column('worst'))) \
     smooth unique with lines linetype 5 title 'cheapest (front)', \
   for [a = 1:4] for [m = 1:3] file using (at(a, m, 'stable')):(place(column('worst'))) \
-    with points pointtype filled[m] linecolor rgb colour[a] notitle, \
+    with points pointtype filled[m] pointsize 0.65 linewidth 1 linecolor rgb colour[a] notitle, \
   for [a = 1:4] for [m = 1:3] file using (at(a, m, 'original')):(place(column('worst'))) \
-    with points pointtype open[m] linecolor rgb colour[a] linewidth 1.2 notitle, \
-  file using (46000):(place(column('worst'))):(step_name(4)) with labels right font ',11' textcolor rgb '#666666' notitle, \
+    with points pointtype open[m] pointsize 0.65 linewidth 1.2 linecolor rgb colour[a] notitle, \
+  file using (46000):(place(column('worst'))):(step_name(4)) with labels right \
+    font ',11' textcolor rgb '#666666' notitle, \
   NaN with lines linecolor rgb 'white' title ' ', \
   for [a = 1:4] NaN with lines linewidth 6 linecolor rgb colour[a] title word(arithmetics, a), \
   NaN with lines linecolor rgb 'white' title ' ', \
-  for [m = 1:3] NaN with points pointtype open[m] linecolor rgb '#222222' linewidth 1.2 \
-    title word(method_names, m), \
+  for [m = 1:3] NaN with points pointtype open[m] pointsize 0.65 linewidth 1.2 \
+    linecolor rgb '#222222' title word(method_names, m), \
   NaN with lines linecolor rgb 'white' title ' ', \
-  NaN with points pointtype filled[1] linecolor rgb '#222222' title 'stable overlap', \
-  NaN with points pointtype open[1] linecolor rgb '#222222' linewidth 1.2 \
+  NaN with points pointtype filled[1] pointsize 0.65 linewidth 1 linecolor rgb '#222222' \
+    title 'stable overlap', \
+  NaN with points pointtype open[1] pointsize 0.65 linewidth 1.2 linecolor rgb '#222222' \
     title 'original overlap'

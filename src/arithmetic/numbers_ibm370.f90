@@ -10,7 +10,7 @@ module asperity_numbers_ibm370
   private
 
   public :: decimal_number, whole_number, from_real64, to_real64, cut_to_integer
-  public :: three_halves_power, cube_root, times_power_of_16, exponent_of_16
+  public :: three_halves_power, cube_root, times_power_of_16, exponent_of_16, upper_half
 
   ! A machine word: sign, 7 bits of characteristic (exponent + 64), 24 bits of fraction.
   integer, parameter :: fraction_bits = 24, characteristic_bits = 7, bias = 64
@@ -52,6 +52,14 @@ contains
     if (ibits(hex32_word(number), 0, fraction_bits) == 0) return
     exponent_of_16 = ibits(hex32_word(number), fraction_bits, characteristic_bits) - bias
   end function exponent_of_16
+
+  !> The number cut to half its digits: it and what is left have exact products.
+  elemental function upper_half(number) result(upper)
+    type(hex32), intent(in) :: number  !! any number
+    type(hex32) :: upper               !! the number with the lower half of its fraction zero
+
+    upper = hex32_from_word(iand(hex32_word(number), not(maskr(fraction_bits / 2, int32))))
+  end function upper_half
 
   !> The cube root, for number >= 0, cut to 24 bits. The original has no cube root.
   elemental function cube_root(number) result(root)

@@ -6,7 +6,7 @@ module asperity_kernel_real32
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64, real32, real64
   use asperity_numbers_real32, only: cube_root, decimal_number, exponent_of_16, from_real64, &
-                                     times_power_of_16, to_real64, whole_number
+                                     times_power_of_16, to_real64, upper_half, whole_number
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
                                    criterion_greenwood_williamson, criterion_hardy, &

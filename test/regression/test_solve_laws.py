@@ -1,0 +1,293 @@
+"""Laws that every answer of `asperity solve` must obey, on random scenes.
+
+Coordinates are multiples of 2**-10 below 16: sums and differences of them are exact, so moving and
+turning the surfaces changes no bit unless the law's own arithmetic rounds. "Bit for bit" holds in
+builds that do not contract to fused multiply-add, as gfortran on x86-64 without -march.
+"""
+
+import functools
+
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+
+from exact_contact import TOTALS
+from surfaces_csv import solve, write_csv_scene
+
+FEW = settings(max_examples=40)
+UNIT = 2.0 ** -10
+SAME = ("approach", "contacts", "limit_reached", *TOTALS)
+CONTACT = ("area", "projected_area", "slope", "load", "average_pressure", "maximum_pressure",
+           "limit_exceeded", "vertical_load", "penetration", "overlap")
+
+
+def grid(low, high):
+    """Multiples of UNIT from low to high."""
+    return st.integers(round(low / UNIT), round(high / UNIT)).map(lambda n: n * UNIT)
+
+
+def surfaces(least=1):
+    asperity = st.tuples(grid(0, 6), grid(0, 6), grid(0.25, 0.5), grid(0.75, 2))
+    return st.lists(asperity, min_size=least, max_size=12)
+
+
+SLOPES = st.tuples(grid(-0.02, 0.02), grid(-0.02, 0.02))
+SHIFT = st.tuples(grid(-1, 1), grid(-1, 1))
+LOADINGS = st.one_of(
+    st.just({"control": "limit"}),
+    st.fixed_dictionaries({"control": st.just("load"),
+                           "value": st.floats(1e-3, 1e4)}),
+    st.fixed_dictionaries({"control": st.just("approach"), "value": grid(0.3, 0.9)}))
+SCENES = st.fixed_dictionaries({
+    "upper": surfaces(), "lower": surfaces(), "upper_slope": SLOPES, "lower_slope": SLOPES,
+    "shift": SHIFT, "loading": LOADINGS})
+
+
+@pytest.fixture(scope="module")
+def run(asperity, tmp_path_factory):
+    """Solve a scene given as a dict; None when it cannot be computed."""
+    folder = tmp_path_factory.mktemp("laws")
+
+    def run_scene(scene, **changed):
+        scene = {**scene, **changed}
+        x, y = scene["shift"]
+        path = write_csv_scene(
+            folder, scene["upper"], scene["lower"],
+            modulus=scene.get("modulus", (2.0e5, 1.0e5)), ratio=scene.get("ratio", (0.3, 0.25)),
+            tilt={"upper_slope": scene["upper_slope"], "lower_slope": scene["lower_slope"],
+                  "rotation": scene.get("rotation", (0.0, 0.0))},
+            motion={"x_first": x, "y_first": y}, loading=scene["loading"],
+            limit=scene.get("limit", {"criterion": "load", "value": 500.0}))
+        for left in folder.glob("*scene-*"):
+            left.unlink()
+        solved = solve(asperity, path, curve=True)
+        assert solved.status in (0, 1), solved.stderr
+        return solved if solved.status == 0 else None
+
+    return run_scene
+
+
+def totals(solved):
+    return tuple(solved.positions[0][name] for name in SAME)
+
+
+def contacts(solved, extra=()):
+    """Contact rows without their names, in an order of their own."""
+    return sorted(tuple(row[name] for name in (*CONTACT, *extra)) for row in solved.contacts)
+
+
+def same_bits(law):
+    """Run a law's two scenes: both fail, or totals and contacts are the same texts."""
+    @functools.wraps(law)
+    def compare(run, scene, other, extra=()):
+        one, two = run(scene), run(law(scene, other))
+        assert (one is None) == (two is None)
+        if one is not None:
+            assert totals(one) == totals(two)
+            assert contacts(one, extra) == contacts(two, extra)
+        return one
+    return compare
+
+
+@FEW
+@given(scene=SCENES, random=st.randoms(use_true_random=False))
+def test_order_of_asperities(run, scene, random):
+    orders = {side: random.sample(range(len(scene[side])), len(scene[side]))
+              for side in ("upper", "lower")}
+    one = run(scene)
+    two = run(scene, **{side: [scene[side][i] for i in orders[side]] for side in orders})
+    assert (one is None) == (two is None)
+    if one is None:
+        return
+    assert totals(one) == totals(two)
+    assert contacts(one, "xy") == contacts(two, "xy")
+    # Each row names the same asperities as before; twins may swap names.
+    def named(solved, back):
+        return {tuple(scene[side][back[side][int(row[side]) - 1]] for side in back)
+                + (row["penetration"],) for row in solved.contacts}
+    same = {side: list(range(len(scene[side]))) for side in orders}
+    assert named(one, same) == named(two, orders)
+
+
+@same_bits
+def shifted(scene, by):
+    def moved(side):
+        return [(x + by[0], y + by[1], h, r) for x, y, h, r in scene[side]]
+    return {**scene, "upper": moved("upper"), "lower": moved("lower")}
+
+
+@FEW
+@given(scene=SCENES, by=st.tuples(grid(-1e6, 1e6), grid(-1e6, 1e6)))
+def test_common_shift(run, scene, by):
+    """Level plates; tilted ones lift a summit with its place."""
+    level = {**scene, "upper_slope": (0.0, 0.0), "lower_slope": (0.0, 0.0)}
+    shifted(run, level, by)
+
+
+@FEW
+@given(scene=SCENES, by=st.tuples(st.floats(-10, 10), st.floats(-10, 10)))
+def test_common_shift_of_tilted_surfaces(run, scene, by):
+    """Nothing is exact here: heights and places may round by 2**-49 (of 16 to 32). A load grows
+    with the power 1.5 of a penetration, so its error is at most some ulps over the closing."""
+    scene = {**scene, "loading": {"control": "limit"}, "lower_slope": scene["upper_slope"]}
+    moved = {side: [(x + by[0], y + by[1], h, r) for x, y, h, r in scene[side]]
+             for side in ("upper", "lower")}
+    one, two = run(scene), run(scene, **moved)
+    assert (one is None) == (two is None)
+    if one is None or not one.contacts:
+        return
+    closing = float(one.curve[0]["decrease"])
+    for name in (*TOTALS, "approach"):
+        expected = float(one.positions[0][name])
+        assert abs(float(two.positions[0][name]) - expected) <= (
+            20 * 2.0 ** -49 / min(closing, 1.0) * abs(expected) + 20 * 2.0 ** -49 * (
+                name == "approach"))
+
+
+@same_bits
+def mirrored(scene, axis):
+    def mirror(values):
+        values = list(values)
+        values[axis] = -values[axis]
+        return tuple(values)
+    new = {name: mirror(scene[name]) for name in ("upper_slope", "lower_slope", "shift")}
+    new |= {side: [mirror(row) for row in scene[side]] for side in ("upper", "lower")}
+    return {**scene, **new, "rotation": tuple(-a for a in scene["rotation"])}
+
+
+ANGLES = st.tuples(st.floats(-3, 3), st.floats(-3, 3))
+
+
+@FEW
+@given(scene=SCENES, axis=st.sampled_from((0, 1)), rotation=ANGLES)
+def test_mirror(run, scene, axis, rotation):
+    mirrored(run, {**scene, "rotation": rotation}, axis)
+
+
+@same_bits
+def quarter_turned(scene, _):
+    def turn(values):
+        return (-values[1], values[0], *values[2:])
+    new = {name: turn(scene[name]) for name in ("upper_slope", "lower_slope", "shift")}
+    return {**scene, **new,
+            **{side: [turn(row) for row in scene[side]] for side in ("upper", "lower")}}
+
+
+@FEW
+@given(scene=SCENES)
+def test_quarter_turn(run, scene):
+    quarter_turned(run, scene, None)
+
+
+@same_bits
+def turned_over(scene, _):
+    """Mirrored at the mean plane: slopes and the displacement change their signs."""
+    def negative(values):
+        return tuple(-v for v in values)
+    return {**scene, "upper": scene["lower"], "lower": scene["upper"],
+            "upper_slope": negative(scene["lower_slope"]),
+            "lower_slope": negative(scene["upper_slope"]), "shift": negative(scene["shift"]),
+            "modulus": (1.0e5, 2.0e5), "ratio": (0.25, 0.3)}
+
+
+@FEW
+@given(scene=SCENES)
+def test_upper_and_lower_swapped(run, scene):
+    turned_over(run, scene, None)
+
+
+@FEW
+@given(scene=SCENES, steps=st.integers(2, 40))
+def test_nothing_falls_while_closing(run, scene, steps):
+    solved = run(scene, loading={**scene["loading"], "points": steps})
+    assume(solved is not None and solved.contacts)
+    for one, two in zip(solved.curve, solved.curve[1:]):
+        assert float(one["approach"]) >= float(two["approach"])
+        assert int(one["contacts"]) <= int(two["contacts"])
+        for name in ("load", "area"):
+            assert float(one[name]) <= float(two[name])
+    # Also between runs: a little further down, no less of anything.
+    end = float(solved.positions[0]["approach"])
+    deeper = run(scene, loading={"control": "approach", "value": end - 1e-9})
+    if deeper is not None:
+        for name in ("contacts", "load", "area"):
+            assert float(deeper.positions[0][name]) >= float(solved.positions[0][name])
+
+
+@FEW
+@given(scene=SCENES, closing=st.floats(1e-3, 0.2))
+def test_load_and_approach_invert_each_other(run, scene, closing):
+    """The approach is a double near 1, so the closing must not be too small for 1e-12."""
+    first = run(scene, loading={"control": "load", "value": 1e-200})
+    assume(first is not None)
+    approach = float(first.positions[0]["approach"]) - closing
+    by_approach = run(scene, loading={"control": "approach", "value": approach})
+    assume(by_approach is not None)
+    load = float(by_approach.positions[0]["load"])
+    by_load = run(scene, loading={"control": "load", "value": load})
+    again = run(scene, loading={"control": "approach",
+                                "value": float(by_load.positions[0]["approach"])})
+    assert abs(float(by_load.positions[0]["load"]) / load - 1) <= 1e-14
+    assert abs(float(by_load.curve[0]["decrease"]) / closing - 1) <= 1e-12
+    assert float(by_load.positions[0]["approach"]) == pytest.approx(approach, rel=1e-12, abs=1e-15)
+    assert abs(float(again.positions[0]["load"]) / load - 1) <= 1e-12
+
+
+POWER_OF = {"approach": 1, "load": 2, "vertical_load": 2, "area": 2, "projected_area": 2,
+            "penetration": 1, "overlap": 1, "slope": 0, "average_pressure": 0,
+            "maximum_pressure": 0, "x": 1, "y": 1, "decrease": 1}
+
+
+def scaled_scene(scene, k):
+    """Table II of the thesis: lengths by K, loads by K**2, materials and slopes as they are."""
+    new = {side: [tuple(v * k for v in row) for row in scene[side]] for side in ("upper", "lower")}
+    new["shift"] = tuple(v * k for v in scene["shift"])
+    power = 2 if scene["loading"]["control"] == "load" else 1
+    new["loading"] = {name: v * k ** power if name == "value" else v
+                      for name, v in scene["loading"].items()}
+    return {**scene, **new, "limit": {"criterion": "load", "value": 500.0 * k * k}}
+
+
+def rows_scaled(one, two):
+    """Pairs (name, expected factor's power, number before, number after)."""
+    for table in ("positions", "contacts", "curve"):
+        for before, after in zip(getattr(one, table), getattr(two, table), strict=True):
+            for name in ("upper", "lower", "contacts", "limit_exceeded"):
+                assert before.get(name) == after.get(name)
+            for name in before.keys() & POWER_OF.keys():
+                yield name, POWER_OF[name], float(before[name]), float(after[name])
+
+
+@FEW
+@given(scene=SCENES, exponent=st.integers(-200, 200))
+@example(scene={"upper": [(0.0, 0.0, 0.25, 1.0)], "lower": [(0.25, 0.0, 0.25, 1.0)],
+                "upper_slope": (0.0, 0.0), "lower_slope": (0.0, 0.0), "shift": (0.0, 0.0),
+                "loading": {"control": "load", "value": 0.1}}, exponent=-1)
+def test_scale_by_a_power_of_two(run, scene, exponent):
+    k = 2.0 ** exponent
+    one, two = run(scene), run(scaled_scene(scene, k))
+    assert (one is None) == (two is None)
+    if one is not None:
+        for name, power, before, after in rows_scaled(one, two):
+            assert after == before * k ** power, name
+
+
+@FEW
+@given(scene=SCENES, exponent=st.integers(-60, 60))
+def test_scale_by_a_power_of_ten(run, scene, exponent):
+    """Coordinates round anew: ulps of them, relative to the closing."""
+    scene = {**scene, "loading": {"control": "limit"}}
+    k = 10.0 ** exponent
+    one, two = run(scene), run(scaled_scene(scene, k))
+    assert (one is None) == (two is None)
+    if one is None or not one.contacts:
+        return
+    closing = float(one.curve[0]["decrease"])
+    for name in TOTALS:
+        before, after = (float(s.positions[0][name]) for s in (one, two))
+        assert abs(after / before / k ** POWER_OF[name] - 1) <= 20 * 2.0 ** -50 / closing, name
+    before, after = (float(s.positions[0]["approach"]) for s in (one, two))
+    assert abs(after / k - before) <= 20 * 2.0 ** -50
+    before, after = (max(float(row["average_pressure"]) for row in s.contacts)
+                     for s in (one, two))
+    assert abs(after / before - 1) <= 20 * 2.0 ** -50 / closing
