@@ -8,18 +8,18 @@ submodule(asperity_hex32) asperity_hex32_functions
   integer, parameter :: series_terms = 17
   !> Below 16**exponent the sine rounds to its angle and the cosine to one.
   integer(int32), parameter :: series_exponent = -3_int32
+  ! The library's constants 1.681595, 1.288973 and 0.8408065; cut or rounded they are the same.
+  type(hex32), parameter :: c1 = hex32(1763280_int32, 1_int32)
+  type(hex32), parameter :: c2 = hex32(1351586_int32, 1_int32)
+  type(hex32), parameter :: c3 = hex32(14106392_int32, 0_int32)
+  type(hex32), parameter :: half = hex32(8388608_int32, 0_int32)
+  type(hex32), parameter :: quarter = hex32(4194304_int32, 0_int32)
 
 contains
 
   elemental module function square_root(x) result(root)
     type(hex32), intent(in) :: x
     type(hex32) :: root
-    ! The library's constants 1.681595, 1.288973 and 0.8408065; cut or rounded they are the same.
-    type(hex32), parameter :: c1 = hex32(1763280_int32, 1_int32)
-    type(hex32), parameter :: c2 = hex32(1351586_int32, 1_int32)
-    type(hex32), parameter :: c3 = hex32(14106392_int32, 0_int32)
-    type(hex32), parameter :: half = hex32(8388608_int32, 0_int32)
-    type(hex32), parameter :: quarter = hex32(4194304_int32, 0_int32)
     type(hex32) :: m, reduced, y, quotient
     integer(int32) :: p, q
     integer(int64) :: total

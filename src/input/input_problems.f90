@@ -38,9 +38,10 @@ contains
   pure subroutine start(self, file)
     class(input_problems), intent(inout) :: self  !! the problems
     character(len=*), intent(in) :: file          !! name of the file as the user gave it
+    type(problem_list) :: empty
 
     self%file = file
-    self%list = problem_list()
+    self%list = empty
     self%number = 0
   end subroutine start
 

@@ -2,12 +2,14 @@
 program unit_tests
   use asperity_testing, only: finish, run_suite, tally_type
   use asperity_test_hex32, only: collect_hex32
+  use asperity_test_overlap, only: collect_overlap
   use asperity_test_scene, only: collect_scene
   implicit none
 
   type(tally_type) :: tally
 
   call run_suite('hex32', collect_hex32, tally)
+  call run_suite('overlap', collect_overlap, tally)
   call run_suite('scene', collect_scene, tally)
   call finish(tally)
 end program unit_tests

@@ -1,0 +1,191 @@
+!> The files that a command writes: all of them appear, each by rename and whole, or none does.
+!>
+!> A file is written under a name of its own beside its place (`stage_file`). When all has gone
+!> well, standard output included, the files take their places (`commit_files`); after a failure
+!> or an interruption they are taken away. A device or a pipe is written as it stands.
+module asperity_output_files
+  use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, &
+                                         c_null_char, c_size_t
+  use asperity_files, only: standard_error, standard_output, write_bytes
+  use asperity_problems, only: decimal_text
+  use asperity_process, only: process_number
+  use asperity_system_calls, only: canonical_path, posix_close, posix_creat, posix_exit_now, &
+                                   posix_fsync, posix_open, posix_rename, posix_signal, &
+                                   posix_unlink, posix_write, system_error, system_reason
+  implicit none
+  private
+
+  public :: stage_file, commit_files, discard_files, guard_files, same_file
+
+  integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int), write_only = 1_c_int
+  integer(c_int), parameter :: no_such_file = 2_c_int
+  ! HUP, INT, QUIT, TERM and XCPU end the program; PIPE and XFSZ become failures of a write.
+  integer(c_int), parameter :: ending_signals(5) = [1_c_int, 2_c_int, 3_c_int, 15_c_int, 24_c_int]
+  integer(c_int), parameter :: ignored_signals(2) = [13_c_int, 25_c_int]
+  ! SIG_IGN of the C library.
+  integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t
+
+  ! What is staged. The names end with a null character: a signal's procedure may not build texts.
+  integer, parameter :: most_files = 8, longest_path = 4400
+  character(kind=c_char), save :: parts(longest_path, most_files) = c_null_char
+  character(len=longest_path), save :: places(most_files) = '', named(most_files) = ''
+  integer, volatile, save :: staged = 0
+  logical, volatile, save :: committing = .false.
+
+contains
+
+  !> To be called once, at the start: an interruption leaves no file behind, and a closed pipe or a
+  !> full quota is told like any other failure. A signal that was ignored stays so.
+  subroutine guard_files()
+    type(c_funptr) :: before
+    integer :: i
+
+    do i = 1, size(ignored_signals)
+      before = posix_signal(ignored_signals(i), transfer(ignore, before))
+    end do
+    do i = 1, size(ending_signals)
+      before = posix_signal(ending_signals(i), c_funloc(end_at_signal))
+      if (transfer(before, ignore) == ignore) before = posix_signal(ending_signals(i), before)
+    end do
+  end subroutine guard_files
+
+  !> Writes a file beside its place. `failure` is allocated, with the reason, when that is not
+  !> possible; nothing staged is left then.
+  subroutine stage_file(path, text, failure)
+    character(len=*), intent(in) :: path                   !! the file
+    character(len=*), intent(in) :: text                   !! its bytes
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable :: place, part
+    integer(c_int) :: descriptor, status
+
+    call open_special(path, descriptor, failure)
+    if (descriptor >= 0) then
+      call write_bytes(descriptor, text, failure)
+      if (descriptor > standard_error) status = posix_close(descriptor)
+    else if (.not. allocated(failure)) then
+      place = canonical_path(path)
+      part = place(:index(place, '/', back=.true.)) // '.asperity.' // &
+             decimal_text(process_number()) // '.' // decimal_text(staged + 1) // '.part'
+      if (staged == most_files .or. len(part) >= longest_path) then
+        failure = 'too many files, or too long a path'
+      else
+        call write_part(place, part, path, text, failure)
+      end if
+    end if
+    if (.not. allocated(failure)) return
+    failure = path // ': cannot be written: ' // failure
+    call discard_files()
+  end subroutine stage_file
+
+  !> Gives all staged files their names. `failure` is allocated, with the reason, when one cannot
+  !> have it; the rest is taken away then.
+  subroutine commit_files(failure)
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    integer(c_int) :: status
+    integer :: i
+
+    committing = .true.
+    do i = 1, staged
+      status = posix_rename(parts(:, i), trim(places(i)) // c_null_char)
+      if (status == 0) then
+        parts(1, i) = c_null_char
+      else
+        failure = trim(named(i)) // ': cannot be written: ' // system_reason()
+        exit
+      end if
+    end do
+    call discard_files()
+    committing = .false.
+  end subroutine commit_files
+
+  !> Takes all staged files away.
+  subroutine discard_files()
+    integer(c_int) :: status
+    integer :: i
+
+    do i = 1, staged
+      if (parts(1, i) /= c_null_char) status = posix_unlink(parts(:, i))
+    end do
+    staged = 0
+  end subroutine discard_files
+
+  !> Whether two paths lead to one file, or would. Devices and pipes are shared without harm.
+  logical function same_file(a, b)
+    character(len=*), intent(in) :: a  !! a path, or empty
+    character(len=*), intent(in) :: b  !! a path, or empty
+    character(len=:), allocatable :: name
+
+    same_file = .false.
+    if (a == '' .or. b == '') return
+    name = canonical_path(a)
+    if (index(name, '/dev/') == 1 .and. index(name, '/dev/shm/') /= 1) return
+    if (index(name, '/proc/') == 1) return
+    same_file = name == canonical_path(b)
+  end function same_file
+
+  !> Opens a device or a pipe for writing. `descriptor` is -1 for a file: a rename would put one in
+  !> the place of a device, and nobody wants that of /dev/null.
+  subroutine open_special(path, descriptor, failure)
+    character(len=*), intent(in) :: path
+    integer(c_int), intent(out) :: descriptor
+    character(len=:), allocatable, intent(out) :: failure
+    integer(c_int) :: status
+
+    ! Perhaps files, but ones whose writing has begun.
+    descriptor = standard_output
+    if (path == '/dev/stdout') return
+    descriptor = standard_error
+    if (path == '/dev/stderr') return
+    descriptor = posix_open(path // c_null_char, write_only)
+    if (descriptor < 0) then
+      if (system_error() /= no_such_file) failure = system_reason()
+      return
+    end if
+    ! Files can be brought to the disk; devices and pipes refuse.
+    if (posix_fsync(descriptor) /= 0) return
+    status = posix_close(descriptor)
+    descriptor = -1
+  end subroutine open_special
+
+  !> Writes a file under its first name, which is known to `end_at_signal` before the file is there.
+  subroutine write_part(place, part, path, text, failure)
+    character(len=*), intent(in) :: place, part, path, text
+    character(len=:), allocatable, intent(out) :: failure
+    integer(c_int) :: descriptor, status
+    integer :: i
+
+    places(staged + 1) = place
+    named(staged + 1) = path
+    do i = 1, len(part)
+      parts(i, staged + 1) = part(i:i)
+    end do
+    parts(len(part) + 1, staged + 1) = c_null_char
+    staged = staged + 1
+    descriptor = posix_creat(part // c_null_char, mode_rw_r_r)
+    if (descriptor < 0) then
+      failure = system_reason()
+      return
+    end if
+    call write_bytes(descriptor, text, failure)
+    status = posix_close(descriptor)
+    if (status /= 0 .and. .not. allocated(failure)) failure = system_reason()
+  end subroutine write_part
+
+  !> Ends the program at a signal: files that are not whole go, status 1. Only what a signal's
+  !> procedure may do is done here: no allocation, no Fortran output.
+  subroutine end_at_signal(number) bind(c)
+    integer(c_int), value :: number
+    character(kind=c_char, len=37) :: message
+    integer(c_size_t) :: written
+
+    ! The names are being given: a moment, and all is done.
+    if (committing) return
+    call discard_files()
+    message = 'interrupted by signal   , nothing kept'
+    message(23:24) = achar(iachar('0') + number / 10) // achar(iachar('0') + mod(number, 10))
+    message(37:37) = achar(10)
+    written = posix_write(standard_error, message, int(len(message), c_size_t))
+    call posix_exit_now(1_c_int)
+  end subroutine end_at_signal
+
+end module asperity_output_files

@@ -1,0 +1,187 @@
+!> The C library's calls that Fortran has no words for: descriptors, names of files, signals.
+module asperity_system_calls
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_funptr, c_int, &
+                                         c_long, c_null_char, c_null_ptr, c_ptr, c_size_t
+  implicit none
+  private
+
+  public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
+  public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
+  public :: system_error, system_reason, canonical_path
+
+  interface
+    !> Opens a file or device; -1 when refused.
+    integer(c_int) function posix_open(path, flags) bind(c, name='open')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int), value :: flags
+    end function posix_open
+
+    !> Makes or empties a file for writing; -1 when refused.
+    integer(c_int) function posix_creat(path, mode) bind(c, name='creat')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int), value :: mode
+    end function posix_creat
+
+    !> Moves to a place of a file; -1 where there are no places.
+    integer(c_long) function posix_lseek(descriptor, offset, whence) bind(c, name='lseek')
+      import :: c_int, c_long
+      implicit none
+      integer(c_int), value :: descriptor
+      integer(c_long), value :: offset
+      integer(c_int), value :: whence
+    end function posix_lseek
+
+    !> Reads some bytes; 0 at the end, -1 when refused.
+    integer(c_size_t) function posix_read(descriptor, bytes, count) bind(c, name='read')
+      import :: c_char, c_int, c_size_t
+      implicit none
+      integer(c_int), value :: descriptor
+      character(kind=c_char), intent(out) :: bytes(*)
+      integer(c_size_t), value :: count
+    end function posix_read
+
+    !> Writes some bytes; how many, or -1 when refused.
+    integer(c_size_t) function posix_write(descriptor, bytes, count) bind(c, name='write')
+      import :: c_char, c_int, c_size_t
+      implicit none
+      integer(c_int), value :: descriptor
+      character(kind=c_char), intent(in) :: bytes(*)
+      integer(c_size_t), value :: count
+    end function posix_write
+
+    !> Closes a descriptor; -1 when what was written could not be kept.
+    integer(c_int) function posix_close(descriptor) bind(c, name='close')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: descriptor
+    end function posix_close
+
+    !> Brings a file to the disk; -1 for a device or a pipe.
+    integer(c_int) function posix_fsync(descriptor) bind(c, name='fsync')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: descriptor
+    end function posix_fsync
+
+    !> Gives a file another name, in place of the file that had it.
+    integer(c_int) function posix_rename(from, to) bind(c, name='rename')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: from(*), to(*)
+    end function posix_rename
+
+    !> Takes a file's name away.
+    integer(c_int) function posix_unlink(path) bind(c, name='unlink')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+    end function posix_unlink
+
+    !> Waits for so many microseconds.
+    integer(c_int) function posix_usleep(microseconds) bind(c, name='usleep')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: microseconds
+    end function posix_usleep
+
+    !> Sets what a signal does, and tells what it did before.
+    type(c_funptr) function posix_signal(number, handler) bind(c, name='signal')
+      import :: c_funptr, c_int
+      implicit none
+      integer(c_int), value :: number
+      type(c_funptr), value :: handler
+    end function posix_signal
+
+    !> Ends the process at once: the end that a signal's procedure may ask for.
+    subroutine posix_exit_now(status) bind(c, name='_exit')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: status
+    end subroutine posix_exit_now
+
+    type(c_ptr) function posix_realpath(path, resolved) bind(c, name='realpath')
+      import :: c_char, c_ptr
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), value :: resolved
+    end function posix_realpath
+
+    subroutine posix_free(memory) bind(c, name='free')
+      import :: c_ptr
+      implicit none
+      type(c_ptr), value :: memory
+    end subroutine posix_free
+
+    type(c_ptr) function errno_location() bind(c, name='__errno_location')
+      import :: c_ptr
+      implicit none
+    end function errno_location
+
+    type(c_ptr) function posix_strerror(number) bind(c, name='strerror')
+      import :: c_int, c_ptr
+      implicit none
+      integer(c_int), value :: number
+    end function posix_strerror
+  end interface
+
+contains
+
+  !> The number of the system's last refusal.
+  function system_error() result(number)
+    integer(c_int) :: number  !! errno
+    integer(c_int), pointer :: errno
+
+    call c_f_pointer(errno_location(), errno)
+    number = errno
+  end function system_error
+
+  !> What the system says of its last refusal.
+  function system_reason() result(reason)
+    character(len=:), allocatable :: reason  !! for instance `No space left on device`
+
+    reason = text_of(posix_strerror(system_error()))
+  end function system_reason
+
+  !> The one name of a file that every spelling of its path leads to, symbolic links followed.
+  !> A file that is not there yet gets its folder's; the path itself when that is not there either.
+  recursive function canonical_path(path) result(name)
+    character(len=*), intent(in) :: path   !! any path
+    character(len=:), allocatable :: name  !! absolute where possible
+    type(c_ptr) :: letters
+    integer :: slash
+
+    letters = posix_realpath(path // c_null_char, c_null_ptr)
+    if (c_associated(letters)) then
+      name = text_of(letters)
+      call posix_free(letters)
+      return
+    end if
+    slash = index(path, '/', back=.true.)
+    name = path
+    if (slash == 0) then
+      name = canonical_path('.') // '/' // path
+    else if (slash > 1 .and. slash < len(path)) then
+      name = canonical_path(path(:slash - 1)) // path(slash:)
+    end if
+  end function canonical_path
+
+  !> A text of the C library, which ends with a null character.
+  function text_of(address) result(text)
+    type(c_ptr), intent(in) :: address
+    character(len=:), allocatable :: text
+    character(kind=c_char), pointer :: letters(:)
+    integer :: i
+
+    call c_f_pointer(address, letters, [huge(i)])
+    text = ''
+    do i = 1, size(letters)
+      if (letters(i) == c_null_char) exit
+      text = text // letters(i)
+    end do
+  end function text_of
+
+end module asperity_system_calls
