@@ -1,5 +1,6 @@
 !> Words of the command line, sorted into options and operand by what a command accepts.
 module asperity_arguments
+  use asperity_input_problems, only: quoted
   use asperity_problems, only: problem_list
   implicit none
   private
@@ -29,6 +30,7 @@ contains
     character(len=*), intent(in) :: operand         !! name of the operand in messages
     type(argument_list), intent(out) :: list        !! what was given
     type(problem_list), intent(inout) :: problems   !! what is wrong
+    type(given_option) :: given
     character(len=:), allocatable :: word, name, value
     integer :: equals, i
 
@@ -44,8 +46,8 @@ contains
         if (list%operand == '') then
           list%operand = word
         else
-          call problems%add('unexpected argument ''' // word // ''' after the ' // operand // &
-                            ' ' // list%operand)
+          call problems%add('unexpected argument ' // quoted(word) // ' after the ' // operand // &
+                            ' ' // quoted(list%operand))
         end if
       else
         equals = index(word, '=')
@@ -57,9 +59,9 @@ contains
         end if
         if (any(name == flags)) then
           if (equals > 0) &
-            call problems%add('option ' // name // ' takes no value, found ''' // value // '''')
+            call problems%add('option ' // name // ' takes no value, found ' // quoted(value))
         else if (.not. any(name == valued)) then
-          call problems%add('unknown option ' // name // ', expected one of' // &
+          call problems%add('unknown option ' // quoted(name) // ', expected one of' // &
                             joined(valued) // joined(flags))
           cycle
         else if (equals == 0) then
@@ -75,7 +77,9 @@ contains
           call problems%add('option ' // name // ' has an empty value')
           cycle
         end if
-        list%options = [list%options, given_option(name, value)]
+        ! By a variable: gfortran 12 leaks the components of a constructor inside a constructor.
+        given = given_option(name, value)
+        list%options = [list%options, given]
       end if
     end do
   end subroutine read_arguments

@@ -1,14 +1,19 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
   use asperity_arguments, only: argument, argument_list, read_arguments
+  use asperity_decimal, only: decimal_value
+  use asperity_input_problems, only: quoted
   use asperity_kinds, only: real64
+  use asperity_numeral, only: nearest_double, read_numeral
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions
+  use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_system_calls, only: canonical_path
   implicit none
   private
 
-  public :: command_line, parse_command_line
+  public :: command_line, parse_command_line, refuse_input
 
   !> What the user asked for.
   type :: command_line
@@ -40,6 +45,9 @@ module asperity_command_line
      '--threads']
   character(len=*), parameter :: solve_flags(2) = [character(len=18) :: '--budget', '--quiet']
   character(len=*), parameter :: study_valued(1) = [character(len=18) :: '--csv']
+  ! Options that name an output.
+  character(len=*), parameter :: output_options(4) = &
+    [character(len=11) :: '--contacts', '--positions', '--curve', '--csv']
   character(len=*), parameter :: study_flags(1) = [character(len=18) :: '--quiet']
 
 contains
@@ -114,8 +122,8 @@ contains
       if (any(value == arithmetic_names)) then
         line%arithmetic = value
       else
-        call problems%add('--arithmetic: found ''' // value // &
-                          ''', expected ibm370, real32, real64 or real128')
+        call problems%add('--arithmetic: found ' // quoted(value) // &
+                          ', expected ibm370, real32, real64 or real128')
       end if
     case ('--tables')
       call read_tables(value, line%printed, problems)
@@ -152,7 +160,7 @@ contains
       read (value, '(i4)', iostat=status) threads
     if (status == 0 .and. threads > 0) return
     threads = 1
-    call problems%add('--threads: found ''' // value // ''', expected a number from 1 to 9999')
+    call problems%add('--threads: found ' // quoted(value) // ', expected a number from 1 to 9999')
   end subroutine read_threads
 
   !> A relative error between 0 and 1.
@@ -160,54 +168,68 @@ contains
     character(len=*), intent(in) :: value
     real(real64), intent(inout) :: accuracy
     type(problem_list), intent(inout) :: problems
-    integer :: status
+    type(decimal_value) :: decimal
+    logical :: good
 
-    status = 1
-    if (verify(value, '0123456789.eEdD+-') == 0 .and. scan(value, '0123456789') > 0) &
-      read (value, '(f40.0)', iostat=status) accuracy
-    if (status == 0 .and. accuracy > 0.0_real64 .and. accuracy < 1.0_real64) return
+    call read_numeral(value, decimal, good)
+    accuracy = nearest_double(decimal)
+    if (good .and. accuracy > 0.0_real64 .and. accuracy < 1.0_real64) return
     accuracy = 0.0_real64
-    call problems%add('--accuracy: found ''' // value // &
-                      ''', expected a relative error between 0 and 1, for instance 1e-3')
+    call problems%add('--accuracy: found ' // quoted(value) // &
+                      ', expected a relative error between 0 and 1, for instance 1e-3')
   end subroutine read_accuracy
 
-  !> No output may take the place of another file that was named.
+  !> No output may take the place of another file that was named, in whatever spelling.
   subroutine check_files(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
-    character(len=*), parameter :: names(4) = &
-      [character(len=11) :: '--contacts', '--positions', '--curve', '--csv']
+    character(len=:), allocatable :: report
     integer :: i, j
 
-    do i = 1, size(names)
-      if (file(i) == '' .or. index(file(i), '/dev/') == 1) cycle
-      if (file(i) == line%input) &
-        call problems%add(trim(names(i)) // ' names the input, ' // line%input)
-      do j = i + 1, size(names)
-        if (file(i) == file(j)) call problems%add(trim(names(i)) // ' and ' // trim(names(j)) // &
-                                                  ' both name ' // file(i))
+    report = canonical_path('/dev/stdout')
+    call refuse_input(line, line%input, problems)
+    do i = 1, size(output_options)
+      if (same_file(output_file(line, i), report)) &
+        call problems%add(trim(output_options(i)) // ' names the file that standard output ' // &
+                          'goes to, ' // output_file(line, i))
+      do j = i + 1, size(output_options)
+        if (same_file(output_file(line, i), output_file(line, j))) &
+          call problems%add(trim(output_options(i)) // ' and ' // trim(output_options(j)) // &
+                            ' both name ' // output_file(line, i))
       end do
     end do
-
-  contains
-
-    function file(number) result(path)
-      integer, intent(in) :: number
-      character(len=:), allocatable :: path
-
-      select case (number)
-      case (1)
-        path = line%contacts_file
-      case (2)
-        path = line%positions_file
-      case (3)
-        path = line%curve_file
-      case default
-        path = line%csv_file
-      end select
-    end function file
-
   end subroutine check_files
+
+  !> No output may take the place of an input, be it named here or in a scene.
+  subroutine refuse_input(line, input, problems)
+    type(command_line), intent(in) :: line         !! the user's choices
+    character(len=*), intent(in) :: input          !! path of the input
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    integer :: i
+
+    do i = 1, size(output_options)
+      if (same_file(output_file(line, i), input)) &
+        call problems%add(trim(output_options(i)) // ' names the input, ' // input)
+    end do
+  end subroutine refuse_input
+
+  !> The path behind the i-th of `output_options`, or nothing.
+  pure function output_file(line, i) result(path)
+    type(command_line), intent(in) :: line
+    integer, intent(in) :: i
+    character(len=:), allocatable :: path
+
+    select case (i)
+    case (1)
+      path = line%contacts_file
+    case (2)
+      path = line%positions_file
+    case (3)
+      path = line%curve_file
+    case default
+      path = line%csv_file
+    end select
+  end function output_file
 
   !> `none`, `all`, or positions separated by commas.
   subroutine read_tables(list, printed, problems)
@@ -232,8 +254,8 @@ contains
       if (status == 0) then
         printed(position) = .true.
       else
-        call problems%add('--tables: found ''' // list(first:last) // ''' in ''' // list // &
-                          ''', expected none, all, or positions from 1 to ' // &
+        call problems%add('--tables: found ' // quoted(list(first:last)) // ' in ' // quoted(list) // &
+                          ', expected none, all, or positions from 1 to ' // &
                           decimal_text(size(printed)) // ' separated by commas')
       end if
       first = last + 2

@@ -1,6 +1,6 @@
 !> What the program says of itself.
 module asperity_help
-  use asperity_files, only: write_standard_error, write_standard_output
+  use asperity_files, only: write_message, write_standard_output
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -111,7 +111,7 @@ contains
     status = 0
     call write_standard_output(text%text(), failure)
     if (.not. allocated(failure)) return
-    call write_standard_error(failure // new_line('a'))
+    call write_message(failure)
     status = 1
   end subroutine print_text
 

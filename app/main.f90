@@ -3,6 +3,7 @@ program asperity_main
   use asperity_command_line, only: command_line, parse_command_line
   use asperity_files, only: write_standard_error
   use asperity_help, only: show_help, show_next_steps, show_version
+  use asperity_output_files, only: guard_files
   use asperity_problems, only: problem_list
   use asperity_process, only: end_process
   use asperity_run_accuracy, only: run_accuracy_command
@@ -13,6 +14,7 @@ program asperity_main
   type(problem_list) :: problems
   integer :: status
 
+  call guard_files()
   call parse_command_line(line, problems)
   if (problems%count() > 0) then
     call write_standard_error(problems%text() // 'Try: asperity --help' // new_line('a'))

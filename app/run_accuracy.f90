@@ -2,10 +2,11 @@
 module asperity_run_accuracy
   use asperity_accuracy_study, only: accuracy_row, run_accuracy_study
   use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
-  use asperity_card_deck, only: card_deck, read_card_deck
-  use asperity_command_line, only: command_line
-  use asperity_files, only: write_standard_error, write_standard_output, write_whole_file
+  use asperity_card_deck, only: card_deck
+  use asperity_command_line, only: command_line, refuse_input
+  use asperity_files, only: write_message, write_standard_error, write_standard_output
   use asperity_kinds, only: real64
+  use asperity_output_files, only: commit_files, discard_files, stage_file
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
@@ -20,7 +21,8 @@ module asperity_run_accuracy
 
 contains
 
-  !> Runs the command. All is computed before the first byte is written.
+  !> Runs the command. All is computed before the first byte is written,
+  !> and files appear when all is written.
   subroutine run_accuracy_command(line, status)
     type(command_line), intent(in) :: line  !! the user's choices
     integer, intent(out) :: status          !! exit status
@@ -33,14 +35,13 @@ contains
 
     call read_scene(line%input, scene_in, problems)
     if (problems%count() == 0) then
+      call refuse_input(line, scene_in%upper%file, problems)
+      if (scene_in%lower%file /= scene_in%upper%file) &
+        call refuse_input(line, scene_in%lower%file, problems)
       if (scene_in%loading%control /= control_limit .or. &
           scene_in%limit%criterion /= criterion_load) &
         call problems%add(line%input // ': the accuracy study needs a scene that ends at a ' // &
                           'limit load: control = ''limit'', criterion = ''load''')
-    end if
-    if (problems%count() == 0 .and. is_thesis_sweep(scene_in)) then
-      allocate (deck)
-      call read_card_deck(line%input, deck, problems)
     end if
     if (problems%count() > 0) then
       call write_standard_error(problems%text())
@@ -48,16 +49,19 @@ contains
       return
     end if
     status = 1
+    if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
     call run_accuracy_study(scene_in, deck, seconds_a_row, rows, failure)
     if (allocated(failure)) failure = line%input // ': ' // failure
     if (complained()) return
     if (line%csv_file /= '') then
       call write_accuracy_csv(rows, csv)
-      call write_whole_file(line%csv_file, csv%text(), failure)
+      call stage_file(line%csv_file, csv%text(), failure)
       if (complained()) return
     end if
     if (.not. line%quiet) call write_accuracy_table(rows, table)
     call write_standard_output(table%text(), failure)
+    if (complained()) return
+    call commit_files(failure)
     if (complained()) return
     status = 0
 
@@ -65,7 +69,9 @@ contains
 
     logical function complained()
       complained = allocated(failure)
-      if (complained) call write_standard_error(failure // new_line('a'))
+      if (.not. complained) return
+      call discard_files()
+      call write_message(failure)
     end function complained
 
   end subroutine run_accuracy_command

@@ -2,10 +2,11 @@
 module asperity_run_original
   use asperity_card_deck, only: card_deck, read_card_deck
   use asperity_command_line, only: command_line
-  use asperity_files, only: write_standard_error, write_standard_output, write_whole_file
+  use asperity_files, only: write_message, write_standard_error, write_standard_output
   use asperity_original, only: run_in_arithmetic
   use asperity_original_csv, only: write_original_contacts, write_original_positions
   use asperity_original_records, only: original_records, original_request
+  use asperity_output_files, only: commit_files, discard_files, stage_file
   use asperity_problems, only: problem_list
   use asperity_report, only: write_report
   use asperity_text_buffer, only: text_buffer
@@ -16,7 +17,8 @@ module asperity_run_original
 
 contains
 
-  !> Runs the command. All is computed before the first byte is written.
+  !> Runs the command. All is computed before the first byte is written,
+  !> and files appear when all is written.
   subroutine run_original_command(line, status)
     type(command_line), intent(in) :: line  !! the user's choices
     integer, intent(out) :: status          !! exit status
@@ -39,23 +41,25 @@ contains
     call run_in_arithmetic(line%arithmetic, deck, request, records, failure)
     status = 1
     if (allocated(failure)) then
-      call complain(line%input // ': ' // failure)
+      call write_message(line%input // ': ' // failure)
       return
     end if
     call write_standard_error(records%notes%text())
 
     if (len(line%contacts_file) > 0) then
       call write_original_contacts(records, contacts)
-      call write_whole_file(line%contacts_file, contacts%text(), failure)
+      call stage_file(line%contacts_file, contacts%text(), failure)
       if (complained()) return
     end if
     if (len(line%positions_file) > 0) then
       call write_original_positions(records, positions)
-      call write_whole_file(line%positions_file, positions%text(), failure)
+      call stage_file(line%positions_file, positions%text(), failure)
       if (complained()) return
     end if
     call write_report(records, line%printed, line%carriage_control, report)
     call write_standard_output(report%text(), failure)
+    if (complained()) return
+    call commit_files(failure)
     if (complained()) return
     status = 0
 
@@ -63,15 +67,11 @@ contains
 
     logical function complained()
       complained = allocated(failure)
-      if (complained) call complain(failure)
+      if (.not. complained) return
+      call discard_files()
+      call write_message(failure)
     end function complained
 
   end subroutine run_original_command
-
-  subroutine complain(message)
-    character(len=*), intent(in) :: message
-
-    call write_standard_error(message // new_line('a'))
-  end subroutine complain
 
 end module asperity_run_original

@@ -1,15 +1,16 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
   use asperity_accuracy_choice, only: solve_to_accuracy
-  use asperity_command_line, only: command_line
+  use asperity_command_line, only: command_line, refuse_input
   use asperity_contact_records, only: scene_results, solve_method
   use asperity_corrected_table, only: correct_table
-  use asperity_card_deck, only: card_deck, read_card_deck
+  use asperity_card_deck, only: card_deck
   use asperity_error_budget, only: error_budget, measure_budget
-  use asperity_files, only: write_standard_error, write_standard_output, write_whole_file
+  use asperity_files, only: write_message, write_standard_error, write_standard_output
   use asperity_kinds, only: real64
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records, original_request
+  use asperity_output_files, only: commit_files, discard_files, stage_file
   use asperity_problems, only: problem_list
   use asperity_results_csv, only: write_contacts, write_curve, write_positions
   use asperity_scene_reader, only: read_scene
@@ -24,7 +25,8 @@ module asperity_run_solve
 
 contains
 
-  !> Runs the command. All is computed before the first byte is written.
+  !> Runs the command. All is computed before the first byte is written,
+  !> and files appear when all is written.
   subroutine run_solve_command(line, status)
     type(command_line), intent(in) :: line  !! the user's choices
     integer, intent(out) :: status          !! exit status
@@ -38,6 +40,11 @@ contains
     logical :: keep_rows, thesis_sweep
 
     call read_scene(line%input, scene_in, problems)
+    if (problems%count() == 0) then
+      call refuse_input(line, scene_in%upper%file, problems)
+      if (scene_in%lower%file /= scene_in%upper%file) &
+        call refuse_input(line, scene_in%lower%file, problems)
+    end if
     if (problems%count() > 0) then
       call write_standard_error(problems%text())
       status = 2
@@ -65,24 +72,26 @@ contains
       if (line%accuracy > 0.0_real64) &
         call write_choice(line%accuracy, arithmetic // ', exact events', bound, summary)
       if (line%budget) call write_budget(budget, size(results%positions), summary)
-      if (thesis_sweep) call add_corrected_table(line%input, results, summary)
+      if (thesis_sweep) call add_corrected_table(scene_in%deck, results, summary)
     end if
     if (line%contacts_file /= '') then
       call write_contacts(results, contacts)
-      call write_whole_file(line%contacts_file, contacts%text(), failure)
+      call stage_file(line%contacts_file, contacts%text(), failure)
       if (complained()) return
     end if
     if (line%positions_file /= '') then
       call write_positions(results, positions)
-      call write_whole_file(line%positions_file, positions%text(), failure)
+      call stage_file(line%positions_file, positions%text(), failure)
       if (complained()) return
     end if
     if (line%curve_file /= '') then
       call write_curve(results, curve)
-      call write_whole_file(line%curve_file, curve%text(), failure)
+      call stage_file(line%curve_file, curve%text(), failure)
       if (complained()) return
     end if
     call write_standard_output(summary%text(), failure)
+    if (complained()) return
+    call commit_files(failure)
     if (complained()) return
     status = 0
 
@@ -90,24 +99,22 @@ contains
 
     logical function complained()
       complained = allocated(failure)
-      if (complained) call write_standard_error(failure // new_line('a'))
+      if (.not. complained) return
+      call discard_files()
+      call write_message(failure)
     end function complained
 
   end subroutine run_solve_command
 
   !> Runs the original beside, and prints Table VI before and after. A deck on which the original
   !> goes astray has no such table.
-  subroutine add_corrected_table(path, results, summary)
-    character(len=*), intent(in) :: path
+  subroutine add_corrected_table(deck, results, summary)
+    type(card_deck), intent(in) :: deck
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: summary
-    type(card_deck) :: deck
-    type(problem_list) :: problems
     type(original_records) :: historic, exact_arithmetic
     character(len=:), allocatable :: failure
 
-    call read_card_deck(path, deck, problems)
-    if (problems%count() > 0) return
     call run_in_arithmetic('ibm370', deck, original_request(), historic, failure)
     if (.not. allocated(failure)) &
       call run_in_arithmetic('real128', deck, original_request(), exact_arithmetic, failure)

@@ -8,6 +8,13 @@ module asperity_contact_records
 
   public :: contact_row, position_result, scene_results, solve_method, state_row
   public :: by_events, by_marching, overlap_stable, overlap_original
+  public :: add_rows, are_finite, cut_rows, most_rows, room_of_a_state
+
+  !> So many contacts can be kept: their list in a file has up to 400 bytes each.
+  integer, parameter :: most_rows = 5000000
+
+  !> Memory that a state of a position takes, with its share of the position, bytes.
+  integer, parameter :: room_of_a_state = 400
 
   !> Each position is solved at the closings at which something happens: no marching.
   integer, parameter :: by_events = 1
@@ -66,11 +73,70 @@ module asperity_contact_records
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
     type(state_row), allocatable :: states(:)          !! at least one
     type(contact_row), allocatable :: rows(:)          !! contacts of all states kept
+    integer :: rows_used = 0                           !! so many of them are filled
   end type position_result
 
   !> All positions of a scene.
   type :: scene_results
     type(position_result), allocatable :: positions(:)  !! in order
   end type scene_results
+
+contains
+
+  !> Adds the contacts of one state to those of its position.
+  pure subroutine add_rows(result, rows, state)
+    type(position_result), intent(inout) :: result  !! the position
+    type(contact_row), intent(in) :: rows(:)        !! its contacts in this state
+    type(state_row), intent(inout) :: state         !! learns where they are
+    type(contact_row), allocatable :: larger(:)
+    integer :: needed
+
+    needed = result%rows_used + size(rows)
+    if (needed > size(result%rows)) then
+      allocate (larger(max(needed, 2 * size(result%rows))))
+      larger(:result%rows_used) = result%rows(:result%rows_used)
+      call move_alloc(larger, result%rows)
+    end if
+    result%rows(result%rows_used + 1:needed) = rows
+    state%first_row = result%rows_used + 1
+    state%last_row = needed
+    result%rows_used = needed
+  end subroutine add_rows
+
+  !> Gives back the room beyond the last contact.
+  pure subroutine cut_rows(result)
+    type(position_result), intent(inout) :: result  !! the position
+
+    if (result%rows_used < size(result%rows)) result%rows = result%rows(:result%rows_used)
+  end subroutine cut_rows
+
+  !> Whether all results of a position are numbers: a slope of 1E308 asks for more than a double.
+  pure logical function are_finite(result)
+    type(position_result), intent(in) :: result  !! the position
+    integer :: i
+
+    are_finite = finite([result%x_displacement, result%y_displacement])
+    do i = 1, size(result%states)
+      associate (state => result%states(i))
+        are_finite = are_finite .and. &
+                     finite([state%approach, state%closing, state%load, state%vertical_load, &
+                             state%area, state%projected_area])
+      end associate
+    end do
+    do i = 1, result%rows_used
+      associate (row => result%rows(i))
+        are_finite = are_finite .and. &
+                     finite([row%x, row%y, row%penetration, row%overlap, row%area, &
+                             row%projected_area, row%slope, row%load, row%vertical_load, &
+                             row%average_pressure, row%maximum_pressure])
+      end associate
+    end do
+  end function are_finite
+
+  pure logical function finite(numbers)
+    real(real64), intent(in) :: numbers(:)
+
+    finite = all(abs(numbers) <= huge(numbers))
+  end function finite
 
 end module asperity_contact_records

@@ -1,13 +1,15 @@
 #define NUMBER real(real64)
 !> The present-day solver's kernel in IEEE arithmetic of kind real64.
 module asperity_kernel_real64
-  use asperity_contact_records, only: by_marching, contact_row, overlap_stable, position_result, &
-                                      scene_results, solve_method, state_row
-  use asperity_decimal, only: decimal_value
+  use asperity_contact_records, only: add_rows, are_finite, by_marching, contact_row, cut_rows, &
+                                      most_rows, overlap_stable, position_result, &
+                                      room_of_a_state, scene_results, solve_method, state_row
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
   use asperity_numbers_real64, only: cube_root, decimal_number, exponent_of_16, from_real64, &
                                      times_power_of_16, to_real64, upper_half, whole_number
   use asperity_problems, only: decimal_text
+  use asperity_process, only: has_memory
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, scene, &

@@ -65,8 +65,15 @@ contains
       text = text(:used)
     end if
     if (known > int(longest, c_long) .or. used > longest) then
+      text = ' '
+      ! A folder can have any length, but refuses to be read: that is what to tell.
+      got = posix_read(descriptor, text, 1_c_size_t)
+      if (got < 0_c_size_t) then
+        failure = path // ': cannot be read: ' // system_reason()
+      else
+        failure = path // ': cannot be read: more than ' // decimal_text(longest) // ' bytes'
+      end if
       text = ''
-      failure = path // ': cannot be read: more than ' // decimal_text(longest) // ' bytes'
     end if
     status = posix_close(descriptor)
   end subroutine read_whole_file
@@ -108,9 +115,11 @@ contains
     do while (first <= len(text, int64))
       written = posix_write(descriptor, text(first:), &
                             int(len(text, int64) - first + 1_int64, c_size_t))
+      status = 0
+      if (written < 0_c_size_t) status = int(system_error(), c_int)
       if (written > 0_c_size_t) then
         first = first + int(written, int64)
-      else if (written < 0_c_size_t .and. system_error() == full_for_now) then
+      else if (status == full_for_now) then
         status = posix_usleep(wait_microseconds)
       else
         failure = system_reason()

@@ -109,19 +109,27 @@ contains
     staged = 0
   end subroutine discard_files
 
-  !> Whether two paths lead to one file, or would. Devices and pipes are shared without harm.
+  !> Whether two paths lead to one file, or would. Devices and pipes are shared without harm. A
+  !> hard link is not found: writing by rename leaves the file of the other name as it is.
   logical function same_file(a, b)
     character(len=*), intent(in) :: a  !! a path, or empty
     character(len=*), intent(in) :: b  !! a path, or empty
     character(len=:), allocatable :: name
 
     same_file = .false.
-    if (a == '' .or. b == '') return
+    if (a == '' .or. b == '' .or. index(a, '/dev/std') == 1 .or. index(b, '/dev/std') == 1) &
+      return
     name = canonical_path(a)
-    if (index(name, '/dev/') == 1 .and. index(name, '/dev/shm/') /= 1) return
-    if (index(name, '/proc/') == 1) return
-    same_file = name == canonical_path(b)
+    if (.not. is_device(name)) same_file = name == canonical_path(b)
   end function same_file
+
+  !> Whether a path is that of a device, or of what a process has open.
+  pure logical function is_device(path)
+    character(len=*), intent(in) :: path
+
+    is_device = (index(path, '/dev/') == 1 .and. index(path, '/dev/shm/') /= 1) .or. &
+                index(path, '/proc/') == 1
+  end function is_device
 
   !> Opens a device or a pipe for writing. `descriptor` is -1 for a file: a rename would put one in
   !> the place of a device, and nobody wants that of /dev/null.
@@ -175,15 +183,16 @@ contains
   !> procedure may do is done here: no allocation, no Fortran output.
   subroutine end_at_signal(number) bind(c)
     integer(c_int), value :: number
-    character(kind=c_char, len=37) :: message
+    character(kind=c_char, len=39) :: message
     integer(c_size_t) :: written
 
     ! The names are being given: a moment, and all is done.
     if (committing) return
     call discard_files()
     message = 'interrupted by signal   , nothing kept'
-    message(23:24) = achar(iachar('0') + number / 10) // achar(iachar('0') + mod(number, 10))
-    message(37:37) = achar(10)
+    if (number > 9) message(23:23) = achar(iachar('0') + number / 10)
+    message(24:24) = achar(iachar('0') + mod(number, 10))
+    message(39:39) = achar(10)
     written = posix_write(standard_error, message, int(len(message), c_size_t))
     call posix_exit_now(1_c_int)
   end subroutine end_at_signal

@@ -1,5 +1,6 @@
 !> Problems found in a file or a command line: values that are carried to the edge of the program.
 module asperity_problems
+  use asperity_printable, only: printable
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -36,12 +37,12 @@ contains
                   message)
   end subroutine problems_add_at
 
-  !> Adds `MESSAGE`.
+  !> Adds `MESSAGE`, made one printable line.
   pure subroutine problems_add(self, message)
     class(problem_list), intent(inout) :: self  !! the list
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    call self%lines%line(message)
+    call self%lines%line(printable(message))
     self%number = self%number + 1
   end subroutine problems_add
 

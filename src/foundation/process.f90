@@ -1,10 +1,11 @@
-!> The running process: its number and its end.
+!> The running process: its number, its memory and its end.
 module asperity_process
-  use, intrinsic :: iso_c_binding, only: c_int
+  use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_ptr, c_size_t
+  use asperity_kinds, only: int64
   implicit none
   private
 
-  public :: end_process, process_number
+  public :: end_process, has_memory, process_number
 
   interface
     subroutine posix_exit(status) bind(c, name='exit')
@@ -12,6 +13,18 @@ module asperity_process
       implicit none
       integer(c_int), value :: status
     end subroutine posix_exit
+
+    type(c_ptr) function posix_malloc(bytes) bind(c, name='malloc')
+      import :: c_ptr, c_size_t
+      implicit none
+      integer(c_size_t), value :: bytes
+    end function posix_malloc
+
+    subroutine posix_free(memory) bind(c, name='free')
+      import :: c_ptr
+      implicit none
+      type(c_ptr), value :: memory
+    end subroutine posix_free
 
     integer(c_int) function posix_getpid() bind(c, name='getpid')
       import :: c_int
@@ -27,6 +40,17 @@ contains
 
     call posix_exit(int(status, c_int))
   end subroutine end_process
+
+  !> Whether the system would give so much memory now: asked before long work begins.
+  logical function has_memory(bytes)
+    integer(int64), intent(in) :: bytes  !! at least 1
+    ! Volatile, or a compiler leaves out what seems to have no use.
+    type(c_ptr), volatile :: memory
+
+    memory = posix_malloc(int(bytes, c_size_t))
+    has_memory = c_associated(memory)
+    call posix_free(memory)
+  end function has_memory
 
   !> The number by which the system knows this process.
   integer function process_number()

@@ -103,6 +103,14 @@ module asperity_system_calls
       integer(c_int), value :: status
     end subroutine posix_exit_now
 
+    integer(c_size_t) function posix_readlink(path, target_path, size) bind(c, name='readlink')
+      import :: c_char, c_size_t
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      character(kind=c_char), intent(out) :: target_path(*)
+      integer(c_size_t), value :: size
+    end function posix_readlink
+
     type(c_ptr) function posix_realpath(path, resolved) bind(c, name='realpath')
       import :: c_char, c_ptr
       implicit none
@@ -147,27 +155,49 @@ contains
   end function system_reason
 
   !> The one name of a file that every spelling of its path leads to, symbolic links followed.
-  !> A file that is not there yet gets its folder's; the path itself when that is not there either.
-  recursive function canonical_path(path) result(name)
+  !> A file that is not there yet is named after its folder.
+  function canonical_path(path) result(name)
     character(len=*), intent(in) :: path   !! any path
     character(len=:), allocatable :: name  !! absolute where possible
-    type(c_ptr) :: letters
-    integer :: slash
+    character(kind=c_char, len=4096) :: link
+    character(len=:), allocatable :: folder
+    integer :: length, slash, step
 
-    letters = posix_realpath(path // c_null_char, c_null_ptr)
-    if (c_associated(letters)) then
-      name = text_of(letters)
-      call posix_free(letters)
-      return
-    end if
-    slash = index(path, '/', back=.true.)
     name = path
-    if (slash == 0) then
-      name = canonical_path('.') // '/' // path
-    else if (slash > 1 .and. slash < len(path)) then
-      name = canonical_path(path(:slash - 1)) // path(slash:)
-    end if
+    ! A link whose file is not there yet is followed too, but not for ever.
+    do step = 1, 40
+      folder = real_path(name)
+      if (folder /= '') then
+        name = folder
+        return
+      end if
+      length = int(posix_readlink(name // c_null_char, link, len(link, c_size_t)))
+      if (length < 1) exit
+      if (link(1:1) == '/') then
+        name = link(:length)
+      else
+        name = name(:index(name, '/', back=.true.)) // link(:length)
+      end if
+    end do
+    slash = index(name, '/', back=.true.)
+    if (slash == len(name)) return
+    folder = real_path('./' // name(:slash))
+    if (index(name, '/') == 1) folder = real_path(name(:slash))
+    if (folder /= '') name = folder // '/' // name(slash + 1:)
   end function canonical_path
+
+  !> What the system makes of a path; empty when nothing is there.
+  function real_path(path) result(name)
+    character(len=*), intent(in) :: path
+    character(len=:), allocatable :: name
+    type(c_ptr) :: letters
+
+    name = ''
+    letters = posix_realpath(path // c_null_char, c_null_ptr)
+    if (.not. c_associated(letters)) return
+    name = text_of(letters)
+    call posix_free(letters)
+  end function real_path
 
   !> A text of the C library, which ends with a null character.
   function text_of(address) result(text)

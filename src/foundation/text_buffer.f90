@@ -1,5 +1,6 @@
 !> A text that grows line by line: what every writer fills before anything is written out.
 module asperity_text_buffer
+  use asperity_kinds, only: int64
   implicit none
   private
 
@@ -9,7 +10,7 @@ module asperity_text_buffer
   type :: text_buffer
     private
     character(len=:), allocatable :: store
-    integer :: used = 0
+    integer(int64) :: used = 0_int64
   contains
     !> Adds characters without a line end.
     procedure :: append => buffer_append
@@ -28,16 +29,16 @@ contains
     class(text_buffer), intent(inout) :: self  !! the text
     character(len=*), intent(in) :: piece      !! characters to add
     character(len=:), allocatable :: larger
-    integer :: needed
+    integer(int64) :: needed
 
     if (.not. allocated(self%store)) allocate (character(len=4096) :: self%store)
-    needed = self%used + len(piece)
-    if (needed > len(self%store)) then
-      allocate (character(len=max(needed, 2 * len(self%store))) :: larger)
+    needed = self%used + len(piece, int64)
+    if (needed > len(self%store, int64)) then
+      allocate (character(len=max(needed, 2_int64 * len(self%store, int64))) :: larger)
       larger(:self%used) = self%store(:self%used)
       call move_alloc(larger, self%store)
     end if
-    self%store(self%used + 1:needed) = piece
+    self%store(self%used + 1_int64:needed) = piece
     self%used = needed
   end subroutine buffer_append
 
@@ -62,7 +63,7 @@ contains
   end function buffer_text
 
   !> Number of characters so far.
-  pure integer function buffer_length(self)
+  pure integer(int64) function buffer_length(self)
     class(text_buffer), intent(in) :: self  !! the text
 
     buffer_length = self%used

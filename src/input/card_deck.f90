@@ -3,6 +3,7 @@ module asperity_card_deck
   use asperity_card_fields, only: read_f_field, read_i_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_files, only: read_whole_file
+  use asperity_input_problems, only: input_problems
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list
   implicit none
@@ -38,9 +39,9 @@ module asperity_card_deck
 
   !> The cards of a file, and what is found wrong with them.
   type :: card_reader
-    character(len=:), allocatable :: file, text
+    character(len=:), allocatable :: text
     integer, allocatable :: first(:), last(:)   ! of every line, line end excluded
-    type(problem_list) :: problems
+    type(input_problems) :: problems
   end type card_reader
 
   ! Columns of a card, and those before its sequence number.
@@ -76,12 +77,12 @@ contains
     integer :: bad_byte
     logical :: complete
 
-    reader%file = path
+    call reader%problems%start(path)
     reader%text = text
     call find_lines(reader)
     bad_byte = binary_byte(text)
     if (verify(text, ' ' // achar(9) // achar(10) // achar(13)) == 0) then
-      call reader%problems%add_at(path, 1, 1, 'the deck is empty: found no text, ' // &
+      call reader%problems%add_at(1, 1, 'the deck is empty: found no text, ' // &
                                    'expected at least six cards')
     else if (bad_byte > 0) then
       call report_binary(reader, bad_byte)
@@ -93,7 +94,7 @@ contains
         call note_heights(path, deck%lower, 'lower', deck%notes)
       end if
     end if
-    problems = reader%problems
+    call reader%problems%hand_over(problems)
   end subroutine parse_card_deck
 
   !> Cards 1 to 4; `complete` is false when one of them is missing.
@@ -133,7 +134,7 @@ contains
 
     if (line <= size(reader%first)) return
     complete = .false.
-    call reader%problems%add_at(reader%file, line, 1, 'card ' // decimal_text(line) // &
+    call reader%problems%add_at(line, 1, 'card ' // decimal_text(line) // &
          ' is missing: found the end of the deck, expected ' // names)
   end subroutine require_card
 
@@ -246,13 +247,13 @@ contains
             decimal_text(expected) // ' (NU ' // decimal_text(deck%upper%number) // ' and NL ' // &
             decimal_text(deck%lower%number) // ')'
     if (cards < expected) then
-      call reader%problems%add_at(reader%file, header_cards + cards + 1, 1, count)
+      call reader%problems%add_at(header_cards + cards + 1, 1, count)
       return
     end if
     do line = header_cards + expected + 1, size(reader%first)
       columns = card(reader, line)
       if (.not. has_text(columns)) cycle
-      call reader%problems%add_at(reader%file, line, verify(columns, ' ' // achar(9)), &
+      call reader%problems%add_at(line, verify(columns, ' ' // achar(9)), &
            'text after the last card: found ''' // trim(columns) // &
            ''', expected the end: ' // count)
       exit
@@ -309,7 +310,7 @@ contains
     integer, intent(in) :: line, column
     character(len=*), intent(in) :: name, found, expected
 
-    call reader%problems%add_at(reader%file, line, column, &
+    call reader%problems%add_at(line, column, &
                                 name // ': found ''' // found // ''', expected ' // expected)
   end subroutine complain
 
@@ -421,7 +422,7 @@ contains
     integer :: line
 
     line = max(1, count(reader%first <= place))
-    call reader%problems%add_at(reader%file, line, place - reader%first(line) + 1, &
+    call reader%problems%add_at(line, place - reader%first(line) + 1, &
          'not a text file: found byte ' // decimal_text(iachar(reader%text(place:place))) // &
          ', expected a card deck')
   end subroutine report_binary

@@ -50,6 +50,7 @@ contains
     end if
     if (found%count() == 0) then
       target_scene%from_deck = .true.
+      target_scene%deck = deck
       target_scene%notes = deck%notes
       target_scene%lower_is_mirrored = .true.
       target_scene%starting_gap = thesis_gap

@@ -47,7 +47,7 @@ module asperity_scene_fields
     procedure :: take_numbers
     !> Takes one number.
     procedure :: take_number
-    !> Takes one whole number of at least a given size.
+    !> Takes one whole number of a given range.
     procedure :: take_whole
     !> Takes one text between quotes.
     procedure :: take_text
@@ -170,12 +170,13 @@ contains
     value = values(1)
   end subroutine take_number
 
-  !> Takes one whole number of at least a given size.
-  subroutine take_whole(self, group, name, least, value)
+  !> Takes one whole number of a given range.
+  subroutine take_whole(self, group, name, least, most, value)
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: name        !! a known name of it
     integer, intent(in) :: least                !! smallest number allowed
+    integer, intent(in) :: most                 !! largest number allowed
     integer, intent(inout) :: value             !! the number
     integer :: i, found
     logical :: good
@@ -183,11 +184,12 @@ contains
     if (.not. has_count(self, group, name, 1)) return
     i = self%list%entries(self%entry_at(number_of(group, name)))%first_value
     call read_whole_number(self%list%value_text(i), found, good)
-    if (good .and. found >= least .and. .not. self%list%values(i)%is_quoted) then
+    if (good .and. found >= least .and. found <= most .and. &
+        .not. self%list%values(i)%is_quoted) then
       value = found
     else
       call complain_of_value(self, name, i, 'a whole number from ' // decimal_text(least) // &
-                             ' to ' // decimal_text(huge(value)))
+                             ' to ' // decimal_text(most))
     end if
   end subroutine take_whole
 

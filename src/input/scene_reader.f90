@@ -5,7 +5,7 @@ module asperity_scene_reader
   use asperity_input_problems, only: add_lines, binary_byte, text_start
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: nearest_double
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: above_zero, any_number, poisson_range, read_fields, &
                                    scene_fields, share
@@ -20,6 +20,10 @@ module asperity_scene_reader
   private
 
   public :: read_scene, parse_scene
+
+  ! Room for results is bounded: a position takes some 400 bytes, a state of a curve 100 in memory
+  ! and 200 in a file.
+  integer, parameter :: most_positions = 1000000, most_points = 100000, most_states = 2000000
 
 contains
 
@@ -59,6 +63,7 @@ contains
       call read_motion(fields, checked%motion)
       call read_tilt(fields, checked)
       call read_loading(fields, checked)
+      call check_states(fields, checked)
       call read_limit(fields, checked)
       call read_effects(fields, checked)
     end if
@@ -149,7 +154,7 @@ contains
     call fields%take_number('motion', 'x_step', any_number, motion%x_step)
     call fields%take_number('motion', 'y_first', any_number, motion%y_first)
     call fields%take_number('motion', 'y_step', any_number, motion%y_step)
-    call fields%take_whole('motion', 'positions', 1, motion%positions)
+    call fields%take_whole('motion', 'positions', 1, most_positions, motion%positions)
     if (.not. (ends_well(motion%x_first, motion%x_step) .and. &
                ends_well(motion%y_first, motion%y_step))) &
       call fields%complain_of_group('motion', 'the last position is beyond the range of a ' // &
@@ -193,13 +198,27 @@ contains
       call fields%take_word('loading', 'control', control_words, loading%control)
       call fields%take_number('loading', 'value', &
            merge(above_zero, any_number, loading%control == control_load), loading%value)
-      call fields%take_whole('loading', 'points', 0, loading%points)
+      call fields%take_whole('loading', 'points', 0, most_points, loading%points)
       ! What a refused control would need is not known.
       if (loading%control == 0) return
       call need(fields, 'loading', 'value', loading%control /= control_limit, &
                 'control = ''' // trim(control_words(loading%control)) // '''')
     end associate
   end subroutine read_loading
+
+  !> A curve at every position must have room.
+  subroutine check_states(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(in) :: checked
+    integer(int64) :: states
+
+    states = int(checked%motion%positions, int64) * int(max(1, checked%loading%points), int64)
+    if (states > int(most_states, int64)) &
+      call fields%complain_of_group('loading', 'too many states: found ' // &
+           decimal_text(checked%motion%positions) // ' positions with ' // &
+           decimal_text(checked%loading%points) // ' points each, expected at most ' // &
+           decimal_text(most_states) // ' states')
+  end subroutine check_states
 
   !> Group &limit. A deck brings the thesis' limit load; for CSV files there is no default.
   subroutine read_limit(fields, checked)

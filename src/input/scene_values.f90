@@ -4,6 +4,7 @@
 !> `decimal_to_real64` gives the nearest double. Units are those of the input, one consistent set;
 !> a deck brings cm, N and rad.
 module asperity_scene_values
+  use asperity_card_deck, only: card_deck
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
@@ -122,6 +123,7 @@ module asperity_scene_values
   type :: scene
     character(len=:), allocatable :: file         !! the scene or deck, for messages
     logical :: from_deck = .false.                !! surfaces from a deck: cm, N, N/cm2
+    type(card_deck), allocatable :: deck          !! the deck itself; not allocated without one
     type(scene_surface) :: upper                  !! the upper surface
     type(scene_surface) :: lower                  !! the lower surface
     logical :: lower_is_mirrored = .false.        !! a deck's lower surface is

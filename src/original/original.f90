@@ -1,6 +1,7 @@
 !> The original program in the arithmetic asked for.
 module asperity_original
   use asperity_card_deck, only: card_deck
+  use asperity_deck_range, only: check_deck_range
   use asperity_original_ibm370, only: run_ibm370 => run_original
   use asperity_original_real128, only: run_real128 => run_original
   use asperity_original_real32, only: run_real32 => run_original
@@ -18,7 +19,8 @@ module asperity_original
 contains
 
   !> Runs the original program. `failure` is allocated when the original would have gone astray,
-  !> or when the arithmetic is none of `arithmetic_names`.
+  !> when the deck's numbers are out of the arithmetic's range, or when it is none
+  !> of `arithmetic_names`.
   subroutine run_in_arithmetic(arithmetic, deck, request, records, failure)
     character(len=*), intent(in) :: arithmetic             !! one of `arithmetic_names`
     type(card_deck), intent(in) :: deck                    !! the checked cards
@@ -26,6 +28,8 @@ contains
     type(original_records), intent(out) :: records         !! what it computes
     character(len=:), allocatable, intent(out) :: failure  !! why it had to stop
 
+    call check_deck_range(arithmetic, deck, failure)
+    if (allocated(failure)) return
     select case (arithmetic)
     case ('ibm370')
       call run_ibm370(deck, request, records, failure)

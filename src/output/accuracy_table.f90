@@ -11,6 +11,9 @@ module asperity_accuracy_table
 
   public :: write_accuracy_table, write_accuracy_csv
 
+  character(len=*), parameter :: row_format = &
+    '(a1, 1x, a10, 1x, a8, 1x, a6, 1x, a8, 1x, f13.2, f7.0, "%", f7.1, 5(2x, a16))'
+
 contains
 
   !> One line a way of computing; the front carries a star.
@@ -27,7 +30,7 @@ contains
     call buffer%line('  arithmetic way      step   overlap    us/position  spread  ratio  load' // &
                      '              area              pressure          approach          contacts')
     do i = 1, size(rows)
-      write (line, '(a1, 1x, a10, 1x, a8, 1x, a6, 1x, a8, 1x, f13.2, f7.0, "%", f7.1, 5(2x, a16))') &
+      write (line, row_format) &
         merge('*', ' ', rows(i)%on_front), rows(i)%arithmetic // '   ', way_name(rows(i)), &
         step_text(rows(i)%step), overlap_name(rows(i)), 1.0e6_real64 * rows(i)%seconds, &
         100 * rows(i)%spread, rows(i)%ratio, both(rows(i), load_error), &

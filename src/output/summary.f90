@@ -72,18 +72,32 @@ contains
         write (line, '(a18, 3g17.7)') name // repeat(' ', 18), column
       else
         write (line, '(a18, 3g17.7)') name // repeat(' ', 18), maxval(column), minval(column), &
-          sum(column) / size(column)
+          average(column)
       end if
       call buffer%line(line)
     end subroutine value_line
 
   end subroutine write_summary
 
+  !> The average; a sum beyond the range of a double is not needed for it.
+  pure real(real64) function average(column)
+    real(real64), intent(in) :: column(:)
+
+    if (maxval(abs(column)) > huge(column) / size(column)) then
+      average = sum(column / size(column))
+    else
+      average = sum(column) / size(column)
+    end if
+  end function average
+
   !> Table VI before and after, one line a number, with what each correction adds.
   subroutine write_corrected_table(table, buffer)
     type(corrected_table), intent(in) :: table  !! both versions and the changes
     type(text_buffer), intent(inout) :: buffer  !! the text
-    character(len=*), parameter :: columns(3) = [character(len=7) :: 'maximum', 'minimum', 'average']
+    character(len=*), parameter :: columns(3) = &
+      [character(len=7) :: 'maximum', 'minimum', 'average']
+    ! The port's word for the machine's result of x/0 is 1e27.
+    real(real64), parameter :: after_division_by_zero = 1.0e26_real64
     integer :: column
 
     call buffer%line('')
@@ -117,7 +131,7 @@ contains
       integer, intent(in) :: row, column, decimals
       character(len=11) :: before, after
       character(len=:), allocatable :: reason
-      character(len=120) :: line
+      character(len=57) :: line
       integer :: places, stage
 
       places = decimals
@@ -126,7 +140,9 @@ contains
       before = fixed(table%historic(row, column), decimals)
       after = fixed(table%corrected(row, column), places)
       reason = ''
-      if (before /= after) then
+      if (abs(table%historic(row, column)) > after_division_by_zero) then
+        reason = 'no contact at its limit: the original divided by zero'
+      else if (before /= after) then
         do stage = 1, size(stage_names)
           if (abs(table%change(row, column, stage)) < 0.5_real64 * 10.0_real64**(-places)) cycle
           if (reason /= '') reason = reason // ', '
@@ -135,9 +151,9 @@ contains
         end do
         if (reason == '') reason = 'changes below half a printed unit add up'
       end if
-      write (line, '(2x, a20, 1x, a7, 3x, 2a11, 2x, a)') name // repeat(' ', 20), &
-        columns(column), before, after, reason
-      call buffer%line(line)
+      write (line, '(2x, a20, 1x, a7, 3x, 2a11)') name // repeat(' ', 20), columns(column), &
+        before, after
+      call buffer%line(line // reason)
     end subroutine number_line
 
     !> The average number of points is no wrong divisor but cut to a whole number.
@@ -190,13 +206,13 @@ contains
     end do
     if (positions > 1) call buffer%line('+- is the largest over the positions.')
     if (budget%by_reference) then
-      call buffer%line('Arithmetic: real128 is the reference itself; what remains is the rounding ' // &
-                       'of printed doubles.')
+      call buffer%line('Arithmetic: real128 is the reference itself; what remains is the ' // &
+                       'rounding of printed doubles.')
     else
       call buffer%line('Arithmetic: against real128.')
     end if
-    call buffer%line('Step: exact events take no steps. Model: needs an effect to compare with; ' // &
-                     'none is on.')
+    call buffer%line('Step: exact events take no steps. Model: needs an effect to compare ' // &
+                     'with; none is on.')
   end subroutine write_budget
 
   !> A number with so many decimals, right-justified.
@@ -206,6 +222,10 @@ contains
     character(len=11) :: text
     character(len=12) :: format
 
+    if (abs(value) >= 10.0_real64**(9 - decimals)) then
+      write (text, '(es11.3e3)') value
+      return
+    end if
     write (format, '("(f11.", i0, ")")') decimals
     write (text, format) value
     if (decimals == 0) text = ' ' // text(:10)
@@ -218,8 +238,12 @@ contains
     character(len=:), allocatable :: text
     character(len=24) :: digits, format
 
-    write (format, '("(sp, f16.", i0, ")")') max(decimals, 1)
-    write (digits, format) value
+    if (abs(value) >= 10.0_real64**(14 - max(decimals, 1))) then
+      write (digits, '(sp, es24.3e3)') value
+    else
+      write (format, '("(sp, f16.", i0, ")")') max(decimals, 1)
+      write (digits, format) value
+    end if
     text = trim(adjustl(digits))
   end function signed
 

@@ -97,6 +97,8 @@ contains
         end do
       end associate
     end do
+    ! Without a contact there are no slopes.
+    if (contacts == 0) table([slope_row, individual_difference_row], :) = 0.0_real64
     do i = 1, 7
       if (i == slope_row .or. i == individual_difference_row) cycle
       table(i, 1) = maxval(values(:, i))

@@ -22,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unicodedata
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,8 +32,6 @@ ROOT = Path(__file__).resolve().parents[2]
 # A longer sweep or curve is honest work, which this test does not measure.
 MOST_POSITIONS = 1_000_000
 HONEST_COUNT = 300
-
-SOURCE_NAMES = ("u.csv", "l.csv", "own.csv", "small.deck", "deck", "s.scene")
 
 
 @dataclass
@@ -260,6 +259,8 @@ VALUES = ["ibm370", "real32", "real64", "real128", "IBM370", "none", "all", "13,
 OPTIONS = ["--arithmetic", "--tables", "--contacts", "--positions", "--carriage-control", "--curve",
            "--accuracy", "--threads", "--budget", "--quiet", "--csv", "--version", "--help", "-h",
            "--", "-", "--nothing", "-x", "--contacts=", "--=", "=", "--budget=1"]
+VALUED = ("--arithmetic", "--tables", "--contacts", "--positions", "--curve", "--accuracy",
+          "--threads", "--csv")
 COMMANDS = ["solve", "solve", "accuracy", "generate", "study", "Solve", ""]
 INPUTS = ["deck", "s.scene", "u.csv", "sub", "none.deck", "/dev/null", "/dev/zero", "", "deck/x",
           "./deck", "-", "\udcff.deck", "a\nb", "\x1b]0;x\x07", "x" * 5000, "/dev/full", "*"]
@@ -382,13 +383,17 @@ CRASH = re.compile(rb"Error termination|Fortran runtime|Backtrace|Segmentation|A
 NOT_FINITE = re.compile(rb"(?i)(?<![a-z])(?:[-+]?nan|[-+]?inf(?:inity)?)(?![a-z])")
 
 
+DIRECTIONS = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\ufeff"
+
+
 def odd_text(data):
     """What is wrong with a text that people see; nothing when it is printable UTF-8."""
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         return f"no UTF-8 at byte {error.start}"
-    bad = [letter for letter in text if not letter.isprintable() and letter not in "\n\t"]
+    bad = [letter for letter in text if letter not in "\n\t" and (
+        unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in DIRECTIONS)]
     return f"control characters {sorted(set(bad))!r}" if bad else ""
 
 
@@ -405,6 +410,26 @@ def check_csv(path, data):
         except ValueError:
             wrong.append(row)
     return [f"{path}: {wrong[0]!r}"] if wrong else []
+
+
+def operand(arguments):
+    """The file that a command line reads."""
+    words = iter(arguments[arguments[:1] == ["solve"]:])
+    for word in words:
+        if word in VALUED:
+            next(words, None)
+        elif not word.startswith("-"):
+            return os.path.normpath(word)
+    return ""
+
+
+def may_be_written(case, name):
+    """Whether a file is named as an output and is no input of the run."""
+    words = [word.rpartition("=")[2] for word in case.arguments]
+    read = operand(case.arguments)
+    used = case.files.get(read, b"") if read.endswith(".scene") else b""
+    return name != read and any(word.endswith(name) for word in words) and \
+        name.encode() not in re.findall(rb"['\"]([^'\"]*)['\"]", used)
 
 
 def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
@@ -441,7 +466,10 @@ def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
     for name, data in case.files.items():
         path = left.pop(name, None)
         if path is None or path.read_bytes() != data:
-            wrong.append(f"the input {name} was changed")
+            if status == 0 and path is not None and may_be_written(case, name):
+                wrong += check_csv(name, path.read_bytes())
+            else:
+                wrong.append(f"the file {name} was changed")
     for name, path in left.items():
         if status != 0:
             wrong.append(f"left {name} behind")

@@ -203,7 +203,12 @@ class Truth:
         s = r + q
         d2 = (x + float(shift[0]) - u) ** 2 + (y + float(shift[1]) - v) ** 2
         margin = 1e-9 * self.size() ** 2
-        maybe = (d2 < 2 * s * float(self.tallest) + margin) & (d2 < s * s)
+        maybe = d2 < s * s
+        if self.scene.control == "limit" and self.tallest > 0:
+            # Caps end at their reference plane: a position without a pair near enough to touch
+            # before a summit reaches the other plane (Appendix 5 of the thesis) has no contact.
+            if not np.any(maybe & (d2 < 2 * s * float(self.tallest) + margin)):
+                return []
         # Pairs that graze the sum of radii only touch when far beyond any load of interest, but
         # they are pairs: the margin keeps them out of reach of rounding.
         touch = np.sqrt(np.where(maybe, s * s - d2, 0.0)) - (z - w)
@@ -213,7 +218,7 @@ class Truth:
         for j, k in np.argwhere(maybe):
             pair = Pair((int(j) + 1, int(k) + 1), self.upper[j], self.lower[k], shift,
                         self.modulus)
-            if pair.plan ** 2 < 2 * pair.sum * self.tallest and pair.plan < pair.sum:
+            if pair.plan < pair.sum:
                 pairs.append(pair)
         return pairs
 

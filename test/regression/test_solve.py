@@ -215,7 +215,8 @@ def test_load_control(target, asperity, tmp_path):
     assert run.status == 0, run.stderr
     for row in run.positions:
         assert relative(row["load"], target) <= 1e-14
-    truth, worst = Truth(exact_csv_scene(upper, lower, **groups), 50 if target > 1 else 320), Worst()
+    truth = Truth(exact_csv_scene(upper, lower, **groups), 50 if target > 1 else 320)
+    worst = Worst()
     compare_with_truth(run, truth, worst)
     for m, row in enumerate(run.curve, 1):
         worst.see("decrease", relative(row["decrease"], truth.state(m).decrease))
@@ -314,6 +315,18 @@ def test_positions_in_any_order(asperity, tmp_path):
         assert rows_of(forth, m) == rows_of(back, 34 - m)
     for m in range(1, 6):
         assert rows_of(few, m) == rows_of(forth, 8 * m - 7)
+
+
+def test_no_drift(asperity, tmp_path):
+    """Twenty thousand positions: each displacement is first + (m - 1) * step, rounded twice."""
+    pair = [(0.0, 0.0, 0.5, 1.0)]
+    run = solve(asperity, write_csv_scene(
+        tmp_path, pair, pair, motion={"x_first": -0.7, "x_step": 0.0001, "positions": 20000},
+        limit={"criterion": "load", "value": 9.0}), contacts=False)
+    assert run.status == 0 and len(run.positions) == 20000
+    for m, row in enumerate(run.positions):
+        error = Fraction(float(row["x_displacement"])) - (Fraction("-0.7") + m * Fraction("0.0001"))
+        assert abs(error) <= 2.0 ** -51, row["position"]
 
 
 def test_nothing_touches(asperity, tmp_path):
@@ -440,7 +453,8 @@ def test_slopes_at_position_13(asperity, root, tmp_path):
     load, decrease, area = curve_of_deck(asperity, root, tmp_path, 1.3)
     slopes = slope_of_logs(load, decrease), slope_of_logs(load, area)
     print(f"position 13: {slopes[0]:.4f} {slopes[1]:.4f}")
-    assert slopes[0] == pytest.approx(0.66, abs=0.01) and slopes[0] == pytest.approx(2 / 3, abs=1e-4)
+    assert slopes[0] == pytest.approx(0.66, abs=0.01)
+    assert slopes[0] == pytest.approx(2 / 3, abs=1e-4)
     assert slopes[1] == pytest.approx(0.67, abs=0.005)
     assert slopes[1] == pytest.approx(2 / 3, abs=1e-12)
 
@@ -463,7 +477,8 @@ def test_slopes_at_position_55(asperity, root, tmp_path):
           f"from the second contact {line:.3f}, "
           f"area from 100 N {slope_of_logs(load[high], area[high]):.3f}")
     assert line == pytest.approx(0.54, abs=0.01)
-    assert slope_of_logs(load[load > 10.0], decrease[load > 10.0]) == pytest.approx(0.54, abs=0.012)
+    above = load > 10.0
+    assert slope_of_logs(load[above], decrease[above]) == pytest.approx(0.54, abs=0.012)
     assert max(pieces[:second]) == pytest.approx(2 / 3, abs=1e-3)
     assert min(pieces) < 0.52 and pieces[-1] == pytest.approx(0.53, abs=0.01)
     assert slope_of_logs(load[high], area[high]) == pytest.approx(0.72, abs=0.005)

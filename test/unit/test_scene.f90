@@ -424,7 +424,7 @@ contains
     call refuse(error, deck // '|&motion positions = 0 /', '2:21', 'a whole number from 1 to')
     call refuse(error, deck // '|&motion positions = 1.5 /', '2:21', 'a whole number from 1 to')
     call refuse(error, deck // '|&motion positions = 1e2 /', '2:21', 'a whole number from 1 to')
-    call refuse(error, deck // '|&motion positions = 9999999999 /', '2:21', 'to 2147483647')
+    call refuse(error, deck // '|&motion positions = 9999999999 /', '2:21', 'to 1000000')
     call refuse(error, deck // '|&motion x_step=1e308, positions=3 /', '2:1', 'the last position')
     call refuse(error, deck // '|&material elastic_modulus = 1, 0 /', '2:32', 'more than 0')
     call refuse(error, deck // '|&material elastic_modulus = -1, 1 /', '2:29', 'more than 0')
@@ -501,7 +501,7 @@ contains
          place // ':2:17: x_first: found ''a'', ' // &
          'expected a finite number within the range of a double|' // &
          place // ':2:30: positions: found ''b'', ' // &
-         'expected a whole number from 1 to 2147483647|' // &
+         'expected a whole number from 1 to 1000000|' // &
          place // ':3:1: no value in &limit: expected one with criterion = ''load''|' // &
          'data/examples/none.csv:1:1: cannot be opened: No such file or directory, ' // &
          'expected comma-separated numbers|'), 'all problems')

@@ -1,0 +1,45 @@
+# Sourced after common.sh: the two kinds of test, and their count over several builds.
+passed=0
+failed=0
+
+# Adds a tally 'N passed, M failed'. A status other than 0 without a failure told is one failure.
+add() {
+  local status=$1 name=$2 tally=$3 more=0
+  [ -n "$tally" ] || tally="0 passed, 0 failed"
+  passed=$((passed + ${tally%% passed*}))
+  more=${tally#*, }
+  more=${more%% failed*}
+  if [ "$status" -ne 0 ] && [ "$more" -eq 0 ]; then
+    echo "test: $name ended with status $status"
+    more=1
+  fi
+  failed=$((failed + more))
+}
+
+# The Fortran unit tests in a build.
+unit_tests() {
+  local status tally
+  options_of "$1" || return
+  fpm test unit "${fpm_options[@]}" 2>&1 | tee build/unit.log
+  status=$?
+  tally=$(last_tally build/unit.log)
+  [ "$status" -ne 0 ] || [ -n "$tally" ] || status=1
+  add "$status" "unit tests" "$tally"
+}
+
+# Folders of the harness; hard cases, too, once there are any.
+harness_folders() {
+  echo test/regression
+  if compgen -G 'test/hard/test_*.py' >/dev/null; then echo test/hard; fi
+}
+
+# The harness on an executable. Usage: harness EXECUTABLE [PYTEST OPTIONS]
+harness() {
+  local exe=$1 folders
+  shift
+  mapfile -t folders < <(harness_folders)
+  rm -f build/pytest.tally
+  ASPERITY_EXE=$exe ASPERITY_TALLY=$root/build/pytest.tally \
+    python -m pytest --rootdir "$root" -q -ra "${folders[@]}" "$@"
+  add "$?" pytest "$(cat build/pytest.tally 2>/dev/null)"
+}

@@ -1,0 +1,76 @@
+"""Write the catalogue of hard cases.
+
+    python test/hard/make_cases.py [FOLDER]      (default: data/hard)
+"""
+
+import sys
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / part) for part in ("regression", "hard")]
+
+from cases import scenes  # noqa: E402
+from deck_cases import decks  # noqa: E402
+from surfaces_csv import write_csv_scene  # noqa: E402
+
+
+def comment(label, text):
+    """The text behind a label, broken into comment lines."""
+    lines, line = [], f"! {label}:"
+    for word in text.split():
+        if len(line) + 1 + len(word) > 100:
+            lines.append(line)
+            line = "!  "
+        line += " " + word
+    return "\n".join([*lines, line]) + "\n"
+
+
+def write_case(folder, case):
+    """One scene and its two surfaces."""
+    path = write_csv_scene(folder, case.upper, case.lower, case.name, case.modulus, case.ratio,
+                           **case.groups)
+    path.write_text(comment("Hard", case.why) + comment("Truth", case.truth) + path.read_text())
+    return path
+
+
+def field(value, width):
+    """A number with its point, in as many columns as the card has."""
+    for decimals in range(width, -1, -1):
+        text = f"{value:.{decimals}f}" + "." * (decimals == 0)
+        text = text.replace("0.", ".", 1) if text.lstrip("-").startswith("0.") else text
+        if len(text) <= width:
+            if float(text) != value:
+                raise ValueError(f"{value} does not fit {width} columns")
+            return text.rjust(width)
+    raise ValueError(f"{value} does not fit {width} columns")
+
+
+def write_deck(path, upper, lower, width=3.455, angles=(0.0, 0.0), displacement=(0.0, 0.0)):
+    """A deck of any numbers; a model is a dict as in the regression tests' decks."""
+    cards = ["NO  YES "]
+    for model in (upper, lower):
+        cards.append(f"{len(model['asperities']):5d}" + "".join(
+            field(model[name], columns) for name, columns in (
+                ("radius", 5), ("height_max", 5), ("modulus", 10), ("ratio", 5), ("stress", 10))))
+    cards[-1] += field(width, 7)
+    cards.append("".join(map(field, (*angles, *displacement), (8, 8, 7, 7))))
+    for model in (upper, lower):
+        cards += [field(x, 6) + field(y, 6) + field(z, 7) for x, y, z in model["asperities"]]
+    path.write_text("\n".join(cards) + "\n")
+    return path
+
+
+def write_all(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    for case in scenes():
+        write_case(folder, case)
+    index = ["# Decks\n\nWhy each deck is hard and where its truth comes from; a deck has no room "
+             "for comments.\n"]
+    for deck in decks():
+        write_deck(folder / f"{deck.name}.deck", **deck.deck)
+        index.append(f"- `{deck.name}.deck`\n  - Hard: {deck.why}\n  - Truth: {deck.truth}\n")
+    (folder / "decks.md").write_text("\n".join(index))
+
+
+if __name__ == "__main__":
+    write_all(Path(sys.argv[1]) if len(sys.argv) > 1
+              else Path(__file__).resolve().parents[2] / "data" / "hard")

@@ -1,0 +1,97 @@
+"""The table of hard cases in docs/hard-cases.md, between its markers.
+
+    python test/hard/make_table.py EXECUTABLE
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "test" / part) for part in ("regression", "hard")]
+
+from cases import ARITHMETICS, scenes  # noqa: E402
+from deck_cases import decks  # noqa: E402
+from measure import measure, measure_deck  # noqa: E402
+
+DOCUMENT = "docs/hard-cases.md"
+BEGIN, END = "<!-- begin: made by test/hard/make_table.py -->", "<!-- end -->"
+
+
+def verdict(refused, arithmetics):
+    """What the catalogue demands, in words."""
+    right = [a for a in arithmetics if a not in refused]
+    if not refused:
+        return "right"
+    said = "; ".join(dict.fromkeys(refused.values()))
+    if not right:
+        return f"refused: {said}"
+    return f"right; in {', '.join(refused)} refused: {said}"
+
+
+def historic(case):
+    """What the port does with a deck."""
+    if case.historic != "runs":
+        return f"stops: {case.historic}"
+    return f"runs; note: {case.note}" if case.note else "runs"
+
+
+def row(name, verdicts, cells):
+    return "| " + " | ".join((f"`{name}`", *cells, *verdicts)) + " |"
+
+
+def lines(found):
+    """The tables. `found` gives the cell of a case in an arithmetic."""
+    head = [*ARITHMETICS, "verdict"]
+    yield from ("### Scenes", "", "| case | " + " | ".join(head) + " |", "| --- " * 6 + "|")
+    for case in scenes():
+        yield row(case.name, [verdict(case.refused, case.arithmetics)],
+                  [found(case, a) if a in case.arithmetics else "not run" for a in ARITHMETICS])
+    head += ["historic port"]
+    yield from ("", "### Decks", "", "| case | " + " | ".join(head) + " |", "| --- " * 7 + "|")
+    for case in decks():
+        refused = dict.fromkeys(ARITHMETICS, case.solver_refused) if case.solver_refused else {}
+        yield row(case.name, [verdict(refused, ARITHMETICS), historic(case)],
+                  [found(case, a) for a in ARITHMETICS])
+
+
+def without_errors(text):
+    """The table without its measured cells."""
+    kept = []
+    for line in text.splitlines():
+        cells = line.split(" | ")
+        kept.append(" | ".join(cells[:1] + cells[5:]) if len(cells) > 5 else line)
+    return kept
+
+
+def is_current(document):
+    """Whether a document lists every case with the catalogue's verdict."""
+    inside = document.partition(BEGIN)[2].partition(END)[0].strip()
+    return without_errors(inside) == without_errors("\n".join(lines(lambda case, a: "")))
+
+
+def measured(executable, folder):
+    """A function that runs a case and gives its cell."""
+    def found(case, arithmetic):
+        if hasattr(case, "deck"):
+            path = ROOT / "data" / "hard" / f"{case.name}.deck"
+            outcome = measure_deck(executable, path, arithmetic, folder)
+        else:
+            path = ROOT / "data" / "hard" / f"{case.name}.scene"
+            outcome = measure(executable, case, path, arithmetic, folder)
+        return "refused" if outcome.refused else f"{outcome.worst:.2f}"
+
+    return found
+
+
+def main(executable):
+    path = ROOT / DOCUMENT
+    before, _, rest = path.read_text(encoding="utf-8").partition(BEGIN)
+    after = rest.partition(END)[2]
+    with tempfile.TemporaryDirectory() as folder:
+        table = "\n".join(lines(measured(Path(executable).resolve(), Path(folder))))
+    path.write_text(f"{before}{BEGIN}\n{table}\n{END}{after}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,268 @@
+"""Runs a hard case and measures its results in units of the last place.
+
+The truth is exact_contact's, evaluated for the numbers as the arithmetic holds them. The unit of
+an error is one unit of the last place of the true value in that arithmetic; real128's results
+reach the files as doubles, so its unit there is a double's. Approach and places are differences of
+coordinates: their unit is that of the largest coordinate. Where a case says that coordinates limit
+it, the unit also has the largest change that moving every coordinate by one unit of the largest
+coordinate brings, seen in a few trials.
+"""
+
+import random
+import re
+import subprocess
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from exact_contact import TOTALS, Truth, read_deck
+from mpmath import mp, mpf
+from surfaces_csv import Solved, exact_csv_scene, solve
+
+DIGITS = {"real32": 24, "real64": 53, "real128": 113}
+LEAST = {"real32": -149, "real64": -1074, "real128": -16494}
+TRIALS = 4
+PLACES = ("approach", "x", "y", "x_displacement", "y_displacement")
+CONTACT = ("load", "vertical_load", "area", "projected_area", "slope", "average_pressure",
+           "penetration", "overlap", "x", "y")
+NO_NUMBER = re.compile(r"\b(nan|inf|infinity)\b|\*\*\*", re.IGNORECASE)
+
+
+@dataclass
+class Outcome:
+    """What a run came to: the message of a refusal, or the worst error and where it is."""
+
+    refused: str = ""
+    worst: float = 0.0
+    where: str = ""
+
+    def see(self, error, where):
+        if not error <= self.worst:
+            self.worst, self.where = float(error), where
+
+
+def binary_order(value):
+    """e with 2**(e-1) <= |value| < 2**e."""
+    order = value.numerator.bit_length() - value.denominator.bit_length()
+    while abs(value) >= Fraction(2) ** order:
+        order += 1
+    while abs(value) < Fraction(2) ** (order - 1):
+        order -= 1
+    return order
+
+
+def spacing(value, arithmetic):
+    """One unit of the last place at the size of a fraction other than zero."""
+    order = binary_order(value)
+    if arithmetic == "ibm370":
+        return Fraction(16) ** (-(-order // 4) - 6)
+    return Fraction(2) ** max(order - DIGITS[arithmetic], LEAST[arithmetic])
+
+
+def held(value, arithmetic):
+    """The number by which an arithmetic holds a fraction: cut in ibm370, else the nearest."""
+    if value == 0 or value is None:
+        return value
+    unit = spacing(value, arithmetic)
+    count = value / unit
+    if arithmetic != "ibm370":
+        nearest = round(count) * unit
+        return value if abs(nearest) >= Fraction(2) ** 128 and arithmetic == "real32" else nearest
+    size = int(abs(count)) * unit
+    return 0 * value if size < Fraction(16) ** -65 else size if value > 0 else -size
+
+
+def held_scene(scene, arithmetic):
+    """The scene with every number as the arithmetic holds it."""
+    def hold(values):
+        return tuple(held(v, arithmetic) for v in values)
+
+    def hold_surface(surface):
+        return replace(surface, asperities=[hold(a) for a in surface.asperities],
+                       modulus=held(surface.modulus, arithmetic),
+                       ratio=held(surface.ratio, arithmetic), slope=hold(surface.slope),
+                       rotation=held(surface.rotation, arithmetic),
+                       mirror=held(surface.mirror, arithmetic))
+
+    return replace(scene, upper=hold_surface(scene.upper), lower=hold_surface(scene.lower),
+                   first=hold(scene.first), step=hold(scene.step),
+                   value=held(scene.value, arithmetic), limit=held(scene.limit, arithmetic))
+
+
+def largest_coordinate(scene):
+    """The largest number that places, displacements and heights are computed from."""
+    sizes = [abs(s.mirror) for s in (scene.lower,) if s.mirror is not None]
+    for surface in (scene.upper, scene.lower):
+        for x, y, height, radius in surface.asperities:
+            tilt = abs(x * surface.slope[0]) + abs(y * surface.slope[1])
+            sizes += [abs(x), abs(y), abs(height), radius, tilt]
+    sizes += [abs(f + m * s) for f, s in zip(scene.first, scene.step)
+              for m in (0, scene.positions - 1)]
+    return max(sizes)
+
+
+def moved(scene, step, seed):
+    """The scene with every place, height and displacement moved by one step, up or down."""
+    rng = random.Random(seed)
+
+    def shift(value):
+        return value + rng.choice((-1, 1)) * step
+
+    def move(surface):
+        return replace(surface, asperities=[(shift(x), shift(y), shift(h), r)
+                                            for x, y, h, r in surface.asperities])
+
+    value = shift(scene.value) if scene.control == "approach" else scene.value
+    return replace(scene, upper=move(scene.upper), lower=move(scene.lower),
+                   first=tuple(map(shift, scene.first)), value=value)
+
+
+class Yardstick:
+    """The truth of one scene in one arithmetic, and the unit of each error."""
+
+    def __init__(self, scene, arithmetic, coordinates, digits):
+        scene = held_scene(scene, arithmetic)
+        # What arrives in a file is a double.
+        self.written = "real64" if arithmetic == "real128" else arithmetic
+        self.digits = digits
+        largest = largest_coordinate(scene)
+        self.place = spacing(largest, self.written)
+        self.truth = Truth(scene, digits)
+        step = spacing(largest, arithmetic)
+        self.others = [Truth(moved(scene, step, seed), digits)
+                       for seed in range(TRIALS if coordinates else 0)]
+        self.step = step if coordinates else 0
+
+    def state(self, m):
+        self.now = self.truth.state(m)
+        self.trials = [t for t in (other.state(m) for other in self.others) if t is not None]
+        return self.now
+
+    def error(self, found, name, true, others):
+        """How many units a found number is off."""
+        off = abs(mpf(float(found)) - true)
+        if off == 0:
+            return 0.0
+        if name in PLACES:
+            unit = mpf(self.place.numerator) / self.place.denominator
+        elif true == 0:
+            unit = mpf(0)
+        else:
+            unit = spacing(Fraction(*map(int, mp_fraction(true))), self.written)
+            unit = mpf(unit.numerator) / unit.denominator
+        unit += max((abs(other - true) for other in others), default=0)
+        return off / unit if unit else mp.inf
+
+
+def mp_fraction(value):
+    """An mpf as numerator and denominator, cut to what a spacing needs."""
+    sign, mantissa, exponent, _ = value._mpf_
+    return ((-1) ** sign * mantissa << max(exponent, 0), 1 << max(-exponent, 0))
+
+
+def run(asperity, path, arithmetic, folder, positions=()):
+    """Solve; a refusal leaves no file and says why, and nothing printed is no number."""
+    if positions:
+        solved = solve_some(asperity, path, arithmetic, folder, positions)
+    else:
+        solved = solve(asperity, path, "--arithmetic", arithmetic, folder=folder)
+    assert solved.status in (0, 1, 2), solved.stderr
+    printed = solved.stdout.replace(str(path), "")
+    assert not NO_NUMBER.search(printed), f"{path.name} {arithmetic}: {printed}"
+    if solved.status == 0:
+        assert solved.positions
+    else:
+        assert solved.stdout == "" and not solved.positions and str(path) in solved.stderr
+    for row in (*solved.positions, *solved.contacts):
+        for cell in row.values():
+            assert abs(float(cell)) < float("inf"), f"{path.name} {arithmetic}: {row}"
+    return solved
+
+
+def solve_some(asperity, path, arithmetic, folder, positions):
+    """Solve a long sweep and keep the rows of a few positions."""
+    file = folder / f"{path.name}-{arithmetic}.csv"
+    done = subprocess.run([asperity, "solve", path, "--arithmetic", arithmetic, "--positions",
+                           file], capture_output=True, text=True, timeout=300)
+    rows = []
+    with open(file, encoding="ascii") as lines:
+        names = next(lines).rstrip().split(",")
+        for m, line in enumerate(lines, 1):
+            if m in positions:
+                rows.append(dict(zip(names, line.rstrip().split(","), strict=True)))
+    file.unlink()
+    return Solved(done.returncode, done.stdout, done.stderr, rows, [], [])
+
+
+def compare(solved, yardstick, positions):
+    """The worst error over positions and their contacts."""
+    outcome = Outcome()
+    by_position = {}
+    for row in solved.contacts:
+        by_position.setdefault(int(row["position"]), []).append(row)
+    with mp.workdps(yardstick.digits):
+        for row in solved.positions:
+            m = int(row["position"])
+            if m not in positions:
+                continue
+            state = yardstick.state(m)
+            for name, true in zip(("x_displacement", "y_displacement"),
+                                  yardstick.truth.displacement(m)):
+                outcome.see(yardstick.error(row[name], name, true, ()), f"{name} at position {m}")
+            if state is None or not state.contacts:
+                assert int(row["contacts"]) == 0 and float(row["load"]) == 0, f"position {m}"
+                continue
+            contacts = compare_contacts(by_position.get(m, []), yardstick, outcome, m)
+            if solved.contacts:
+                assert int(row["contacts"]) == contacts, f"position {m}: contacts"
+            for name in ("approach", *TOTALS):
+                outcome.see(yardstick.error(row[name], name, getattr(state, name),
+                                            [getattr(t, name) for t in yardstick.trials]),
+                            f"{name} at position {m}")
+    return outcome
+
+
+def compare_contacts(rows, yardstick, outcome, m):
+    """Each contact against the truth; one that touches within the unit may be missed or added."""
+    true = yardstick.now.contacts
+    trials = [t.contacts for t in yardstick.trials]
+    found = {(int(row["upper"]), int(row["lower"])): row for row in rows}
+    assert len(found) == len(rows), f"position {m}: a contact twice"
+    sure = {pair for pair in true if all(pair in t for t in trials)}
+    maybe = set(true).union(*trials)
+    if rows:
+        assert sure <= set(found) <= maybe, f"position {m}: {sorted(found)} for {sorted(true)}"
+    for pair, row in found.items():
+        if pair not in true:
+            continue
+        others = [t[pair] for t in trials if pair in t]
+        for name in CONTACT:
+            outcome.see(yardstick.error(row[name], name, true[pair][name],
+                                        [o[name] for o in others]),
+                        f"{name} of {pair} at position {m}")
+    return len(found)
+
+
+def measure(asperity, case, path, arithmetic, folder):
+    """Run one scene case in one arithmetic."""
+    solved = run(asperity, path, arithmetic, folder, case.positions)
+    if solved.status:
+        return Outcome(refused=reason(solved, path))
+    scene = exact_csv_scene(case.upper, case.lower, case.modulus, case.ratio, **case.groups)
+    yardstick = Yardstick(scene, arithmetic, case.coordinates, case.digits)
+    return compare(solved, yardstick, case.positions or range(1, scene.positions + 1))
+
+
+def measure_deck(asperity, path, arithmetic, folder):
+    """Run one deck in one arithmetic of the present-day solver; some of its positions."""
+    solved = run(asperity, path, arithmetic, folder)
+    if solved.status:
+        return Outcome(refused=reason(solved, path))
+    scene = read_deck(path)
+    yardstick = Yardstick(scene, arithmetic, True, 60)
+    pairs = len(scene.upper.asperities) * len(scene.lower.asperities)
+    return compare(solved, yardstick, range(1, 101, 11 if pairs < 50 else 99))
+
+
+def reason(solved, path):
+    """The message of a refusal, without the file."""
+    return solved.stderr.strip().replace(f"{path}: ", "")

@@ -1,0 +1,76 @@
+"""The fuzzer's runs with fixed seeds, and every fault that it found so far."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import fuzz
+
+ROOT = Path(__file__).resolve().parents[2]
+FOUND = sorted((ROOT / "data/hard/found").glob("*/case.json"))
+RUNS = 4000
+
+
+def test_found_cases_are_there():
+    assert len(FOUND) >= 18
+
+
+@pytest.mark.parametrize("path", FOUND, ids=lambda path: path.parent.name)
+def test_found_case(path, asperity):
+    expected = json.loads(path.read_text(encoding="ascii"))
+    files = {name.name: name.read_bytes() for name in path.parent.iterdir() if name != path}
+    case = fuzz.Case({"deck": b"", "s.scene": b"", **files}, expected["arguments"])
+    status, messages, wrong = fuzz.run_and_check(asperity, case)
+    assert not wrong
+    assert status == expected["status"], messages
+    assert re.search(expected["message"], messages.decode("utf-8")), messages
+
+
+def test_fuzz(asperity, capsys):
+    ended, faults = fuzz.campaign(asperity, range(RUNS))
+    with capsys.disabled():
+        print(f"\nfuzz: {fuzz.summary(ended, faults)}")
+    assert sum(ended.values()) == RUNS
+    # The cases must reach what they are meant for: good runs, failures and bad input.
+    assert all(ended[status] > RUNS // 50 for status in (0, 1, 2)), ended
+    assert not faults, "; ".join(f"seed {seed}: {faults[seed]}" for seed in sorted(faults)[:5])
+
+
+def test_a_fault_is_seen(tmp_path):
+    """The checks themselves: a program that does everything wrong."""
+    wicked = tmp_path / "wicked"
+    wicked.write_text("#!/bin/sh\nprintf 'x\\n1,NaN\\n' > c.csv; : > c.csv.1.part; echo Infinity\n"
+                      "printf '\\033[2J\\377 Error termination' >&2; echo > deck; exit 3\n",
+                      encoding="ascii")
+    wicked.chmod(0o755)
+    case = fuzz.Case({"deck": b"1\n", "s.scene": b""}, ["deck", "--contacts", "c.csv"])
+    _, _, wrong = fuzz.run_and_check(wicked, case)
+    text = "; ".join(wrong)
+    for part in ("status 3", "crash", "does not end its line", "no UTF-8", "not a number",
+                 "deck was changed", "left c.csv behind", "left c.csv.1.part behind"):
+        assert part in text, text
+
+
+def test_a_bad_table_is_seen():
+    assert fuzz.check_csv("c.csv", b"a,b\n1,NaN\n")
+    assert fuzz.check_csv("c.csv", b"a,b\n1,***\n")
+    assert fuzz.check_csv("c.csv", b"a,b\n1\n")
+    assert fuzz.check_csv("c.csv", b"a,b\n1,2")
+    assert fuzz.check_csv("c.csv", b"")
+    assert not fuzz.check_csv("c.csv", b"a,b\n1,2.0E-003\n")
+
+
+def test_an_endless_run_is_seen(tmp_path):
+    folder = tmp_path / "work"
+    folder.mkdir()
+    case = fuzz.Case({"deck": b"", "s.scene": b""}, ["30"])
+    outcome = fuzz.run("/bin/sleep", case, folder, patience=0.2)
+    assert outcome[0] == -9
+    assert "status -9" in fuzz.check(case, folder, outcome)
+
+
+def test_same_seed_same_case():
+    for seed in range(200):
+        assert fuzz.make_case(seed) == fuzz.make_case(seed)

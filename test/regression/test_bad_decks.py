@@ -1,0 +1,404 @@
+"""Decks that are refused, and decks that look odd and are not.
+
+The columns below are the deck's as the original reads it, written down a second time.
+"""
+
+import os
+import re
+import subprocess
+import time
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+NAME = "bad.deck"
+MODEL = (("N", 1, 5), ("R", 6, 10), ("Z", 11, 15), ("E", 16, 25), ("MU", 26, 30),
+         ("ELIMT", 31, 40))
+# Line, first and last column, name, of every field of the header.
+HEADER = (
+    [(2, a, b, {"Z": "ZUMAX"}.get(name, name + "U")) for name, a, b in MODEL]
+    + [(3, a, b, {"Z": "ZLMAX"}.get(name, name + "L")) for name, a, b in MODEL]
+    + [(3, 41, 47, "WIDTHL"), (4, 1, 8, "THETAU"), (4, 9, 16, "THETAL"), (4, 17, 23, "XDISPL"),
+       (4, 24, 30, "YDISPL")]
+)
+POSITION = ((1, 6, "x"), (7, 12, "y"), (13, 19, "height"))
+UPPER, LOWER = 37, 75
+FIRST_UPPER, FIRST_LOWER, LAST = 5, 5 + UPPER, 4 + UPPER + LOWER
+COUNTS = ("NU", "NL")
+
+
+def fields_of_asperities():
+    for line in range(FIRST_UPPER, LAST + 1):
+        upper = line < FIRST_LOWER
+        index = line - (FIRST_UPPER if upper else FIRST_LOWER) + 1
+        for first, last, name in POSITION:
+            yield line, first, last, f"{name} of {'upper' if upper else 'lower'} asperity {index}"
+
+
+def sample_fields():
+    """The header, and the first and last card of each model."""
+    lines = (FIRST_UPPER, FIRST_LOWER - 1, FIRST_LOWER, LAST)
+    return HEADER + [field for field in fields_of_asperities() if field[0] in lines]
+
+
+def label(field):
+    return f"line{field[0]}-{field[3].replace(' ', '-')}"
+
+
+@pytest.fixture(scope="module")
+def cards(root):
+    lines = (root / "data" / "thesis.deck").read_text(encoding="ascii").splitlines()
+    assert len(lines) == LAST
+    return lines
+
+
+def punch(cards, line, column, text):
+    """The deck with other characters from a column on."""
+    card = cards[line - 1].ljust(column - 1)
+    changed = card[:column - 1] + text + card[column - 1 + len(text):]
+    return cards[:line - 1] + [changed] + cards[line:]
+
+
+def deck(lines):
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+class Runner:
+    """Runs decks in a folder of their own and looks at what is left there."""
+
+    def __init__(self, executable, folder):
+        self.executable, self.folder = executable, folder
+
+    def run(self, content, *options, timeout=20):
+        if content is not None:
+            (self.folder / NAME).write_bytes(content)
+        return subprocess.run([self.executable, NAME, *options], cwd=self.folder,
+                              stdin=subprocess.DEVNULL, capture_output=True, timeout=timeout)
+
+    def problems(self, content, timeout=20):
+        """Line, column and message of every problem of a deck that must be refused."""
+        kept = self.folder / "contacts.csv"
+        kept.write_text("from another run")
+        done = self.run(content, "--contacts", "contacts.csv", "--positions", "positions.csv",
+                        timeout=timeout)
+        assert done.returncode == 2, done.stderr
+        assert done.stdout == b""
+        assert kept.read_text() == "from another run"
+        assert {p.name for p in self.folder.iterdir()} <= {NAME, "contacts.csv"}
+        errors = done.stderr.decode()
+        assert errors.endswith("\n")
+        found = [re.fullmatch(rf"{NAME}:(\d+):(\d+): (.+)", line) for line in errors.splitlines()]
+        assert all(found) and found, errors
+        return [(int(m[1]), int(m[2]), m[3]) for m in found]
+
+    def problem(self, content, **options):
+        """The only problem of a deck."""
+        found = self.problems(content, **options)
+        assert len(found) == 1, found
+        return found[0]
+
+
+@pytest.fixture
+def runner(asperity, tmp_path):
+    return Runner(asperity, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def report(asperity, root):
+    """What the thesis deck prints."""
+    done = subprocess.run([asperity, root / "data" / "thesis.deck"], capture_output=True,
+                          timeout=20)
+    assert done.returncode == 0
+    return done.stdout
+
+
+def quoted(content, line, first, last):
+    """The field as a message quotes it."""
+    card = content.decode().splitlines()[line - 1].ljust(last)
+    return f"'{card[first - 1:last]}'"
+
+
+@pytest.mark.parametrize("field", sample_fields(), ids=label)
+def test_not_a_number_in_any_column(field, runner, cards):
+    line, first, last, name = field
+    for column in range(first, last + 1):
+        content = deck(punch(cards, line, column, "?"))
+        at_line, at_column, message = runner.problem(content)
+        assert (at_line, at_column) == (line, column)
+        assert message.startswith(name + " (" if line <= 4 else name + ":")
+        assert f"found {quoted(content, line, first, last)}, expected " in message
+        assert ("a whole number" if name in COUNTS else "a number") in message
+        assert f"{first}-{last}" in message
+
+
+@pytest.mark.parametrize("field", [f for f in sample_fields() if f[3] not in COUNTS], ids=label)
+@pytest.mark.parametrize("text, shift", [("NaN", 0), ("Inf", 0), ("-Inf", 1), ("0x1", 1)])
+def test_words_are_not_numbers(field, text, shift, runner, cards):
+    line, first, last, name = field
+    width = last - first + 1
+    at_line, at_column, message = runner.problem(
+        deck(punch(cards, line, first, text.rjust(width))))
+    assert (at_line, at_column) == (line, last - len(text) + 1 + shift)
+    assert message.startswith(name)
+
+
+@pytest.mark.parametrize("field", [f for f in sample_fields() if f[3] not in COUNTS], ids=label)
+def test_not_finite(field, runner, cards):
+    line, first, last, name = field
+    width = last - first + 1
+    for text in ("1E999", "-1E999"):
+        if len(text) > width:
+            continue
+        at_line, at_column, message = runner.problem(
+            deck(punch(cards, line, first, text.rjust(width))))
+        assert (at_line, at_column) == (line, first)
+        assert message.startswith(name) and "finite" in message
+
+
+def test_one_point_e999_is_not_finite(runner, cards):
+    found = runner.problem(deck(punch(cards, 2, 16, "    1.E999")))
+    assert found[:2] == (2, 16) and "EU" in found[2] and "finite" in found[2]
+
+
+OUT_OF_RANGE = [
+    *[(line, 1, text, "at least 1") for line in (2, 3) for text in ("    0", "   -1", "     ")],
+    *[(line, 6, text, "more than zero") for line in (2, 3) for text in ("0.000", " -0.5", "     ")],
+    *[(line, 16, text, "more than zero") for line in (2, 3)
+      for text in ("        0.", "  -400000.", "          ")],
+    *[(line, 26, text, "more than -1 and at most 0.5") for line in (2, 3)
+      for text in ("0.501", "-1.00", "-1   ", "  600")],
+    *[(line, 11, text, "less than twice the radius") for line in (2, 3)
+      for text in ("1.000", "1.001", " 1000")],
+    *[(3, 41, text, "more than zero") for text in (" 0.0000", "-3.4550", "       ")],
+    *[(line, 13, text, "less than twice the radius")
+      for line in (FIRST_UPPER, FIRST_LOWER - 1, FIRST_LOWER, LAST)
+      for text in (" 1.0000", " 1.0001", "  10000")],
+    (2, 11, "-0.01", "no negative number"),
+]
+
+
+@pytest.mark.parametrize("line, first, text, expected", OUT_OF_RANGE)
+def test_out_of_range(line, first, text, expected, runner, cards):
+    at_line, at_column, message = runner.problem(deck(punch(cards, line, first, text)))
+    assert (at_line, at_column) == (line, first)
+    assert f"found '{text}'" in message and message.endswith("expected " + expected)
+
+
+@pytest.mark.parametrize("line, first, text", [
+    *[(line, 26, text) for line in (2, 3) for text in ("0.500", "-.999", "0.000", "  500")],
+    *[(line, 11, ".9999") for line in (2, 3)],
+    *[(line, 13, " 0.9999") for line in (FIRST_UPPER, LAST)],
+    (3, 41, " 0.0001"),
+])
+def test_just_within_range(line, first, text, runner, cards):
+    done = runner.run(deck(punch(cards, line, first, text)), "--arithmetic", "real64")
+    # Such a deck may still be one that the original cannot compute.
+    assert done.returncode in (0, 1), done.stderr
+
+
+@pytest.mark.parametrize("change, line, column, count", [
+    ("last card gone", LAST, 1, (111, 112, 37, 75)),
+    ("first card gone", LAST, 1, (111, 112, 37, 75)),
+    ("last card blank", LAST, 1, (111, 112, 37, 75)),
+    ("no cards", 5, 1, (0, 112, 37, 75)),
+    ("one card more", LAST + 1, 2, (113, 112, 37, 75)),
+    ("NU one less", LAST, 2, (112, 111, 36, 75)),
+    ("NU one more", LAST + 1, 1, (112, 113, 38, 75)),
+    ("NL one less", LAST, 2, (112, 111, 37, 74)),
+    ("NL one more", LAST + 1, 1, (112, 113, 37, 76)),
+    ("NU to the left", LAST + 1, 1, (112, 37075, 37000, 75)),
+    ("NL to the left", LAST + 1, 1, (112, 75037, 37, 75000)),
+])
+def test_wrong_count_of_cards(change, line, column, count, runner, cards):
+    lines = {
+        "last card gone": cards[:-1],
+        "first card gone": cards[:4] + cards[5:],
+        "last card blank": cards[:-1] + ["   ", ""],
+        "no cards": cards[:4],
+        "one card more": cards + [" 1.000 1.000 0.0500"],
+        "NU one less": punch(cards, 2, 1, "   36"),
+        "NU one more": punch(cards, 2, 1, "   38"),
+        "NL one less": punch(cards, 3, 1, "   74"),
+        "NL one more": punch(cards, 3, 1, "   76"),
+        "NU to the left": punch(cards, 2, 1, "37   "),
+        "NL to the left": punch(cards, 3, 1, "75   "),
+    }[change]
+    at_line, at_column, message = runner.problem(deck(lines))
+    assert (at_line, at_column) == (line, column)
+    found, expected, upper, lower = count
+    assert (f"wrong count of cards: found {found} asperities, expected {expected} "
+            f"(NU {upper} and NL {lower})") in message
+    assert ("text after the last card" in message) == (found > expected)
+
+
+@pytest.mark.parametrize("line", (2, 3))
+def test_huge_number_of_asperities_is_answered_at_once(line, runner, cards):
+    content = deck(punch(cards, line, 1, "99999")[:20])
+    begin = time.monotonic()
+    _, _, message = runner.problem(content, timeout=5)
+    assert time.monotonic() - begin < 1.0
+    assert "wrong count of cards: found 16 asperities" in message
+
+
+@pytest.mark.parametrize("blank_lines", (0, 3))
+@pytest.mark.parametrize("text, column", [("END", 1), ("   9", 4), (" " * 70 + "x", 71)])
+def test_text_after_the_last_card(blank_lines, text, column, runner, cards):
+    lines = cards + [" "] * blank_lines + [text, "and more", "and more"]
+    at_line, at_column, message = runner.problem(deck(lines))
+    assert (at_line, at_column) == (LAST + blank_lines + 1, column)
+    assert message.startswith("text after the last card: found '" + text)
+
+
+@pytest.mark.parametrize("present", (1, 2, 3))
+def test_missing_header_cards(present, runner, cards):
+    found = runner.problems(deck(cards[:present]))
+    names = {2: "NU, RU, ZUMAX, EU, MUU, ELIMTU", 3: "NL, RL, ZLMAX, EL, MUL, ELIMTL, WIDTHL",
+             4: "THETAU, THETAL, XDISPL, YDISPL"}
+    assert [place[:2] for place in found] == [(line, 1) for line in range(present + 1, 5)]
+    for line, _, message in found:
+        assert f"card {line} is missing" in message and names[line] in message
+
+
+def every_field():
+    return HEADER + list(fields_of_asperities())
+
+
+def spoil(cards, fields):
+    for line, first, _, _ in fields:
+        cards = punch(cards, line, first, "?")
+    return cards
+
+
+def test_all_bad_fields_at_once_in_order(runner, cards):
+    fields = [field for field in every_field() if field[3] not in COUNTS]
+    found = runner.problems(deck(spoil(cards, fields)))
+    assert [place[:2] for place in found] == [field[:2] for field in fields]
+    assert all(message.startswith(field[3]) for (_, _, message), field in zip(found, fields))
+
+
+@pytest.mark.parametrize("bad", [("NU",), ("NL",), ("NU", "NL")], ids=" ".join)
+def test_all_bad_fields_at_once_even_without_the_counts(bad, runner, cards):
+    fields = [field for field in every_field() if field[3] in bad or field[3] not in COUNTS]
+    found = runner.problems(deck(spoil(cards, fields)))
+    assert [place[:2] for place in found] == [field[:2] for field in fields]
+    if len(bad) == 1:
+        assert all(message.startswith(field[3]) for (_, _, message), field in zip(found, fields))
+
+
+def test_a_bad_count_brings_no_further_complaints(runner, cards):
+    for line in (2, 3):
+        assert runner.problem(deck(punch(cards, line, 1, "    x")))[:2] == (line, 5)
+
+
+def test_different_kinds_at_once(runner, cards):
+    lines = punch(cards, 2, 6, "0.000")
+    lines = punch(lines, 2, 26, "0.700")
+    lines = punch(lines, 3, 16, "  4000O0. ")
+    lines = punch(lines, 4, 30, "-")
+    lines = punch(lines, 50, 13, " 1.5000")
+    found = runner.problems(deck(lines + ["surplus"]))
+    assert [place[:2] for place in found] == [(2, 6), (2, 26), (3, 22), (4, 30), (50, 13),
+                                              (LAST + 1, 1)]
+
+
+def test_missing_file(runner):
+    assert "No such file" in runner.problem(None)[2]
+
+
+def test_folder_instead_of_a_file(runner):
+    (runner.folder / NAME).mkdir()
+    assert "directory" in runner.problem(None)[2]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
+def test_file_that_may_not_be_read(runner, cards):
+    (runner.folder / NAME).write_bytes(deck(cards))
+    (runner.folder / NAME).chmod(0)
+    assert "denied" in runner.problem(None)[2]
+
+
+@pytest.mark.parametrize("content", [b"", b"\n", b" ", b"  \n \t\n\n", b"\r\n\r\n", b"\n" * 200])
+def test_empty(content, runner):
+    line, column, message = runner.problem(content)
+    assert (line, column) == (1, 1) and "empty" in message
+
+
+@pytest.mark.parametrize("content, line, column", [
+    (b"\0", 1, 1),
+    (b"\x7fELF\x02\x01\x01\0" + bytes(range(256)), 1, 1),
+    (b"NO  YES \n   37\0", 2, 6),
+    (b"NO  YES \r   370.5000.070\r", 1, 9),  # a carriage return alone ends no line
+    (b"NO  YES \n   \x1b[31m", 2, 4),
+])
+def test_binary(content, line, column, runner):
+    at_line, at_column, message = runner.problem(content)
+    assert (at_line, at_column) == (line, column)
+    assert "not a text file" in message
+
+
+def same_report(runner, content, report):
+    done = runner.run(content)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == report
+
+
+def test_line_ends_do_not_matter(runner, cards, report):
+    plain = deck(cards)
+    same_report(runner, plain, report)
+    same_report(runner, plain.replace(b"\n", b"\r\n"), report)
+    same_report(runner, plain.rstrip(b"\n"), report)
+    same_report(runner, plain.replace(b"\n", b"\r\n").rstrip(b"\n"), report)
+    same_report(runner, plain + b"\n  \n\t\n" + b" " * 90, report)
+    # Cards that end within a field: the line end is no part of it.
+    short = cards[:3] + [""] + [card[:12] + card[12:].strip(" 0") for card in cards[4:]]
+    assert max(map(len, short[4:])) < 19
+    same_report(runner, deck(short), report)
+    same_report(runner, deck(short).replace(b"\n", b"\r\n"), report)
+
+
+def test_columns_behind_the_fields_are_ignored(runner, cards, report):
+    numbered = [f"{card:<72}{10 * i:08d}" for i, card in enumerate(cards, 1)]
+    same_report(runner, deck(numbered), report)
+    same_report(runner, deck([f"{card:<80}?? beyond" for card in cards]), report)
+    # A card with nothing but a sequence number is blank.
+    same_report(runner, deck(numbered + [" " * 72 + "00001170"]), report)
+
+
+def test_fields_without_point_or_with_blanks_give_the_same_report(runner, cards, report):
+    lines = cards
+    for line, column, text in (
+        (2, 6, "  500"), (2, 11, ".07  "), (2, 16, "     4.E+5"), (2, 26, "42.-2"),
+        (3, 6, ".5   "), (3, 16, "     4.D05"), (3, 31, "     112  "), (3, 41, "  34550"),
+        (4, 1, " " * 30), (5, 1, "  3228   977    654"), (6, 1, "1.044 2.532 652.E-4"),
+    ):
+        lines = punch(lines, line, column, text)
+    same_report(runner, deck(lines), report)
+
+
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_any_deck_ends_with_an_answer(data, runner, cards):
+    """Cards lost, doubled and mispunched at random: never a crash, never a loop."""
+    lines = list(cards)
+    for _ in range(data.draw(st.integers(1, 6))):
+        place = data.draw(st.integers(0, len(lines) - 1) | st.integers(0, min(4, len(lines) - 1)))
+        kind = data.draw(st.sampled_from("punch cut lose double shorten".split()))
+        if kind == "punch":
+            text = data.draw(st.text(" 0123456789.+-EDX\t\0\r\n", min_size=1, max_size=5))
+            column = data.draw(st.integers(1, 47))
+            lines = punch(lines, place + 1, column, text)
+        elif kind == "cut":
+            lines[place] = lines[place][:data.draw(st.integers(0, 40))]
+        elif kind == "lose" and len(lines) > 1:
+            del lines[place]
+        elif kind == "double":
+            lines.insert(place, lines[place])
+        elif kind == "shorten":
+            lines = lines[:place + 1]
+    done = runner.run(deck(lines), "--arithmetic", "real64")
+    assert done.returncode in (0, 1, 2), done.stderr
+    assert (done.stdout == b"") == (done.returncode != 0)
+    if done.returncode == 2:
+        for line in done.stderr.split(b"\n")[:-1]:
+            assert re.match(rb"bad\.deck:\d+:\d+: .", line), done.stderr

@@ -1,0 +1,449 @@
+"""The command line, the CSV files and the exit status, as the interface promises them."""
+
+import csv
+import itertools
+import os
+import re
+import resource
+import stat
+import subprocess
+import threading
+from decimal import ROUND_HALF_UP, Decimal
+
+import pytest
+
+from decks import write_deck
+from printed_report import NotFound, Report
+
+CONTACTS = ("position,x_displacement,y_displacement,step,approach,area_no,x,y,upper,lower,area,"
+            "projected_area,slope,load,average_pressure,maximum_pressure,limit_exceeded")
+POSITIONS = ("position,x_displacement,y_displacement,steps,approach,contacts,load,area,"
+             "projected_area,limit_reached")
+WHOLE = ("position", "step", "steps", "contacts", "area_no", "upper", "lower", "limit_exceeded",
+         "limit_reached")
+THESIS_TABLES = {"TABLE VIIA": 13, "TABLE VIIB": 55, "TABLE VIIC": 56}
+DECIMALS = {"approach": 4, "x": 3, "y": 3, "area": 5, "projected_area": 5, "slope": 3, "load": 0,
+            "average_pressure": 0, "maximum_pressure": 0}
+
+
+@pytest.fixture(scope="module")
+def thesis(root):
+    return root / "data" / "thesis.deck"
+
+
+@pytest.fixture
+def run(asperity, tmp_path):
+    def start(*arguments, **options):
+        options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
+        return subprocess.run([asperity, *map(str, arguments)], cwd=tmp_path, text=True,
+                              stdin=subprocess.DEVNULL, timeout=60, **options)
+    return start
+
+
+@pytest.fixture(scope="module")
+def plain(asperity, thesis):
+    """The report of the thesis deck without any option."""
+    done = subprocess.run([asperity, thesis], capture_output=True, text=True, timeout=20)
+    assert done.returncode == 0
+    return done.stdout
+
+
+def test_no_arguments_says_what_to_type_next(run):
+    done = run()
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "asperity data/thesis.deck" in done.stdout and "asperity --help" in done.stdout
+
+
+@pytest.mark.parametrize("word", ("--help", "-h"))
+def test_help_names_every_option(word, run):
+    done = run(word)
+    assert (done.returncode, done.stderr) == (0, "")
+    for option in ("--arithmetic", "ibm370", "real32", "real64", "real128", "--tables", "none",
+                   "all", "13,55,56", "--contacts", "--positions", "--carriage-control", "--help",
+                   "--version", "DECK"):
+        assert option in done.stdout
+
+
+def test_version_is_the_package_s(run, root):
+    version = re.search(r'^version = "(.+)"', (root / "fpm.toml").read_text(), re.MULTILINE)[1]
+    done = run("--version")
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"asperity {version}\n", "")
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (["DECK", "--bogus"], ["--bogus", "--arithmetic", "--tables", "--contacts", "--positions"]),
+    (["DECK", "--table", "all"], ["unknown option", "--table"]),
+    (["DECK", "-t"], ["unknown option", "-t"]),
+    (["-t"], ["unknown option", "-t"]),
+    (["DECK", "--arithmetic"], ["--arithmetic", "no value"]),
+    (["DECK", "--tables"], ["--tables", "no value"]),
+    (["DECK", "--contacts"], ["--contacts", "no value"]),
+    (["DECK", "--positions"], ["--positions", "no value"]),
+    (["--contacts", "--positions", "p.csv", "DECK"], ["--contacts", "no value"]),
+    (["DECK", "--contacts="], ["--contacts", "empty value"]),
+    (["DECK", "--arithmetic", "ibm360"], ["ibm360", "ibm370", "real32", "real64", "real128"]),
+    (["DECK", "--arithmetic", "IBM370"], ["IBM370"]),
+    (["DECK", "--tables", "some"], ["'some'", "none", "all", "1 to 100"]),
+    (["DECK", "--tables", "0"], ["'0'"]),
+    (["DECK", "--tables", "101"], ["'101'"]),
+    (["DECK", "--tables", "13,,55"], ["''"]),
+    (["DECK", "--tables", "13,"], ["''"]),
+    (["DECK", "--tables", "1-3"], ["'1-3'"]),
+    (["DECK", "--tables", "1 2"], ["'1 2'"]),
+    (["DECK", "--tables", "-1"], ["'-1'"]),
+    (["DECK", "--tables", "1.5"], ["'1.5'"]),
+    (["DECK", "--tables", "99999999999"], ["'99999999999'"]),
+    (["DECK", "--carriage-control=no"], ["--carriage-control", "no value"]),
+    (["DECK", "DECK"], ["DECK", "unexpected"]),
+    (["--tables", "all"], ["no card deck"]),
+    ([""], ["deck", "empty"]),
+    (["DECK", "--contacts", "one.csv", "--positions", "one.csv"], ["one.csv"]),
+    (["DECK", "--contacts", "DECK"], ["--contacts", "DECK"]),
+    (["DECK", "--positions", "DECK"], ["--positions", "DECK"]),
+], ids=lambda value: "_".join(value) or "empty")
+def test_bad_command_lines(arguments, words, run, thesis, tmp_path):
+    own = tmp_path / "own.deck"
+    own.write_bytes(thesis.read_bytes())
+    done = run(*[word.replace("DECK", "own.deck") for word in arguments])
+    assert (done.returncode, done.stdout) == (2, "")
+    for word in words:
+        assert word.replace("DECK", "own.deck") in done.stderr
+    assert os.listdir(tmp_path) == ["own.deck"]
+    assert own.read_bytes() == thesis.read_bytes()
+
+
+def test_all_that_is_wrong_with_a_command_line(run, thesis):
+    done = run(thesis, "--bogus", "--arithmetic", "x", "--tables", "0,55,200", "other.deck")
+    assert done.returncode == 2
+    words = ["--bogus", "found 'x'", "found '0'", "found '200'", "'other.deck'",
+             "asperity --help"]
+    complaints = done.stderr.splitlines()
+    assert [sum(word in line for line in complaints) for word in words] == [1] * len(words)
+    assert len(complaints) == len(words)
+
+
+@pytest.mark.parametrize("arguments", [
+    ("--arithmetic", "ibm370"), ("--arithmetic=ibm370",), ("--tables", "13,55,56"),
+    ("--tables=56,13,55,13",), ("--contacts=c.csv",)])
+def test_defaults_spelled_out(arguments, run, thesis, plain):
+    for words in ((thesis, *arguments), (*arguments, thesis)):
+        done = run(*words)
+        assert (done.returncode, done.stdout) == (0, plain)
+
+
+def contact_tables(text):
+    """Names of the contact tables in the order printed, continued pages left out."""
+    return re.findall(r"^ +TABLE (VII[A-Z]+)$", text, re.MULTILINE)
+
+
+def letters():
+    alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+    yield from alphabet
+    yield from map("".join, itertools.product(alphabet, repeat=2))
+
+
+def names_in_order(text):
+    seen = []
+    for name in contact_tables(text):
+        if name not in seen:
+            seen.append(name)
+    return seen
+
+
+@pytest.mark.parametrize("choice, positions", [
+    ("none", []), ("all", list(range(1, 101))), ("1,2,99,100", [1, 2, 99, 100]),
+    ("56,13", [13, 56]), ("007", [7]), ("13,20,55,56", [13, 20, 55, 56])])
+def test_tables(choice, positions, run, thesis):
+    done = run(thesis, "--tables", choice)
+    assert done.returncode == 0
+    expected = ["VII" + name for name in itertools.islice(letters(), len(positions))]
+    assert names_in_order(done.stdout) == expected
+    report = Report(done.stdout)
+    for name, position in zip(expected, positions):
+        x, y = report.displacement("TABLE " + name)
+        assert (x, y) == (f"{0.1 * position:.3f}", "0.0")
+    for table in ("V", "IIIA", "IIIB", "VI"):
+        assert report.table("TABLE " + table)
+
+
+def test_a_table_is_the_same_whatever_else_is_printed(run, thesis, plain):
+    everything = Report(run(thesis, "--tables", "all").stdout)
+    named = dict(zip(range(1, 101), letters()))
+    for title, position in THESIS_TABLES.items():
+        rows = Report(plain).contacts(title)
+        assert rows == everything.contacts("TABLE VII" + named[position]) and rows
+    with pytest.raises(NotFound):
+        Report(run(thesis, "--tables", "none").stdout).contacts("TABLE VIIA")
+
+
+def csv_rows(path, header):
+    text = path.read_text(encoding="ascii")
+    assert text.endswith("\n") and "\r" not in text
+    assert text.split("\n", 1)[0] == header
+    return list(csv.DictReader(text.splitlines()))
+
+
+@pytest.fixture(scope="module", params=("ibm370", "real32", "real64", "real128"))
+def outputs(request, asperity, thesis, tmp_path_factory):
+    folder = tmp_path_factory.mktemp(request.param)
+    done = subprocess.run([asperity, thesis, "--arithmetic", request.param, "--contacts",
+                           "contacts.csv", "--positions", "positions.csv"],
+                          cwd=folder, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0
+    assert sorted(os.listdir(folder)) == ["contacts.csv", "positions.csv"]
+    return (Report(done.stdout), csv_rows(folder / "contacts.csv", CONTACTS),
+            csv_rows(folder / "positions.csv", POSITIONS))
+
+
+def test_csv_cells(outputs):
+    _, contacts, positions = outputs
+    for row in contacts + positions:
+        for name, cell in row.items():
+            pattern = r"\d+" if name in WHOLE else r"-?\d\.\d{16}E[+-]\d{3}"
+            assert re.fullmatch(pattern, cell), (name, cell)
+            # 17 significant digits are enough to give the double back.
+            assert name in WHOLE or f"{float(cell):.16e}" == plain_exponent(cell)
+    assert {row["limit_exceeded"] for row in contacts} == {"0", "1"}
+    assert {row["limit_reached"] for row in positions} <= {"0", "1"}
+
+
+def plain_exponent(cell):
+    """1.5E+001 as Python writes it: 1.5e+01."""
+    mantissa, exponent = cell.split("E")
+    return f"{mantissa}e{exponent[0]}{int(exponent[1:]):02d}"
+
+
+def printed(cell, decimals):
+    """A CSV number as the report prints it; an exact zero keeps a single place."""
+    value = Decimal(float(cell))
+    if value == 0:
+        return "0.0" if decimals else "0."
+    text = str(value.quantize(Decimal(1).scaleb(-decimals), ROUND_HALF_UP))
+    return text if decimals else text + "."
+
+
+def test_contacts_csv_is_what_the_report_prints(outputs):
+    report, contacts, _ = outputs
+    for title, position in THESIS_TABLES.items():
+        rows = [row for row in report.contacts(title) if row["kind"] == "contact"]
+        records = [row for row in contacts if row["position"] == str(position)]
+        assert len(rows) == len(records) > 0
+        for row, record in zip(rows, records):
+            touching = float(record["load"]) == 0.0
+            assert row["limit_exceeded"] == (
+                "" if touching else "YES" if record["limit_exceeded"] == "1" else "NO")
+            for name in ("area_no", "upper", "lower"):
+                assert row[name] == record[name]
+            for name, decimals in DECIMALS.items():
+                if touching and name.endswith("pressure"):
+                    assert row[name] == "" and float(record[name]) == 0.0
+                else:
+                    assert row[name] == printed(record[name], decimals), (name, record)
+
+
+def test_contacts_that_touch_carry_zeros(outputs):
+    _, contacts, _ = outputs
+    touching = [row for row in contacts if float(row["load"]) == 0.0]
+    # Every position begins with a first touch.
+    assert {row["position"] for row in touching} == {str(m) for m in range(1, 101)}
+    for row in touching:
+        assert row["limit_exceeded"] == "0"
+        for name in ("area", "projected_area", "average_pressure", "maximum_pressure"):
+            assert float(row[name]) == 0.0
+
+
+def test_positions_csv_is_the_last_approach_of_every_position(outputs):
+    report, contacts, positions = outputs
+    assert [row["position"] for row in positions] == [str(m) for m in range(1, 101)]
+    steps = {}
+    for row in contacts:
+        steps.setdefault(row["position"], {}).setdefault(int(row["step"]), []).append(row)
+    for record in positions:
+        of_position = steps[record["position"]]
+        assert sorted(of_position) == list(range(1, int(record["steps"]) + 1))
+        last = of_position[int(record["steps"])]
+        assert len(last) == int(record["contacts"])
+        assert [row["area_no"] for row in last] == [str(i + 1) for i in range(len(last))]
+        assert {row["approach"] for row in last} == {record["approach"]}
+        for name in ("x_displacement", "y_displacement"):
+            assert {row[name] for row in last} == {record[name]}
+        reached = "1" if any(row["limit_exceeded"] == "1" for row in last) else "0"
+        assert record["limit_reached"] == reached
+        for name in ("load", "area", "projected_area"):
+            total = sum(float(row[name]) for row in last)
+            # The shorter arithmetics cut off up to 2**-20 a sum.
+            assert float(record[name]) == pytest.approx(total, rel=len(last) * 2.0 ** -20)
+    for title, position in THESIS_TABLES.items():
+        total = [row for row in report.contacts(title) if row["kind"] == "total"][-1]
+        record = positions[position - 1]
+        for name in ("area", "projected_area", "load"):
+            assert total[name] == printed(record[name], DECIMALS[name])
+
+
+def test_csv_files_do_not_change_the_report(run, thesis, plain, tmp_path):
+    done = run(thesis, "--contacts", "c.csv", "--positions", "p.csv", "--tables", "13,55,56")
+    assert (done.returncode, done.stdout) == (0, plain)
+    only = run(thesis, "--tables", "none", "--contacts", "only.csv")
+    assert only.returncode == 0
+    assert (tmp_path / "only.csv").read_bytes() == (tmp_path / "c.csv").read_bytes()
+
+
+def feed_forms(text):
+    """What a line printer does with column one, on paper with form feeds."""
+    lines = []
+    for line in text.split("\n")[:-1]:
+        control, rest = line[:1], line[1:]
+        assert control in ("", " ", "1", "0")
+        lines += {"1": ["\f" + rest], "0": ["", rest]}.get(control, [rest])
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("tables", ("none", "13,55,56", "all"))
+def test_carriage_control(tables, run, thesis):
+    controlled = run(thesis, "--tables", tables, "--carriage-control").stdout
+    forms = run(thesis, "--tables", tables).stdout
+    assert controlled.startswith("1\n") and "\f" not in controlled
+    assert feed_forms(controlled) == forms
+    assert forms.count("\f") == sum(line.startswith("1") for line in controlled.split("\n")) > 3
+
+
+def test_heights_above_the_stated_maximum_are_only_noted(run, thesis, tmp_path):
+    done = run(thesis)
+    assert done.returncode == 0
+    (note,) = done.stderr.splitlines()
+    assert "note" in note and "8 lower asperities" in note and "0.0732" in note
+    cards = thesis.read_text().splitlines()
+    cards[2] = cards[2].replace("0.070", "0.074", 1)
+    (tmp_path / "high.deck").write_text("\n".join(cards) + "\n")
+    done = run("high.deck")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_reports_need_no_file(asperity, thesis, plain):
+    done = subprocess.run(f'cat "{thesis}" | exec "{asperity}" /dev/stdin', shell=True, text=True,
+                          capture_output=True, timeout=20)
+    assert (done.returncode, done.stdout) == (0, plain)
+
+
+WORDS = pytest.mark.parametrize("words", [["DECK"], ["--help"], ["--version"], []],
+                                ids=lambda words: "_".join(words) or "nothing")
+
+
+@WORDS
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
+def test_full_standard_output(words, run, thesis):
+    with open("/dev/full", "w") as full:
+        done = run(*[thesis if word == "DECK" else word for word in words], stdout=full)
+    assert done.returncode == 1
+    assert "standard output: cannot be written: " in done.stderr
+
+
+@WORDS
+def test_closed_standard_output(words, asperity, thesis):
+    done = subprocess.run(['exec "$0" "$@" >&-', asperity,
+                           *[thesis if word == "DECK" else word for word in words]],
+                          shell=True, stderr=subprocess.PIPE, text=True, timeout=20)
+    assert done.returncode == 1
+    assert "standard output: cannot be written: " in done.stderr
+
+
+OPTION = pytest.mark.parametrize("option", ("--contacts", "--positions"))
+
+
+@OPTION
+@pytest.mark.parametrize("place", ("missing/out.csv", "folder", "own.deck/out.csv"))
+def test_csv_that_cannot_be_written(option, place, run, thesis, tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "own.deck").write_bytes(thesis.read_bytes())
+    done = run("own.deck", option, place)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert f"{place}: cannot be written: " in done.stderr
+    assert sorted(os.listdir(tmp_path)) == ["folder", "own.deck"]
+    assert not os.listdir(tmp_path / "folder")
+
+
+@OPTION
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_csv_in_a_folder_without_permission(option, run, thesis, tmp_path):
+    folder = tmp_path / "closed"
+    folder.mkdir(mode=0o555)
+    done = run(thesis, option, "closed/out.csv")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "denied" in done.stderr and not os.listdir(folder)
+
+
+def small_files_only():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+
+@OPTION
+def test_csv_is_never_half_there(option, run, thesis, tmp_path):
+    """The system ends the program at the 4097th byte of a file; the name keeps what it had.
+
+    Not tried with a full device: a faulty build, run by root, would put a file in its place.
+    """
+    (tmp_path / "out.csv").write_text("from another run")
+    done = run(thesis, option, "out.csv", preexec_fn=small_files_only)
+    assert done.returncode != 0 and done.stdout == ""
+    assert (tmp_path / "out.csv").read_text() == "from another run"
+
+
+@OPTION
+def test_csv_replaces_a_file_whole(option, run, thesis, tmp_path):
+    run(thesis, option, "fresh.csv")
+    (tmp_path / "old.csv").write_text("x" * 2_000_000)
+    (tmp_path / "link.csv").symlink_to("old.csv")
+    assert run(thesis, option, "link.csv").returncode == 0
+    assert (tmp_path / "link.csv").is_symlink()
+    assert (tmp_path / "old.csv").read_bytes() == (tmp_path / "fresh.csv").read_bytes()
+    assert sorted(os.listdir(tmp_path)) == ["fresh.csv", "link.csv", "old.csv"]
+
+
+@OPTION
+def test_csv_into_a_pipe(option, run, thesis, tmp_path):
+    """A pipe, like a device, is written; a file must not take its place."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    got = []
+    reader = threading.Thread(target=lambda: got.append(pipe.read_bytes()), daemon=True)
+    reader.start()
+    assert run(thesis, option, "pipe").returncode == 0
+    assert stat.S_ISFIFO(os.stat(pipe).st_mode)
+    reader.join(10)
+    run(thesis, option, "fresh.csv")
+    assert got == [(tmp_path / "fresh.csv").read_bytes()]
+
+
+@pytest.mark.parametrize("upper, lower, pages", [(38, 39, (1, 2)), (39, 77, (2, 2)),
+                                                 (1, 78, (1, 3)), (77, 1, (2, 1))])
+def test_pages_of_table_iii(upper, lower, pages, run, tmp_path):
+    """38 asperities on the first page, 39 on each further one, and no page without any."""
+    # Wide enough for the first pair to touch at every position; the others are far below it.
+    wide = {"radius": 9.0, "height_max": 0.9}
+    models = [{**model([(4.0, 1.5, 0.8)] + [(4.0, 1.5, 0.1)] * (number - 1)), **wide}
+              for number in (upper, lower)]
+    write_deck(tmp_path / "many.deck", *models)
+    done = run("many.deck", "--tables", "none", "--arithmetic", "real64")
+    assert done.returncode == 0, done.stderr
+    for table, number, count in (("IIIA", upper, pages[0]), ("IIIB", lower, pages[1])):
+        assert len(re.findall(rf"TABLE {table}\b", done.stdout)) == count
+        rows = Report(done.stdout).asperities("TABLE " + table)
+        assert [row["index"] for row in rows] == [str(i + 1) for i in range(number)]
+
+
+def model(asperities):
+    return {"radius": 0.5, "height_max": 0.07, "modulus": 400000.0, "ratio": 0.42,
+            "stress": 11200.0, "asperities": asperities}
+
+
+@pytest.mark.parametrize("position, x", [(1, 3.0), (10, 0.0)])
+@pytest.mark.parametrize("arithmetic", ("ibm370", "real64"))
+def test_no_candidate_pair_stops_the_run(position, x, arithmetic, run, tmp_path):
+    """Pairs count within 2 sqrt(0.5 * 0.07) in = 0.950 cm; a position moves by 0.1 cm."""
+    write_deck(tmp_path / "apart.deck", model([(x, 1.0, 0.06)]), model([(0.0, 2.455, 0.06)]))
+    done = run("apart.deck", "--arithmetic", arithmetic, "--contacts", "c.csv", "--positions",
+               "p.csv")
+    assert (done.returncode, done.stdout) == (1, "")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"apart.deck: position {position}: no pair of asperities")
+    assert os.listdir(tmp_path) == ["apart.deck"]

@@ -1,0 +1,316 @@
+!> Tests of the card fields: FORTRAN IV's rules for F and I fields, column by column.
+!>
+!> Expected values are worked out by hand from the rules: blanks are zeros, a missing point is
+!> implied, an exponent has a letter or only its sign. A number is given as digits and a power of
+!> ten, so nothing is rounded here.
+module asperity_test_cards
+  use asperity_card_deck, only: card_deck, parse_card_deck
+  use asperity_card_fields, only: read_f_field, read_i_field
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_kinds, only: int64, real64
+  use asperity_problems, only: problem_list
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_cards
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_cards(suite)
+    !> all tests of this module
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    suite = [ &
+            new_unittest('F field, implied point', test_implied_point), &
+            new_unittest('F field, blanks are zeros', test_blanks), &
+            new_unittest('F field, a point of its own', test_explicit_point), &
+            new_unittest('F field, signs', test_signs), &
+            new_unittest('F field, exponents', test_exponents), &
+            new_unittest('F field, exponents out of range', test_extreme_exponents), &
+            new_unittest('F field, column of what is wrong', test_bad_f), &
+            new_unittest('I field', test_i), &
+            new_unittest('I field, column of what is wrong', test_bad_i), &
+            new_unittest('deck, all fields land where they belong', test_deck), &
+            new_unittest('deck, no line end behind the last card', test_no_line_end) &
+            ]
+  end subroutine collect_cards
+
+  subroutine test_implied_point(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check_f(error, '  500', 3, 500_int64, -3)
+    call check_f(error, '    1', 3, 1_int64, -3)
+    call check_f(error, '12345', 3, 12345_int64, -3)
+    call check_f(error, '12345', 0, 12345_int64, 0)
+    call check_f(error, '   34550', 4, 34550_int64, -4)
+    call check_f(error, '0000000001', 0, 1_int64, 0)
+    call check_f(error, '9999999999', 3, 9999999999_int64, -3)
+  end subroutine test_implied_point
+
+  subroutine test_blanks(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check_f(error, '5    ', 3, 50000_int64, -3)
+    call check_f(error, ' 5 1 ', 3, 5010_int64, -3)
+    call check_f(error, '1.5  ', 3, 15000_int64, -4)
+    call check_f(error, '1. 5 ', 3, 1050_int64, -3)
+    call check_f(error, '- 5', 1, -5_int64, -1)
+    call check_f(error, '     ', 3, 0_int64, 0)
+    call check_f(error, ' 0   ', 3, 0_int64, 0)
+  end subroutine test_blanks
+
+  subroutine test_explicit_point(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check_f(error, '0.500', 3, 500_int64, -3)
+    call check_f(error, '0.500', 1, 500_int64, -3)
+    call check_f(error, '   .5', 3, 5_int64, -1)
+    call check_f(error, '   5.', 3, 5_int64, 0)
+    call check_f(error, '  400000.', 0, 400000_int64, 0)
+    call check_f(error, ' .0001', 3, 1_int64, -4)
+  end subroutine test_explicit_point
+
+  subroutine test_signs(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check_f(error, ' -500', 3, -500_int64, -3)
+    call check_f(error, ' +500', 3, 500_int64, -3)
+    call check_f(error, '-.5', 3, -5_int64, -1)
+    call check_f(error, '-0.02', 3, -2_int64, -2)
+    call check_f(error, '   -0', 3, 0_int64, -3)
+  end subroutine test_signs
+
+  subroutine test_exponents(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check_f(error, ' 4.E5', 0, 4_int64, 5)
+    call check_f(error, ' 4.D5', 0, 4_int64, 5)
+    call check_f(error, ' 4.e5', 0, 4_int64, 5)
+    call check_f(error, ' 4.d5', 0, 4_int64, 5)
+    call check_f(error, '4.E+5', 0, 4_int64, 5)
+    call check_f(error, '5.E-1', 3, 5_int64, -1)
+    call check_f(error, ' 4.+5', 0, 4_int64, 5)
+    call check_f(error, '  5-1', 0, 5_int64, -1)
+    call check_f(error, '-5.-1', 0, -5_int64, -1)
+    call check_f(error, '4.E 5', 0, 4_int64, 5)
+    ! The implied point stands before the exponent applies.
+    call check_f(error, '500E1', 3, 500_int64, -2)
+    ! Blanks behind an exponent are zeros as well.
+    call check_f(error, '1.E1 ', 3, 1_int64, 10)
+  end subroutine test_exponents
+
+  subroutine test_extreme_exponents(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(decimal_value) :: value
+    integer :: bad_at
+
+    call read_f_field('1.E999', 3, value, bad_at)
+    call check(error, bad_at, 0, '1.E999 is a number')
+    call check(error, decimal_to_real64(value) > huge(1.0_real64), '1.E999 is beyond every double')
+    call read_f_field('-1.E99999', 3, value, bad_at)
+    call check(error, bad_at, 0, '-1.E99999 is a number')
+    call check(error, decimal_to_real64(value) < -huge(1.0_real64), '-1.E99999 is beyond doubles')
+    call read_f_field('1.E-999', 3, value, bad_at)
+    call check(error, decimal_to_real64(value), 0.0_real64, 0.0_real64, '1.E-999 vanishes')
+    call read_f_field('0.E999', 3, value, bad_at)
+    call check(error, decimal_to_real64(value), 0.0_real64, 0.0_real64, '0.E999 is zero')
+    call read_f_field('1.E308', 3, value, bad_at)
+    call check(error, decimal_to_real64(value), 1.0e308_real64, 0.0_real64, '1.E308 is a double')
+  end subroutine test_extreme_exponents
+
+  subroutine test_bad_f(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check_bad_f(error, '0.5X0', 4)
+    call check_bad_f(error, 'X0.50', 1)
+    call check_bad_f(error, '  X  ', 3)
+    call check_bad_f(error, '0..50', 3)
+    call check_bad_f(error, '0.5.0', 4)
+    call check_bad_f(error, '1,500', 2)
+    call check_bad_f(error, '--500', 2)
+    call check_bad_f(error, '+ -50', 3)
+    call check_bad_f(error, '   E5', 4)
+    call check_bad_f(error, '  .E5', 4)
+    call check_bad_f(error, '1.EE5', 4)
+    call check_bad_f(error, '1.+E5', 4)
+    call check_bad_f(error, '1E+-5', 4)
+    call check_bad_f(error, '1E5+3', 4)
+    call check_bad_f(error, '1.E5.', 5)
+    call check_bad_f(error, ' 1E5.', 5)
+    call check_bad_f(error, ' 1.5E', 5)
+    call check_bad_f(error, '  1.-', 5)
+    call check_bad_f(error, '    -', 5)
+    call check_bad_f(error, '  .  ', 3)
+    call check_bad_f(error, '  NaN', 3)
+    call check_bad_f(error, '  Inf', 3)
+    call check_bad_f(error, '0x1.5', 2)
+    call check_bad_f(error, '0.5'//achar(9)//' ', 4)
+  end subroutine test_bad_f
+
+  subroutine test_i(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check_i(error, '   37', 37)
+    call check_i(error, '37   ', 37000)
+    call check_i(error, ' 3 7 ', 3070)
+    call check_i(error, '  -37', -37)
+    call check_i(error, '- 37 ', -370)
+    call check_i(error, '  +37', 37)
+    call check_i(error, '99999', 99999)
+    call check_i(error, '00007', 7)
+    call check_i(error, '     ', 0)
+    call check_i(error, '2147483647', 2147483647)
+  end subroutine test_i
+
+  subroutine test_bad_i(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call check_bad_i(error, '  37.', 5)
+    call check_bad_i(error, '   3A', 5)
+    call check_bad_i(error, '  A37', 3)
+    call check_bad_i(error, ' 3E01', 3)
+    call check_bad_i(error, '   3-', 5)
+    call check_bad_i(error, '  --3', 4)
+    call check_bad_i(error, '    -', 5)
+    call check_bad_i(error, ' .5  ', 2)
+    call check_bad_i(error, '2147483648', 1)
+  end subroutine test_bad_i
+
+  subroutine test_deck(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(card_deck) :: deck
+    type(problem_list) :: problems
+
+    call parse_card_deck('small', small_deck(new_line('a')), deck, problems)
+    call check(error, problems%text(), '', 'problems')
+    call check(error, deck%word_no, 'NO  ', 'word for no')
+    call check(error, deck%word_yes, 'YES ', 'word for yes')
+    call check(error, deck%upper%number, 1, 'NU')
+    call check(error, deck%lower%number, 2, 'NL')
+    call check_number(error, deck%upper%radius, 500_int64, -3, 'RU')
+    call check_number(error, deck%upper%height_max, 71_int64, -3, 'ZUMAX')
+    call check_number(error, deck%upper%elastic_modulus, 400000_int64, 0, 'EU')
+    call check_number(error, deck%upper%poisson_ratio, 420_int64, -3, 'MUU')
+    call check_number(error, deck%upper%stress_max, 11200_int64, 0, 'ELIMTU')
+    call check_number(error, deck%lower%radius, 600_int64, -3, 'RL')
+    call check_number(error, deck%lower%height_max, 72_int64, -3, 'ZLMAX')
+    call check_number(error, deck%lower%elastic_modulus, 500000_int64, 0, 'EL')
+    call check_number(error, deck%lower%poisson_ratio, 430_int64, -3, 'MUL')
+    call check_number(error, deck%lower%stress_max, 11300_int64, 0, 'ELIMTL')
+    call check_number(error, deck%lower_width, 34550_int64, -4, 'WIDTHL')
+    call check_number(error, deck%upper%angle, 100_int64, -4, 'THETAU')
+    call check_number(error, deck%lower%angle, -200_int64, -4, 'THETAL')
+    call check_number(error, deck%x_displacement, 1500_int64, -3, 'XDISPL')
+    call check_number(error, deck%y_displacement, -2500_int64, -3, 'YDISPL')
+    call check(error, size(deck%upper%x), 1, 'upper cards')
+    call check(error, size(deck%lower%x), 2, 'lower cards')
+    if (allocated(error)) return
+    call check_number(error, deck%upper%x(1), 3228_int64, -3, 'upper x')
+    call check_number(error, deck%upper%y(1), 977_int64, -3, 'upper y')
+    call check_number(error, deck%upper%z(1), 654_int64, -4, 'upper height')
+    call check_number(error, deck%lower%x(2), 4000_int64, -3, 'lower x')
+    call check_number(error, deck%lower%y(2), 2586_int64, -3, 'lower y')
+    call check_number(error, deck%lower%z(2), 719_int64, -4, 'lower height')
+  end subroutine test_deck
+
+  subroutine test_no_line_end(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(card_deck) :: deck
+    type(problem_list) :: problems
+
+    call parse_card_deck('small', small_deck(''), deck, problems)
+    call check(error, problems%text(), '', 'problems')
+    call check(error, size(deck%lower%z), 2, 'lower cards')
+    if (allocated(error)) return
+    call check_number(error, deck%lower%z(2), 719_int64, -4, 'height on the last card')
+  end subroutine test_no_line_end
+
+  !> A deck of one and two asperities in which no two numbers are the same.
+  function small_deck(ending) result(text)
+    !> what follows the last card
+    character(*), intent(in) :: ending
+    character(:), allocatable :: text
+    character(1), parameter :: feed = new_line('a')
+
+    text = 'NO  YES '//feed// &
+           '    10.5000.071   400000.0.420    11200.'//feed// &
+           '    20.6000.072   500000.0.430    11300.  34550'//feed// &
+           '  0.0100 -0.0200  1.500 -2.500'//feed// &
+           ' 3.228 0.977 0.0654'//feed// &
+           ' 5.844 0.845 0.0659'//feed// &
+           ' 4.000 2.586 0.0719'//ending
+  end function small_deck
+
+  subroutine check_f(error, field, decimals, digits, exponent)
+    type(error_type), allocatable, intent(inout) :: error
+    character(*), intent(in) :: field
+    integer, intent(in) :: decimals
+    integer(int64), intent(in) :: digits
+    integer, intent(in) :: exponent
+    type(decimal_value) :: value
+    integer :: bad_at
+
+    call read_f_field(field, decimals, value, bad_at)
+    call check(error, bad_at, 0, 'wrong column of "'//field//'"')
+    call check_number(error, value, digits, exponent, '"'//field//'"')
+  end subroutine check_f
+
+  !> Equal as numbers: digits and exponent may be split in another way.
+  subroutine check_number(error, value, digits, exponent, name)
+    type(error_type), allocatable, intent(inout) :: error
+    type(decimal_value), intent(in) :: value
+    integer(int64), intent(in) :: digits
+    integer, intent(in) :: exponent
+    character(*), intent(in) :: name
+    integer(int64) :: found, expected
+    integer :: least
+
+    if (digits == 0_int64) then
+      call check(error, value%digits, 0_int64, name//', zero')
+      return
+    end if
+    least = min(value%exponent, exponent)
+    if (max(value%exponent, exponent) - least > 5) then
+      call check(error, value%exponent, exponent, name//', power of ten')
+      return
+    end if
+    found = value%digits*10_int64**(value%exponent - least)
+    expected = digits*10_int64**(exponent - least)
+    call check(error, found, expected, name)
+  end subroutine check_number
+
+  subroutine check_bad_f(error, field, column)
+    type(error_type), allocatable, intent(inout) :: error
+    character(*), intent(in) :: field
+    integer, intent(in) :: column
+    type(decimal_value) :: value
+    integer :: bad_at
+
+    call read_f_field(field, 3, value, bad_at)
+    call check(error, bad_at, column, 'wrong column of "'//field//'"')
+  end subroutine check_bad_f
+
+  subroutine check_i(error, field, expected)
+    type(error_type), allocatable, intent(inout) :: error
+    character(*), intent(in) :: field
+    integer, intent(in) :: expected
+    integer :: value, bad_at
+
+    call read_i_field(field, value, bad_at)
+    call check(error, bad_at, 0, 'wrong column of "'//field//'"')
+    call check(error, value, expected, '"'//field//'"')
+  end subroutine check_i
+
+  subroutine check_bad_i(error, field, column)
+    type(error_type), allocatable, intent(inout) :: error
+    character(*), intent(in) :: field
+    integer, intent(in) :: column
+    integer :: value, bad_at
+
+    call read_i_field(field, value, bad_at)
+    call check(error, bad_at, column, 'wrong column of "'//field//'"')
+  end subroutine check_bad_i
+
+end module asperity_test_cards
