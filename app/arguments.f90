@@ -40,7 +40,7 @@ contains
     do while (i < command_argument_count())
       i = i + 1
       word = argument(i)
-      if (len(word) == 0) then
+      if (len_trim(word) == 0) then
         call problems%add('the name of the ' // operand // ' is empty')
       else if (len(word) == 1 .or. index(word, '-') /= 1) then
         if (list%operand == '') then
@@ -73,7 +73,8 @@ contains
           end if
           i = i + 1
         end if
-        if (any(name == valued) .and. len(value) == 0) then
+        ! A blank name would pass for none later on.
+        if (any(name == valued) .and. len_trim(value) == 0) then
           call problems%add('option ' // name // ' has an empty value')
           cycle
         end if

@@ -27,10 +27,14 @@ module asperity_output_files
 
   ! What is staged. The names end with a null character: a signal's procedure may not build texts.
   integer, parameter :: most_files = 8, longest_path = 4400
-  character(kind=c_char), save :: parts(longest_path, most_files) = c_null_char
-  character(len=longest_path), save :: places(most_files) = '', named(most_files) = ''
-  integer, volatile, save :: staged = 0
-  logical, volatile, save :: committing = .false.
+  character(kind=c_char) :: parts(longest_path, most_files) = c_null_char
+  ! A name may end with blanks: lengths count.
+  type :: known_name
+    character(len=:), allocatable :: place, path
+  end type known_name
+  type(known_name) :: names(most_files)
+  integer, volatile :: staged = 0
+  logical, volatile :: committing = .false.
 
 contains
 
@@ -86,11 +90,11 @@ contains
 
     committing = .true.
     do i = 1, staged
-      status = posix_rename(parts(:, i), trim(places(i)) // c_null_char)
+      status = posix_rename(parts(:, i), names(i)%place // c_null_char)
       if (status == 0) then
         parts(1, i) = c_null_char
       else
-        failure = trim(named(i)) // ': cannot be written: ' // system_reason()
+        failure = names(i)%path // ': cannot be written: ' // system_reason()
         exit
       end if
     end do
@@ -162,8 +166,7 @@ contains
     integer(c_int) :: descriptor, status
     integer :: i
 
-    places(staged + 1) = place
-    named(staged + 1) = path
+    names(staged + 1) = known_name(place, path)
     do i = 1, len(part)
       parts(i, staged + 1) = part(i:i)
     end do

@@ -172,8 +172,8 @@ def materials():
                    *pair, limit(value), digits=500, refused=refused(TOO_SMALL, SHORT))
     for power, digits, none in ((90, 500, SHORT), (150, 700, (*SHORT, "real64"))):
         yield Case(f"limit_pressure_1e-{power}",
-                   f"A limit pressure of 1e-{power}: reached at first touch, at an overlap of about "
-                   f"1e-{2 * power + 10}.", *pair, limit(float(f"1e-{power}"), "pressure"),
+                   f"A limit pressure of 1e-{power}: reached at first touch, at an overlap of "
+                   f"about 1e-{2 * power + 10}.", *pair, limit(float(f"1e-{power}"), "pressure"),
                    digits=digits, refused=refused(TOO_SMALL, none))
     yield Case("limit_never", "No pair can reach this limit before its centres are level.",
                *pair, limit(1.0e9), refused=refused("no pair of asperities reaches the limit"))

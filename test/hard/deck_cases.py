@@ -9,8 +9,8 @@ present-day solver says, if it cannot solve.
 from dataclasses import dataclass
 
 RESTATED = "The marching algorithm restated with 60 digits; the solver by geometry and Hertz."
-NO_NUMBER = ("Stops as the original's text says where its numbers lost their meaning; the solver by "
-             "geometry and Hertz.")
+NO_NUMBER = ("The port stops where, by the original's text, its numbers lose their meaning; the "
+             "solver by geometry and Hertz.")
 FAULT_5 = "read past its end (fault 5)"
 FAULT_6 = "ran on with separations of 100 and read past its arrays (fault 6)"
 FAULT_7 = "further apart than RU + RL: root of a negative number (fault 7)"
@@ -36,6 +36,11 @@ def model(asperities, radius, height_max=None, modulus=400000.0, ratio=0.42):
             "stress": 11200.0, "asperities": asperities}
 
 
+def row(count, first, step):
+    """Asperities one step apart, as cards hold them."""
+    return [tuple(round(f + i * s, 4) for f, s in zip(first, step)) for i in range(count)]
+
+
 def deck(upper, lower, **other):
     return {"upper": upper, "lower": lower, **other}
 
@@ -59,13 +64,12 @@ def decks():
                    note="all places of the list of least separations are in contact")
     yield DeckCase("deck_list_full", "12 and 12 soft asperities, all 144 pairs near: more contacts "
                    "than the list of NU least separations holds.",
-                   deck(model([(round(2.0 + 0.01 * i, 3), 1.9, round(0.8 - 0.0001 * i, 4)) for i in range(12)], 9.0,
-                              modulus=9000.0),
-                        model([(4.0, round(1.5 + 0.01 * i, 3), round(0.75 - 0.0001 * i, 4)) for i in range(12)], 9.5)),
+                   deck(model(row(12, (2.0, 1.9, 0.8), (0.01, 0.0, -0.0001)), 9.0, modulus=9000.0),
+                        model(row(12, (4.0, 1.5, 0.75), (0.0, 0.01, -0.0001)), 9.5)),
                    note="any further contact is lost (fault 5)")
     yield DeckCase("deck_past_37", "40 soft asperities over one, all in contact before the limit: "
                    "the original read SEPMIN past its end.",
-                   deck(model([(2.0, 1.9, round(0.8 - 0.0001 * (i % 8), 4)) for i in range(40)], 9.0,
+                   deck(model(row(8, (2.0, 1.9, 0.8), (0.0, 0.0, -0.0001)) * 5, 9.0,
                               modulus=900.0), below),
                    truth=NO_NUMBER, historic=FAULT_5)
     yield DeckCase("deck_25_approaches", "So soft that 25 approaches of 0.001 cm end far below the "

@@ -1,4 +1,4 @@
-"""Mutated decks, scenes, CSV files and command lines: whatever comes in, the program keeps its word.
+"""Mutated decks, scenes, CSV files and command lines: the program keeps its word on all of them.
 
 Every run must end within a second of processor time with status 0, 1 or 2. With 1 or 2 it says
 why in printable lines and leaves no file behind; with 0 its files are whole and hold finite
@@ -59,7 +59,19 @@ def short_deck(upper, lower):
     return b"\n".join(head + lines[4:4 + upper] + lines[41:41 + lower]) + b"\n"
 
 
-DECKS = [short_deck(3, 4), short_deck(8, 12), (ROOT / "data/examples/shifted.deck").read_bytes()]
+def row_deck():
+    """Three asperities that travel along a row of twenty: contact at all positions."""
+    upper = [(1.0, 1.0, 0.06), (1.5, 1.02, 0.055), (2.1, 0.97, 0.0625)]
+    lower = [(0.9 + 0.3 * i, 2.455 + 0.01 * (i % 3), 0.05 + 0.002 * (i % 7)) for i in range(20)]
+    lines = thesis_lines()[:4]
+    lines[1] = b"%5d" % len(upper) + lines[1][5:]
+    lines[2] = b"%5d" % len(lower) + lines[2][5:]
+    lines += [b"%6.3f%6.3f%7.4f" % place for place in upper + lower]
+    return b"\n".join(lines) + b"\n"
+
+
+DECKS = [row_deck(), row_deck(), short_deck(8, 12),
+         (ROOT / "data/examples/shifted.deck").read_bytes()]
 BIG_DECK = (ROOT / "data/thesis.deck").read_bytes()
 SURFACES = [(ROOT / "data/examples" / name).read_bytes()
             for name in ("upper.csv", "lower.csv", "ball.csv", "bump.csv")]
@@ -383,7 +395,8 @@ CRASH = re.compile(rb"Error termination|Fortran runtime|Backtrace|Segmentation|A
 NOT_FINITE = re.compile(rb"(?i)(?<![a-z])(?:[-+]?nan|[-+]?inf(?:inity)?)(?![a-z])")
 
 
-DIRECTIONS = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\ufeff"
+DIRECTIONS = ("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e"
+              "\u2066\u2067\u2068\u2069\ufeff")
 
 
 def odd_text(data):
