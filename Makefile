@@ -1,7 +1,7 @@
 # Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help report test lint strict archive docs bench figures setup clean
+.PHONY: help report test trouble lint strict archive docs bench figures fuzz setup clean
 
 DECK ?= data/thesis.deck
 
@@ -15,6 +15,10 @@ report: ## print the report of the original program (DECK=other.deck for another
 test: ## unit tests in the strict build, then the harness against the thesis
 	@bash .ci/setup build test
 	@bash .ci/test
+
+trouble: ## all tests again in builds that look for trouble, and a second compiler
+	@bash .ci/setup build test trouble
+	@bash .ci/trouble $(BUILD)
 
 lint: ## check the style of the sources
 	@bash .ci/setup lint
@@ -40,6 +44,11 @@ bench: ## time, memory and what accuracy costs in time (SAVE=1 keeps the result)
 figures: ## draw the pictures in docs/figures anew
 	@bash .ci/setup build figures
 	@bash .ci/figures
+
+fuzz: ## random decks, scenes and command lines (MINUTES=10); faults are kept in build/fuzz
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/fuzz.py --exe "$$exe" \
+	  --minutes $(or $(MINUTES),10) --keep build/fuzz
 
 setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint
