@@ -7,8 +7,9 @@ module asperity_input_problems
   public :: input_problems, add_lines, binary_byte, lower_case, quoted, text_start, &
             most_problems
 
-  !> So many problems of a file are written out; the rest is counted.
-  integer, parameter :: most_problems = 50
+  !> So many problems of a file are written out, the rest is counted: enough for any file that a
+  !> person wrote, and no flood from one that is not of this kind at all.
+  integer, parameter :: most_problems = 5000
 
   ! A longer piece of the file is not repeated in a message.
   integer, parameter :: most_repeated = 40

@@ -227,9 +227,14 @@ def motions():
                {**step, **limit(1.0)}, coordinates=True)
     yield Case("none_at_all", "No candidate at any position.", one, [(0.0, 3.0, 0.125, 1.0)],
                {**step, **limit(1.0)}, truth=NOTHING)
-    yield Case("none_under_load", "No candidate at the third position, and a load to bear: no "
-               "closing can bring it.", one, spots, {**step, **load(1.0)},
-               refused=refused("position 3: " + NO_PAIR))
+    yield Case("far_under_load", "At the third position all pairs are beyond the candidate "
+               "distance, but a load must be borne: the planes pass through each other.", one, spots,
+               {**step, **load(1.0)}, coordinates=True)
+    yield Case("none_under_load", "At the second position no spheres are less than RU + RL apart "
+               "in plan: no closing can bring a load.", one,
+               [(0.0, 0.0, 0.125, 1.0), (9.0, 0.0, 0.125, 1.0)],
+               {"motion": {"x_step": 3.0, "positions": 4}, **load(1.0)},
+               refused=refused("position 2: " + NO_PAIR))
     yield Case("wraps", "The surface comes from far, slides over whole lattice pitches and is "
                "gone: from none to contact and to none.", grid(1, 3, 4.0, 0.125, 1.0),
                grid(1, 3, 4.0, 0.125, 1.0, (0.25, 0.0)),

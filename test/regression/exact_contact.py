@@ -207,7 +207,10 @@ class Truth:
         if self.scene.control == "limit" and self.tallest > 0:
             # Caps end at their reference plane: a position without a pair near enough to touch
             # before a summit reaches the other plane (Appendix 5 of the thesis) has no contact.
-            if not np.any(maybe & (d2 < 2 * s * float(self.tallest) + margin)):
+            reach = 2 * s * float(self.tallest)
+            if not np.any(maybe & (d2 < reach - margin)) and not any(
+                    self.is_near(j, k, shift)
+                    for j, k in np.argwhere(maybe & (d2 < reach + margin))):
                 return []
         # Pairs that graze the sum of radii only touch when far beyond any load of interest, but
         # they are pairs: the margin keeps them out of reach of rounding.
@@ -221,6 +224,11 @@ class Truth:
             if pair.plan < pair.sum:
                 pairs.append(pair)
         return pairs
+
+    def is_near(self, j, k, shift):
+        """Whether a pair can touch before a summit reaches the other plane."""
+        pair = Pair((), self.upper[j], self.lower[k], shift, self.modulus)
+        return pair.plan ** 2 < 2 * pair.sum * self.tallest and pair.plan < pair.sum
 
     def end_in_doubles(self, maybe, touch, s, d2, k, radius):
         """About the approach at the end."""

@@ -611,13 +611,13 @@ contains
     character(len=*), parameter :: csv_end = 's.csv: and 150 more problems' // new_line('a')
     character(len=*), parameter :: scene_end = place // ': and 10 more problems' // new_line('a')
 
-    call parse_surface_csv('s.csv', lines('x,y,height|' // repeat('a,1,1|', 200)), table, problems)
+    call parse_surface_csv('s.csv', lines('x,y,height|' // repeat('a,1,1|', 5150)), table, problems)
     text = problems%text()
-    call check(error, problems%count(), 51, 'lines of problems')
+    call check(error, problems%count(), 5001, 'lines of problems')
     call check(error, index(text, csv_end) == len(text) - len(csv_end) + 1, 'the last line')
-    call parse_scene(place, deck // '&tilt ' // repeat('a=1,', 60) // '/', found, problems)
+    call parse_scene(place, deck // '&tilt ' // repeat('a=1,', 5010) // '/', found, problems)
     text = problems%text()
-    call check(error, problems%count(), 51, 'lines of problems of a scene')
+    call check(error, problems%count(), 5001, 'lines of problems of a scene')
     call check(error, index(text, scene_end) == len(text) - len(scene_end) + 1, 'the scene''s last')
   end subroutine test_many_problems
 
