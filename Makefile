@@ -1,12 +1,12 @@
 # Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help report test trouble lint strict archive docs bench figures fuzz setup clean
+.PHONY: hard-table help report test trouble lint strict archive docs bench figures fuzz setup clean
 
 DECK ?= data/thesis.deck
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
 
 report: ## print the report of the original program (DECK=other.deck for another deck)
 	@bash .ci/setup build
@@ -56,3 +56,7 @@ setup: ## set up everything for building and testing
 clean: ## remove what was built (.venv stays)
 	rm -rf build docs/api .pytest_cache .hypothesis
 	find test -name __pycache__ -type d -prune -exec rm -rf {} +
+
+hard-table: ## make the table of docs/hard-cases.md anew
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/make_table.py "$$exe"

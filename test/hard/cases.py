@@ -83,13 +83,17 @@ def grazing():
                 f"the last place in {who}.",
                 [(0.5 + sign * 2.0 ** -bits, 0.0, 0.0625, 1.25)], [(0.0, 0.0, 0.0625, 0.75)],
                 limit(1.0))
+        pair = [(2.0 - 2.0 ** -bits, 0.0, 1.0, 1.25)], [(0.0, 0.0, 1.0, 0.75)]
+        small = 6.0e4 * 2.0 ** (-1.5 * (bits + 2))
         yield Case(
-            f"sideways_inside_{bits}",
+            f"sideways_load_{bits}",
             f"The plan distance is 2**-{bits} less than RU + RL: the slope at first touch is about "
-            f"2**{bits // 2}, and a quarter of that distance is all the overlap there is.",
-            [(2.0 - 2.0 ** -bits, 0.0, 1.0, 1.25)], [(0.0, 0.0, 1.0, 0.75)],
-            load(6.0e4 * 2.0 ** (-1.5 * (bits + 2))),
-            refused=refused(NO_PAIR, ("real32",)) if bits > 23 else {})
+            f"2**{bits // 2}, and that distance is all the overlap there can be.", *pair,
+            load(small), refused=refused(NO_PAIR, ("real32",)) if bits > 23 else {})
+        yield Case(
+            f"sideways_limit_{bits}",
+            "The same pair closed to a limit: RU + RL less the overlap at the limit rounds by as "
+            "much as it exceeds the plan distance.", *pair, limit(2 * small))
         yield Case(
             f"sideways_outside_{bits}",
             f"The plan distance is RU + RL or 2**-{bits} more: the spheres pass without touching.",
@@ -228,8 +232,8 @@ def motions():
     yield Case("none_at_all", "No candidate at any position.", one, [(0.0, 3.0, 0.125, 1.0)],
                {**step, **limit(1.0)}, truth=NOTHING)
     yield Case("far_under_load", "At the third position all pairs are beyond the candidate "
-               "distance, but a load must be borne: the planes pass through each other.", one, spots,
-               {**step, **load(1.0)}, coordinates=True)
+               "distance, but a load must be borne: the planes pass through each other.",
+               one, spots, {**step, **load(1.0)}, coordinates=True)
     yield Case("none_under_load", "At the second position no spheres are less than RU + RL apart "
                "in plan: no closing can bring a load.", one,
                [(0.0, 0.0, 0.125, 1.0), (9.0, 0.0, 0.125, 1.0)],
