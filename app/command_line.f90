@@ -254,8 +254,8 @@ contains
       if (status == 0) then
         printed(position) = .true.
       else
-        call problems%add('--tables: found ' // quoted(list(first:last)) // ' in ' // quoted(list) // &
-                          ', expected none, all, or positions from 1 to ' // &
+        call problems%add('--tables: found ' // quoted(list(first:last)) // ' in ' // &
+                          quoted(list) // ', expected none, all, or positions from 1 to ' // &
                           decimal_text(size(printed)) // ' separated by commas')
       end if
       first = last + 2

@@ -76,7 +76,7 @@ contains
     call text%line('  --positions FILE    write the last state of every position as CSV')
     call text%line('  --curve FILE        write the totals of every state as CSV')
     call text%line('  --arithmetic NAME   real64 (default), real32, real128 or ibm370')
-    call text%line('  --accuracy ERROR    take the cheapest way with this relative error, such as 1e-3')
+    call text%line('  --accuracy ERROR    take the cheapest way with this relative error, as 1e-3')
     call text%line('  --budget            print the error of every total, by source')
     call text%line('  --threads N         threads to use; this version uses one')
     call text%line('  --quiet             print no summary')
