@@ -305,6 +305,19 @@ def test_huge_input(run, tmp_path):
 
 # ---------------------------------------------------------------- interruptions
 
+@pytest.fixture(scope="module", autouse=True)
+def signals_not_ignored():
+    """A background job is started with signals ignored, and hands that on: not to these runs."""
+    before = {number: signal.getsignal(number)
+              for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)}
+    for number in before:
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT
+                      else signal.SIG_DFL)
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
 @pytest.mark.parametrize("command", [[], ["solve"]])
 def test_interrupted_while_writing(waiting, tmp_path, command, number):
