@@ -3,10 +3,11 @@ module asperity_run_accuracy
   use asperity_accuracy_study, only: accuracy_row, run_accuracy_study
   use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
   use asperity_card_deck, only: card_deck
+  use asperity_complaints, only: complained
   use asperity_command_line, only: command_line, refuse_input
-  use asperity_files, only: write_message, write_standard_error, write_standard_output
+  use asperity_files, only: write_standard_error, write_standard_output
   use asperity_kinds, only: real64
-  use asperity_output_files, only: commit_files, discard_files, stage_file
+  use asperity_output_files, only: commit_files, stage_file
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
@@ -52,28 +53,18 @@ contains
     if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
     call run_accuracy_study(scene_in, deck, seconds_a_row, rows, failure)
     if (allocated(failure)) failure = line%input // ': ' // failure
-    if (complained()) return
+    if (complained(failure)) return
     if (line%csv_file /= '') then
       call write_accuracy_csv(rows, csv)
       call stage_file(line%csv_file, csv%text(), failure)
-      if (complained()) return
+      if (complained(failure)) return
     end if
     if (.not. line%quiet) call write_accuracy_table(rows, table)
     call write_standard_output(table%text(), failure)
-    if (complained()) return
+    if (complained(failure)) return
     call commit_files(failure)
-    if (complained()) return
+    if (complained(failure)) return
     status = 0
-
-  contains
-
-    logical function complained()
-      complained = allocated(failure)
-      if (.not. complained) return
-      call discard_files()
-      call write_message(failure)
-    end function complained
-
   end subroutine run_accuracy_command
 
 end module asperity_run_accuracy

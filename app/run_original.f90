@@ -2,11 +2,12 @@
 module asperity_run_original
   use asperity_card_deck, only: card_deck, read_card_deck
   use asperity_command_line, only: command_line
+  use asperity_complaints, only: complained
   use asperity_files, only: write_message, write_standard_error, write_standard_output
   use asperity_original, only: run_in_arithmetic
   use asperity_original_csv, only: write_original_contacts, write_original_positions
   use asperity_original_records, only: original_records, original_request
-  use asperity_output_files, only: commit_files, discard_files, stage_file
+  use asperity_output_files, only: commit_files, stage_file
   use asperity_problems, only: problem_list
   use asperity_report, only: write_report
   use asperity_text_buffer, only: text_buffer
@@ -49,29 +50,19 @@ contains
     if (len(line%contacts_file) > 0) then
       call write_original_contacts(records, contacts)
       call stage_file(line%contacts_file, contacts%text(), failure)
-      if (complained()) return
+      if (complained(failure)) return
     end if
     if (len(line%positions_file) > 0) then
       call write_original_positions(records, positions)
       call stage_file(line%positions_file, positions%text(), failure)
-      if (complained()) return
+      if (complained(failure)) return
     end if
     call write_report(records, line%printed, line%carriage_control, report)
     call write_standard_output(report%text(), failure)
-    if (complained()) return
+    if (complained(failure)) return
     call commit_files(failure)
-    if (complained()) return
+    if (complained(failure)) return
     status = 0
-
-  contains
-
-    logical function complained()
-      complained = allocated(failure)
-      if (.not. complained) return
-      call discard_files()
-      call write_message(failure)
-    end function complained
-
   end subroutine run_original_command
 
 end module asperity_run_original

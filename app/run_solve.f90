@@ -1,16 +1,17 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
   use asperity_accuracy_choice, only: solve_to_accuracy
+  use asperity_complaints, only: complained
   use asperity_command_line, only: command_line, refuse_input
   use asperity_contact_records, only: scene_results, solve_method
   use asperity_corrected_table, only: correct_table
   use asperity_card_deck, only: card_deck
   use asperity_error_budget, only: error_budget, measure_budget
-  use asperity_files, only: write_message, write_standard_error, write_standard_output
+  use asperity_files, only: write_standard_error, write_standard_output
   use asperity_kinds, only: real64
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records, original_request
-  use asperity_output_files, only: commit_files, discard_files, stage_file
+  use asperity_output_files, only: commit_files, stage_file
   use asperity_problems, only: problem_list
   use asperity_results_csv, only: write_contacts, write_curve, write_positions
   use asperity_scene_reader, only: read_scene
@@ -65,7 +66,7 @@ contains
     if (.not. allocated(failure) .and. line%budget) &
       call measure_budget(scene_in, arithmetic, results, budget, failure)
     if (allocated(failure)) failure = line%input // ': ' // failure
-    if (complained()) return
+    if (complained(failure)) return
 
     if (.not. line%quiet) then
       call write_summary(scene_in, arithmetic // ', exact events', results, summary)
@@ -77,33 +78,23 @@ contains
     if (line%contacts_file /= '') then
       call write_contacts(results, contacts)
       call stage_file(line%contacts_file, contacts%text(), failure)
-      if (complained()) return
+      if (complained(failure)) return
     end if
     if (line%positions_file /= '') then
       call write_positions(results, positions)
       call stage_file(line%positions_file, positions%text(), failure)
-      if (complained()) return
+      if (complained(failure)) return
     end if
     if (line%curve_file /= '') then
       call write_curve(results, curve)
       call stage_file(line%curve_file, curve%text(), failure)
-      if (complained()) return
+      if (complained(failure)) return
     end if
     call write_standard_output(summary%text(), failure)
-    if (complained()) return
+    if (complained(failure)) return
     call commit_files(failure)
-    if (complained()) return
+    if (complained(failure)) return
     status = 0
-
-  contains
-
-    logical function complained()
-      complained = allocated(failure)
-      if (.not. complained) return
-      call discard_files()
-      call write_message(failure)
-    end function complained
-
   end subroutine run_solve_command
 
   !> Runs the original beside, and prints Table VI before and after. A deck on which the original

@@ -18,8 +18,6 @@ module asperity_text_buffer
     procedure :: line => buffer_line
     !> The text so far.
     procedure :: text => buffer_text
-    !> Number of characters so far.
-    procedure :: length => buffer_length
   end type text_buffer
 
 contains
@@ -61,12 +59,5 @@ contains
       text = ''
     end if
   end function buffer_text
-
-  !> Number of characters so far.
-  pure integer(int64) function buffer_length(self)
-    class(text_buffer), intent(in) :: self  !! the text
-
-    buffer_length = self%used
-  end function buffer_length
 
 end module asperity_text_buffer
