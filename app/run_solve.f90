@@ -6,6 +6,8 @@ module asperity_run_solve
   use asperity_contact_records, only: scene_results, solve_method
   use asperity_corrected_table, only: correct_table
   use asperity_card_deck, only: card_deck
+  use asperity_effect_report, only: effect_report
+  use asperity_effect_solver, only: solve_with_effects
   use asperity_error_budget, only: error_budget, measure_budget
   use asperity_files, only: write_standard_error, write_standard_output
   use asperity_kinds, only: real64
@@ -34,6 +36,7 @@ contains
     type(scene) :: scene_in
     type(problem_list) :: problems
     type(scene_results) :: results
+    type(effect_report) :: effects
     type(text_buffer) :: summary, contacts, positions, curve
     character(len=:), allocatable :: arithmetic, failure
     type(error_budget) :: budget
@@ -57,7 +60,9 @@ contains
     if (line%arithmetic /= '') arithmetic = line%arithmetic
     thesis_sweep = is_thesis_sweep(scene_in)
     keep_rows = line%contacts_file /= '' .or. thesis_sweep
-    if (line%accuracy > 0.0_real64) then
+    if (scene_in%effects%any_on()) then
+      call solve_with_effects(scene_in, keep_rows, results, effects, failure)
+    else if (line%accuracy > 0.0_real64) then
       call solve_to_accuracy(scene_in, line%accuracy, keep_rows, results, arithmetic, bound, &
                              failure)
     else
@@ -69,19 +74,19 @@ contains
     if (complained(failure)) return
 
     if (.not. line%quiet) then
-      call write_summary(scene_in, arithmetic // ', exact events', results, summary)
+      call write_summary(scene_in, arithmetic // ', exact events', results, effects, summary)
       if (line%accuracy > 0.0_real64) &
         call write_choice(line%accuracy, arithmetic // ', exact events', bound, summary)
       if (line%budget) call write_budget(budget, size(results%positions), summary)
       if (thesis_sweep) call add_corrected_table(scene_in%deck, results, summary)
     end if
     if (line%contacts_file /= '') then
-      call write_contacts(results, contacts)
+      call write_contacts(results, effects, contacts)
       call stage_file(line%contacts_file, contacts%text(), failure)
       if (complained(failure)) return
     end if
     if (line%positions_file /= '') then
-      call write_positions(results, positions)
+      call write_positions(results, effects, positions)
       call stage_file(line%positions_file, positions%text(), failure)
       if (complained(failure)) return
     end if

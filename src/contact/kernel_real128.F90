@@ -4,10 +4,12 @@ module asperity_kernel_real128
   use asperity_contact_records, only: add_rows, are_finite, by_marching, contact_row, cut_rows, &
                                       most_rows, overlap_stable, position_result, &
                                       room_of_a_state, scene_results, solve_method, state_row
+  use asperity_contact_pairs, only: contact_pairs
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64, real128
   use asperity_numbers_real128, only: cube_root, decimal_number, exponent_of_16, from_real64, &
                                      times_power_of_16, to_real64, upper_half, whole_number
+  use asperity_overlapping_circles, only: count_overlapping
   use asperity_problems, only: decimal_text
   use asperity_process, only: has_memory
   use asperity_scene_values, only: control_approach, control_limit, control_load, &

@@ -10,7 +10,7 @@ module asperity_csv
   !> One line under construction.
   type :: csv_line
     private
-    character(len=640) :: text = ''
+    character(len=1600) :: text = ''
     integer :: used = 0
   contains
     procedure, private :: put_number

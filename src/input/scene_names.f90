@@ -1,10 +1,10 @@
-!> The groups and names that a scene knows.
+!> The groups and names that a scene knows, and what any such table answers.
 module asperity_scene_names
   implicit none
   private
 
-  public :: groups, names, known_name
-  public :: number_of, place_in, group_names, names_of, or_comma
+  public :: groups, names, known_name, name_table, scene_table
+  public :: place_in, or_comma
 
   !> The groups.
   character(len=*), parameter :: groups(7) = [character(len=8) :: &
@@ -13,8 +13,21 @@ module asperity_scene_names
   !> One name and its group.
   type :: known_name
     character(len=8) :: group = ''   !! its group
-    character(len=15) :: name = ''   !! the name
+    character(len=20) :: name = ''   !! the name
   end type known_name
+
+  !> What a kind of file knows.
+  type :: name_table
+    character(len=8), allocatable :: groups(:)      !! its groups
+    type(known_name), allocatable :: names(:)       !! all names
+  contains
+    !> Number of a name among all known ones.
+    procedure :: number_of
+    !> All groups, for a message.
+    procedure :: group_names
+    !> All names of a group, for a message.
+    procedure :: names_of
+  end type name_table
 
   !> The names; a new one needs a line here and one in the reader.
   type(known_name), parameter :: names(*) = [ &
@@ -32,17 +45,29 @@ module asperity_scene_names
     known_name('limit', 'hardness'), known_name('limit', 'yield_stress'), &
     known_name('effects', 'interaction'), known_name('effects', 'friction'), &
     known_name('effects', 'plasticity'), known_name('effects', 'adhesion'), &
-    known_name('effects', 'creep'), known_name('effects', 'tolerance')]
+    known_name('effects', 'creep'), known_name('effects', 'tolerance'), &
+    known_name('effects', 'boundary_tolerance'), &
+    known_name('effects', 'friction_coefficient')]
 
 contains
 
+  !> The table of a scene.
+  pure function scene_table() result(table)
+    type(name_table) :: table  !! its groups and names
+
+    allocate (table%groups(size(groups)), table%names(size(names)))
+    table%groups = groups
+    table%names = names
+  end function scene_table
+
   !> Number of a name among all known ones; 0 when the group has none such.
-  pure integer function number_of(group, name)
+  pure integer function number_of(self, group, name)
+    class(name_table), intent(in) :: self  !! the table
     character(len=*), intent(in) :: group  !! a group
     character(len=*), intent(in) :: name   !! a name, known or not
 
-    do number_of = size(names), 1, -1
-      if (names(number_of)%group == group .and. names(number_of)%name == name) exit
+    do number_of = size(self%names), 1, -1
+      if (self%names(number_of)%group == group .and. self%names(number_of)%name == name) exit
     end do
   end function number_of
 
@@ -57,33 +82,35 @@ contains
   end function place_in
 
   !> `&surfaces, &material ... or &effects`.
-  pure function group_names() result(text)
+  pure function group_names(self) result(text)
+    class(name_table), intent(in) :: self  !! the table
     character(len=:), allocatable :: text  !! for a message
     integer :: i
 
-    text = '&' // trim(groups(1))
-    do i = 2, size(groups)
-      text = text // or_comma(i, size(groups)) // '&' // trim(groups(i))
+    text = '&' // trim(self%groups(1))
+    do i = 2, size(self%groups)
+      text = text // or_comma(i, size(self%groups)) // '&' // trim(self%groups(i))
     end do
   end function group_names
 
   !> `x_first, x_step ... or positions`.
-  pure function names_of(group) result(text)
+  pure function names_of(self, group) result(text)
+    class(name_table), intent(in) :: self  !! the table
     character(len=*), intent(in) :: group  !! a known group
     character(len=:), allocatable :: text  !! for a message
     integer :: i, total, used
 
     total = 0
-    do i = 1, size(names)
-      if (names(i)%group == group) total = total + 1
+    do i = 1, size(self%names)
+      if (self%names(i)%group == group) total = total + 1
     end do
     text = ''
     used = 0
-    do i = 1, size(names)
-      if (names(i)%group /= group) cycle
+    do i = 1, size(self%names)
+      if (self%names(i)%group /= group) cycle
       used = used + 1
       if (used > 1) text = text // or_comma(used, total)
-      text = text // trim(names(i)%name)
+      text = text // trim(self%names(i)%name)
     end do
   end function names_of
 

@@ -7,8 +7,8 @@ module asperity_scene_reader
   use asperity_numeral, only: nearest_double
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
-  use asperity_scene_fields, only: above_zero, any_number, poisson_range, read_fields, &
-                                   scene_fields, share
+  use asperity_scene_fields, only: above_zero, any_number, not_negative, poisson_range, &
+                                   read_fields, scene_fields, share
   use asperity_scene_surfaces, only: from_csv, read_surfaces
   use asperity_scene_values, only: control_limit, control_load, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &
@@ -254,7 +254,7 @@ contains
     end associate
   end subroutine read_limit
 
-  !> Group &effects. None of them is there yet.
+  !> Group &effects. An effect's own numbers may stand there while it is off.
   subroutine read_effects(fields, checked)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
@@ -268,7 +268,14 @@ contains
       call take_effect('plasticity', switches, effects%plasticity)
       call take_effect('adhesion', switches, effects%adhesion)
       call take_effect('creep', switches, effects%creep)
+      call refuse('plasticity', effects%plasticity)
+      call refuse('adhesion', effects%adhesion)
+      call refuse('creep', effects%creep)
       call fields%take_number('effects', 'tolerance', share, effects%tolerance)
+      call fields%take_number('effects', 'boundary_tolerance', share, effects%boundary_tolerance)
+      call fields%take_number('effects', 'friction_coefficient', not_negative, &
+                              effects%friction_coefficient)
+      call require('friction_coefficient', 'friction', effects%friction)
     end associate
 
   contains
@@ -282,11 +289,27 @@ contains
       chosen = 1
       call fields%take_word('effects', name, effect_words(known), chosen)
       effect = effect_off
-      if (chosen == 0) return
-      if (known(chosen) /= effect_off) &
-        call fields%complain_of('effects', name, 'not available in this version: found ''' // &
-                                trim(effect_words(known(chosen))) // ''', expected ''off''')
+      if (chosen > 0) effect = known(chosen)
     end subroutine take_effect
+
+    subroutine refuse(name, effect)
+      character(len=*), intent(in) :: name
+      integer, intent(inout) :: effect
+
+      if (effect == effect_off) return
+      call fields%complain_of('effects', name, 'not available in this version: found ''' // &
+                              trim(effect_words(effect)) // ''', expected ''off''')
+      effect = effect_off
+    end subroutine refuse
+
+    subroutine require(name, of, effect)
+      character(len=*), intent(in) :: name, of
+      integer, intent(in) :: effect
+
+      if (effect == effect_off .or. fields%has('effects', name)) return
+      call fields%complain_of_group('effects', 'no ' // name // ' in &effects: expected one ' // &
+                                    'with ' // of // ' = ''' // trim(effect_words(effect)) // '''')
+    end subroutine require
 
   end subroutine read_effects
 

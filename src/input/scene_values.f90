@@ -103,12 +103,17 @@ module asperity_scene_values
 
   !> What is simulated beyond independent elastic contacts.
   type :: scene_effects
-    integer :: interaction = effect_off                            !! only `effect_off` so far
-    integer :: friction = effect_off                               !! only `effect_off` so far
-    integer :: plasticity = effect_off                             !! only `effect_off` so far
-    integer :: adhesion = effect_off                               !! only `effect_off` so far
-    integer :: creep = effect_off                                  !! only `effect_off` so far
+    integer :: interaction = effect_off  !! `effect_off`, `_coupled`, `_boundary` or `_auto`
+    integer :: friction = effect_off     !! `effect_off`, `effect_on` or `effect_auto`
+    integer :: plasticity = effect_off   !! only `effect_off` so far
+    integer :: adhesion = effect_off     !! only `effect_off` so far
+    integer :: creep = effect_off        !! only `effect_off` so far
     type(decimal_value) :: tolerance = decimal_value(1_int64, -2)  !! share of the load, in (0, 1)
+    !> What the last halving of the cells may change, share of the load, in (0, 1).
+    type(decimal_value) :: boundary_tolerance = decimal_value(1_int64, -3)
+    type(decimal_value) :: friction_coefficient  !! 0 or more
+  contains
+    procedure :: any_on => any_effect_on  !! whether one of them is not off
   end type scene_effects
 
   !> A whole scene, resolved: defaults and the deck's own values are filled in.
@@ -137,6 +142,14 @@ module asperity_scene_values
   end type scene
 
 contains
+
+  !> Whether an effect is not off.
+  pure logical function any_effect_on(effects)
+    class(scene_effects), intent(in) :: effects  !! of a scene
+
+    any_effect_on = any([effects%interaction, effects%friction, effects%plasticity, &
+                         effects%adhesion, effects%creep] /= effect_off)
+  end function any_effect_on
 
   !> Whether the scene is a bare deck: the sweep that the original program computes.
   pure logical function is_thesis_sweep(scene_in)

@@ -1,7 +1,9 @@
 !> The present-day solver's contacts, positions and curves as CSV.
 module asperity_results_csv
   use asperity_contact_records, only: contact_row, scene_results, state_row
+  use asperity_effect_report, only: effect_report, effects_at_position
   use asperity_csv, only: csv_line
+  use asperity_kinds, only: real64
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -11,8 +13,9 @@ module asperity_results_csv
 contains
 
   !> One line a contact, over every state of every position.
-  subroutine write_contacts(results, buffer)
+  subroutine write_contacts(results, report, buffer)
     type(scene_results), intent(in) :: results  !! solved positions, with their rows
+    type(effect_report), intent(in) :: report   !! what effects did; no positions: no effects
     type(text_buffer), intent(inout) :: buffer  !! the text
     type(csv_line) :: line
     type(contact_row) :: row
@@ -20,7 +23,8 @@ contains
 
     call buffer%line('position,x_displacement,y_displacement,step,approach,area_no,x,y,' // &
                      'upper,lower,area,projected_area,slope,load,average_pressure,' // &
-                     'maximum_pressure,limit_exceeded,vertical_load,penetration,overlap')
+                     'maximum_pressure,limit_exceeded,vertical_load,penetration,overlap' // &
+                     effect_header(report, 'contacts'))
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
         do step = 1, size(position%states)
@@ -46,6 +50,8 @@ contains
             call line%put(row%vertical_load)
             call line%put(row%penetration)
             call line%put(row%overlap)
+            if (allocated(report%positions)) &
+              call put_numbers(report%positions(m)%contact_values(i, :), line)
             call line%finish(buffer)
           end do
         end do
@@ -54,15 +60,17 @@ contains
   end subroutine write_contacts
 
   !> One line a position: its last state.
-  subroutine write_positions(results, buffer)
+  subroutine write_positions(results, report, buffer)
     type(scene_results), intent(in) :: results  !! solved positions
+    type(effect_report), intent(in) :: report   !! what effects did; no positions: no effects
     type(text_buffer), intent(inout) :: buffer  !! the text
     type(csv_line) :: line
     type(state_row) :: last
     integer :: m
 
     call buffer%line('position,x_displacement,y_displacement,steps,approach,contacts,load,' // &
-                     'area,projected_area,limit_reached,vertical_load')
+                     'area,projected_area,limit_reached,vertical_load,overlapping_circles' // &
+                     effect_header(report, 'positions'))
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
         last = position%states(size(position%states))
@@ -77,10 +85,65 @@ contains
         call line%put(last%projected_area)
         call line%put(position%limit_reached)
         call line%put(last%vertical_load)
+        call line%put(position%overlapping_circles)
+        if (allocated(report%positions)) call put_effects(report%positions(m), line)
         call line%finish(buffer)
       end associate
     end do
   end subroutine write_positions
+
+  ! What the effects add to a header. A position tells of every effect how it was simulated (off:
+  ! left out), the share of the vertical load that was estimated and that measured, and how its
+  ! solve ended.
+  function effect_header(report, of_what) result(header)
+    type(effect_report), intent(in) :: report
+    character(len=*), intent(in) :: of_what
+    character(len=:), allocatable :: header, name
+    integer :: i
+
+    header = ''
+    if (.not. allocated(report%positions)) return
+    if (of_what == 'contacts') then
+      do i = 1, size(report%contact_columns)
+        header = header // ',' // trim(report%contact_columns(i))
+      end do
+      return
+    end if
+    do i = 1, size(report%names)
+      name = trim(report%names(i))
+      header = header // ',' // name // ',' // name // '_estimate,' // name // '_influence,' // &
+               name // '_residual,' // name // '_iterations'
+    end do
+    do i = 1, size(report%state_columns)
+      header = header // ',' // trim(report%state_columns(i))
+    end do
+  end function effect_header
+
+  ! What the effects did at a position.
+  subroutine put_effects(at, line)
+    type(effects_at_position), intent(in) :: at
+    type(csv_line), intent(inout) :: line
+    integer :: i
+
+    do i = 1, size(at%outcomes)
+      call line%put(at%outcomes(i)%simulated)
+      call line%put(at%outcomes(i)%estimate)
+      call line%put(at%outcomes(i)%influence)
+      call line%put(at%outcomes(i)%ending%residual)
+      call line%put(at%outcomes(i)%ending%iterations)
+    end do
+    call put_numbers(at%state_values, line)
+  end subroutine put_effects
+
+  subroutine put_numbers(numbers, line)
+    real(real64), intent(in) :: numbers(:)
+    type(csv_line), intent(inout) :: line
+    integer :: i
+
+    do i = 1, size(numbers)
+      call line%put(numbers(i))
+    end do
+  end subroutine put_numbers
 
   !> One line a state: the totals on the way to the end.
   subroutine write_curve(results, buffer)

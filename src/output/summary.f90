@@ -2,11 +2,14 @@
 module asperity_summary
   use asperity_contact_records, only: scene_results, state_row
   use asperity_corrected_table, only: corrected_table, stage_names
+  use asperity_effect_report, only: effect_report
+  use asperity_effects_summary, only: effects_in_words, write_effects
   use asperity_error_budget, only: budget_line, error_budget
   use asperity_kinds, only: real64
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
                                        slope_row, total_area_row, total_difference_row, &
                                        total_load_row
+  use asperity_position_lists, only: positions_listed
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene
   use asperity_text_buffer, only: text_buffer
@@ -18,10 +21,11 @@ module asperity_summary
 contains
 
   !> The scene, how it was solved, and the totals over its positions.
-  subroutine write_summary(scene_in, how, results, buffer)
+  subroutine write_summary(scene_in, how, results, report, buffer)
     type(scene), intent(in) :: scene_in         !! what was solved
     character(len=*), intent(in) :: how         !! arithmetic and method, in words
     type(scene_results), intent(in) :: results  !! its results
+    type(effect_report), intent(in) :: report   !! what the effects did
     type(text_buffer), intent(inout) :: buffer  !! the text
     real(real64), allocatable :: values(:, :)
     type(state_row) :: last
@@ -41,7 +45,7 @@ contains
     call buffer%line(scene_in%file // ': ' // decimal_text(size(scene_in%upper%x)) // &
                      ' upper and ' // decimal_text(size(scene_in%lower%x)) // &
                      ' lower asperities, ' // counted(number, 'position'))
-    call buffer%line('solved in ' // how // ', effects: none')
+    call buffer%line('solved in ' // how // ', effects: ' // effects_in_words(report))
     call buffer%line('control: ' // trim(control_words(scene_in%loading%control)) // &
                      limit_text(scene_in))
     call buffer%line('')
@@ -60,6 +64,9 @@ contains
     call buffer%line('limit reached at ' // decimal_text(at_limit) // ' of ' // &
                      counted(number, 'position'))
     if (without > 0) call buffer%line('no contact at ' // counted(without, 'position'))
+    if (any(results%positions%overlapping_circles > 0)) &
+      call buffer%line(overlap_text(results%positions%overlapping_circles))
+    call write_effects(report, buffer)
 
   contains
 
@@ -256,6 +263,17 @@ contains
     text = decimal_text(number) // ' ' // noun
     if (number /= 1) text = text // 's'
   end function counted
+
+  !> Where contact circles overlap, as a warning.
+  pure function overlap_text(circles) result(text)
+    integer, intent(in) :: circles(:)
+    character(len=:), allocatable :: text
+
+    text = counted(sum(circles), 'pair') // ' of contact circles overlap'
+    if (sum(circles) == 1) text = text // 's'
+    if (size(circles) > 1) text = text // ', at positions ' // positions_listed(circles > 0)
+    text = text // ': contacts there are not independent'
+  end function overlap_text
 
   !> The limit's criterion in words.
   pure function limit_text(scene_in) result(text)

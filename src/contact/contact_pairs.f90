@@ -1,0 +1,62 @@
+!> The pairs of one position that touch or may touch, as the effects see them.
+!>
+!> Numbers are doubles in the solver's own units: lengths in 16**length_power of the scene's unit,
+!> near the largest radius, and the combined modulus in 16**modulus_power. So all are near one.
+module asperity_contact_pairs
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: contact_pair, contact_pairs, in_scene_units
+
+  !> One upper and one lower asperity.
+  type :: contact_pair
+    integer :: upper = 0                            !! index of the upper asperity
+    integer :: lower = 0                            !! index of the lower asperity
+    real(real64) :: x = 0.0_real64                  !! point in plan where they touch first
+    real(real64) :: y = 0.0_real64                  !! point in plan where they touch first
+    real(real64) :: upper_x = 0.0_real64            !! centre of the upper sphere, displaced
+    real(real64) :: upper_y = 0.0_real64            !! centre of the upper sphere, displaced
+    real(real64) :: upper_radius = 0.0_real64       !! more than 0
+    real(real64) :: lower_x = 0.0_real64            !! centre of the lower sphere
+    real(real64) :: lower_y = 0.0_real64            !! centre of the lower sphere
+    real(real64) :: lower_radius = 0.0_real64       !! more than 0
+    real(real64) :: gap = 0.0_real64                !! closing at which they touch, 0 for the first
+    real(real64) :: limit = huge(1.0_real64)        !! penetration at the limit; huge: none
+    real(real64) :: d = 0.0_real64                  !! distance of the centres in plan
+    real(real64) :: s = 0.0_real64                  !! sum of the radii
+    real(real64) :: zc = 0.0_real64                 !! height between the centres at first touch
+    real(real64) :: rest = 0.0_real64               !! what its rounding left out
+    real(real64) :: radius = 0.0_real64             !! combined radius, 1/R = 1/RU + 1/RL
+  end type contact_pair
+
+  !> The pairs of one position in the order of first touch.
+  type :: contact_pairs
+    real(real64) :: modulus = 0.0_real64            !! combined: 1/E = (1-nu1^2)/E1 + (1-nu2^2)/E2
+    integer :: modulus_power = 0                    !! unit of the modulus is 16**modulus_power
+    integer :: length_power = 0                     !! unit of length is 16**length_power
+    type(contact_pair), allocatable :: list(:)      !! ascending gap
+    real(real64) :: first_touch = 0.0_real64        !! approach at which the first pair touches
+    real(real64) :: complete_to = 0.0_real64        !! largest closing for which no pair is missing
+    real(real64) :: closing = 0.0_real64            !! where independent elastic contacts end
+    real(real64) :: target = 0.0_real64             !! load to reach, in modulus times length**2
+    real(real64) :: x_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
+    real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
+  end type contact_pairs
+
+contains
+
+  !> A number in the units of the scene, whose unit here holds the modulus and the length to some
+  !> powers: a load has 1 and 2.
+  elemental function in_scene_units(pairs, number, modulus_power, length_power) result(value)
+    type(contact_pairs), intent(in) :: pairs  !! whose units they are
+    real(real64), intent(in) :: number        !! in the solver's units
+    integer, intent(in) :: modulus_power      !! power of the modulus in the unit
+    integer, intent(in) :: length_power       !! power of the length in the unit
+    real(real64) :: value
+
+    value = scale(number, 4 * (modulus_power * pairs%modulus_power + &
+                               length_power * pairs%length_power))
+  end function in_scene_units
+
+end module asperity_contact_pairs

@@ -1,0 +1,61 @@
+!> The contacts of one position at one closing, as effects find and change them.
+module asperity_contact_state
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: contact_state, start_state, answer_all, total_load, total_vertical_load
+
+  !> All contacts at one closing, in the units of their pairs.
+  type :: contact_state
+    real(real64) :: closing = 0.0_real64             !! past the first touch of the position
+    real(real64) :: time = 0.0_real64                !! since the end of loading
+    class(contact_law), allocatable :: law           !! what a contact answers
+    real(real64), allocatable :: penetration(:)      !! of each pair; not positive where open
+    type(contact_response), allocatable :: answers(:)  !! of each pair
+  end type contact_state
+
+contains
+
+  !> Contacts that know nothing of each other: each penetrates by the closing less its gap.
+  subroutine start_state(pairs, law, closing, state)
+    type(contact_pairs), intent(in) :: pairs  !! the position
+    class(contact_law), intent(in) :: law     !! of every contact
+    real(real64), intent(in) :: closing       !! past first touch
+    type(contact_state), intent(out) :: state !! the contacts
+
+    state%closing = closing
+    allocate (state%law, source=law)
+    allocate (state%penetration(size(pairs%list)), state%answers(size(pairs%list)))
+    state%penetration = closing - pairs%list%gap
+    call answer_all(pairs, state)
+  end subroutine start_state
+
+  !> What every contact answers to its penetration.
+  subroutine answer_all(pairs, state)
+    type(contact_pairs), intent(in) :: pairs     !! the position
+    type(contact_state), intent(inout) :: state  !! gets the answers
+    integer :: i
+
+    do i = 1, size(pairs%list)
+      call state%law%respond(pairs%list(i), i, state%penetration(i), state%answers(i))
+    end do
+  end subroutine answer_all
+
+  !> Sum of the forces normal to the contacts.
+  pure real(real64) function total_load(state)
+    type(contact_state), intent(in) :: state  !! the contacts
+
+    total_load = sum(state%answers%load)
+  end function total_load
+
+  !> Sum of their vertical parts.
+  pure real(real64) function total_vertical_load(state)
+    type(contact_state), intent(in) :: state  !! the contacts
+
+    total_vertical_load = sum(state%answers%vertical_load)
+  end function total_vertical_load
+
+end module asperity_contact_state

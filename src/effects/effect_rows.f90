@@ -1,0 +1,212 @@
+!> Turns the contacts of a state with effects into records, in the units of the scene.
+module asperity_effect_rows
+  use asperity_contact_effect, only: column_name, effect_box, effect_outcome
+  use asperity_contact_pairs, only: contact_pairs, in_scene_units
+  use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
+  use asperity_contact_state, only: contact_state
+  use asperity_contact_law, only: contact_response
+  use asperity_effect_report, only: effect_report, effects_at_position
+  use asperity_kinds, only: real64
+  use asperity_overlapping_circles, only: count_overlapping
+  use asperity_scene_values, only: criterion_load, criterion_none, scene
+  implicit none
+  private
+
+  public :: add_state, name_columns
+
+  real(real64), parameter :: pi = acos(-1.0_real64)
+
+contains
+
+  !> The header of what the effects tell.
+  subroutine name_columns(effects, report)
+    type(effect_box), intent(in) :: effects(:)     !! of the scene
+    type(effect_report), intent(inout) :: report   !! gets names and columns
+    integer :: i
+
+    allocate (report%names(size(effects)), report%modes(size(effects)))
+    allocate (report%contact_columns(0), report%state_columns(0))
+    do i = 1, size(effects)
+      report%names(i) = effects(i)%effect%name
+      report%modes(i) = effects(i)%effect%mode
+      report%contact_columns = [report%contact_columns, effects(i)%effect%contact_columns%text]
+      report%state_columns = [report%state_columns, effects(i)%effect%state_columns%text]
+    end do
+  end subroutine name_columns
+
+  !> Adds a state to its position: totals, and the rows of its contacts when they are kept.
+  subroutine add_state(scene_in, pairs, effects, state, outcomes, number, keep_rows, result, at)
+    type(scene), intent(in) :: scene_in                !! what is solved
+    type(contact_pairs), intent(in) :: pairs           !! the position
+    type(effect_box), intent(in) :: effects(:)         !! of the scene
+    type(contact_state), intent(in) :: state           !! its contacts, effects applied
+    type(effect_outcome), allocatable, intent(inout) :: outcomes(:)  !! of each effect; kept
+    integer, intent(in) :: number                      !! place among the states
+    logical, intent(in) :: keep_rows                   !! keep the contacts
+    type(position_result), intent(inout) :: result     !! gets the state
+    type(effects_at_position), intent(inout) :: at     !! gets what the effects did
+    type(contact_row), allocatable :: rows(:)
+    type(contact_response) :: answer
+    type(state_row) :: totals
+    real(real64) :: area
+    logical :: at_limit
+    integer :: i
+
+    allocate (rows(merge(size(pairs%list), 0, keep_rows)))
+    do i = 1, size(pairs%list)
+      if (state%penetration(i) < 0.0_real64) cycle
+      answer = state%answers(i)
+      area = pi * answer%contact_radius**2
+      at_limit = is_at_limit(scene_in, pairs, state, i)
+      result%limit_reached = result%limit_reached .or. at_limit
+      totals%contacts = totals%contacts + 1
+      totals%load = totals%load + answer%load
+      totals%vertical_load = totals%vertical_load + answer%vertical_load
+      totals%area = totals%area + area
+      totals%projected_area = totals%projected_area + area * answer%cosine
+      if (keep_rows) call fill_row(pairs, state, i, at_limit, rows(totals%contacts))
+    end do
+    totals%approach = in_scene_units(pairs, pairs%first_touch - state%closing, 0, 1)
+    totals%closing = in_scene_units(pairs, state%closing, 0, 1)
+    totals%load = in_scene_units(pairs, totals%load, 1, 2)
+    totals%vertical_load = in_scene_units(pairs, totals%vertical_load, 1, 2)
+    totals%area = in_scene_units(pairs, totals%area, 0, 2)
+    totals%projected_area = in_scene_units(pairs, totals%projected_area, 0, 2)
+    if (keep_rows) then
+      call add_rows(result, rows(:totals%contacts), totals)
+      call add_contact_values(pairs, effects, state, outcomes, result%rows_used, at)
+    end if
+    result%states(number) = totals
+    if (number < size(result%states)) return
+    result%overlapping_circles = count_overlapping(pairs%list%x, pairs%list%y, &
+                                                   state%answers%contact_radius)
+    call set_state_values(pairs, effects, outcomes, at)
+    do i = 1, size(outcomes)
+      if (allocated(outcomes(i)%of_contacts)) deallocate (outcomes(i)%of_contacts)
+    end do
+    call move_alloc(outcomes, at%outcomes)
+  end subroutine add_state
+
+  ! One contact as a record.
+  subroutine fill_row(pairs, state, i, at_limit, row)
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    integer, intent(in) :: i
+    logical, intent(in) :: at_limit
+    type(contact_row), intent(out) :: row
+    real(real64) :: area
+
+    associate (pair => pairs%list(i), answer => state%answers(i))
+      area = pi * answer%contact_radius**2
+      row%area_no = i
+      row%upper = pair%upper
+      row%lower = pair%lower
+      row%limit_exceeded = at_limit
+      row%x = in_scene_units(pairs, pair%x, 0, 1)
+      row%y = in_scene_units(pairs, pair%y, 0, 1)
+      row%penetration = in_scene_units(pairs, state%penetration(i), 0, 1)
+      row%overlap = in_scene_units(pairs, answer%overlap, 0, 1)
+      row%area = in_scene_units(pairs, area, 0, 2)
+      row%projected_area = in_scene_units(pairs, area * answer%cosine, 0, 2)
+      row%slope = pair%d / (pair%zc - state%penetration(i))
+      row%load = in_scene_units(pairs, answer%load, 1, 2)
+      row%vertical_load = in_scene_units(pairs, answer%vertical_load, 1, 2)
+      if (area > 0.0_real64) &
+        row%average_pressure = in_scene_units(pairs, answer%load / area, 1, 0)
+      row%maximum_pressure = in_scene_units(pairs, answer%maximum_pressure, 1, 0)
+    end associate
+  end subroutine fill_row
+
+  ! Whether a contact is at its limit: by its load or by its greatest pressure, against those of the
+  ! law at the limit's penetration.
+  logical function is_at_limit(scene_in, pairs, state, i)
+    type(scene), intent(in) :: scene_in
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    integer, intent(in) :: i
+    type(contact_response) :: at_limit
+    real(real64), parameter :: rounding = 8 * epsilon(1.0_real64)
+
+    is_at_limit = .false.
+    if (scene_in%limit%criterion == criterion_none) return
+    if (pairs%list(i)%limit > 0.5_real64 * huge(1.0_real64)) return
+    call state%law%respond(pairs%list(i), i, pairs%list(i)%limit, at_limit)
+    if (scene_in%limit%criterion == criterion_load) then
+      is_at_limit = state%answers(i)%load >= at_limit%load * (1.0_real64 - rounding)
+    else
+      is_at_limit = state%answers(i)%maximum_pressure >= &
+                    at_limit%maximum_pressure * (1.0_real64 - rounding)
+    end if
+  end function is_at_limit
+
+  ! What the effects tell of the contacts of a state, below those of the states before.
+  subroutine add_contact_values(pairs, effects, state, outcomes, rows, at)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    type(contact_state), intent(in) :: state
+    type(effect_outcome), intent(in) :: outcomes(:)
+    integer, intent(in) :: rows
+    type(effects_at_position), intent(inout) :: at
+    real(real64), allocatable :: values(:, :)
+    integer :: before, column, columns, e, i, k, row
+
+    columns = 0
+    do e = 1, size(effects)
+      columns = columns + size(effects(e)%effect%contact_columns)
+    end do
+    before = 0
+    if (allocated(at%contact_values)) before = size(at%contact_values, 1)
+    allocate (values(rows, columns))
+    values = 0.0_real64
+    if (before > 0) values(:before, :) = at%contact_values
+    column = 0
+    do e = 1, size(effects)
+      do k = 1, size(effects(e)%effect%contact_columns)
+        column = column + 1
+        if (.not. allocated(outcomes(e)%of_contacts)) cycle
+        row = before
+        do i = 1, size(pairs%list)
+          if (state%penetration(i) < 0.0_real64) cycle
+          row = row + 1
+          values(row, column) = in_units_of(effects(e)%effect%contact_columns(k), pairs, &
+                                            outcomes(e)%of_contacts(i, k))
+        end do
+      end do
+    end do
+    call move_alloc(values, at%contact_values)
+  end subroutine add_contact_values
+
+  ! What the effects tell of the last state.
+  subroutine set_state_values(pairs, effects, outcomes, at)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    type(effect_outcome), intent(in) :: outcomes(:)
+    type(effects_at_position), intent(inout) :: at
+    integer :: column, columns, e, k
+
+    columns = 0
+    do e = 1, size(effects)
+      columns = columns + size(effects(e)%effect%state_columns)
+    end do
+    allocate (at%state_values(columns))
+    at%state_values = 0.0_real64
+    column = 0
+    do e = 1, size(effects)
+      do k = 1, size(effects(e)%effect%state_columns)
+        column = column + 1
+        if (allocated(outcomes(e)%of_state)) at%state_values(column) = &
+          in_units_of(effects(e)%effect%state_columns(k), pairs, outcomes(e)%of_state(k))
+      end do
+    end do
+  end subroutine set_state_values
+
+  ! A value of a column in the units of the scene.
+  pure real(real64) function in_units_of(column, pairs, value)
+    type(column_name), intent(in) :: column
+    type(contact_pairs), intent(in) :: pairs
+    real(real64), intent(in) :: value
+
+    in_units_of = in_scene_units(pairs, value, column%modulus_power, column%length_power)
+  end function in_units_of
+
+end module asperity_effect_rows

@@ -1,0 +1,276 @@
+!> Friction between two spheres, one above the other and offset in plan, closed vertically.
+!>
+!> The upper body comes down and is held against sideways motion and rotation. So a pair moves
+!> tangentially as well as normally: with the height z between the centres, their distance in plan
+!> d and the overlap W, the tangential displacement U follows dU = tan(slope) dW, tan(slope) = d/z.
+!> The slope grows a little while the pair closes. Increments: dT = 8 G a dU, dN = 2 E a dW with
+!> the contact radius a and 1/G = (2-nu1)/G1 + (2-nu2)/G2 (Mindlin and Deresiewicz 1953; Walton
+!> 1978; Johnson, Contact Mechanics, 1985, chapter 7). So dT/dN = kappa d/z with kappa = 4 G/E.
+!>
+!> - kappa d/z <= mu: no slip anywhere, T is the integral of kappa d/z over N.
+!> - kappa U > mu W: all of it slides, T = mu N.
+!> - Between: it sticks within a radius c and slips around it. Traction mu times the difference of
+!>   the Hertz pressures of radii a and c moves the inside of c as a whole (Cattaneo, Mindlin;
+!>   for paths Jaeger 1993, Ciavarella 1998). The stick part is what it was when the contact radius
+!>   was c: T = mu (N - N(c)) + T(c), where U - U(c) = (mu/kappa) (W - W(c)).
+!>
+!> Within the assumptions of Hertz and Mindlin this is exact for the path as it is. N enters as a
+!> multiple of W**1.5; for a law that is none, the shares of stick and slip are those of Hertz.
+module asperity_friction
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: rubbing, rig_reaction
+  public :: tangential_stiffness_ratio, rub, add_to_rig, estimate_of_friction
+
+  !> What friction adds to one contact. Zeros where it does not touch.
+  type :: rubbing
+    real(real64) :: tangential_load = 0.0_real64  !! 0 or more; on the upper body up the slope
+    logical :: sliding = .false.                  !! slips all over: T = mu N
+    real(real64) :: slip_annulus = 0.0_real64     !! its width over contact radius; 0 stick, 1 slide
+    real(real64) :: stick_radius = 0.0_real64     !! of the circle that does not slip
+    real(real64) :: lateral_x = 0.0_real64        !! force on the upper body in plan, N and T
+    real(real64) :: lateral_y = 0.0_real64        !! force on the upper body in plan, N and T
+    real(real64) :: vertical_load = 0.0_real64    !! N cos + T sin: friction resists the closing
+    real(real64) :: stiffness = 0.0_real64        !! d vertical_load / d penetration
+  end type rubbing
+
+  !> What the contacts together do to the upper body; the rig holds it with the opposite.
+  !>
+  !> The moments are about the origin of the plan. Those about x and y are of the vertical loads
+  !> alone: the lateral forces act near the plane of the contacts, from which heights count.
+  type :: rig_reaction
+    real(real64) :: force_x = 0.0_real64   !! sum of the lateral forces
+    real(real64) :: force_y = 0.0_real64   !! sum of the lateral forces
+    real(real64) :: force_z = 0.0_real64   !! sum of the vertical loads, upwards
+    real(real64) :: moment_x = 0.0_real64  !! y force_z
+    real(real64) :: moment_y = 0.0_real64  !! -x force_z
+    real(real64) :: moment_z = 0.0_real64  !! x force_y - y force_x
+  end type rig_reaction
+
+  ! A coefficient above this sticks as this one does; products with it cannot overflow.
+  real(real64), parameter :: coefficient_sought = 1.0e100_real64
+
+  ! Gauss-Legendre rule of 10 points on 0 to 1.
+  integer, parameter :: points = 10
+  real(real64), parameter :: node(points) = [ &
+    0.013046735741414139961_real64, 0.067468316655507744634_real64, &
+    0.16029521585048779688_real64, 0.28330230293537640460_real64, &
+    0.42556283050918439456_real64, 0.57443716949081560544_real64, &
+    0.71669769706462359540_real64, 0.83970478414951220312_real64, &
+    0.93253168334449225537_real64, 0.98695326425858586004_real64]
+  real(real64), parameter :: half_of_weights(points / 2) = [ &
+    0.033335672154344068797_real64, 0.074725674575290296573_real64, &
+    0.10954318125799102200_real64, 0.13463335965499817755_real64, &
+    0.14776211235737643509_real64]
+  real(real64), parameter :: weight(points) = &
+    [half_of_weights, half_of_weights(points / 2:1:-1)]
+
+contains
+
+  !> Tangential over normal stiffness of a contact, kappa = 4 G/E with 1/G = (2-nu1)/G1 +
+  !> (2-nu2)/G2 and 1/E = (1-nu1**2)/E1 + (1-nu2**2)/E2 (Johnson 1985, sections 7.2 and 4.2).
+  !>
+  !> 2 (1-nu)/(2-nu) for equal materials: from 2/3 at nu = 0.5 to 4/3 at nu = -1. Mindlin's value:
+  !> for unlike materials it leaves out that shear also presses and pressure also shears.
+  elemental function tangential_stiffness_ratio(e1, nu1, e2, nu2) result(kappa)
+    real(real64), intent(in) :: e1   !! elastic modulus, more than 0
+    real(real64), intent(in) :: nu1  !! Poisson's ratio, -1 to 0.5
+    real(real64), intent(in) :: e2   !! elastic modulus, more than 0, in the unit of `e1`
+    real(real64), intent(in) :: nu2  !! Poisson's ratio, -1 to 0.5
+    real(real64) :: kappa            !! dimensionless
+    real(real64) :: larger, c1, c2
+
+    ! Shear compliances, but for a common factor.
+    larger = max(e1, e2)
+    c1 = (1.0_real64 + nu1) * (e2 / larger)
+    c2 = (1.0_real64 + nu2) * (e1 / larger)
+    if (c1 + c2 > 0.0_real64) then
+      kappa = 2.0_real64 * ((1.0_real64 - nu1) * c1 + (1.0_real64 - nu2) * c2) / &
+              ((2.0_real64 - nu1) * c1 + (2.0_real64 - nu2) * c2)
+    else
+      ! Both are -1: stiff against shear without bound, the ratio has a limit.
+      kappa = 4.0_real64 / 3.0_real64
+    end if
+  end function tangential_stiffness_ratio
+
+  !> What friction adds to a contact that was closed from first touch to a penetration.
+  pure subroutine rub(pair, penetration, response, kappa, coefficient, rubbed)
+    type(contact_pair), intent(in) :: pair          !! who touches
+    real(real64), intent(in) :: penetration         !! vertical, past first touch; less than zc
+    type(contact_response), intent(in) :: response  !! the law's answer to this penetration
+    real(real64), intent(in) :: kappa               !! tangential over normal stiffness
+    real(real64), intent(in) :: coefficient         !! of friction, mu, 0 or more
+    type(rubbing), intent(out) :: rubbed            !! what friction adds
+    real(real64) :: mu, z, centres, sine, cosine, slope, share, past, load, rate
+
+    if (.not. (penetration > 0.0_real64 .and. response%load > 0.0_real64)) return
+    mu = min(coefficient, coefficient_sought)
+    z = pair%zc - penetration
+    centres = sqrt(pair%d**2 + z**2)
+    sine = pair%d / centres
+    cosine = z / centres
+    slope = pair%d / z
+
+    ! past: penetration at which the contact was as large as what still sticks.
+    past = stuck_since(pair, penetration, kappa, mu)
+    if (past > 0.0_real64) then
+      share = 1.0_real64
+      if (past < penetration) share = min(share, overlap_ratio(pair, past, penetration))
+      load = response%load * share * sqrt(share)
+      rubbed%tangential_load = kappa * mean_slope(pair, past) * load
+      ! Nothing is added for mu when all sticks: 0 times a huge mu must not matter.
+      if (share < 1.0_real64) rubbed%tangential_load = rubbed%tangential_load + &
+                                                       mu * (response%load - load)
+      share = sqrt(share)
+    else
+      share = 0.0_real64
+      rubbed%sliding = .true.
+      rubbed%tangential_load = mu * response%load
+    end if
+    rubbed%stick_radius = share * response%contact_radius
+    rubbed%slip_annulus = 1.0_real64 - share
+
+    rubbed%vertical_load = response%vertical_load + rubbed%tangential_load * sine
+    call push_sideways(pair, response%load * sine - rubbed%tangential_load * cosine, rubbed)
+    ! dN/dp of the law, then dT/dp = 8 G c dU/dp + mu (dN/dp - 2 E c dW/dp).
+    rate = (response%stiffness + response%load * sine**2 / centres) / cosine
+    rate = rate * share * kappa * slope + merge(rate * (1.0_real64 - share) * mu, 0.0_real64, &
+                                               share < 1.0_real64)
+    rubbed%stiffness = response%stiffness + rate * sine + &
+                       rubbed%tangential_load * sine * cosine / centres
+  end subroutine rub
+
+  !> Adds a contact to what the contacts do to the upper body.
+  pure subroutine add_to_rig(pair, rubbed, rig)
+    type(contact_pair), intent(in) :: pair      !! who touches
+    type(rubbing), intent(in) :: rubbed         !! its forces
+    type(rig_reaction), intent(inout) :: rig    !! sum so far
+
+    rig%force_x = rig%force_x + rubbed%lateral_x
+    rig%force_y = rig%force_y + rubbed%lateral_y
+    rig%force_z = rig%force_z + rubbed%vertical_load
+    rig%moment_x = rig%moment_x + pair%y * rubbed%vertical_load
+    rig%moment_y = rig%moment_y - pair%x * rubbed%vertical_load
+    rig%moment_z = rig%moment_z + pair%x * rubbed%lateral_y - pair%y * rubbed%lateral_x
+  end subroutine add_to_rig
+
+  !> Upper bound of the share by which friction raises the total vertical load at a closing: the
+  !> sum of T sin over that of N cos, with T at most mu N and at most kappa d/z N.
+  pure function estimate_of_friction(pairs, law, closing, kappa, coefficient) result(estimate)
+    type(contact_pairs), intent(in) :: pairs  !! of the position
+    class(contact_law), intent(in) :: law     !! the law of each contact
+    real(real64), intent(in) :: closing       !! past first touch of the first pair
+    real(real64), intent(in) :: kappa         !! tangential over normal stiffness
+    real(real64), intent(in) :: coefficient   !! of friction, 0 or more
+    real(real64) :: estimate                  !! 0 or more; 0 without contact
+    type(contact_response) :: response
+    real(real64) :: z, slope, total, added
+    integer :: i
+
+    total = 0.0_real64
+    added = 0.0_real64
+    do i = 1, size(pairs%list)
+      associate (pair => pairs%list(i))
+        if (pair%gap >= closing) exit
+        call law%respond(pair, i, closing - pair%gap, response)
+        z = pair%zc - (closing - pair%gap)
+        slope = pair%d / z
+        total = total + response%vertical_load
+        added = added + min(coefficient, kappa * slope) * response%load * &
+                (pair%d / sqrt(pair%d**2 + z**2))
+      end associate
+    end do
+    estimate = 0.0_real64
+    if (total > 0.0_real64) estimate = added / total
+  end function estimate_of_friction
+
+  ! The penetration at which the contact circle was the one that still sticks at p: p if all of it
+  ! sticks, 0 if it slides. Between two states of the path, exactly,
+  !   U - U' = 2 d atanh(q), W - W' = (z' - z) (z + z') / (D + D'), q = (z' - z) / (D + D')
+  ! with D the distance of the centres, so the secant U - U' = (mu/kappa) (W - W') is
+  !   2 d atanh(q)/q = (mu/kappa) (z + z').
+  ! It has no cancellation, and iterating on z' converges fast, as q is small.
+  pure function stuck_since(pair, p, kappa, mu) result(past)
+    type(contact_pair), intent(in) :: pair
+    real(real64), intent(in) :: p, kappa, mu
+    real(real64) :: past, z, centres, steepest, before, rise, q
+    integer, parameter :: most_turns = 100
+    integer :: turn
+
+    past = p
+    z = pair%zc - p
+    if (kappa * pair%d <= mu * z) return
+    centres = sqrt(pair%d**2 + z**2)
+    past = 0.0_real64
+    if (2.0_real64 * kappa * pair%d * stretch(p / (pair%s + centres)) > mu * (pair%zc + z)) return
+    ! Past the last return mu > 0. Below this height the slope is too much for stick.
+    steepest = kappa * pair%d / mu
+    past = min(max(2.0_real64 * (pair%zc - steepest) - p, 0.0_real64), p)
+    do turn = 1, most_turns
+      rise = p - past
+      q = rise / (centres + sqrt(pair%d**2 + (pair%zc - past)**2))
+      before = past
+      past = 2.0_real64 * (pair%zc - steepest * stretch(q)) - p
+      past = min(max(past, 0.0_real64), p)
+      if (abs(past - before) <= 0.5_real64 * epsilon(past) * pair%zc) exit
+    end do
+  end function stuck_since
+
+  ! atanh(q)/q.
+  elemental function stretch(q) result(ratio)
+    real(real64), intent(in) :: q
+    real(real64) :: ratio
+
+    if (q < 1.0e-3_real64) then
+      ratio = 1.0_real64 + q**2 * (1.0_real64 / 3.0_real64 + q**2 * &
+                                   (0.2_real64 + q**2 / 7.0_real64))
+    else
+      ratio = atanh(q) / q
+    end if
+  end function stretch
+
+  ! Overlap at one penetration over that at another.
+  pure function overlap_ratio(pair, p1, p2) result(ratio)
+    type(contact_pair), intent(in) :: pair
+    real(real64), intent(in) :: p1, p2
+    real(real64) :: ratio, z1, z2
+
+    z1 = pair%zc - p1
+    z2 = pair%zc - p2
+    ratio = (p1 / p2) * ((pair%zc + z1) / (pair%zc + z2)) * &
+            ((pair%s + sqrt(pair%d**2 + z2**2)) / (pair%s + sqrt(pair%d**2 + z1**2)))
+  end function overlap_ratio
+
+  ! Mean of d/z over the load, from first touch to p. With p = P t**2 and W = p (zc + z)/(s + D)
+  ! the integrand is smooth. Ten points are right to 1e-14 for P up to zc/4, 2e-10 up to zc/2.
+  pure function mean_slope(pair, p) result(mean)
+    type(contact_pair), intent(in) :: pair
+    real(real64), intent(in) :: p
+    real(real64) :: mean
+    real(real64), dimension(points) :: z, centres
+    real(real64) :: last, total
+
+    z = pair%zc - p * node**2
+    centres = sqrt(pair%d**2 + z**2)
+    total = sum(weight * node**2 * sqrt((pair%zc + z) / (pair%s + centres)) / centres)
+    last = pair%zc - p
+    last = (pair%s + sqrt(pair%d**2 + last**2)) / (pair%zc + last)
+    mean = 3.0_real64 * pair%d * last * sqrt(last) * total
+  end function mean_slope
+
+  ! Sets the force in plan, outward from the lower centre to the upper one.
+  pure subroutine push_sideways(pair, outward, rubbed)
+    type(contact_pair), intent(in) :: pair
+    real(real64), intent(in) :: outward
+    type(rubbing), intent(inout) :: rubbed
+
+    if (.not. pair%d > 0.0_real64) return
+    rubbed%lateral_x = outward * ((pair%upper_x - pair%lower_x) / pair%d)
+    rubbed%lateral_y = outward * ((pair%upper_y - pair%lower_y) / pair%d)
+  end subroutine push_sideways
+
+end module asperity_friction

@@ -1,0 +1,98 @@
+!> Friction on inclined contacts, as an effect that a scene names.
+module asperity_friction_effect
+  use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_state, only: contact_state
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_friction, only: add_to_rig, estimate_of_friction, rig_reaction, rub, rubbing, &
+                               tangential_stiffness_ratio
+  use asperity_kinds, only: real64
+  use asperity_scene_values, only: scene
+  implicit none
+  private
+
+  public :: new_friction
+
+  !> Friction with one coefficient for all contacts.
+  type, extends(contact_effect) :: friction_effect
+    real(real64) :: coefficient = 0.0_real64  !! 0 or more
+    real(real64) :: kappa = 1.0_real64        !! tangential over normal stiffness
+  contains
+    procedure :: estimate
+    procedure :: apply
+  end type friction_effect
+
+contains
+
+  !> Friction as the scene names it.
+  subroutine new_friction(scene_in, effect)
+    type(scene), intent(in) :: scene_in                             !! checked values
+    class(contact_effect), allocatable, intent(out) :: effect       !! ready to act
+    type(friction_effect) :: new
+
+    new%name = 'friction'
+    new%mode = scene_in%effects%friction
+    new%coefficient = decimal_to_real64(scene_in%effects%friction_coefficient)
+    new%kappa = tangential_stiffness_ratio( &
+      decimal_to_real64(scene_in%upper%elastic_modulus), &
+      decimal_to_real64(scene_in%upper%poisson_ratio), &
+      decimal_to_real64(scene_in%lower%elastic_modulus), &
+      decimal_to_real64(scene_in%lower%poisson_ratio))
+    call set_columns(new%contact_columns, &
+                     [character(len=20) :: 'tangential_load', 'sliding', 'slip_annulus', &
+                      'lateral_x', 'lateral_y'], &
+                     reshape([1, 2, 0, 0, 0, 0, 1, 2, 1, 2], [2, 5]))
+    call set_columns(new%state_columns, &
+                     [character(len=20) :: 'frictionless_load', 'sliding_contacts', &
+                      'rig_force_x', 'rig_force_y', 'rig_moment_x', 'rig_moment_y', &
+                      'rig_moment_z'], &
+                     reshape([1, 2, 0, 0, 1, 2, 1, 2, 1, 3, 1, 3, 1, 3], [2, 7]))
+    allocate (effect, source=new)
+  end subroutine new_friction
+
+  !> Upper bound of the share by which friction raises the vertical load.
+  function estimate(self, pairs, state) result(share)
+    class(friction_effect), intent(in) :: self  !! friction
+    type(contact_pairs), intent(in) :: pairs    !! the position
+    type(contact_state), intent(in) :: state    !! without friction
+    real(real64) :: share
+
+    share = estimate_of_friction(pairs, state%law, state%closing, self%kappa, self%coefficient)
+  end function estimate
+
+  !> Adds the tangential force of every contact. The rig holds the upper body with the opposite of
+  !> the lateral forces.
+  subroutine apply(self, pairs, state, outcome)
+    class(friction_effect), intent(in) :: self      !! friction
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(inout) :: state     !! gets the vertical loads with friction
+    type(effect_outcome), intent(inout) :: outcome  !! what it did
+    type(rubbing) :: rubbed
+    type(rig_reaction) :: rig
+    real(real64) :: frictionless
+    integer :: i, sliding
+
+    allocate (outcome%of_contacts(size(pairs%list), 5), outcome%of_state(7))
+    outcome%of_contacts = 0.0_real64
+    frictionless = sum(state%answers%vertical_load)
+    sliding = 0
+    do i = 1, size(pairs%list)
+      if (.not. state%penetration(i) > 0.0_real64) cycle
+      call rub(pairs%list(i), state%penetration(i), state%answers(i), self%kappa, &
+               self%coefficient, rubbed)
+      call add_to_rig(pairs%list(i), rubbed, rig)
+      state%answers(i)%vertical_load = rubbed%vertical_load
+      state%answers(i)%stiffness = rubbed%stiffness
+      if (rubbed%sliding) sliding = sliding + 1
+      outcome%of_contacts(i, :) = [rubbed%tangential_load, &
+                                   merge(1.0_real64, 0.0_real64, rubbed%sliding), &
+                                   rubbed%slip_annulus, rubbed%lateral_x, rubbed%lateral_y]
+    end do
+    outcome%of_state = [frictionless, real(sliding, real64), -rig%force_x, -rig%force_y, &
+                        -rig%moment_x, -rig%moment_y, -rig%moment_z]
+    outcome%simulated = 'on'
+    outcome%ending%converged = .true.
+    outcome%ending%residual = 0.0_real64
+  end subroutine apply
+
+end module asperity_friction_effect

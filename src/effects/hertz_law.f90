@@ -1,0 +1,52 @@
+!> Hertz contact of two spheres, inclined as the pair's offset in plan makes it.
+!>
+!> The overlap W of the spheres is taken along the line of their centres, as the thesis takes it:
+!> load = 4/3 E sqrt(R) W**1.5, contact radius = sqrt(R W), maximum pressure = 2 E sqrt(W/R)/pi
+!> (Hertz 1882; Johnson, Contact Mechanics, 1985, section 4.2).
+module asperity_hertz_law
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pair
+  use asperity_kernel_real64, only: stable_overlap
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: hertz_law
+
+  real(real64), parameter :: pi = acos(-1.0_real64)
+
+  !> The law of Hertz.
+  type, extends(contact_law) :: hertz_law
+    real(real64) :: modulus = 0.0_real64  !! combined modulus, in the unit of the pairs
+  contains
+    procedure :: respond
+  end type hertz_law
+
+contains
+
+  !> The answer of an elastic contact.
+  pure subroutine respond(self, pair, number, penetration, response)
+    class(hertz_law), intent(in) :: self            !! the law
+    type(contact_pair), intent(in) :: pair          !! who touches
+    integer, intent(in) :: number                   !! place of the pair in its list; not used
+    real(real64), intent(in) :: penetration         !! vertical, past first touch; less than zc
+    type(contact_response), intent(out) :: response !! the answer
+    real(real64) :: centres, root, sine_squared
+
+    if (number < 0 .or. .not. penetration > 0.0_real64) return
+    response%overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration)
+    centres = pair%s - response%overlap
+    response%cosine = (pair%zc - penetration) / centres
+    response%contact_radius = sqrt(pair%radius * response%overlap)
+    root = self%modulus * response%contact_radius
+    response%load = root * response%overlap * (4.0_real64 / 3.0_real64)
+    response%vertical_load = response%load * response%cosine
+    ! dW/dp is the cosine; d(cosine)/dp is minus the squared sine over the distance of the centres.
+    sine_squared = (pair%d / centres)**2
+    response%stiffness = 2.0_real64 * root * response%cosine**2 - &
+                         response%load * sine_squared / centres
+    response%maximum_pressure = (2.0_real64 / pi) * self%modulus * &
+                                sqrt(response%overlap / pair%radius)
+  end subroutine respond
+
+end module asperity_hertz_law

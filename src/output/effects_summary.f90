@@ -1,0 +1,195 @@
+!> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
+module asperity_effects_summary
+  use asperity_effect_report, only: effect_report
+  use asperity_kinds, only: real64
+  use asperity_position_lists, only: positions_text
+  use asperity_problems, only: decimal_text
+  use asperity_scene_values, only: effect_auto, effect_words
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: write_effects, effects_in_words
+
+  integer, parameter :: widest = 100, indent = 15
+
+contains
+
+  !> `interaction auto, friction on`.
+  pure function effects_in_words(report) result(text)
+    type(effect_report), intent(in) :: report  !! what the effects did; no positions: none
+    character(len=:), allocatable :: text
+    integer :: e
+
+    text = ''
+    if (allocated(report%positions)) then
+      do e = 1, size(report%names)
+        if (e > 1) text = text // ', '
+        text = text // trim(report%names(e)) // ' ' // trim(effect_words(report%modes(e)))
+      end do
+    end if
+    if (text == '') text = 'none'
+  end function effects_in_words
+
+  !> One paragraph an effect: at how many positions it was estimated and simulated, its measured
+  !> influence, the largest estimate left out, how the solves ended.
+  subroutine write_effects(report, buffer)
+    type(effect_report), intent(in) :: report   !! what the effects did
+    type(text_buffer), intent(inout) :: buffer  !! the text
+    integer :: e
+
+    if (.not. allocated(report%positions)) return
+    call buffer%line('')
+    call buffer%line('Effects, as shares of the vertical load without them')
+    do e = 1, size(report%names)
+      call write_effect(report, e, buffer)
+    end do
+  end subroutine write_effects
+
+  subroutine write_effect(report, e, buffer)
+    type(effect_report), intent(in) :: report
+    integer, intent(in) :: e
+    type(text_buffer), intent(inout) :: buffer
+    logical, allocatable :: simulated(:), so(:)
+    real(real64), allocatable :: influence(:), left_out(:), residual(:)
+    character(len=:), allocatable :: word, head, why
+    integer :: first, m, number, simulated_at
+    character(len=8) :: digits
+
+    number = size(report%positions)
+    allocate (simulated(number), so(number), influence(number), left_out(number), residual(number))
+    influence = 0.0_real64
+    left_out = -1.0_real64
+    residual = 0.0_real64
+    do m = 1, number
+      associate (outcome => report%positions(m)%outcomes(e))
+        simulated(m) = outcome%simulated /= 'off'
+        if (simulated(m)) then
+          influence(m) = outcome%influence
+          residual(m) = outcome%ending%residual
+        else
+          left_out(m) = outcome%estimate
+        end if
+      end associate
+    end do
+    simulated_at = count(simulated)
+    head = trim(report%names(e))
+    word = trim(effect_words(report%modes(e)))
+    if (report%modes(e) == effect_auto) then
+      call paragraph(head, word // ', tolerance ' // percent(report%tolerance) // &
+                     ': estimated at ' // counted(number) // ', simulated at ' // &
+                     decimal_text(simulated_at), buffer)
+    else
+      call paragraph(head, word // ': simulated at ' // counted(simulated_at), buffer)
+    end if
+
+    ! The ways in which it was simulated, in the order in which they first occur.
+    so = .not. simulated
+    do while (.not. all(so))
+      first = findloc(so, .false., 1)
+      word = trim(report%positions(first)%outcomes(e)%simulated)
+      why = trim(report%positions(first)%outcomes(e)%why)
+      call one_way(word, why)
+    end do
+    if (simulated_at > 0) then
+      first = maxloc(abs(influence), 1)
+      call paragraph('', 'influence ' // percent(influence(first)) // at_position(first) // &
+                     ', least ' // percent(influence(minloc(abs(influence), 1, simulated))), buffer)
+      first = maxloc(residual, 1)
+      write (digits, '(es8.1)') residual(first)
+      call paragraph('', 'converged everywhere, largest residual ' // trim(adjustl(digits)) // &
+                     at_position(first), buffer)
+    end if
+    if (simulated_at < number .and. report%modes(e) == effect_auto) then
+      first = maxloc(left_out, 1)
+      call paragraph('', 'largest estimate left out ' // percent(left_out(first)) // &
+                     at_position(first), buffer)
+    end if
+
+  contains
+
+    subroutine one_way(word, why)
+      character(len=*), intent(in) :: word, why
+      logical :: this_way(size(so))
+      integer :: i
+
+      do i = 1, size(so)
+        this_way(i) = .not. so(i)
+        if (this_way(i)) this_way(i) = report%positions(i)%outcomes(e)%simulated == word
+      end do
+      so = so .or. this_way
+      if (report%modes(e) /= effect_auto) return
+      if (why == '') then
+        call paragraph('', word // ' at ' // positions_text(this_way), buffer)
+      else
+        call paragraph('', word // ' (' // why // ') at ' // positions_text(this_way), buffer)
+      end if
+    end subroutine one_way
+
+    function at_position(position) result(text)
+      integer, intent(in) :: position
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (number > 1) text = ' (position ' // decimal_text(position) // ')'
+    end function at_position
+
+  end subroutine write_effect
+
+  ! A text in lines, after a word.
+  subroutine paragraph(head, text, buffer)
+    character(len=*), intent(in) :: head, text
+    type(text_buffer), intent(inout) :: buffer
+    character(len=indent) :: margin
+    integer :: from, to, room
+
+    room = widest - indent
+    margin = '  ' // head
+    from = 1
+    do
+      to = len(text)
+      if (to - from + 1 > room) then
+        to = from + index(text(from:from + room - 1), ' ', back=.true.) - 2
+        if (to < from) to = from + room - 1
+      end if
+      call buffer%line(margin // text(from:to))
+      margin = ''
+      from = to + 1
+      do while (from <= len(text))
+        if (text(from:from) /= ' ') exit
+        from = from + 1
+      end do
+      if (from > len(text)) return
+    end do
+  end subroutine paragraph
+
+  ! A share as a percentage with three digits.
+  pure function percent(share) result(text)
+    real(real64), intent(in) :: share
+    character(len=:), allocatable :: text
+    character(len=12) :: digits
+
+    if (abs(share) >= 0.1_real64) then
+      write (digits, '(f12.1)') 100.0_real64 * share
+    else if (abs(share) >= 0.01_real64) then
+      write (digits, '(f12.2)') 100.0_real64 * share
+    else if (abs(share) >= 0.0001_real64) then
+      write (digits, '(f12.3)') 100.0_real64 * share
+    else if (abs(share) > 0.0_real64) then
+      write (digits, '(es12.1e2)') 100.0_real64 * share
+    else
+      digits = '0'
+    end if
+    text = trim(adjustl(digits)) // ' %'
+  end function percent
+
+  ! `1 position`, `2 positions`.
+  pure function counted(number) result(text)
+    integer, intent(in) :: number
+    character(len=:), allocatable :: text
+
+    text = decimal_text(number) // ' positions'
+    if (number == 1) text = '1 position'
+  end function counted
+
+end module asperity_effects_summary

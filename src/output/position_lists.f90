@@ -1,0 +1,54 @@
+!> Lists of positions in words.
+module asperity_position_lists
+  use asperity_problems, only: decimal_text
+  implicit none
+  private
+
+  public :: positions_text, positions_listed
+
+  ! A longer list is in the CSV file.
+  integer, parameter :: most_characters = 400
+
+contains
+
+  !> `3: 18, 56-58`; a long list ends with `...`.
+  pure function positions_text(chosen) result(text)
+    logical, intent(in) :: chosen(:)         !! of every position
+    character(len=:), allocatable :: text    !! their number, and which they are
+
+    text = decimal_text(count(chosen))
+    if (any(chosen) .and. size(chosen) > 1) text = text // ': ' // positions_listed(chosen)
+  end function positions_text
+
+  !> `18, 56-58`; a long list ends with `...`.
+  pure function positions_listed(chosen) result(text)
+    logical, intent(in) :: chosen(:)         !! of every position
+    character(len=:), allocatable :: text    !! which they are
+    integer :: first, last
+
+    text = ''
+    last = 0
+    do
+      first = last + 1
+      do while (first <= size(chosen))
+        if (chosen(first)) exit
+        first = first + 1
+      end do
+      if (first > size(chosen)) return
+      last = first
+      do while (last < size(chosen))
+        if (.not. chosen(last + 1)) exit
+        last = last + 1
+      end do
+      if (text /= '') text = text // ', '
+      if (len(text) > most_characters) then
+        text = text // '...'
+        return
+      end if
+      text = text // decimal_text(first)
+      if (last == first + 1) text = text // ', ' // decimal_text(last)
+      if (last > first + 1) text = text // '-' // decimal_text(last)
+    end do
+  end function positions_listed
+
+end module asperity_position_lists
