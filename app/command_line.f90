@@ -13,7 +13,7 @@ module asperity_command_line
   implicit none
   private
 
-  public :: command_line, parse_command_line, refuse_input
+  public :: command_line, output_place, parse_command_line, refuse_input
 
   !> What the user asked for.
   type :: command_line
@@ -25,6 +25,10 @@ module asperity_command_line
     character(len=:), allocatable :: positions_file  !! path of the positions CSV, or empty
     character(len=:), allocatable :: curve_file      !! path of the curve CSV, or empty
     character(len=:), allocatable :: csv_file        !! path of the study's CSV, or empty
+    character(len=:), allocatable :: output_file     !! path of the generated surface, or empty
+    character(len=:), allocatable :: upper_file      !! path of the upper surface, or empty
+    character(len=:), allocatable :: lower_file      !! path of the lower surface, or empty
+    integer :: member = 0                            !! surface of the ensemble; 0 is all
     logical :: printed(original_positions) = .false. !! positions whose contact table is printed
     logical :: carriage_control = .false.            !! keep the printer's column one
     logical :: quiet = .false.                       !! no summary
@@ -35,7 +39,7 @@ module asperity_command_line
 
   ! Positions whose tables the original prints.
   integer, parameter :: thesis_tables(3) = [13, 55, 56]
-  character(len=*), parameter :: later_commands(2) = [character(len=8) :: 'generate', 'study']
+  character(len=*), parameter :: later_commands(1) = [character(len=8) :: 'study']
   ! Options of the commands, with a value and without.
   character(len=*), parameter :: original_valued(4) = &
     [character(len=18) :: '--arithmetic', '--tables', '--contacts', '--positions']
@@ -44,10 +48,14 @@ module asperity_command_line
     [character(len=18) :: '--contacts', '--positions', '--curve', '--arithmetic', '--accuracy', &
      '--threads']
   character(len=*), parameter :: solve_flags(2) = [character(len=18) :: '--budget', '--quiet']
+  character(len=*), parameter :: no_flags(0) = [character(len=18) ::]
   character(len=*), parameter :: study_valued(1) = [character(len=18) :: '--csv']
+  character(len=*), parameter :: generate_valued(4) = &
+    [character(len=18) :: '--output', '--upper', '--lower', '--surface']
   ! Options that name an output.
-  character(len=*), parameter :: output_options(4) = &
-    [character(len=11) :: '--contacts', '--positions', '--curve', '--csv']
+  character(len=*), parameter :: output_options(7) = &
+    [character(len=11) :: '--contacts', '--positions', '--curve', '--csv', '--output', '--upper', &
+     '--lower']
   character(len=*), parameter :: study_flags(1) = [character(len=18) :: '--quiet']
 
 contains
@@ -67,6 +75,9 @@ contains
     line%positions_file = ''
     line%curve_file = ''
     line%csv_file = ''
+    line%output_file = ''
+    line%upper_file = ''
+    line%lower_file = ''
     line%printed(thesis_tables) = .true.
     if (command_argument_count() == 0) return
     do i = 1, command_argument_count()
@@ -91,6 +102,10 @@ contains
     case ('accuracy')
       call read_arguments(2, study_valued, study_flags, 'deck or scene', list, problems)
       if (list%operand == '') list%operand = 'data/thesis.deck'
+    case ('generate')
+      call read_arguments(2, generate_valued, no_flags, 'specification', list, problems)
+      if (list%operand == '') &
+        call problems%add('no specification named, expected: asperity generate [OPTIONS] SPEC')
     case default
       if (any(line%command == later_commands)) then
         call problems%add('the command ' // line%command // ' is not available in this version')
@@ -108,6 +123,8 @@ contains
     end do
     if (line%accuracy > 0 .and. line%arithmetic /= '') &
       call problems%add('--accuracy chooses the arithmetic: leave out --arithmetic')
+    if (line%output_file /= '' .and. line%upper_file /= '') &
+      call problems%add('--output and --upper both name the upper surface, expected one of them')
     call check_files(line, problems)
   end subroutine parse_command_line
 
@@ -135,6 +152,14 @@ contains
       line%curve_file = value
     case ('--csv')
       line%csv_file = value
+    case ('--output')
+      line%output_file = value
+    case ('--upper')
+      line%upper_file = value
+    case ('--lower')
+      line%lower_file = value
+    case ('--surface')
+      call read_member(value, line%member, problems)
     case ('--carriage-control')
       line%carriage_control = .true.
     case ('--quiet')
@@ -162,6 +187,38 @@ contains
     threads = 1
     call problems%add('--threads: found ' // quoted(value) // ', expected a number from 1 to 9999')
   end subroutine read_threads
+
+  !> A surface's number in an ensemble.
+  subroutine read_member(value, member, problems)
+    character(len=*), intent(in) :: value
+    integer, intent(inout) :: member
+    type(problem_list), intent(inout) :: problems
+    integer :: status
+
+    status = 1
+    if (len(value) <= 7 .and. verify(value, '0123456789') == 0) &
+      read (value, '(i7)', iostat=status) member
+    if (status == 0 .and. member > 0) return
+    member = 0
+    call problems%add('--surface: found ' // quoted(value) // ', expected a number from 1')
+  end subroutine read_member
+
+  !> The path of an output of a member of an ensemble: `%` stands for its number.
+  pure function output_place(pattern, member) result(path)
+    character(len=*), intent(in) :: pattern  !! as the user gave it
+    integer, intent(in) :: member            !! number in the ensemble
+    character(len=:), allocatable :: path    !! the file
+    integer :: i
+
+    path = ''
+    do i = 1, len(pattern)
+      if (pattern(i:i) == '%') then
+        path = path // decimal_text(member)
+      else
+        path = path // pattern(i:i)
+      end if
+    end do
+  end function output_place
 
   !> A relative error between 0 and 1.
   subroutine read_accuracy(value, accuracy, problems)
@@ -226,8 +283,14 @@ contains
       path = line%positions_file
     case (3)
       path = line%curve_file
-    case default
+    case (4)
       path = line%csv_file
+    case (5)
+      path = line%output_file
+    case (6)
+      path = line%upper_file
+    case default
+      path = line%lower_file
     end select
   end function output_file
 

@@ -38,6 +38,8 @@ contains
       call describe_solve(text)
     case ('accuracy')
       call describe_accuracy(text)
+    case ('generate')
+      call describe_generate(text)
     case default
       call describe_all(text)
     end select
@@ -52,6 +54,7 @@ contains
     call text%line('Usage: asperity [OPTIONS] DECK')
     call text%line('       asperity solve [OPTIONS] SCENE')
     call text%line('       asperity accuracy [OPTIONS] [DECK or SCENE]')
+    call text%line('       asperity generate [OPTIONS] SPEC')
     call text%line('       asperity COMMAND --help')
     call text%line('')
     call text%line('asperity DECK runs the original program on a card deck and prints its report.')
@@ -93,6 +96,21 @@ contains
     call text%line('  --csv FILE          write the table with all digits')
     call text%line('  --quiet             print no table')
   end subroutine describe_accuracy
+
+  subroutine describe_generate(text)
+    type(text_buffer), intent(inout) :: text
+
+    call text%line('Usage: asperity generate [OPTIONS] SPEC')
+    call text%line('')
+    call text%line('Makes random surfaces from a specification: CSV, or a card deck when it has a')
+    call text%line('group &deck. Without options the upper surface, or the deck, is printed. A %')
+    call text%line('in a file''s name stands for the surface''s number in the ensemble.')
+    call text%line('')
+    call text%line('  --output FILE       write the upper surface, or the deck, to a file')
+    call text%line('  --upper FILE        write the upper surface as CSV')
+    call text%line('  --lower FILE        write the lower surface as CSV')
+    call text%line('  --surface N         only surface N of the ensemble')
+  end subroutine describe_generate
 
   !> Name and version.
   subroutine show_version(status)

@@ -7,6 +7,7 @@ program asperity_main
   use asperity_problems, only: problem_list
   use asperity_process, only: end_process
   use asperity_run_accuracy, only: run_accuracy_command
+  use asperity_run_generate, only: run_generate_command
   use asperity_run_original, only: run_original_command
   use asperity_run_solve, only: run_solve_command
   implicit none
@@ -29,6 +30,8 @@ program asperity_main
       call show_version(status)
     case ('accuracy')
       call run_accuracy_command(line, status)
+    case ('generate')
+      call run_generate_command(line, status)
     case ('solve')
       call run_solve_command(line, status)
     case default

@@ -21,6 +21,7 @@ module asperity_boundary_gap
     real(real64) :: penetration = 0.0_real64        !! vertical, past first touch; more than 0
     real(real64) :: reach = 0.0_real64              !! no gap is below 0 farther than that from it
     real(real64) :: contact_radius = 0.0_real64     !! of Hertz, the slope left out
+    real(real64) :: cosine = 1.0_real64             !! of the slope at first touch
     real(real64) :: curvature_radius = 0.0_real64   !! 1/R = 1/RU + 1/RL
     real(real64) :: upper(2) = 0.0_real64           !! from the upper centre to the touch, in plan
     real(real64) :: lower(2) = 0.0_real64           !! from the lower centre to the touch, in plan
@@ -42,12 +43,13 @@ contains
     share = pair%upper_radius / pair%s
     shape%pair = number
     shape%penetration = penetration
+    shape%cosine = pair%zc / pair%s
     shape%upper = share * apart
     shape%lower = -(pair%lower_radius / pair%s) * apart
     shape%x = pair%upper_x + shape%upper(1)
     shape%y = pair%upper_y + shape%upper(2)
-    shape%upper_height = share * pair%zc
-    shape%lower_height = (pair%lower_radius / pair%s) * pair%zc
+    shape%upper_height = pair%upper_radius * shape%cosine
+    shape%lower_height = pair%lower_radius * shape%cosine
     shape%curvature_radius = share * pair%lower_radius
     ! Both spheres curve by 1/radius at least everywhere: gap >= s**2/(2 R) - penetration.
     shape%contact_radius = sqrt(shape%curvature_radius * penetration)

@@ -60,7 +60,8 @@ contains
   !> Puts contacts into clusters and gives every cluster its lattice.
   subroutine form_clusters(shapes, cells_per_radius, patches)
     type(gap_shape), intent(in) :: shapes(:)            !! the contacts
-    real(real64), intent(in) :: cells_per_radius        !! of a cluster's largest contact
+    !> for the contact of a cluster that would bear most alone, across its ellipse
+    real(real64), intent(in) :: cells_per_radius
     type(patch), allocatable, intent(out) :: patches(:) !! the contacts with their lattices
     integer, allocatable :: largest(:)
     integer :: i, k, l
@@ -80,15 +81,23 @@ contains
     do i = 1, size(shapes)
       l = patches(i)%cluster
       if (largest(l) == 0) largest(l) = i
-      if (shapes(i)%contact_radius > shapes(largest(l))%contact_radius) largest(l) = i
+      if (size_of(shapes(i)) > size_of(shapes(largest(l)))) largest(l) = i
     end do
     do i = 1, size(shapes)
       k = largest(patches(i)%cluster)
-      patches(i)%coarse = shapes(k)%contact_radius / cells_per_radius
+      ! A sphere's slope curves it more: by 1/cosine across, by its third power along.
+      patches(i)%coarse = shapes(k)%contact_radius * sqrt(shapes(k)%cosine)**3 / cells_per_radius
       patches(i)%origin_x = (shapes(k)%x - shapes(i)%x) - lattice_x * patches(i)%coarse
       patches(i)%origin_y = (shapes(k)%y - shapes(i)%y) - lattice_y * patches(i)%coarse
     end do
   end subroutine form_clusters
+
+  ! The load of a contact alone, over 4/3 of the modulus.
+  pure real(real64) function size_of(shape)
+    type(gap_shape), intent(in) :: shape
+
+    size_of = shape%contact_radius * shape%penetration * shape%cosine
+  end function size_of
 
   !> Cells that patches will have, at most, after a number of halvings.
   pure function expected_cells(patches, halvings) result(cells)

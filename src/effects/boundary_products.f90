@@ -79,7 +79,8 @@ contains
     integer :: i, k
 
     do i = 1, size(patches)
-      cells(i) = pi * (patches(i)%shape%reach / patches(i)%coarse * 2.0_real64**halvings)**2
+      cells(i) = pi * (patches(i)%shape%cosine * patches(i)%shape%reach / patches(i)%coarse * &
+                       2.0_real64**halvings)**2
     end do
     work = 0.5_real64 * sum(cells**2)
     do i = 2, size(patches)

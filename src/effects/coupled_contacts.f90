@@ -14,10 +14,13 @@
 module asperity_coupled_contacts
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_equations, only: solve_equations
+  use asperity_coupled_acceleration, only: accelerate, forget, step_memory
   use asperity_coupled_estimate, only: estimate_of_interaction
-  use asperity_coupled_field, only: contact_field, spread_field
+  use asperity_coupled_field, only: spread_field
   use asperity_coupled_start, only: start_at_closing, start_at_load
+  use asperity_coupled_state, only: compare, gather, go_back_half, look_at_waiting, mark_place, &
+                                    prepare, solve_state
+  use asperity_coupled_step, only: propose, take
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -25,26 +28,16 @@ module asperity_coupled_contacts
 
   public :: estimate_of_interaction, solve_coupled, solve_coupled_load
 
-  !> Where the iteration stands. The first `awake` of `order` are followed, the others wait.
-  type :: solve_state
-    real(real64) :: closing = 0.0_real64
-    real(real64) :: target = -1.0_real64           !! sum of the normal loads; below 0: not asked
-    real(real64) :: most_closing = huge(1.0_real64)
-    integer :: awake = 0
-    integer, allocatable :: order(:)               !! pairs; loaded ones first, then open ones
-    real(real64), allocatable :: p(:)              !! penetration, by pair
-    real(real64), allocatable :: shift_x(:)        !! of the circle, by pair
-    real(real64), allocatable :: shift_y(:)        !! of the circle, by pair
-    real(real64), allocatable :: normal(:)         !! load, by place in the order
-    real(real64), allocatable :: stiffness(:)      !! by place in the order
-    type(contact_field) :: field                   !! by place in the order
-  end type solve_state
-
   ! The residual asked for, and the one that counts as converged where rounding allows no less.
   real(real64), parameter :: tolerance = 1.0e-12_real64, tolerance_rounded = 1.0e-10_real64
-  integer, parameter :: most_iterations = 200
-  ! Open contacts that lie deeper than this share of the largest penetration wait.
-  real(real64), parameter :: margin = 0.2_real64
+  integer, parameter :: most_iterations = 400, most_with_load = 100, most_trials = 100
+  ! Below this residual the matrix of an earlier step serves.
+  real(real64), parameter :: rough = 1.0e-2_real64
+  ! From this residual on the contacts that wait are worth a look.
+  real(real64), parameter :: look_from = 0.5_real64
+  ! More contacts than that take steps in between, for which the far field follows by its
+  ! derivative: what converges slowly is near.
+  integer, parameter :: few = 64, most_inner = 15
 
 contains
 
@@ -99,31 +92,89 @@ contains
       call iterate(pairs, law, state, ending)
       closing = state%closing
       penetration = state%p
+      if (.not. ending%converged .and. closing < state%most_closing) &
+        call search(pairs, law, target, state%most_closing, closing, penetration, ending)
       if (.not. ending%converged) then
-        if (closing < state%most_closing) then
-          reason = 'the iteration did not converge'
-        else
-          reason = 'the load is not reached at the largest closing'
-        end if
+        reason = 'the load is not reached at the largest closing'
+        if (closing < state%most_closing) reason = 'the iteration did not converge'
       end if
     end if
     if (present(failure) .and. allocated(reason)) failure = reason
   end subroutine solve_coupled_load
 
-  ! Room for all pairs.
-  pure subroutine prepare(pairs, state)
+  ! The closing at a load by trial (Illinois rule; Dowell and Jarratt 1971), each trial solved from
+  ! the same start. Slow and safe: for contacts that lie so deep in each other that many share one
+  ! place in turn, where Newton's method with the closing as one more unknown may circle.
+  pure subroutine search(pairs, law, target, most_closing, closing, penetration, ending)
     type(contact_pairs), intent(in) :: pairs
-    type(solve_state), intent(out) :: state
-    integer :: n
+    class(contact_law), intent(in) :: law
+    real(real64), intent(in) :: target, most_closing
+    real(real64), intent(inout) :: closing
+    real(real64), intent(out) :: penetration(:)
+    type(solve_ending), intent(inout) :: ending
+    real(real64) :: low, high, off_low, off_high, off
+    integer :: spent, trial, side
 
-    n = size(pairs%list)
-    allocate (state%order(n), state%p(n), state%normal(n), state%stiffness(n))
-    allocate (state%shift_x(n), source=0.0_real64)
-    allocate (state%shift_y(n), source=0.0_real64)
-    allocate (state%field%x(n), state%field%y(n), state%field%circle(n), state%field%load(n))
-    allocate (state%field%lift(n), state%field%growth(n))
-    allocate (state%field%tilt_x(n), state%field%tilt_y(n))
-  end subroutine prepare
+    spent = ending%iterations
+    off = -1.0_real64
+    low = 0.0_real64
+    off_low = -1.0_real64
+    side = 0
+    do trial = 1, most_trials
+      call attempt(pairs, law, target, closing, penetration, ending, off)
+      spent = spent + ending%iterations
+      if (off >= 0.0_real64 .or. .not. closing < most_closing) exit
+      low = closing
+      off_low = off
+      closing = min(1.5_real64 * closing, most_closing)
+    end do
+    high = closing
+    off_high = off
+    if (off < 0.0_real64) ending%converged = .false.
+    do trial = 1, most_trials
+      if (off_high < 0.0_real64 .or. abs(off) <= tolerance .or. &
+          high - low <= 2 * spacing(high)) exit
+      closing = (low * off_high - high * off_low) / (off_high - off_low)
+      if (modulo(trial, 8) == 0) closing = 0.5_real64 * (low + high)
+      closing = max(low, min(high, closing))
+      call attempt(pairs, law, target, closing, penetration, ending, off)
+      spent = spent + ending%iterations
+      if (off >= 0.0_real64) then
+        high = closing
+        off_high = off
+        if (side == 1) off_low = 0.5_real64 * off_low
+        side = 1
+      else
+        low = closing
+        off_low = off
+        if (side == -1) off_high = 0.5_real64 * off_high
+        side = -1
+      end if
+    end do
+    ending%iterations = spent
+    ending%residual = max(ending%residual, abs(off))
+    ending%converged = ending%converged .and. abs(off) <= tolerance_rounded
+  end subroutine search
+
+  ! What the load at a closing is off by, as a share of the target.
+  pure subroutine attempt(pairs, law, target, closing, penetration, ending, off)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    real(real64), intent(in) :: target, closing
+    real(real64), intent(out) :: penetration(:), off
+    type(solve_ending), intent(out) :: ending
+    type(contact_response) :: response
+    integer :: i
+
+    call solve_coupled(pairs, law, closing, penetration, ending)
+    off = 0.0_real64
+    do i = 1, size(pairs%list)
+      if (.not. penetration(i) > 0.0_real64) cycle
+      call law%respond(pairs%list(i), i, penetration(i), response)
+      off = off + response%load
+    end do
+    off = off / target - 1.0_real64
+  end subroutine attempt
 
   ! Newton's method until the residual is small and nobody who waits must wake.
   pure subroutine iterate(pairs, law, state, ending)
@@ -131,234 +182,83 @@ contains
     class(contact_law), intent(in) :: law
     type(solve_state), intent(inout) :: state
     type(solve_ending), intent(out) :: ending
+    type(step_memory) :: memory
     real(real64), allocatable :: step(:), off(:), shift_x(:), shift_y(:)
-    logical, allocatable :: awake(:)
-    real(real64) :: residual, norm, norm_before, best, share, deepest, closing_step
-    integer :: n, stalled, halvings
-    logical :: woken
+    real(real64) :: residual, residual_whole, norm, norm_whole, norm_before, best
+    integer :: n, most, stalled, halvings, inner
+    logical :: woken, looked, same, whole, refresh, done
 
     n = size(pairs%list)
-    allocate (step(n), off(n), shift_x(n), shift_y(n))
-    deepest = maxval([state%p, 0.0_real64])
-    allocate (awake(n))
-    awake = state%p > -margin * deepest .or. n <= 64
-    step = 0.0_real64
-    closing_step = 0.0_real64
+    most = most_iterations
+    if (state%target > 0.0_real64) most = most_with_load
+    allocate (off(n), shift_x(n), shift_y(n), step(0))
+    norm_whole = huge(1.0_real64)
     norm_before = huge(1.0_real64)
+    residual_whole = huge(1.0_real64)
     best = huge(1.0_real64)
     stalled = 0
     halvings = 0
+    inner = 0
+    looked = .false.
+    refresh = .true.
     do
       ending%iterations = ending%iterations + 1
-      call gather(pairs, law, state, awake)
-      call spread_field(state%field, pairs%modulus)
+      call gather(pairs, law, state, best < rough, same)
+      whole = refresh .or. .not. same .or. n <= few
+      call spread_field(state%field, pairs%modulus, whole)
       call compare(pairs, state, off, shift_x, shift_y, residual, norm)
-      ending%residual = residual
-      if (norm > 2 * norm_before .and. halvings < 8) then
-        ! Too far: back half of the way.
+      if (whole) norm_before = norm_whole
+      if (.not. norm <= 2 * norm_before .and. halvings < 8) then
+        ! Too far: back half of the way, without memory.
         halvings = halvings + 1
-        step = 0.5_real64 * step
-        closing_step = 0.5_real64 * closing_step
-        state%p = state%p - step
-        state%closing = state%closing - closing_step
+        refresh = .true.
+        call go_back_half(state)
+        call forget(memory)
         cycle
       end if
       halvings = 0
       norm_before = norm
-      stalled = stalled + 1
-      if (residual < 0.5_real64 * best) stalled = 0
-      best = min(best, residual)
-      if (residual <= tolerance .or. (residual <= tolerance_rounded .and. stalled >= 3) .or. &
-          ending%iterations >= most_iterations) then
-        call look_at_waiting(pairs, state, awake, woken)
-        if (.not. woken .or. ending%iterations >= most_iterations) exit
-        norm_before = huge(1.0_real64)
-        best = huge(1.0_real64)
-        cycle
-      end if
-      share = 1.0_real64
-      if (ending%iterations > 20) share = 0.5_real64
-      call improve(pairs, state, off, shift_x, shift_y, share, residual, step, closing_step)
-    end do
-    ending%converged = residual <= tolerance_rounded .and. .not. woken
-  end subroutine iterate
-
-  ! Sets out the contacts that are awake, those with load first.
-  pure subroutine gather(pairs, law, state, awake)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    type(solve_state), intent(inout) :: state
-    logical, intent(in) :: awake(:)
-    type(contact_response) :: response
-    integer :: i, k, n
-    real(real64) :: p
-
-    n = 0
-    do i = 1, size(pairs%list)
-      if (.not. (awake(i) .and. state%p(i) > 0.0_real64)) cycle
-      n = n + 1
-      state%order(n) = i
-    end do
-    state%field%loaded = n
-    do i = 1, size(pairs%list)
-      if (.not. awake(i) .or. state%p(i) > 0.0_real64) cycle
-      n = n + 1
-      state%order(n) = i
-    end do
-    state%awake = n
-    state%field%count = n
-    do k = 1, n
-      i = state%order(k)
-      state%field%x(k) = pairs%list(i)%x + state%shift_x(i)
-      state%field%y(k) = pairs%list(i)%y + state%shift_y(i)
-      p = min(state%p(i), 0.999999_real64 * pairs%list(i)%zc)
-      call law%respond(pairs%list(i), i, p, response)
-      state%field%circle(k) = response%contact_radius
-      state%field%load(k) = response%vertical_load
-      state%stiffness(k) = response%stiffness
-      state%normal(k) = response%load
-    end do
-    n = state%field%loaded
-    if (allocated(state%field%compliance)) then
-      if (size(state%field%compliance, 1) == n) return
-      deallocate (state%field%compliance)
-    end if
-    allocate (state%field%compliance(n, n))
-  end subroutine gather
-
-  ! What the equations leave over, by place in the order, and where the circles should be.
-  pure subroutine compare(pairs, state, off, shift_x, shift_y, residual, norm)
-    type(contact_pairs), intent(in) :: pairs
-    type(solve_state), intent(in) :: state
-    real(real64), intent(out) :: off(:), shift_x(:), shift_y(:), residual, norm
-    real(real64) :: deepest, moved
-    integer :: i, k
-
-    residual = 0.0_real64
-    norm = 0.0_real64
-    deepest = tiny(1.0_real64)
-    do k = 1, state%awake
-      i = state%order(k)
-      shift_x(k) = -pairs%list(i)%radius * state%field%tilt_x(k)
-      shift_y(k) = -pairs%list(i)%radius * state%field%tilt_y(k)
-      off(k) = (state%closing - pairs%list(i)%gap - state%field%lift(k) - &
-                0.5_real64 * (state%shift_x(i)**2 + state%shift_y(i)**2) / &
-                pairs%list(i)%radius) - state%p(i)
-      if (k <= state%field%loaded) then
-        deepest = max(deepest, state%p(i))
-        moved = hypot(shift_x(k) - state%shift_x(i), shift_y(k) - state%shift_y(i)) * &
-                hypot(state%field%tilt_x(k), state%field%tilt_y(k))
-        residual = max(residual, abs(off(k)), moved)
-        norm = norm + off(k)**2 + moved**2
-      else if (off(k) + state%p(i) > 0.0_real64) then
-        residual = max(residual, off(k) + state%p(i))
-        norm = norm + (off(k) + state%p(i))**2
-      end if
-    end do
-    residual = residual / deepest
-    norm = sqrt(norm)
-    if (state%target > 0.0_real64) then
-      moved = sum(state%normal(:state%field%loaded)) / state%target - 1.0_real64
-      residual = max(residual, abs(moved))
-    end if
-  end subroutine compare
-
-  ! One step of Newton's method.
-  pure subroutine improve(pairs, state, off, shift_x, shift_y, share, residual, step, closing_step)
-    type(contact_pairs), intent(in) :: pairs
-    type(solve_state), intent(inout) :: state
-    real(real64), intent(in) :: off(:), shift_x(:), shift_y(:), share, residual
-    real(real64), intent(out) :: step(:), closing_step
-    real(real64), allocatable :: diagonal(:), change(:), reply(:), ones(:)
-    real(real64) :: accuracy, grown, lacking, wanted
-    integer :: i, k, m
-
-    m = state%field%loaded
-    allocate (diagonal(m), change(m))
-    do k = 1, m
-      ! A wider circle means the neighbours' field over a wider one: d(radius)/dp = R/(2 radius).
-      ! Where circles overlap this may fall; without it the matrix stays positive.
-      grown = 0.5_real64 * pairs%list(state%order(k))%radius / state%field%circle(k)**2 * &
-              state%field%growth(k)
-      diagonal(k) = (1.0_real64 + max(grown, 0.0_real64)) / state%stiffness(k)
-    end do
-    accuracy = max(1.0e-9_real64, min(1.0e-3_real64, 0.01_real64 * residual))
-    call solve_equations(diagonal, state%field%compliance, off(:m), accuracy, change)
-    closing_step = 0.0_real64
-    if (state%target > 0.0_real64) then
-      allocate (reply(m), ones(m))
-      ones = 1.0_real64
-      call solve_equations(diagonal, state%field%compliance, ones, accuracy, reply)
-      lacking = state%target - sum(state%normal(:m))
-      wanted = lacking - sum(change * state%normal(:m) / state%field%load(:m))
-      closing_step = wanted / sum(reply * state%normal(:m) / state%field%load(:m))
-      closing_step = min(closing_step, state%most_closing - state%closing)
-      change = change + closing_step * reply
-    end if
-    state%closing = state%closing + closing_step
-    step = 0.0_real64
-    do k = 1, state%awake
-      i = state%order(k)
-      if (k <= m) then
-        step(i) = change(k) / state%stiffness(k)
+      refresh = .false.
+      if (whole) then
+        ending%residual = residual
+        residual_whole = residual
+        norm_whole = norm
+        inner = 0
+        stalled = stalled + 1
+        if (residual < 0.5_real64 * best) stalled = 0
+        best = min(best, residual)
+        if (ending%iterations >= most) exit
+        done = residual <= tolerance .or. (residual <= tolerance_rounded .and. stalled >= 4)
+        if (done .or. (residual <= look_from .and. .not. looked)) then
+          looked = .true.
+          call look_at_waiting(pairs, state, woken)
+          if (done .and. .not. woken) exit
+          if (woken) then
+            norm_whole = huge(1.0_real64)
+            best = huge(1.0_real64)
+            refresh = .true.
+            cycle
+          end if
+        end if
       else
-        step(i) = off(k) + closing_step
+        inner = inner + 1
+        refresh = residual <= 1.0e-2_real64 * residual_whole .or. inner >= most_inner .or. &
+                  ending%iterations >= most
       end if
-      state%shift_x(i) = state%shift_x(i) + share * (shift_x(k) - state%shift_x(i))
-      state%shift_y(i) = state%shift_y(i) + share * (shift_y(k) - state%shift_y(i))
-    end do
-    state%p = state%p + step
-  end subroutine improve
-
-  ! Finds the penetrations of those that wait, and wakes whom the others no longer keep open.
-  pure subroutine look_at_waiting(pairs, state, awake, woken)
-    type(contact_pairs), intent(in) :: pairs
-    type(solve_state), intent(inout) :: state
-    logical, intent(inout) :: awake(:)
-    logical, intent(out) :: woken
-    type(contact_field) :: all
-    real(real64) :: deepest
-    integer :: i, k, m, n
-
-    woken = .false.
-    if (state%awake == size(awake)) return
-    m = state%field%loaded
-    all%loaded = m
-    n = size(awake)
-    allocate (all%x(n), all%y(n), all%circle(n), all%load(n), all%lift(n), all%growth(n))
-    allocate (all%tilt_x(n), all%tilt_y(n), all%compliance(m, m))
-    all%x(:m) = state%field%x(:m)
-    all%y(:m) = state%field%y(:m)
-    all%circle(:m) = state%field%circle(:m)
-    all%load(:m) = state%field%load(:m)
-    deepest = maxval(state%p)
-    k = m
-    do i = 1, n
-      if (awake(i)) cycle
-      if (pairs%list(i)%gap >= state%closing) then
-        state%p(i) = state%closing - pairs%list(i)%gap
-        cycle
+      call propose(pairs, state, off, shift_x, shift_y, residual, step)
+      if (same .and. residual < 0.1_real64) then
+        call accelerate(memory, step)
+      else
+        call forget(memory)
       end if
-      k = k + 1
-      state%order(k) = i
-      all%x(k) = pairs%list(i)%x
-      all%y(k) = pairs%list(i)%y
-      all%circle(k) = 0.0_real64
-      all%load(k) = 0.0_real64
+      call mark_place(state)
+      call take(state, step, off)
     end do
-    all%count = k
-    call spread_field(all, pairs%modulus)
-    do k = m + 1, all%count
-      i = state%order(k)
-      ! The sphere may touch aside, where the tilted surface is closer.
-      state%p(i) = state%closing - pairs%list(i)%gap - all%lift(k) + &
-                   0.5_real64 * pairs%list(i)%radius * (all%tilt_x(k)**2 + all%tilt_y(k)**2)
-      if (state%p(i) > 0.0_real64) woken = .true.
-    end do
-    if (.not. woken) return
-    do i = 1, n
-      if (state%p(i) > -margin * deepest) awake(i) = .true.
-    end do
-  end subroutine look_at_waiting
+    ending%converged = ending%residual <= tolerance_rounded
+    if (ending%converged) then
+      call look_at_waiting(pairs, state, woken)
+      ending%converged = .not. woken
+    end if
+  end subroutine iterate
 
 end module asperity_coupled_contacts

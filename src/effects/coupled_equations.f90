@@ -7,21 +7,23 @@ module asperity_coupled_equations
   implicit none
   private
 
-  public :: solve_equations
+  public :: multiply, solve_equations
 
 contains
 
   !> Solves to a relative accuracy, which a Newton step needs only roughly.
-  pure subroutine solve_equations(diagonal, compliance, rhs, tolerance, solution)
+  pure subroutine solve_equations(diagonal, compliance, rhs, tolerance, solution, definite)
     real(real64), intent(in) :: diagonal(:)        !! more than 0
     real(real32), intent(in) :: compliance(:, :)   !! symmetric, zero on the diagonal
     real(real64), intent(in) :: rhs(:)             !! right-hand side
     real(real64), intent(in) :: tolerance          !! of the residual over the right-hand side
     real(real64), intent(out) :: solution(:)       !! y
+    logical, intent(out) :: definite               !! false: not positive definite, y is no solution
     real(real64) :: direction(size(rhs)), residual(size(rhs)), image(size(rhs))
     real(real64) :: size_now, size_before, first, curvature
     integer :: iteration
 
+    definite = .true.
     solution = 0.0_real64
     residual = rhs
     direction = residual / diagonal
@@ -29,9 +31,11 @@ contains
     first = size_now
     do iteration = 1, 4 * size(rhs) + 20
       if (.not. size_now > tolerance**2 * first) exit
-      call multiply(diagonal, compliance, direction, image)
+      call multiply(compliance, direction, image)
+      image = image + diagonal * direction
       curvature = dot_product(direction, image)
-      if (.not. curvature > 0.0_real64) exit
+      definite = curvature > 0.0_real64
+      if (.not. definite) return
       solution = solution + (size_now / curvature) * direction
       residual = residual - (size_now / curvature) * image
       size_before = size_now
@@ -39,20 +43,19 @@ contains
       size_now = dot_product(residual, image)
       direction = image + (size_now / size_before) * direction
     end do
-    ! The diagonal alone still is a step downhill.
-    if (iteration == 1) solution = rhs / diagonal
   end subroutine solve_equations
 
-  ! Column by column, four at once: no sum must be taken apart to make this vectors.
-  pure subroutine multiply(diagonal, compliance, vector, image)
-    real(real64), intent(in) :: diagonal(:)
-    real(real32), intent(in) :: compliance(:, :)
-    real(real64), intent(in) :: vector(:)
-    real(real64), intent(out) :: image(:)
+  !> A symmetric matrix times a vector.
+  !>
+  !> Column by column, four at once: no sum need be split to make this vectors.
+  pure subroutine multiply(compliance, vector, image)
+    real(real32), intent(in) :: compliance(:, :)   !! the matrix
+    real(real64), intent(in) :: vector(:)          !! the vector
+    real(real64), intent(out) :: image(:)          !! their product
     integer :: i, j, n
 
     n = size(vector)
-    image = diagonal * vector
+    image = 0.0_real64
     do j = 1, n - 3, 4
       do i = 1, n
         image(i) = image(i) + ( &

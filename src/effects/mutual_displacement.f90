@@ -26,6 +26,7 @@ module asperity_mutual_displacement
     real(real64) :: second_growth = 0.0_real64  !! d(on_second)/d(log of second radius)
     real(real64) :: compliance = 0.0_real64  !! flat punch on one, mean of a flat punch on the other
     real(real64) :: slope = 0.0_real64       !! d/dr of Hertz on one, mean of Hertz on the other
+    real(real64) :: bend = 0.0_real64        !! d2/dr2 of the same
   end type mutual_terms
 
   !> Antiderivatives of 1/sqrt(r**2 - tau**2), and of their derivatives by r, at one tau.
@@ -42,6 +43,24 @@ module asperity_mutual_displacement
   ! Below this ratio of radii the differences of the closed forms lose digits; the smaller circle
   ! is then sampled at three points, whose error is below the sixth power of the ratio.
   real(real64), parameter :: small_ratio = 0.04_real64
+  ! From so many sums of radii on the closed forms, made of differences of r**4, lose digits; seven
+  ! terms of the series leave 1e-12 there.
+  real(real64), parameter :: series_from = 4.0_real64
+  integer, parameter :: terms_kept = 6
+  integer :: loop
+  ! 1/sqrt(1 - z) in powers of z; means of t**(2 k) over a row of radius 1, flat and Hertz'.
+  real(real64), parameter :: root_terms(0:terms_kept) = &
+    [1.0_real64, 0.5_real64, 0.375_real64, 0.3125_real64, 0.2734375_real64, 0.24609375_real64, &
+     0.2255859375_real64]
+  real(real64), parameter :: flat_means(0:terms_kept) = &
+    [(1.0_real64 / (2 * loop + 1), loop=0, terms_kept)]
+  real(real64), parameter :: hertz_means(0:terms_kept) = &
+    [(3.0_real64 / ((2 * loop + 1) * (2 * loop + 3)), loop=0, terms_kept)]
+  ! Even places of Pascal's triangle, by 2 k and 2 m.
+  real(real64), parameter :: binomial(0:terms_kept, 0:terms_kept) = reshape(real([ &
+    1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 6, 1, 0, 0, 0, 0, 1, 15, 15, 1, 0, 0, 0, &
+    1, 28, 70, 28, 1, 0, 0, 1, 45, 210, 210, 45, 1, 0, 1, 66, 495, 924, 495, 66, 1], real64), &
+    [terms_kept + 1, terms_kept + 1])
 
 contains
 
@@ -52,10 +71,14 @@ contains
     real(real64), intent(in) :: second       !! radius of the second circle; one is more than 0
     type(mutual_terms), intent(out) :: terms !! the terms
     type(antiderivatives) :: far, near
-    real(real64) :: a, b, flat, scale, rim
+    real(real64) :: a, b, bend, flat, hertz, scale, rim
 
     if (min(first, second) <= small_ratio * max(first, second)) then
       call with_small_circle(r, first, second, terms)
+      return
+    end if
+    if (r > series_from * (first + second)) then
+      call by_series(r, first, second, terms)
       return
     end if
     a = first
@@ -63,6 +86,7 @@ contains
     call integrate(r, a + b, far)
     call integrate(r, b - a, near)
     flat = 0.5_real64 / (pi * a * b)
+    hertz = (4.5_real64 / (pi * a * b)) / (a * b)
     scale = 1.5_real64 / (pi * a * b)
     terms%compliance = flat * (far%second - near%second)
     terms%on_first = scale * ((far%third - near%third) - (far%fourth - near%fourth) / b) / b
@@ -72,11 +96,70 @@ contains
     terms%first_growth = rim - terms%on_first
     rim = (scale / a) * (b / a) * (a * (far%second + near%second) - (far%third - near%third))
     terms%second_growth = rim - terms%on_second
-    terms%slope = (4.5_real64 / (pi * a * b)) / (a * b) * ( &
+    terms%slope = hertz * ( &
       (far%slope_fourth + near%slope_fourth) - (far%slope_fifth - near%slope_fifth) / a - &
       (far%slope_fifth + near%slope_fifth) / b + &
       (far%slope_sixth - near%slope_sixth) / (a * b))
+    ! The root is harmonic in r and i tau: its Laplacian in plan is its second derivative by tau.
+    bend = hertz * ((far%second + near%second) - (far%third - near%third) / a - &
+                    (far%third + near%third) / b + (far%fourth - near%fourth) / (a * b))
+    terms%bend = 0.5_real64 * bend
+    if (r > 0.0_real64) terms%bend = bend - terms%slope / r
   end subroutine mutual_displacement
+
+  ! Circles well apart: the root in powers of tau/r, averaged term by term.
+  pure subroutine by_series(r, first, second, terms)
+    real(real64), intent(in) :: r, first, second
+    type(mutual_terms), intent(out) :: terms
+    real(real64), dimension(0:terms_kept) :: a, b
+    real(real64) :: unit, mean, grown, bent
+    integer :: k
+
+    unit = 1.0_real64 / (pi * r)
+    a(0) = 1.0_real64
+    b(0) = 1.0_real64
+    do k = 1, terms_kept
+      a(k) = a(k - 1) * (first / r)**2
+      b(k) = b(k - 1) * (second / r)**2
+    end do
+    terms%bend = 0.0_real64
+    do k = terms_kept, 0, -1
+      call average(k, flat_means, hertz_means, mean, grown)
+      terms%on_first = terms%on_first + unit * mean
+      terms%first_growth = terms%first_growth + unit * grown
+      call average(k, hertz_means, flat_means, mean, grown)
+      terms%on_second = terms%on_second + unit * mean
+      ! By its own radius: what is left of the degree 2 k.
+      terms%second_growth = terms%second_growth + unit * (2 * k * mean - grown)
+      call average(k, flat_means, flat_means, mean, grown)
+      terms%compliance = terms%compliance + unit * mean
+      call average(k, hertz_means, hertz_means, mean, grown)
+      terms%slope = terms%slope - unit * (2 * k + 1) * mean / r
+      bent = unit * (2 * k + 1) * (2 * k + 2) * mean / r**2
+      terms%bend = terms%bend + bent
+    end do
+
+  contains
+
+    ! Mean of the k-th term over two rows, and its derivative by the log of the first radius.
+    pure subroutine average(k, first_means, second_means, mean, grown)
+      integer, intent(in) :: k
+      real(real64), intent(in) :: first_means(0:), second_means(0:)
+      real(real64), intent(out) :: mean, grown
+      real(real64) :: part
+      integer :: m
+
+      mean = 0.0_real64
+      grown = 0.0_real64
+      do m = 0, k
+        part = root_terms(k) * binomial(m, k) * (a(m) * first_means(m)) * &
+               (b(k - m) * second_means(k - m))
+        mean = mean + part
+        grown = grown + 2 * m * part
+      end do
+    end subroutine average
+
+  end subroutine by_series
 
   ! The antiderivatives at tau. Beyond r the root is zero, so that they are polynomials there:
   ! the same expressions with the arc at its end and no root.
@@ -136,6 +219,9 @@ contains
     call field_at(r, b, place, hertz_aside, flat_aside, slope_aside)
     flat_hertz = flat + 2 * gegenbauer_weight * (flat_aside - flat)
     terms%slope = slope + 2 * gegenbauer_weight * (slope_aside - slope)
+    ! Only Newton's method needs it: that of a point load outside, of the bowl inside.
+    terms%bend = -0.75_real64 / b**3
+    if (r > b) terms%bend = 2.0_real64 / (pi * r**3)
     ! Hertz on the small circle, felt by the large: its rim is where the small circle's row ends.
     by_flat_rim = hertz_of_small(r, a, b)
     if (first_is_small) then

@@ -1,6 +1,11 @@
 !> Runs every suite of unit tests.
 program unit_tests
   use asperity_testing, only: finish, run_suite, tally_type
+  use asperity_boundary_suite, only: collect_boundary
+  use asperity_friction_suite, only: collect_friction
+  use asperity_generation_suite, only: collect_generation
+  use asperity_philox_suite, only: collect_philox
+  use asperity_plasticity_suite, only: collect_plasticity
   use asperity_test_cards, only: collect_cards
   use asperity_test_hex32, only: collect_hex32
   use asperity_test_overlap, only: collect_overlap
@@ -15,5 +20,10 @@ program unit_tests
   call run_suite('cards', collect_cards, tally)
   call run_suite('report fields', collect_report_fields, tally)
   call run_suite('scene', collect_scene, tally)
+  call run_suite('cells', collect_boundary, tally)
+  call run_suite('friction', collect_friction, tally)
+  call run_suite('plastic flow', collect_plasticity, tally)
+  call run_suite('generator', collect_philox, tally)
+  call run_suite('generation', collect_generation, tally)
   call finish(tally)
 end program unit_tests

@@ -1,0 +1,177 @@
+!> The command `asperity generate SPEC`: random surfaces as CSV files, or as a card deck.
+module asperity_run_generate
+  use asperity_complaints, only: complained
+  use asperity_command_line, only: command_line, output_place, refuse_input
+  use asperity_deck_text, only: surfaces_as_deck
+  use asperity_files, only: write_standard_error, write_standard_output
+  use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
+                                         surface_plan
+  use asperity_generation_spec, only: read_generation_spec
+  use asperity_generation_values, only: generation_spec
+  use asperity_kinds, only: int64
+  use asperity_output_files, only: commit_files, same_file, stage_file
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_surface_text, only: surface_as_csv
+  implicit none
+  private
+
+  public :: run_generate_command
+
+contains
+
+  !> Runs the command. The files of one member of the ensemble appear together.
+  subroutine run_generate_command(line, status)
+    type(command_line), intent(in) :: line  !! the user's choices
+    integer, intent(out) :: status          !! exit status
+    type(generation_spec) :: spec
+    type(surface_plan) :: plans(2)
+    type(problem_list) :: problems
+    character(len=:), allocatable :: failure
+    integer :: first, last, member
+
+    call read_generation_spec(line%input, spec, problems)
+    if (problems%count() == 0) call check_outputs(line, spec, problems)
+    status = 2
+    if (problems%count() > 0) then
+      call write_standard_error(problems%text())
+      return
+    end if
+    status = 1
+    call plan_surface(spec, 1, plans(1))
+    call plan_surface(spec, 2, plans(2))
+    first = max(1, line%member)
+    last = merge(line%member, spec%ensemble, line%member > 0)
+    do member = first, last
+      if (spec%is_deck) then
+        call make_deck(line, spec, plans, member, failure)
+      else
+        call make_csv(line, spec, plans, member, failure)
+      end if
+      if (complained(failure)) return
+      call commit_files(failure)
+      if (complained(failure)) return
+    end do
+    status = 0
+  end subroutine run_generate_command
+
+  !> What the specification and the command line say must agree.
+  subroutine check_outputs(line, spec, problems)
+    type(command_line), intent(in) :: line
+    type(generation_spec), intent(in) :: spec
+    type(problem_list), intent(inout) :: problems
+    character(len=*), parameter :: options(3) = [character(len=8) :: '--output', '--upper', &
+      '--lower']
+    character(len=:), allocatable :: pattern
+    integer :: i, member
+
+    if (line%member > spec%ensemble) &
+      call problems%add('--surface: found ' // decimal_text(line%member) // ', expected at ' // &
+                        'most ' // decimal_text(spec%ensemble) // ', the ensemble of ' // spec%file)
+    if (spec%is_deck .and. line%upper_file // line%lower_file /= '') &
+      call problems%add('--upper and --lower: found for a deck, expected --output, as a deck ' // &
+                        'holds both surfaces')
+    do i = 1, size(options)
+      pattern = pattern_of(i)
+      if (pattern == '') cycle
+      if (spec%ensemble > 1 .and. line%member == 0 .and. index(pattern, '%') == 0) &
+        call problems%add(trim(options(i)) // ': found ' // pattern // ' for ' // &
+                          decimal_text(spec%ensemble) // ' surfaces, expected % in it for ' // &
+                          'their numbers, or --surface N')
+      do member = 1, spec%ensemble
+        if (index(pattern, '%') == 0) exit
+        if (same_file(output_place(pattern, member), spec%file)) &
+          call problems%add(trim(options(i)) // ' names the input, ' // spec%file)
+      end do
+    end do
+    if (spec%ensemble > 1 .and. line%member == 0 .and. &
+        line%output_file // line%upper_file // line%lower_file == '') &
+      call problems%add('standard output holds one surface, found an ensemble of ' // &
+                        decimal_text(spec%ensemble) // ', expected --surface N, or files with ' // &
+                        '% in their names')
+    call refuse_input(line, spec%file, problems)
+
+  contains
+
+    pure function pattern_of(number) result(text)
+      integer, intent(in) :: number
+      character(len=:), allocatable :: text
+
+      text = line%output_file
+      if (number == 2) text = line%upper_file
+      if (number == 3) text = line%lower_file
+    end function pattern_of
+
+  end subroutine check_outputs
+
+  !> Makes the surfaces that are asked for and stages their files; the upper one goes to standard
+  !> output when no file is named.
+  subroutine make_csv(line, spec, plans, member, failure)
+    type(command_line), intent(in) :: line
+    type(generation_spec), intent(in) :: spec
+    type(surface_plan), intent(in) :: plans(2)
+    integer, intent(in) :: member
+    character(len=:), allocatable, intent(out) :: failure
+    character(len=:), allocatable :: upper_file
+
+    upper_file = line%output_file // line%upper_file
+    if (upper_file /= '' .or. line%lower_file == '') call make_one(1, upper_file)
+    if (allocated(failure)) return
+    if (line%lower_file /= '') call make_one(2, line%lower_file)
+
+  contains
+
+    subroutine make_one(side, pattern)
+      integer, intent(in) :: side
+      character(len=*), intent(in) :: pattern
+      type(generated_surface) :: surface
+      character(len=:), allocatable :: text
+      integer(int64) :: used
+
+      call generate_surface(plans(side), member, surface, failure)
+      if (allocated(failure)) then
+        failure = spec%file // ': ' // failure
+        return
+      end if
+      call surface_as_csv(surface, text, used)
+      call send(pattern, member, text(:used), failure)
+    end subroutine make_one
+
+  end subroutine make_csv
+
+  !> Makes both surfaces and stages the deck, or prints it.
+  subroutine make_deck(line, spec, plans, member, failure)
+    type(command_line), intent(in) :: line
+    type(generation_spec), intent(in) :: spec
+    type(surface_plan), intent(in) :: plans(2)
+    integer, intent(in) :: member
+    character(len=:), allocatable, intent(out) :: failure
+    type(generated_surface) :: upper, lower
+    type(problem_list) :: notes
+    character(len=:), allocatable :: text
+
+    call generate_surface(plans(1), member, upper, failure)
+    if (.not. allocated(failure)) call generate_surface(plans(2), member, lower, failure)
+    if (allocated(failure)) then
+      failure = spec%file // ': ' // failure
+      return
+    end if
+    call surfaces_as_deck(spec, upper, lower, text, notes)
+    call write_standard_error(notes%text())
+    call send(line%output_file, member, text, failure)
+  end subroutine make_deck
+
+  !> Stages a file, or prints its text when none is named.
+  subroutine send(pattern, member, text, failure)
+    character(len=*), intent(in) :: pattern
+    integer, intent(in) :: member
+    character(len=*), intent(in) :: text
+    character(len=:), allocatable, intent(out) :: failure
+
+    if (pattern == '') then
+      call write_standard_output(text, failure)
+    else
+      call stage_file(output_place(pattern, member), text, failure)
+    end if
+  end subroutine send
+
+end module asperity_run_generate

@@ -1,0 +1,220 @@
+!> Plastic flow past the elastic limit, as an effect that a scene names.
+!>
+!> It gives every contact the law of Hertz up to its onset, of Jackson and Green past it, and
+!> remembers through the states of a position how far each was pressed.
+module asperity_plasticity
+  use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
+  use asperity_contact_law, only: contact_response
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_contact_state, only: answer_all, contact_state
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_hertz_law, only: hertz_law
+  use asperity_kernel_real64, only: stable_overlap
+  use asperity_kinds, only: real64
+  use asperity_plastic_curves, only: constraint_factor, departure
+  use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
+  use asperity_scene_values, only: criterion_hardy, scene
+  implicit none
+  private
+
+  public :: new_plasticity, plasticity_of, tell_plasticity
+
+  real(real64), parameter :: pi = acos(-1.0_real64)
+
+  !> Plastic flow.
+  type, extends(contact_effect) :: plasticity_effect
+    real(real64) :: constraint = 1.6_real64      !! C of the body that yields first
+    real(real64) :: yield_stress = 0.0_real64    !! in tension, in the scene's unit; 0: see limit
+    logical :: limit_is_yield = .false.          !! the limit is the first yield, not the departure
+    real(real64), allocatable :: largest(:)      !! largest overlap of each contact so far
+  contains
+    procedure :: estimate
+    procedure :: apply
+  end type plasticity_effect
+
+contains
+
+  !> Plasticity as the scene names it.
+  subroutine new_plasticity(scene_in, effect)
+    type(scene), intent(in) :: scene_in                         !! checked values
+    class(contact_effect), allocatable, intent(out) :: effect   !! ready to act
+
+    ! Of equal materials but for Poisson's ratio, the one with the smaller ratio yields first.
+    call plasticity_of(scene_in%effects%plasticity, &
+                       min(decimal_to_real64(scene_in%upper%poisson_ratio), &
+                           decimal_to_real64(scene_in%lower%poisson_ratio)), &
+                       0.0_real64, scene_in%limit%criterion == criterion_hardy, effect)
+  end subroutine new_plasticity
+
+  !> Plasticity from plain numbers.
+  subroutine plasticity_of(mode, poisson_ratio, yield_stress, limit_is_yield, effect)
+    integer, intent(in) :: mode                  !! one of the `effect_` numbers
+    real(real64), intent(in) :: poisson_ratio    !! of the body that yields first, -1 to 0.5
+    real(real64), intent(in) :: yield_stress     !! in tension, scene's unit; 0: onset by the limit
+    logical, intent(in) :: limit_is_yield        !! the limit tells of first yield below the surface
+    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
+    type(plasticity_effect) :: new
+
+    new%name = 'plasticity'
+    new%mode = mode
+    new%constraint = constraint_factor(poisson_ratio)
+    new%yield_stress = yield_stress
+    new%limit_is_yield = limit_is_yield
+    new%begin => forget
+    new%keep => remember
+    call set_columns(new%contact_columns, &
+                     [character(len=20) :: 'plastic', 'largest_overlap', 'residual_overlap'], &
+                     reshape([0, 0, 0, 1, 0, 1], [2, 3]))
+    call set_columns(new%state_columns, &
+                     [character(len=20) :: 'elastic_load', 'contacts_flowing', 'dissipated_work'], &
+                     reshape([1, 2, 0, 0, 1, 3], [2, 3]))
+    allocate (effect, source=new)
+  end subroutine plasticity_of
+
+  !> Change of the total vertical load by flow and by what is left of earlier flow, in full: the law
+  !> answers for itself. The others only see less load, so it is not below the truth.
+  function estimate(self, pairs, state) result(share)
+    class(plasticity_effect), intent(in) :: self  !! plasticity
+    type(contact_pairs), intent(in) :: pairs      !! the position
+    type(contact_state), intent(in) :: state      !! without plasticity
+    real(real64) :: share
+    type(plastic_law) :: law
+    type(contact_response) :: answer
+    real(real64) :: changed, total
+    integer :: i
+
+    share = 0.0_real64
+    call make_law(self, pairs, law)
+    changed = 0.0_real64
+    total = sum(state%answers%vertical_load)
+    do i = 1, size(pairs%list)
+      if (.not. state%penetration(i) > 0.0_real64) cycle
+      call law%respond(pairs%list(i), i, state%penetration(i), answer)
+      changed = changed + abs(answer%vertical_load - state%answers(i)%vertical_load)
+    end do
+    if (total > 0.0_real64) share = changed / total
+  end function estimate
+
+  !> Gives the state the plastic law and asks again.
+  subroutine apply(self, pairs, state, outcome)
+    class(plasticity_effect), intent(in) :: self    !! plasticity
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(inout) :: state     !! elastic, then with plastic flow
+    type(effect_outcome), intent(inout) :: outcome  !! what it did
+    type(plastic_law) :: law
+
+    call make_law(self, pairs, law)
+    deallocate (state%law)
+    allocate (state%law, source=law)
+    call answer_all(pairs, state)
+    call tell_plasticity(self, pairs, state, outcome)
+    outcome%simulated = 'on'
+    outcome%ending%converged = .true.
+    outcome%ending%residual = 0.0_real64
+  end subroutine apply
+
+  !> Fills the columns from a state: to be called again when later effects have moved the contacts.
+  !> Columns: whether a contact has passed its onset, its largest and residual overlap; the load of
+  !> Hertz at the same penetrations, how many contacts flow now, work lost since first touch.
+  subroutine tell_plasticity(self, pairs, state, outcome)
+    class(contact_effect), intent(in) :: self       !! plasticity; anything else is left alone
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(in) :: state        !! with plastic flow
+    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
+    type(plastic_law) :: law
+    type(plastic_past) :: past
+    type(contact_response) :: answer
+    real(real64) :: elastic_load, overlap, work
+    integer :: flowing, i
+
+    select type (self)
+    type is (plasticity_effect)
+      call make_law(self, pairs, law)
+      if (allocated(outcome%of_contacts)) deallocate (outcome%of_contacts)
+      if (allocated(outcome%of_state)) deallocate (outcome%of_state)
+      allocate (outcome%of_contacts(size(pairs%list), 3), outcome%of_state(3))
+      elastic_load = 0.0_real64
+      work = 0.0_real64
+      flowing = 0
+      do i = 1, size(pairs%list)
+        call law%elastic%respond(pairs%list(i), i, state%penetration(i), answer)
+        overlap = answer%overlap
+        elastic_load = elastic_load + answer%vertical_load
+        call past_of_contact(law, pairs%list(i), i, max(law%largest(i), overlap), past)
+        outcome%of_contacts(i, 1) = merge(1.0_real64, 0.0_real64, past%flowed)
+        outcome%of_contacts(i, 2) = past%largest
+        outcome%of_contacts(i, 3) = past%residual
+        work = work + past%work_lost
+        if (past%flowed .and. overlap >= law%largest(i)) flowing = flowing + 1
+      end do
+      outcome%of_state = [elastic_load, real(flowing, real64), work]
+    end select
+  end subroutine tell_plasticity
+
+  ! The law of a position, with what was kept of its states so far.
+  subroutine make_law(self, pairs, law)
+    class(plasticity_effect), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    type(plastic_law), intent(out) :: law
+    integer :: i
+
+    law%elastic = hertz_law(modulus=pairs%modulus)
+    law%constraint = self%constraint
+    allocate (law%critical(size(pairs%list)), law%largest(size(pairs%list)))
+    do i = 1, size(pairs%list)
+      law%critical(i) = critical_overlap(self, pairs, pairs%list(i))
+    end do
+    law%largest = 0.0_real64
+    if (.not. allocated(self%largest)) return
+    if (size(self%largest) == size(pairs%list)) law%largest = self%largest
+  end subroutine make_law
+
+  ! Overlap at which the material of a contact first yields; huge: it never does.
+  pure real(real64) function critical_overlap(self, pairs, pair)
+    class(plasticity_effect), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_pair), intent(in) :: pair
+    real(real64) :: strain
+
+    critical_overlap = huge(1.0_real64)
+    if (self%yield_stress > 0.0_real64) then
+      strain = 0.5_real64 * pi * self%constraint * &
+               (scale(self%yield_stress, -4 * pairs%modulus_power) / pairs%modulus)
+      if (strain < 1.0e150_real64) critical_overlap = pair%radius * strain**2
+    else if (pair%limit < 0.5_real64 * huge(1.0_real64)) then
+      critical_overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, pair%limit)
+      if (.not. self%limit_is_yield) critical_overlap = critical_overlap / departure
+    end if
+    critical_overlap = max(critical_overlap, tiny(1.0_real64))
+  end function critical_overlap
+
+  ! A position begins: nothing was pressed yet.
+  subroutine forget(self, pairs)
+    class(contact_effect), intent(inout) :: self
+    type(contact_pairs), intent(in) :: pairs
+
+    select type (self)
+    type is (plasticity_effect)
+      if (allocated(self%largest)) deallocate (self%largest)
+      allocate (self%largest(size(pairs%list)))
+      self%largest = 0.0_real64
+    end select
+  end subroutine forget
+
+  ! Keeps how far every contact was pressed.
+  subroutine remember(self, pairs, state)
+    class(contact_effect), intent(inout) :: self
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    integer :: i
+
+    select type (self)
+    type is (plasticity_effect)
+      do i = 1, size(pairs%list)
+        if (.not. state%penetration(i) > 0.0_real64) cycle
+        self%largest(i) = max(self%largest(i), state%answers(i)%overlap)
+      end do
+    end select
+  end subroutine remember
+
+end module asperity_plasticity

@@ -1,0 +1,298 @@
+!> Reads what `asperity generate` shall make: text in, checked values or a list of problems out.
+module asperity_generation_spec
+  use asperity_decimal, only: decimal_value
+  use asperity_files, only: read_whole_file
+  use asperity_generation_checks, only: check_deck
+  use asperity_generation_values, only: exact_value, gaussian_spec, generation_spec, &
+                                        most_asperities, side_names
+  use asperity_input_problems, only: binary_byte, input_problems
+  use asperity_kinds, only: int64, real128
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_scene_fields, only: above_zero, any_number, not_negative, read_fields, scene_fields
+  use asperity_scene_names, only: known_name, name_table
+  implicit none
+  private
+
+  public :: read_generation_spec, parse_generation_spec, generation_table, take_generation
+
+  ! Without cut-offs a height is so near the mean, in deviations: what lies beyond has a chance of
+  ! 2.4e-16. A range that begins further out than `farthest` has no chance worth the name.
+  real(real128), parameter :: usual_cut = 8.2_real128, farthest = 30.0_real128
+  integer, parameter :: most_members = 1000000, most_tries = 1000000
+
+contains
+
+  !> Reads and checks a specification. With problems it is not to be used.
+  subroutine read_generation_spec(path, spec, problems)
+    character(len=*), intent(in) :: path         !! the file
+    type(generation_spec), intent(out) :: spec   !! its values, defaults filled in
+    type(problem_list), intent(out) :: problems  !! all that is wrong
+    character(len=:), allocatable :: text, failure
+
+    call read_whole_file(path, text, failure)
+    if (allocated(failure)) then
+      ! The failure begins with the path; a problem of a file names a line and a column as well.
+      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // ', expected a specification')
+    else
+      call parse_generation_spec(path, text, spec, problems)
+    end if
+  end subroutine read_generation_spec
+
+  !> Checks the text of a specification; `path` serves the messages only.
+  subroutine parse_generation_spec(path, text, spec, problems)
+    character(len=*), intent(in) :: path         !! name for the messages
+    character(len=*), intent(in) :: text         !! the whole file
+    type(generation_spec), intent(out) :: spec   !! its values, defaults filled in
+    type(problem_list), intent(out) :: problems  !! all that is wrong
+    type(scene_fields) :: fields
+    type(input_problems) :: found
+
+    spec%file = path
+    if (binary_byte(text) > 0) then
+      call found%start(path)
+      call found%add_at_byte(text, binary_byte(text), 'not a text file: found a control ' // &
+                             'character, expected a specification')
+      call found%hand_over(problems)
+      return
+    end if
+    call read_fields(path, text, fields, generation_table())
+    call take_generation(fields, spec)
+    call fields%problems%hand_over(problems)
+  end subroutine parse_generation_spec
+
+  !> The groups and names of a specification.
+  pure function generation_table() result(table)
+    type(name_table) :: table  !! its groups and names
+    character(len=*), parameter :: gaussian(6) = [character(len=20) :: 'mean', 'deviation', &
+      'lowest', 'highest', 'lowest_deviation', 'highest_deviation']
+    character(len=*), parameter :: plane(5) = [character(len=20) :: 'number', 'density', &
+      'length', 'width', 'least_distance']
+    character(len=*), parameter :: random(3) = [character(len=20) :: 'seed', 'ensemble', 'tries']
+    character(len=*), parameter :: deck(7) = [character(len=20) :: 'elastic_modulus', &
+      'poisson_ratio', 'allowed_stress', 'rotation', 'lower_width', 'x_displacement', &
+      'y_displacement']
+    integer :: i
+
+    allocate (table%groups(5), table%names(27))
+    table%groups = [character(len=8) :: 'surfaces', 'heights', 'radii', 'random', 'deck']
+    do i = 1, size(plane)
+      table%names(i) = known_name('surfaces', plane(i))
+    end do
+    do i = 1, size(gaussian)
+      table%names(5 + i) = known_name('heights', gaussian(i))
+      table%names(11 + i) = known_name('radii', gaussian(i))
+    end do
+    do i = 1, size(random)
+      table%names(17 + i) = known_name('random', random(i))
+    end do
+    do i = 1, size(deck)
+      table%names(20 + i) = known_name('deck', deck(i))
+    end do
+  end function generation_table
+
+  !> Takes the groups of a specification from a text that may hold other groups too.
+  subroutine take_generation(fields, spec)
+    type(scene_fields), intent(inout) :: fields   !! the text; problems are added
+    type(generation_spec), intent(inout) :: spec  !! its values
+    type(gaussian_spec) :: pair(2)
+    logical :: good_plane, good_heights, good_radii
+    integer :: before
+
+    before = fields%problems%count()
+    call read_plane(fields, spec)
+    good_plane = fields%problems%count() == before
+    call read_gaussian(fields, 'heights', any_number, pair, good_heights)
+    spec%sides%height = pair
+    call read_gaussian(fields, 'radii', above_zero, pair, good_radii)
+    spec%sides%radius = pair
+    if (good_heights .and. good_radii) call check_spheres(fields, spec)
+    call fields%take_whole('random', 'seed', 0, huge(spec%seed), spec%seed)
+    call fields%take_whole('random', 'ensemble', 1, most_members, spec%ensemble)
+    call fields%take_whole('random', 'tries', 1, most_tries, spec%tries)
+    spec%is_deck = fields%has_group('deck')
+    if (spec%is_deck) &
+      call check_deck(fields, good_plane, good_heights, good_radii, spec)
+  end subroutine take_generation
+
+  !> Group &surfaces.
+  subroutine read_plane(fields, spec)
+    type(scene_fields), intent(inout) :: fields
+    type(generation_spec), intent(inout) :: spec
+    type(decimal_value) :: wanted(2), lengths(2), widths(2), distances(2)
+    real(real128) :: number
+    integer :: side, before
+    logical :: good_extent
+
+    lengths = decimal_value()
+    widths = decimal_value()
+    distances = decimal_value()
+    wanted = decimal_value()
+    before = fields%problems%count()
+    call take_both('length', above_zero, .true., lengths)
+    call take_both('width', above_zero, .true., widths)
+    good_extent = fields%problems%count() == before
+    call take_both('least_distance', not_negative, .false., distances)
+    spec%sides%length = lengths
+    spec%sides%width = widths
+    spec%sides%least_distance = distances
+    before = fields%problems%count()
+    if (fields%has('surfaces', 'number') .and. fields%has('surfaces', 'density')) then
+      call fields%complain_of('surfaces', 'density', 'found beside number, expected one of them')
+    else if (fields%has('surfaces', 'density')) then
+      call take_both('density', above_zero, .true., wanted)
+    else
+      call take_both('number', above_zero, .true., wanted)
+    end if
+    if (fields%problems%count() > before) return
+    do side = 1, 2
+      number = exact_value(wanted(side))
+      if (fields%has('surfaces', 'density')) then
+        if (.not. good_extent) return
+        number = anint(number * exact_value(lengths(side)) * exact_value(widths(side)))
+      end if
+      if (number >= 1.0_real128 .and. number <= real(most_asperities, real128) .and. &
+          abs(number - anint(number)) <= 0.0_real128) then
+        spec%sides(side)%number = int(number)
+      else if (fields%has('surfaces', 'density')) then
+        call fields%complain_of('surfaces', 'density', 'found too few or too many ' // &
+             'asperities on the ' // trim(side_names(side)) // ' surface, expected density ' // &
+             '* length * width to be from 1 to ' // decimal_text(most_asperities))
+      else
+        call fields%complain_of('surfaces', 'number', 'found no number of asperities for the ' // &
+             trim(side_names(side)) // ' surface, expected a whole number from 1 to ' // &
+             decimal_text(most_asperities))
+        ! One number for both is told once.
+        if (fields%value_count('surfaces', 'number') == 1) exit
+      end if
+    end do
+
+  contains
+
+    subroutine take_both(name, range, is_needed, values)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: range
+      logical, intent(in) :: is_needed
+      type(decimal_value), intent(inout) :: values(2)
+
+      call fields%take_pair('surfaces', name, range, values)
+      if (is_needed .and. .not. fields%has('surfaces', name)) &
+        call fields%complain_of_group('surfaces', 'no ' // name // ' in &surfaces, expected one')
+    end subroutine take_both
+
+  end subroutine read_plane
+
+  !> Group &heights or &radii.
+  subroutine read_gaussian(fields, group, range, gaussian, good)
+    type(scene_fields), intent(inout) :: fields
+    character(len=*), intent(in) :: group
+    integer, intent(in) :: range
+    type(gaussian_spec), intent(out) :: gaussian(2)
+    logical, intent(out) :: good
+    type(decimal_value) :: means(2), deviations(2)
+    real(real128) :: low(2), high(2)
+    integer :: before, side
+
+    before = fields%problems%count()
+    if (.not. fields%has(group, 'mean')) &
+      call fields%complain_of_group(group, 'no mean in &' // group // ', expected one')
+    if (group == 'heights' .and. .not. fields%has(group, 'deviation')) &
+      call fields%complain_of_group(group, 'no deviation in &heights, expected one, or 0')
+    means = decimal_value()
+    deviations = decimal_value()
+    call fields%take_pair(group, 'mean', range, means)
+    call fields%take_pair(group, 'deviation', not_negative, deviations)
+    gaussian%mean = means
+    gaussian%deviation = deviations
+    low = exact_value(means) - usual_cut * exact_value(deviations)
+    high = exact_value(means) + usual_cut * exact_value(deviations)
+    call take_cut('lowest', low)
+    call take_cut('highest', high)
+    good = fields%problems%count() == before
+    if (.not. good) return
+    do side = 1, 2
+      call set_range(side)
+    end do
+    good = fields%problems%count() == before
+
+  contains
+
+    !> A cut-off as a length, or in deviations from the mean.
+    subroutine take_cut(name, cut)
+      character(len=*), intent(in) :: name
+      real(real128), intent(inout) :: cut(2)
+      type(decimal_value) :: values(2)
+
+      values = decimal_value()
+      if (fields%has(group, name) .and. fields%has(group, name // '_deviation')) then
+        call fields%complain_of(group, name // '_deviation', 'found beside ' // name // &
+                                ', expected one of them')
+      else if (fields%has(group, name)) then
+        call fields%take_pair(group, name, range, values)
+        cut = exact_value(values)
+      else if (fields%has(group, name // '_deviation')) then
+        call fields%take_pair(group, name // '_deviation', any_number, values)
+        cut = exact_value(means) + exact_value(values) * exact_value(deviations)
+      end if
+    end subroutine take_cut
+
+    !> Checks the range of one side, and leaves out what no draw would reach.
+    subroutine set_range(i)
+      integer, intent(in) :: i
+      real(real128) :: mean, deviation, from, to
+
+      mean = exact_value(gaussian(i)%mean)
+      deviation = exact_value(gaussian(i)%deviation)
+      if (deviation <= 0.0_real128) then
+        if (low(i) > mean .or. high(i) < mean) &
+          call fields%complain_of_group(group, 'the ' // trim(side_names(i)) // ' mean is cut ' // &
+                                        'off: found deviation 0, expected lowest <= mean <= ' // &
+                                        'highest in &' // group)
+        gaussian(i)%lowest = mean
+        gaussian(i)%highest = mean
+        return
+      end if
+      from = (low(i) - mean) / deviation
+      to = (high(i) - mean) / deviation
+      if (.not. from < to) then
+        call fields%complain_of_group(group, 'nothing is left between the ' // &
+             trim(side_names(i)) // ' cut-offs: expected lowest < highest in &' // group)
+      else if (from > farthest .or. to < -farthest) then
+        call fields%complain_of_group(group, 'the ' // trim(side_names(i)) // ' cut-offs ' // &
+             'leave only what is more than 30 deviations from the mean: expected a range ' // &
+             'nearer to it in &' // group)
+      end if
+      gaussian(i)%lowest = mean + deviation * max(from, min(-usual_cut, to - beyond(-to)))
+      gaussian(i)%highest = mean + deviation * min(to, max(usual_cut, from + beyond(from)))
+    end subroutine set_range
+
+    !> So many deviations further out than `place` the chance has fallen by 1e-17.
+    pure real(real128) function beyond(place)
+      real(real128), intent(in) :: place
+
+      beyond = 40.0_real128 / max(place, 5.0_real128)
+    end function beyond
+
+  end subroutine read_gaussian
+
+  !> A sphere has a size, and does not stand higher than its diameter.
+  subroutine check_spheres(fields, spec)
+    type(scene_fields), intent(inout) :: fields
+    type(generation_spec), intent(in) :: spec
+    integer :: side
+
+    do side = 1, 2
+      associate (radius => spec%sides(side)%radius, height => spec%sides(side)%height)
+        if (radius%lowest <= 0.0_real128) then
+          call fields%complain_of_group('radii', 'radii of the ' // trim(side_names(side)) // &
+               ' surface may be 0 or less: expected lowest or lowest_deviation in &radii that ' // &
+               'keeps them above 0')
+        else if (height%highest >= 2 * radius%lowest) then
+          call fields%complain_of_group('heights', 'heights of the ' // trim(side_names(side)) // &
+               ' surface may reach twice the least radius: expected highest or ' // &
+               'highest_deviation in &heights that keeps them below')
+        end if
+      end associate
+    end do
+  end subroutine check_spheres
+
+end module asperity_generation_spec

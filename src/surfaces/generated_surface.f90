@@ -1,0 +1,146 @@
+!> Random surfaces from a specification.
+!>
+!> A number of a surface is a function of the seed, the surface's number in the ensemble, the side,
+!> the asperity and, for a position, the try. So a surface needs no other one, and a height no
+!> position. Counter of the generator: asperity, try (1 for heights and radii), surface, stream;
+!> key: seed, 0. Streams 1, 2, 3 are positions, heights and radii of the upper surface, 4, 5, 6
+!> those of the lower one.
+module asperity_generated_surface
+  use asperity_decimal_lattice, only: draw_gaussian, lattice_gaussian, lattice_reals, order_of, &
+                                      set_gaussian, units_above, units_below
+  use asperity_generation_values, only: exact_value, generation_spec, side_names
+  use asperity_kinds, only: int64, real128, real64
+  use asperity_process, only: has_memory
+  use asperity_random_philox, only: philox_block
+  use asperity_random_positions, only: place_at_random, position_bytes
+  implicit none
+  private
+
+  public :: generated_surface, surface_plan, plan_surface, generate_surface
+
+  !> A surface in whole numbers of powers of ten: a coordinate is `x * 10**(-position_decimals)`.
+  type :: generated_surface
+    integer :: position_decimals = 0            !! for x and y
+    integer :: height_decimals = 0              !! for heights
+    integer :: radius_decimals = 0              !! for radii
+    integer(int64), allocatable :: x(:)         !! from 0 to the length
+    integer(int64), allocatable :: y(:)         !! from 0 to the width
+    integer(int64), allocatable :: height(:)    !! between the cut-offs
+    integer(int64), allocatable :: radius(:)    !! between the cut-offs; one number when all agree
+  contains
+    !> The numbers as a reader of the written surface gets them.
+    procedure :: reals
+  end type generated_surface
+
+  !> All that the members of an ensemble share on one side.
+  type :: surface_plan
+    private
+    character(len=:), allocatable :: name
+    integer :: number = 0, tries = 0, decimals = 0
+    integer(int64) :: key(2) = 0_int64, stream = 0_int64
+    integer(int64) :: extent(2) = 0_int64, least = 0_int64  ! units
+    type(lattice_gaussian) :: height, radius
+  end type surface_plan
+
+  ! Digits of the longer side and of the least distance: the square of the latter is an int64.
+  integer, parameter :: side_digits = 12, distance_digits = 9
+  ! Digits behind the point on the cards of a deck: F6.3, F7.4, F5.3.
+  integer, parameter :: card_decimals(3) = [3, 4, 3]
+  ! Heights, radii and the text of an asperity take at most so much beside its position.
+  integer(int64), parameter :: other_bytes = 96_int64
+
+contains
+
+  !> Chooses the units of one side and prepares its draws.
+  pure subroutine plan_surface(spec, side, plan)
+    type(generation_spec), intent(in) :: spec   !! checked
+    integer, intent(in) :: side                 !! 1 upper, 2 lower
+    type(surface_plan), intent(out) :: plan     !! serves all members of the ensemble
+    real(real128) :: extent(2), least
+
+    plan%name = trim(side_names(side))
+    plan%number = spec%sides(side)%number
+    plan%tries = spec%tries
+    plan%key = [int(spec%seed, int64), 0_int64]
+    plan%stream = int(3 * side - 2, int64)
+    extent = [exact_value(spec%sides(side)%length), exact_value(spec%sides(side)%width)]
+    ! No two asperities are further apart than this, whatever is asked for.
+    least = min(exact_value(spec%sides(side)%least_distance), 2 * sum(extent))
+    plan%decimals = side_digits - order_of(maxval(extent))
+    if (least > 0.0_real128) plan%decimals = min(plan%decimals, distance_digits - order_of(least))
+    if (spec%is_deck) then
+      plan%decimals = card_decimals(1)
+      call set_gaussian(spec%sides(side)%height, plan%height, card_decimals(2))
+      call set_gaussian(spec%sides(side)%radius, plan%radius, card_decimals(3))
+    else
+      call set_gaussian(spec%sides(side)%height, plan%height)
+      call set_gaussian(spec%sides(side)%radius, plan%radius)
+    end if
+    plan%extent = [units_below(extent(1), plan%decimals), units_below(extent(2), plan%decimals)]
+    plan%least = units_above(least, plan%decimals)
+  end subroutine plan_surface
+
+  !> Generates one surface. `failure` is allocated, with the reason, when that cannot be done.
+  subroutine generate_surface(plan, member, surface, failure)
+    type(surface_plan), intent(in) :: plan           !! of its side
+    integer, intent(in) :: member                    !! number in the ensemble, from 1
+    type(generated_surface), intent(out) :: surface  !! its asperities
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    integer :: i
+
+    if (.not. has_memory((position_bytes + other_bytes) * int(plan%number, int64))) then
+      failure = 'not enough memory for the ' // plan%name // ' surface'
+      return
+    end if
+    surface%position_decimals = plan%decimals
+    surface%height_decimals = plan%height%decimals
+    surface%radius_decimals = plan%radius%decimals
+    allocate (surface%x(plan%number), surface%y(plan%number), surface%height(plan%number))
+    allocate (surface%radius(merge(plan%number, 1, plan%radius%highest > plan%radius%lowest)))
+    call place_at_random(plan%key, [int(member, int64), plan%stream], plan%extent, plan%least, &
+                         plan%tries, surface%x, surface%y, failure)
+    if (allocated(failure)) then
+      failure = 'the ' // plan%name // ' surface ' // failure
+      return
+    end if
+    do i = 1, plan%number
+      surface%height(i) = drawn(plan%height, 1_int64)
+    end do
+    do i = 1, size(surface%radius)
+      surface%radius(i) = drawn(plan%radius, 2_int64)
+    end do
+
+  contains
+
+    !> A number of asperity `i` from a stream.
+    pure integer(int64) function drawn(gaussian, which)
+      type(lattice_gaussian), intent(in) :: gaussian
+      integer(int64), intent(in) :: which
+      integer(int64) :: words(4)
+
+      words = philox_block([int(i, int64), 1_int64, int(member, int64), plan%stream + which], &
+                           plan%key)
+      drawn = draw_gaussian(gaussian, words(1:3))
+    end function drawn
+
+  end subroutine generate_surface
+
+  !> The numbers of the asperities as the nearest doubles.
+  pure subroutine reals(self, x, y, height, radius)
+    class(generated_surface), intent(in) :: self          !! the surface
+    real(real64), allocatable, intent(out) :: x(:)        !! along the length
+    real(real64), allocatable, intent(out) :: y(:)        !! along the width
+    real(real64), allocatable, intent(out) :: height(:)   !! of the summits
+    real(real64), allocatable, intent(out) :: radius(:)   !! of every summit
+    integer :: number
+
+    number = size(self%x)
+    allocate (x(number), y(number), height(number), radius(number))
+    call lattice_reals(self%x, self%position_decimals, x)
+    call lattice_reals(self%y, self%position_decimals, y)
+    call lattice_reals(self%height, self%height_decimals, height)
+    call lattice_reals(self%radius, self%radius_decimals, radius(:size(self%radius)))
+    if (size(self%radius) == 1) radius = radius(1)
+  end subroutine reals
+
+end module asperity_generated_surface

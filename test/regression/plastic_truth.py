@@ -1,0 +1,124 @@
+"""A sphere pressed past its elastic limit, evaluated apart from the program.
+
+The formulas stand here as they were published, in mpmath with 40 digits:
+
+- Jackson and Green 2005 (J. Tribology 127, 343): critical load and overlap, load and area.
+- Kogut and Etsion 2002 (J. Appl. Mech. 69, 657): another finite element fit of the load, for one
+  material; what the first is held against.
+- Etsion, Kligerman and Kadin 2005 (Int. J. Solids Struct. 42, 3716): unloading.
+- Greenwood and Williamson 1966 (Proc. R. Soc. A 295, 300): critical overlap, plasticity index.
+
+`joined` is what the program makes of the first between x = 1.9 and 6. Run as a program it prints
+the values that test/unit/plasticity_suite.f90 holds.
+"""
+
+import mpmath
+from mpmath import mpf
+
+mpmath.mp.dps = 40
+
+
+class Sphere:
+    """An elastic-plastic sphere of radius R on a rigid flat."""
+
+    def __init__(self, modulus, poisson, yield_stress, radius):
+        modulus, poisson, self.yield_stress, self.radius = (
+            mpf(n) for n in (modulus, poisson, yield_stress, radius)
+        )
+        self.modulus = modulus / (1 - poisson**2)
+        self.c = mpf("1.295") * mpmath.exp(mpf("0.736") * poisson)
+        self.strain = self.yield_stress / self.modulus
+        self.b = mpf("0.14") * mpmath.exp(23 * self.strain)
+        stress = mpmath.pi * self.c * self.yield_stress / 2
+        self.critical_overlap = (stress / self.modulus) ** 2 * self.radius
+        self.critical_load = mpf(4) / 3 * (self.radius / self.modulus) ** 2 * stress**3
+        self.critical_area = mpmath.pi**3 * (self.c * self.yield_stress * self.radius
+                                             / (2 * self.modulus)) ** 2
+
+    def area(self, x):
+        """A/Ac."""
+        x = mpf(x)
+        return x if x <= mpf("1.9") else x * (x / mpf("1.9")) ** self.b
+
+    def hardness(self, x):
+        """HG/Sy."""
+        x = mpf(x)
+        radius = (mpmath.pi * self.c * self.strain / 2 * mpmath.sqrt(x)
+                  * (x / mpf("1.9")) ** (self.b / 2))
+        return mpf("2.84") * (1 - mpmath.exp(mpf("-0.82") * radius ** mpf("-0.7")))
+
+    def published(self, x):
+        """P/Pc as printed, without its switch at x = 1.9."""
+        x = mpf(x)
+        first = mpmath.exp(-(x ** (mpf(5) / 12)) / 4) * x**1.5
+        second = 4 * self.hardness(x) / self.c * (1 - mpmath.exp(-(x ** (mpf(5) / 9)) / 25)) * x
+        return first + second
+
+    def joined(self, x):
+        """P/Pc of the program: Hertz up to 1.9, as published from 6."""
+        x, low, high = mpf(x), mpf("1.9"), mpf(6)
+        if x <= low:
+            return x**1.5
+        if x >= high:
+            return self.published(x)
+        jump = low**1.5 / self.published(low)
+        t = (x - low) / (high - low)
+        weight = 3 * t**2 - 2 * t**3
+        return self.published(x) * (jump + (1 - jump) * weight)
+
+    def lost(self, x):
+        """Work that a press to x and back loses, over Pc times w_c; x of 6 or more."""
+        x = mpf(x)
+        taken = mpmath.quad(self.joined, [0, "1.9", 3, 6]) + mpmath.quad(self.published, [6, x])
+        residual, power, _ = unloading(x)
+        low = residual * x
+        back = mpmath.quad(lambda w: self.published(x) * ((w - low) / (x - low)) ** power,
+                           mpmath.linspace(low, x, 5))
+        return taken - back
+
+
+def unloading(x):
+    """Residual over largest overlap, power of the load, power of the area; x of 6 or more."""
+    x = mpf(x)
+    residual = (1 - x ** mpf("-0.28")) * (1 - x ** mpf("-0.69"))
+    return residual, mpf("1.5") * x ** mpf("-0.0331"), x ** mpf("-0.12")
+
+
+def kogut_etsion(x):
+    """P/Pc, from 6 to 110."""
+    return mpf("1.40") * mpf(x) ** mpf("1.263")
+
+
+# A steel of Jackson and Green (GPa), and the thesis' plastic (N/cm2) with the yield strain that its
+# limit load stands for.
+STEEL = Sphere("200", "0.32", "0.9115", "1")
+POINTS = ["6", "8", "10", "15", "20", "30", "50", "70", "100", "150"]
+BETWEEN = ["1.95", "2.5", "3", "4", "5.5"]
+
+
+def main():
+    steel = STEEL
+    for name in ("c", "b", "critical_overlap", "critical_load", "critical_area"):
+        print(name, mpmath.nstr(getattr(steel, name), 20))
+    print("jump at 1.9: published over Hertz",
+          mpmath.nstr(steel.published("1.9") / mpf("1.9") ** 1.5, 8))
+    print("x, P/Pc, A/Ac; P/Pc over that of Kogut and Etsion")
+    for x in POINTS:
+        print(" ", x, mpmath.nstr(steel.published(x), 20), mpmath.nstr(steel.area(x), 20),
+              mpmath.nstr(steel.published(x) / kogut_etsion(x), 6))
+    print("between: x, joined, A/Ac, published over joined")
+    for x in BETWEEN:
+        print(" ", x, mpmath.nstr(steel.joined(x), 20), mpmath.nstr(steel.area(x), 20),
+              mpmath.nstr(steel.published(x) / steel.joined(x), 6))
+    print("unloading: x, residual, powers of load and area, work lost over Pc w_c")
+    for x in ("6", "10", "50", "100"):
+        print(" ", x, *(mpmath.nstr(v, 20) for v in (*unloading(x), steel.lost(x))))
+    # The thesis: E0 of two spheres of 2e4 kg/cm2, H = 22 kg/mm2, R = 0.635 cm.
+    ratio = mpf(2e4) / (2 * (1 - mpf("0.42") ** 2)) / 2200
+    print("thesis: E/H", mpmath.nstr(ratio, 20), "W_p", mpmath.nstr(mpf("0.635") / ratio**2, 20))
+    print("index of 0.012 in with 0.5 in", mpmath.nstr(ratio * mpmath.sqrt(mpf("0.024")), 20))
+    print("sigma over R for 0.92", mpmath.nstr((mpf("0.92") / ratio) ** 2, 20))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,390 @@
+"""`asperity generate`: the numbers against an independent evaluation, their statistics, and what
+the command says when it cannot do what is asked."""
+
+import math
+import os
+import subprocess
+from decimal import Decimal
+
+import mpmath
+import numpy as np
+import pytest
+
+from philox import philox, whole_number
+
+HEADER = "x,y,height,radius"
+PLAIN = """&surfaces number = {number}, length = 40., width = 25., least_distance = {least} /
+&heights mean = 0.05, deviation = 0.012, lowest = 0.04, highest_deviation = 1.75 /
+&radii mean = 0.5, deviation = 0.03, lowest_deviation = -2., highest_deviation = 1. /
+&random seed = {seed}{more} /
+"""
+
+
+@pytest.fixture
+def generate(asperity, tmp_path):
+    def start(text, *options, status=0, **environment):
+        spec = tmp_path / "a.spec"
+        spec.write_text(text, encoding="ascii")
+        done = subprocess.run([asperity, "generate", "a.spec", *map(str, options)], cwd=tmp_path,
+                              capture_output=True, text=True, stdin=subprocess.DEVNULL,
+                              timeout=100, env={**os.environ, **environment})
+        assert done.returncode == status, done.stderr
+        return done
+    return start
+
+
+def rows(text):
+    """The numbers of a CSV as decimals, column by column."""
+    lines = text.splitlines()
+    assert lines[0] == HEADER
+    return [[Decimal(cell) for cell in column] for column in zip(*(line.split(",")
+                                                                   for line in lines[1:]))]
+
+
+def table(text):
+    """The same as doubles, a row an asperity."""
+    assert text.startswith(HEADER + "\n")
+    return np.loadtxt(text.splitlines()[1:], delimiter=",")
+
+
+def units(values, decimals):
+    """Whole numbers of 10**-decimals."""
+    scaled = [value.scaleb(decimals) for value in values]
+    assert all(value == int(value) for value in scaled)
+    return np.array([int(value) for value in scaled])
+
+
+def cdf(z):
+    return mpmath.erfc(-z / mpmath.sqrt(2)) / 2
+
+
+def quantile(words, lowest, highest):
+    """A deviation from three words: a piece of 1024 by the first 52 bits, then the inverse of the
+    distribution within it at the other 31."""
+    low, total = cdf(lowest), cdf(highest) - cdf(lowest)
+    step = (highest - lowest) / 1024
+    wanted = (int(words[0]) << 20) | (int(words[1]) >> 12)
+    near = mpmath.erfinv(2 * (low + total * wanted / mpmath.mpf(2) ** 52) - 1) * mpmath.sqrt(2)
+    piece = int((near - lowest) / step)
+    # Near the end of a piece the rounded table decides.
+    for piece in (piece - 1, piece, piece + 1):
+        ends = [mpmath.nint((cdf(lowest + (piece + i) * step) - low) / total * 2 ** 52)
+                for i in (0, 1)]
+        if ends[0] <= wanted < ends[1]:
+            break
+    else:
+        raise AssertionError("no piece")
+    left, right = cdf(lowest + piece * step), cdf(lowest + (piece + 1) * step)
+    share = (int(words[2]) >> 1) / mpmath.mpf(2) ** 31
+    return mpmath.erfinv(2 * (left + share * (right - left)) - 1) * mpmath.sqrt(2)
+
+
+def truncated_moments(lowest, highest):
+    """Mean and deviation of a standard Gaussian between two cut-offs (N. L. Johnson, S. Kotz,
+    N. Balakrishnan, Continuous Univariate Distributions 1, section 13.10.1)."""
+    a, b = mpmath.mpf(lowest), mpmath.mpf(highest)
+    total = cdf(b) - cdf(a)
+    mean = (mpmath.npdf(a) - mpmath.npdf(b)) / total
+    variance = 1 + (a * mpmath.npdf(a) - b * mpmath.npdf(b)) / total - mean ** 2
+    return float(mean), float(mpmath.sqrt(variance))
+
+
+def nearest_pair(x, y, least):
+    """The least squared distance of whole numbers, looked for in cells of side `least`."""
+    best = None
+    cell = (x // least) * 10 ** 7 + y // least
+    order = np.argsort(cell, kind="stable")
+    x, y, cell = x[order], y[order], cell[order]
+    for shift in (0, 1, 10 ** 7 - 1, 10 ** 7, 10 ** 7 + 1):
+        first = np.searchsorted(cell, cell + shift, side="left")
+        last = np.searchsorted(cell, cell + shift, side="right")
+        for k in range(int((last - first).max(initial=0))):
+            other = first + k
+            good = (other < last) & (other != np.arange(len(x)))
+            i, j = np.nonzero(good)[0], other[good]
+            if len(i):
+                found = ((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2).min()
+                best = found if best is None else min(best, found)
+    return best
+
+
+def test_positions_are_those_of_the_definition(generate, tally):
+    """Random sequential addition anew, with all earlier asperities asked, in whole numbers."""
+    x, y, _, _ = rows(generate(PLAIN.format(number=400, least=1, seed=77, more="")).stdout)
+    x, y = units(x, 8), units(y, 8)
+    # Python's own integers: squares have more than 63 bits.
+    placed = np.empty((0, 2), dtype=object)
+    tries = 0
+    for number in range(1, 401):
+        for attempt in range(1, 10001):
+            tries += 1
+            words = philox((number, attempt, 1, 1), (77, 0)).ravel()
+            place = np.array([whole_number(words[0], words[1], 40 * 10 ** 8 + 1),
+                              whole_number(words[2], words[3], 25 * 10 ** 8 + 1)], dtype=object)
+            if (((placed - place) ** 2).sum(axis=1) >= 10 ** 16).all():
+                break
+        placed = np.vstack([placed, place])
+    assert tries > 450
+    met = int((placed[:, 0] == x).sum() + (placed[:, 1] == y).sum())
+    tally.add("generated positions", 800, met)
+    assert met == 800
+
+
+@pytest.mark.parametrize("column, stream, mean, deviation, lowest, highest", [
+    (2, 5, "0.05", "0.012", "0.04", "0.071"), (3, 6, "0.5", "0.03", "0.44", "0.53")],
+    ids=("heights", "radii"))
+def test_draws_are_those_of_the_definition(column, stream, mean, deviation, lowest, highest,
+                                           generate, tmp_path, tally):
+    """Of the lower surface 3 of an ensemble, by mpmath. Allowed: half a unit of the last digit
+    written, and the stated error of 1e-11 of the range."""
+    generate(PLAIN.format(number=400, least=0, seed=2147483647, more=", ensemble = 3"),
+             "--lower", "l.csv", "--surface", 3)
+    found = rows((tmp_path / "l.csv").read_text())[column]
+    words = philox((np.arange(1, 401), 1, 3, stream), (2147483647, 0))
+    unit = Decimal(1).scaleb(found[0].as_tuple().exponent)
+    span = Decimal(highest) - Decimal(lowest)
+    assert unit <= Decimal("1e-11") * span
+    with mpmath.workdps(40):
+        m, s, a, b = map(mpmath.mpf, (mean, deviation, lowest, highest))
+        allowed = mpmath.mpf(str(unit)) / 2 + (b - a) * mpmath.mpf("1e-11")
+        off = [abs(mpmath.mpf(str(value)) - m - s * quantile(words[:, i], (a - m) / s, (b - m) / s))
+               for i, value in enumerate(found)]
+        met = sum(value <= allowed for value in off)
+    tally.add("generated heights and radii", 400, met)
+    assert met == 400
+
+
+def test_statistics_of_many(generate, tally):
+    """1e5 asperities: moments and distribution against the closed form, places against uniform.
+
+    Moments within 4 standard errors; Kolmogorov-Smirnov below 1.95/sqrt(n), chi-square within 3.3
+    deviations of its mean: another seed would miss one of these once in 1000 times."""
+    number = 100000
+    text = generate(PLAIN.format(number=number, least=0, seed=3, more="")).stdout
+    x, y, height, radius = table(text).T
+    assert len(x) == number
+    for values, mean, deviation, lowest, highest in (
+            (height, 0.05, 0.012, 0.04, 0.071), (radius, 0.5, 0.03, 0.44, 0.53)):
+        assert lowest <= values.min() and values.max() <= highest
+        # The extremes come close to the cut-offs: n times the chance of the gap is above 20.
+        assert values.min() - lowest < 1e-3 * deviation > highest - values.max()
+        a, b = (lowest - mean) / deviation, (highest - mean) / deviation
+        m, s = truncated_moments(a, b)
+        z = (values - mean) / deviation
+        fourth = ((z - m) ** 4).mean() / s ** 4
+        assert abs(z.mean() - m) < 4 * s / np.sqrt(number)
+        assert abs(z.std() - s) < 4 * s * np.sqrt((fourth - 1) / 4 / number)
+        low, total = float(cdf(a)), float(cdf(b) - cdf(a))
+        expected = (np.array([math.erfc(-value / math.sqrt(2)) for value in np.sort(z)]) / 2
+                    - low) / total
+        rank = np.arange(number + 1) / number
+        off = max(np.abs(expected - rank[:-1]).max(), np.abs(expected - rank[1:]).max())
+        assert off < 1.95 / np.sqrt(number)
+    for nx, ny in ((20, 20), (1000, 1), (1, 1000)):
+        counts = np.histogram2d(x, y, bins=(nx, ny), range=((0, 40), (0, 25)))[0].ravel()
+        chi_square = ((counts - number / counts.size) ** 2).sum() / (number / counts.size)
+        assert abs(chi_square - (counts.size - 1)) < 3.3 * np.sqrt(2 * (counts.size - 1))
+    # Heights know nothing of places or radii.
+    for first, second in ((x, height), (y, height), (x, y), (height, radius)):
+        assert abs(np.corrcoef(first, second)[0, 1]) < 4 / np.sqrt(number)
+    tally.add("generated statistics", 15, 15)
+
+
+def test_least_distance_holds_exactly(generate):
+    """1e5 asperities that cover 0.39 of the area: exact in whole numbers, and it is reached."""
+    x, y, _, _ = rows(generate(PLAIN.format(number=100000, least="0.07", seed=5, more="")).stdout)
+    decimals = -x[0].as_tuple().exponent
+    least = 7 * 10 ** (decimals - 2)
+    x, y = units(x, decimals), units(y, decimals)
+    assert 0 <= x.min() and x.max() <= 40 * 10 ** decimals
+    assert 0 <= y.min() and y.max() <= 25 * 10 ** decimals
+    found = nearest_pair(x, y, least)
+    assert least ** 2 <= found < (1.001 * least) ** 2
+
+
+def deck_models(text):
+    """Number of asperities and cards of both models."""
+    lines = text.splitlines()
+    numbers = [int(line[:5]) for line in lines[1:3]]
+    assert len(lines) == 4 + sum(numbers)
+    cards = [(Decimal(line[:6]), Decimal(line[6:12]), Decimal(line[12:19])) for line in lines[4:]]
+    return cards[:numbers[0]], cards[numbers[0]:]
+
+
+def test_the_design_of_the_thesis(generate, root, asperity, tmp_path, tally):
+    """The example, 200 times: counts, plates, least distance and cut-offs exactly; mean and
+    deviation of the heights within 4 standard errors of the closed form."""
+    members = 200
+    example = (root / "data/examples/generate/thesis.spec").read_text()
+    spec = example.replace("seed = 1976", f"seed = 1976, ensemble = {members}")
+    assert spec != example
+    generate(spec, "--output", "%.deck")
+    decks = [deck_models((tmp_path / f"{i}.deck").read_text()) for i in range(1, members + 1)]
+    for side, (number, length, lowest, highest) in enumerate((
+            (37, 4, "0.0437", "0.0678"), (75, 8, "0.0376", "0.0732"))):
+        heights = []
+        for deck in decks:
+            x, y, z = zip(*deck[side])
+            assert len(x) == number
+            a, b = units(x, 3), units(y, 3)
+            assert 0 <= a.min() and a.max() <= 1000 * length
+            assert 0 <= b.min() and b.max() <= 3000
+            off = np.triu_indices(number, 1)
+            assert ((a[off[0]] - a[off[1]]) ** 2 + (b[off[0]] - b[off[1]]) ** 2).min() >= 300 ** 2
+            assert Decimal(lowest) <= min(z) and max(z) <= Decimal(highest)
+            heights += map(float, z)
+        z = (np.array(heights) - 0.050) / 0.012
+        m, s = truncated_moments(*((float(cut) - 0.050) / 0.012 for cut in (lowest, highest)))
+        # Rounding to 0.0001 in adds its variance; half cells at the ends are below that.
+        s = np.hypot(s, 0.0001 / 0.012 / np.sqrt(12))
+        fourth = ((z - m) ** 4).mean() / s ** 4
+        assert abs(z.mean() - m) < 4 * s / np.sqrt(len(z))
+        assert abs(z.std() - s) < 4 * s * np.sqrt((fourth - 1) / 4 / len(z))
+        tally.add("design of the thesis", 2, 2)
+    done = subprocess.run([asperity, tmp_path / "1.deck"], capture_output=True, text=True,
+                          timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "    37" in done.stdout and "    75" in done.stdout
+
+
+def test_heights_on_cards_are_rounded_draws(generate, root, tally):
+    """Every height of the example is the mpmath draw, rounded to the nearest 0.0001 in."""
+    decks = deck_models(generate((root / "data/examples/generate/thesis.spec").read_text()).stdout)
+    met = 0
+    for side, (stream, lowest, highest) in enumerate(((2, "0.0437", "0.0678"),
+                                                      (5, "0.0376", "0.0732"))):
+        words = philox((np.arange(1, len(decks[side]) + 1), 1, 1, stream), (1976, 0))
+        with mpmath.workdps(40):
+            m, s, a, b = map(mpmath.mpf, ("0.05", "0.012", lowest, highest))
+            for i, (_, _, z) in enumerate(decks[side]):
+                drawn = m + s * quantile(words[:, i], (a - m) / s, (b - m) / s)
+                met += abs(mpmath.mpf(str(z)) - drawn) <= mpmath.mpf("0.00005")
+    tally.add("heights on cards", 112, met)
+    assert met == 112
+
+
+def test_a_deck_is_written_as_cards_hold_it(generate, root):
+    spec = (root / "data/examples/generate/thesis.spec").read_text()
+    spec = spec.replace("mean = 0.5 /", "mean = 0.50049 /").replace(
+        "poisson_ratio = 0.42", "poisson_ratio = 0.4204, -0.2, lower_width = 3.455")
+    done = generate(spec)
+    assert done.stderr.splitlines() == [
+        "note: the radius is rounded to 0.500, as a card holds it",
+        "note: poisson_ratio is rounded to 0.420, as a card holds it",
+        "note: the radius is rounded to 0.500, as a card holds it"]
+    lines = done.stdout.splitlines()
+    highest = max(card[2] for card in deck_models(done.stdout)[0])
+    top = f"{-(-int(highest * 10000) // 10) / 1000:.3f}"
+    assert lines[1] == f"   370.500{top}   400000.0.420    11200."
+    assert lines[2].startswith("   750.5000.07") and lines[2][15:] == \
+        "   400000.-.200    11200. 3.4550"
+    assert lines[3] == "  0.0000  0.0000  0.000  0.000"
+
+
+def test_same_bytes_and_members_alone(generate, tmp_path):
+    """Threads and locale change nothing, and a member is the same alone as in its ensemble."""
+    spec = PLAIN.format(number=3000, least="0.1", seed=9, more=", ensemble = 4")
+    generate(spec, "--upper", "u_%.csv", "--lower", "l_%.csv", OMP_NUM_THREADS="1")
+    assert sorted(os.listdir(tmp_path)) == sorted(
+        ["a.spec", *(f"{side}_{i}.csv" for side in "ul" for i in range(1, 5))])
+    whole = {i: (tmp_path / f"u_{i}.csv").read_text() for i in range(1, 5)}
+    assert len({*whole.values(), (tmp_path / "l_3.csv").read_text()}) == 5
+    alone = generate(spec, "--surface", 3, OMP_NUM_THREADS="4", LC_ALL="de_DE.UTF-8").stdout
+    assert alone == whole[3]
+
+
+def test_the_solver_takes_what_was_generated(generate, root, asperity, tmp_path):
+    spec = (root / "data/examples/generate/large.spec").read_text().replace("100.", "20.")
+    generate(spec, "--upper", "u.csv", "--lower", "l.csv", "--surface", 2)
+    (tmp_path / "a.scene").write_text(
+        "&surfaces upper = 'u.csv', lower = 'l.csv' /\n"
+        "&material elastic_modulus = 2*275760., poisson_ratio = 2*0.42 /\n"
+        "&loading control = 'load', value = 500. /\n")
+    done = subprocess.run([asperity, "solve", tmp_path / "a.scene", "--contacts",
+                           tmp_path / "c.csv"], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "c.csv").read_text().count("\n") > 2
+
+
+@pytest.mark.parametrize("least, words", [
+    ("1.3", ["1000 asperities, expected at most 734", "no arrangement"]),
+    ("0.9", ["found room for ", " of 1000 asperities", "10000 tries",
+             "random placing ends near 0.547"])], ids=("impossible", "not_found"))
+def test_what_cannot_be_packed(least, words, generate, tmp_path):
+    """1000 on 40 x 25: at most 2/sqrt(3) 1000/1.69 + 65/1.3 + 1 = 734.3 keep 1.3."""
+    done = generate(PLAIN.format(number=1000, least=least, seed=1, more=""), "--output", "u.csv",
+                    status=1)
+    assert done.stdout == "" and done.stderr.startswith("a.spec: the upper surface cannot be ")
+    for word in words:
+        assert word in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert os.listdir(tmp_path) == ["a.spec"]
+
+
+GOOD = PLAIN.format(number=10, least=0, seed=1, more="")
+
+
+@pytest.mark.parametrize("old, new, complaints", [
+    ("", "", ["a.spec:1:1: no length in &surfaces", "a.spec:1:1: no width in &surfaces",
+              "a.spec:1:1: no number in &surfaces", "a.spec:1:1: no mean in &heights",
+              "a.spec:1:1: no deviation in &heights", "a.spec:1:1: no mean in &radii"]),
+    ("number = 10", "number = 2.5, 0", ["a.spec:1:25: number: found '0'"]),
+    ("number = 10", "number = 2.5, 3", ["a.spec:1:11: number: found no number"]),
+    ("number = 10", "number = 10, 20, 30", ["a.spec:1:11: number: wrong number of values"]),
+    ("number = 10", "density = 1e9", ["a.spec:1:11: density: found too few or too many"] * 2),
+    ("number = 10", "number = 1, density = 1", ["a.spec:1:23: density: found beside number"]),
+    ("least_distance = 0", "least_distance = -1", ["a.spec:1:68: least_distance: found '-1'"]),
+    ("lowest = 0.04", "lowest = 0.08", ["a.spec:2:1: nothing is left between the upper",
+                                        "a.spec:2:1: nothing is left between the lower"]),
+    ("lowest = 0.04", "lowest = 0.04, lowest_deviation = -1",
+     ["a.spec:2:57: lowest_deviation: found beside lowest"]),
+    ("highest_deviation = 1.75", "highest_deviation = 1.75, lowest = 0",
+     ["a.spec:2:83: lowest stands twice"]),
+    ("lowest = 0.04, highest_deviation = 1.75", "lowest = 0.6, highest = 0.7",
+     ["a.spec:2:1: the upper cut-offs leave only", "a.spec:2:1: the lower cut-offs leave only"]),
+    ("mean = 0.05", "mean = 0.9", ["a.spec:2:1: heights of the upper", "a.spec:2:1: heights of "]),
+    ("deviation = 0.03, lowest_deviation = -2., ", "deviation = 0.07, ",
+     ["a.spec:3:1: radii of the upper", "a.spec:3:1: radii of the lower"]),
+    ("seed = 1", "seed = 1.5, ensemble = 0, tries = x", [
+        "a.spec:4:16: seed", "a.spec:4:32: ensemble", "a.spec:4:43: tries"]),
+    ("seed = 1 /", "seed = 1 /\n&deck /", [
+        "a.spec:5:1: no elastic_modulus", "a.spec:5:1: no poisson_ratio",
+        "a.spec:5:1: no allowed_stress", "a.spec:5:1: the upper surface does not fit",
+        "a.spec:5:1: the lower surface does not fit"]),
+    ("&random", "&tilt /\n&random", ["a.spec:4:1: unknown group: found '&tilt'"]),
+    ("seed", "sead", ["a.spec:4:9: unknown name in &random: found 'sead'"]),
+    ("seed", "\x07", ["a.spec:4:9: not a text file"]),
+], ids=range(18))
+def test_bad_specifications(old, new, complaints, generate, tmp_path):
+    text = GOOD.replace(old, new) if old else "! nothing\n"
+    assert not old or text != GOOD
+    done = generate(text, "--output", "u.csv", status=2)
+    assert done.stdout == "" and os.listdir(tmp_path) == ["a.spec"]
+    lines = done.stderr.splitlines()
+    assert len(lines) == len(complaints), done.stderr
+    for line, complaint in zip(lines, complaints):
+        assert line.startswith(complaint), done.stderr
+        assert "expected" in line
+
+
+@pytest.mark.parametrize("options, words", [
+    (["--surface", "0"], "--surface: found '0'"),
+    (["--surface", "5"], "expected at most 4"),
+    (["--output", "u.csv"], "expected % in it"),
+    ([], "standard output holds one surface"),
+    (["--output", "a_%", "--upper", "b_%"], "--output and --upper"),
+    (["--upper", "a_%", "--lower", "a_%"], "both name"),
+    (["--output", "a.spec", "--surface", "1"], "names the input"),
+    (["--bogus"], "unknown option"),
+], ids=range(8))
+def test_bad_options(options, words, generate, tmp_path):
+    spec = PLAIN.format(number=10, least=0, seed=1, more=", ensemble = 4")
+    done = generate(spec, *options, status=2)
+    assert words in done.stderr and done.stdout == ""
+    assert os.listdir(tmp_path) == ["a.spec"] and (tmp_path / "a.spec").read_text() == spec
+
+
+def test_a_spec_that_is_not_there(asperity, tmp_path):
+    done = subprocess.run([asperity, "generate", "none.spec"], cwd=tmp_path, capture_output=True,
+                          text=True)
+    assert done.returncode == 2 and done.stderr.startswith("none.spec:1:1: cannot be opened")
