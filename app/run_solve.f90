@@ -60,7 +60,7 @@ contains
     if (line%arithmetic /= '') arithmetic = line%arithmetic
     thesis_sweep = is_thesis_sweep(scene_in)
     keep_rows = line%contacts_file /= '' .or. thesis_sweep
-    if (scene_in%effects%any_on()) then
+    if (scene_in%effects%any_on() .or. allocated(scene_in%loading%path)) then
       call solve_with_effects(scene_in, keep_rows, results, effects, failure)
     else if (line%accuracy > 0.0_real64) then
       call solve_to_accuracy(scene_in, line%accuracy, keep_rows, results, arithmetic, bound, &

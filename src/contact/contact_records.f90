@@ -56,6 +56,7 @@ module asperity_contact_records
   type :: state_row
     real(real64) :: approach = 0.0_real64        !! separation of the reference planes
     real(real64) :: closing = 0.0_real64         !! how far past first touch
+    real(real64) :: time = 0.0_real64            !! since the end of loading
     integer :: contacts = 0                      !! touching ones included
     real(real64) :: load = 0.0_real64            !! sum of the normal forces
     real(real64) :: vertical_load = 0.0_real64   !! sum of their vertical parts

@@ -46,6 +46,11 @@ module asperity_contact_effect
     real(real64) :: load_tolerance = 1.0e-11_real64     !! how near a load asked for is met
     !> Where a load is reached; not associated: it knows no short way.
     procedure(find_closing), pointer :: closing_at_load => null()
+    !> What is left of a load at a time, as a share of that at the same closing without this
+    !> effect, when all contacts together are held at one load; associated: it acts in time.
+    procedure(share_at_time), pointer :: held_share => null()
+    !> Tells its columns again, when the effects after it have changed the state.
+    procedure(apply_effect), pointer :: finish => null()
     !> Forgets the position before; not associated: it remembers nothing.
     procedure(begin_position), pointer :: begin => null()
     !> Keeps what the next state of the position needs to know of this one.
@@ -81,6 +86,14 @@ module asperity_contact_effect
       type(contact_state), intent(inout) :: state     !! without, then with this effect
       type(effect_outcome), intent(inout) :: outcome  !! what it did
     end subroutine apply_effect
+
+    !> A share that depends on time alone.
+    function share_at_time(self, time) result(share)
+      import :: contact_effect, real64
+      class(contact_effect), intent(in) :: self  !! the effect
+      real(real64), intent(in) :: time           !! since the end of loading
+      real(real64) :: share
+    end function share_at_time
 
     !> Begins a position at which nothing has touched yet.
     subroutine begin_position(self, pairs)

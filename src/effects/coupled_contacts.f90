@@ -38,6 +38,8 @@ module asperity_coupled_contacts
   ! More contacts than that take steps in between, for which the far field follows by its
   ! derivative: what converges slowly is near.
   integer, parameter :: few = 64, most_inner = 15
+  ! Larger than any residual; may be doubled.
+  real(real64), parameter :: unknown = 0.25_real64 * huge(1.0_real64)
 
 contains
 
@@ -192,10 +194,10 @@ contains
     most = most_iterations
     if (state%target > 0.0_real64) most = most_with_load
     allocate (off(n), shift_x(n), shift_y(n), step(0))
-    norm_whole = huge(1.0_real64)
-    norm_before = huge(1.0_real64)
-    residual_whole = huge(1.0_real64)
-    best = huge(1.0_real64)
+    norm_whole = unknown
+    norm_before = unknown
+    residual_whole = unknown
+    best = unknown
     stalled = 0
     halvings = 0
     inner = 0
@@ -234,15 +236,16 @@ contains
           call look_at_waiting(pairs, state, woken)
           if (done .and. .not. woken) exit
           if (woken) then
-            norm_whole = huge(1.0_real64)
-            best = huge(1.0_real64)
+            norm_whole = unknown
+            best = unknown
             refresh = .true.
-            cycle
           end if
         end if
       else
         inner = inner + 1
-        refresh = residual <= 1.0e-2_real64 * residual_whole .or. inner >= most_inner .or. &
+        ! A hundredth is what such steps can gain; near the end they meet rounding before.
+        refresh = residual <= max(1.0e-2_real64 * residual_whole, 0.5_real64 * tolerance) .or. &
+                  inner >= merge(most_inner, 4, residual_whole > 1.0e-9_real64) .or. &
                   ending%iterations >= most
       end if
       call propose(pairs, state, off, shift_x, shift_y, residual, step)

@@ -26,7 +26,7 @@ module asperity_coupled_field
     real(real64), allocatable :: growth(:)    !! its change with the log of the own circle's radius
     real(real64), allocatable :: tilt_x(:)    !! slope of the others' surface
     real(real64), allocatable :: tilt_y(:)    !! slope of the others' surface
-    real(real64), allocatable :: bend_xx(:)   !! second derivatives of that surface as a shift feels them
+    real(real64), allocatable :: bend_xx(:)   !! its second derivatives, near part
     real(real64), allocatable :: bend_xy(:)   !! the same
     real(real64), allocatable :: bend_yy(:)   !! the same
     real(real64), allocatable :: strongest(:) !! largest compliance with a near loaded contact
@@ -51,11 +51,13 @@ contains
     type(contact_field), intent(out) :: field !! empty
     integer, intent(in) :: room               !! most contacts
 
-    allocate (field%x(room), field%y(room), field%radius(room), field%circle(room), field%load(room))
+    allocate (field%x(room), field%y(room), field%load(room))
+    allocate (field%radius(room), field%circle(room))
     allocate (field%lift(room), field%growth(room), field%tilt_x(room), field%tilt_y(room))
     allocate (field%bend_xx(room), field%bend_xy(room), field%bend_yy(room))
     allocate (field%strongest(room), field%compliance(0, 0))
-    allocate (field%far(room, 3), field%far_place(room, 2), field%far_load(room), field%near(2, 4 * room))
+    allocate (field%far(room, 3), field%far_place(room, 2), field%far_load(room))
+    allocate (field%near(2, 4 * room))
   end subroutine make_room
 
   !> Fills lift, growth, tilts, bends and compliance.
@@ -147,7 +149,7 @@ contains
     type(contact_field), intent(inout) :: field
     integer, intent(in) :: source
     real(real64), intent(in) :: scale
-    logical, intent(out) :: near(:)
+    logical, contiguous, intent(out) :: near(:)
     real(real64) :: x, y, b, b2, load, hertz2, hertz4, hertz6, flat4
     integer :: m, n
 

@@ -7,7 +7,8 @@ module asperity_coupled_state
   implicit none
   private
 
-  public :: solve_state, prepare, gather, compare, look_at_waiting, share_of_shift, mark_place, go_back_half
+  public :: solve_state, prepare, gather, compare, look_at_waiting, share_of_shift
+  public :: mark_place, go_back_half
 
   !> Where the iteration stands. The first `awake` of `order` are followed, the others wait.
   type :: solve_state
@@ -115,8 +116,8 @@ contains
     deepest = tiny(1.0_real64)
     do k = 1, state%awake
       i = state%order(k)
-      held = share_of_shift(hypot(state%field%tilt_x(k), state%field%tilt_y(k)) * pairs%list(i)%radius, &
-                    state%field%circle(k))
+      held = share_of_shift(pairs%list(i)%radius * hypot(state%field%tilt_x(k), &
+                            state%field%tilt_y(k)), state%field%circle(k))
       shift_x(k) = -held * pairs%list(i)%radius * state%field%tilt_x(k)
       shift_y(k) = -held * pairs%list(i)%radius * state%field%tilt_y(k)
       off(k) = (state%closing - pairs%list(i)%gap - state%field%lift(k) - &
@@ -149,7 +150,8 @@ contains
 
     cap = 0.5_real64 * circle
     share = 0.0_real64
-    if (cap > 0.0_real64) share = 1.0_real64 / sqrt(sqrt(1.0_real64 + (shift / cap)**4))
+    if (cap > 0.0_real64) &
+      share = 1.0_real64 / sqrt(sqrt(1.0_real64 + min(shift / cap, 1.0e9_real64)**4))
   end function share_of_shift
 
   ! Finds the penetrations of those that wait, and wakes whom the others no longer keep open.
@@ -159,6 +161,7 @@ contains
     logical, intent(out) :: woken
     type(contact_field) :: all
     real(real64) :: deepest
+    integer, allocatable :: order(:)
     integer :: i, k, m, n
 
     woken = .false.
@@ -166,6 +169,7 @@ contains
     m = state%field%loaded
     n = size(pairs%list)
     call make_room(all, n)
+    allocate (order(n))
     all%loaded = m
     all%keep_compliance = .true.
     all%x(:m) = state%field%x(:m)
@@ -182,7 +186,7 @@ contains
         cycle
       end if
       k = k + 1
-      state%order(k) = i
+      order(k) = i
       all%x(k) = pairs%list(i)%x
       all%radius(k) = pairs%list(i)%radius
       all%y(k) = pairs%list(i)%y
@@ -192,7 +196,7 @@ contains
     all%count = k
     call spread_field(all, pairs%modulus, .true.)
     do k = m + 1, all%count
-      i = state%order(k)
+      i = order(k)
       state%p(i) = state%closing - pairs%list(i)%gap - all%lift(k)
       if (state%p(i) > 0.0_real64) woken = .true.
     end do

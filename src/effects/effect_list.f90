@@ -2,10 +2,13 @@
 !>
 !> A new effect needs a line here, its file, a name in the scene, a hard case and a page.
 module asperity_effect_list
+  use asperity_adhesion, only: new_adhesion
   use asperity_contact_effect, only: effect_box
+  use asperity_creep, only: new_creep
   use asperity_decimal, only: decimal_to_real64
   use asperity_friction_effect, only: new_friction
   use asperity_interaction, only: new_interaction
+  use asperity_plasticity, only: new_plasticity
   use asperity_scene_values, only: effect_off, scene
   implicit none
   private
@@ -18,11 +21,15 @@ contains
   subroutine list_effects(scene_in, list)
     type(scene), intent(in) :: scene_in                  !! checked values
     type(effect_box), allocatable, intent(out) :: list(:)  !! in the order in which they act
-    type(effect_box) :: known(2)
+    type(effect_box) :: known(5)
     integer :: i, used
 
-    call new_interaction(scene_in, known(1)%effect)
-    call new_friction(scene_in, known(2)%effect)
+    ! Laws of a contact first, then what contacts do to each other, then what follows from loads.
+    call new_plasticity(scene_in, known(1)%effect)
+    call new_adhesion(scene_in, known(2)%effect)
+    call new_interaction(scene_in, known(3)%effect)
+    call new_creep(scene_in, known(4)%effect)
+    call new_friction(scene_in, known(5)%effect)
 
     used = 0
     do i = 1, size(known)

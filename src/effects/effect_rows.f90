@@ -54,7 +54,7 @@ contains
 
     allocate (rows(merge(size(pairs%list), 0, keep_rows)))
     do i = 1, size(pairs%list)
-      if (state%penetration(i) < 0.0_real64) cycle
+      if (.not. in_contact(state, i)) cycle
       answer = state%answers(i)
       area = pi * answer%contact_radius**2
       at_limit = is_at_limit(scene_in, pairs, state, i)
@@ -68,6 +68,7 @@ contains
     end do
     totals%approach = in_scene_units(pairs, pairs%first_touch - state%closing, 0, 1)
     totals%closing = in_scene_units(pairs, state%closing, 0, 1)
+    totals%time = state%time
     totals%load = in_scene_units(pairs, totals%load, 1, 2)
     totals%vertical_load = in_scene_units(pairs, totals%vertical_load, 1, 2)
     totals%area = in_scene_units(pairs, totals%area, 0, 2)
@@ -86,6 +87,16 @@ contains
     end do
     call move_alloc(outcomes, at%outcomes)
   end subroutine add_state
+
+  ! Whether a pair counts: it has a contact circle or a load, or is just at first touch.
+  pure logical function in_contact(state, i)
+    type(contact_state), intent(in) :: state
+    integer, intent(in) :: i
+
+    in_contact = state%answers(i)%contact_radius > 0.0_real64 .or. &
+                 abs(state%answers(i)%load) > 0.0_real64 .or. &
+                 .not. (state%penetration(i) < 0.0_real64 .or. state%penetration(i) > 0.0_real64)
+  end function in_contact
 
   ! One contact as a record.
   subroutine fill_row(pairs, state, i, at_limit, row)
@@ -166,7 +177,7 @@ contains
         if (.not. allocated(outcomes(e)%of_contacts)) cycle
         row = before
         do i = 1, size(pairs%list)
-          if (state%penetration(i) < 0.0_real64) cycle
+          if (.not. in_contact(state, i)) cycle
           row = row + 1
           values(row, column) = in_units_of(effects(e)%effect%contact_columns(k), pairs, &
                                             outcomes(e)%of_contacts(i, k))

@@ -3,21 +3,23 @@ module asperity_effect_sequence
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_vertical_load
+  use asperity_effect_combinations, only: why_not_together
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_auto
   implicit none
   private
 
-  public :: simulate, all_left_out
+  public :: simulate, all_left_out, first_failure
 
 contains
 
   !> The contacts at a closing with the effects called for.
-  subroutine simulate(pairs, effects, closing, state, outcomes)
+  subroutine simulate(pairs, effects, closing, time, state, outcomes)
     type(contact_pairs), intent(in) :: pairs                        !! the position
     type(effect_box), intent(in) :: effects(:)                      !! in the order they act
     real(real64), intent(in) :: closing                             !! past first touch
+    real(real64), intent(in) :: time                                !! since the end of loading
     type(contact_state), intent(out) :: state                       !! with the effects
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)   !! what each did
     real(real64) :: before
@@ -25,6 +27,7 @@ contains
 
     allocate (outcomes(size(effects)))
     call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
+    state%time = time
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => outcomes(i))
         before = total_vertical_load(state)
@@ -38,7 +41,30 @@ contains
           outcome%influence = total_vertical_load(state) / before - 1.0_real64
       end associate
     end do
+    call check_together(effects, outcomes)
+    do i = 1, size(effects)
+      if (outcomes(i)%simulated == 'off' .or. .not. associated(effects(i)%effect%finish)) cycle
+      call effects(i)%effect%finish(pairs, state, outcomes(i))
+    end do
   end subroutine simulate
+
+  ! What `auto` has called for must go together.
+  subroutine check_together(effects, outcomes)
+    type(effect_box), intent(in) :: effects(:)
+    type(effect_outcome), intent(inout) :: outcomes(:)
+    character(len=:), allocatable :: why
+    integer :: i, j
+
+    do i = 2, size(effects)
+      if (outcomes(i)%simulated == 'off') cycle
+      do j = 1, i - 1
+        if (outcomes(j)%simulated == 'off') cycle
+        why = why_not_together(trim(effects(i)%effect%name), trim(outcomes(i)%simulated), &
+                               trim(effects(j)%effect%name), trim(outcomes(j)%simulated))
+        if (why /= '') outcomes(i)%failure = why
+      end do
+    end do
+  end subroutine check_together
 
   !> Whether `auto` left all effects out.
   pure logical function all_left_out(outcomes)
@@ -50,5 +76,18 @@ contains
       all_left_out = all_left_out .and. outcomes(i)%simulated == 'off'
     end do
   end function all_left_out
+
+  !> Why the first of the effects that failed could not be simulated.
+  subroutine first_failure(effects, outcomes, failure)
+    type(effect_box), intent(in) :: effects(:)                 !! of the scene
+    type(effect_outcome), intent(in) :: outcomes(:)            !! of one state
+    character(len=:), allocatable, intent(inout) :: failure    !! stays as it is when none failed
+    integer :: i
+
+    do i = size(effects), 1, -1
+      if (allocated(outcomes(i)%failure)) &
+        failure = trim(effects(i)%effect%name) // ': ' // outcomes(i)%failure
+    end do
+  end subroutine first_failure
 
 end module asperity_effect_sequence

@@ -13,6 +13,7 @@ module asperity_interaction
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_coupled_contacts, only: estimate_of_interaction, solve_coupled, solve_coupled_load
   use asperity_decimal, only: decimal_to_real64
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
@@ -85,7 +86,9 @@ contains
     else
       call apply_coupled(pairs, state, outcome)
       if (allocated(outcome%failure)) return
-      if (self%mode == effect_auto .and. self%tolerance < coupled_error) &
+      ! Cells are elastic: contacts of another law stay coupled.
+      if (self%mode == effect_auto .and. self%tolerance < coupled_error .and. &
+          same_type_as(state%law, hertz_law())) &
         call mend_clusters(self, pairs, state, outcome)
     end if
     if (allocated(outcome%failure)) return

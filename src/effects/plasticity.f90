@@ -43,7 +43,8 @@ contains
     call plasticity_of(scene_in%effects%plasticity, &
                        min(decimal_to_real64(scene_in%upper%poisson_ratio), &
                            decimal_to_real64(scene_in%lower%poisson_ratio)), &
-                       0.0_real64, scene_in%limit%criterion == criterion_hardy, effect)
+                       decimal_to_real64(scene_in%effects%plastic_yield_stress), &
+                       scene_in%limit%criterion == criterion_hardy, effect)
   end subroutine new_plasticity
 
   !> Plasticity from plain numbers.
@@ -62,6 +63,7 @@ contains
     new%limit_is_yield = limit_is_yield
     new%begin => forget
     new%keep => remember
+    new%finish => tell_plasticity
     call set_columns(new%contact_columns, &
                      [character(len=20) :: 'plastic', 'largest_overlap', 'residual_overlap'], &
                      reshape([0, 0, 0, 1, 0, 1], [2, 3]))
@@ -119,7 +121,7 @@ contains
   subroutine tell_plasticity(self, pairs, state, outcome)
     class(contact_effect), intent(in) :: self       !! plasticity; anything else is left alone
     type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(in) :: state        !! with plastic flow
+    type(contact_state), intent(inout) :: state     !! with plastic flow; stays as it is
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
     type(plastic_law) :: law
     type(plastic_past) :: past

@@ -15,7 +15,7 @@ module asperity_scene_fields
   private
 
   public :: scene_fields, read_fields
-  public :: any_number, above_zero, share, poisson_range, not_negative
+  public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
 
   !> Any finite number.
   integer, parameter :: any_number = 1
@@ -27,12 +27,14 @@ module asperity_scene_fields
   integer, parameter :: poisson_range = 4
   !> 0 or more.
   integer, parameter :: not_negative = 5
+  !> More than 0 and at most 1.
+  integer, parameter :: share_or_all = 6
 
   ! What the messages say of them.
-  character(len=*), parameter :: expected_numbers(5) = [character(len=50) :: &
+  character(len=*), parameter :: expected_numbers(6) = [character(len=50) :: &
     'a finite number within the range of a double', 'a number more than 0', &
     'a number more than 0 and less than 1', 'a number more than -1 and at most 0.5', &
-    'a number of 0 or more']
+    'a number of 0 or more', 'a number more than 0 and at most 1']
 
   !> The text of a scene, sorted into the groups and names that are known.
   type :: scene_fields
@@ -364,6 +366,8 @@ contains
       in_range = value%digits > 0_int64
     case (share)
       in_range = value%digits > 0_int64 .and. number < 1.0_real64
+    case (share_or_all)
+      in_range = value%digits > 0_int64 .and. number <= 1.0_real64
     case (poisson_range)
       in_range = number > -1.0_real64 .and. number <= 0.5_real64
     case (not_negative)

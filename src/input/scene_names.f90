@@ -13,7 +13,7 @@ module asperity_scene_names
   !> One name and its group.
   type :: known_name
     character(len=8) :: group = ''   !! its group
-    character(len=20) :: name = ''   !! the name
+    character(len=21) :: name = ''   !! the name
   end type known_name
 
   !> What a kind of file knows.
@@ -47,7 +47,14 @@ module asperity_scene_names
     known_name('effects', 'plasticity'), known_name('effects', 'adhesion'), &
     known_name('effects', 'creep'), known_name('effects', 'tolerance'), &
     known_name('effects', 'boundary_tolerance'), &
-    known_name('effects', 'friction_coefficient')]
+    known_name('effects', 'friction_coefficient'), &
+    known_name('effects', 'plastic_yield_stress'), &
+    known_name('effects', 'work_of_adhesion'), &
+    known_name('effects', 'equilibrium_distance'), &
+    known_name('effects', 'relaxation_time'), &
+    known_name('effects', 'relaxed_modulus_ratio'), &
+    known_name('effects', 'hold_time'), known_name('effects', 'hold'), &
+    known_name('effects', 'hold_points')]
 
 contains
 

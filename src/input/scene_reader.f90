@@ -7,15 +7,14 @@ module asperity_scene_reader
   use asperity_numeral, only: nearest_double
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
+  use asperity_scene_effects, only: read_effects
   use asperity_scene_fields, only: above_zero, any_number, not_negative, poisson_range, &
-                                   read_fields, scene_fields, share
+                                   read_fields, scene_fields
   use asperity_scene_surfaces, only: from_csv, read_surfaces
   use asperity_scene_values, only: control_limit, control_load, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
-                                   criterion_words, effect_auto, effect_boundary, &
-                                   effect_coupled, effect_off, effect_on, effect_words, scene, &
-                                   scene_motion
+                                   criterion_words, scene, scene_loading, scene_motion
   implicit none
   private
 
@@ -24,6 +23,7 @@ module asperity_scene_reader
   ! Room for results is bounded: a position takes some 400 bytes, a state of a curve 100 in memory
   ! and 200 in a file.
   integer, parameter :: most_positions = 1000000, most_points = 100000, most_states = 2000000
+  integer, parameter :: most_values = 100000
 
 contains
 
@@ -196,8 +196,7 @@ contains
 
     associate (loading => checked%loading)
       call fields%take_word('loading', 'control', control_words, loading%control)
-      call fields%take_number('loading', 'value', &
-           merge(above_zero, any_number, loading%control == control_load), loading%value)
+      call read_path(fields, loading)
       call fields%take_whole('loading', 'points', 0, most_points, loading%points)
       ! What a refused control would need is not known.
       if (loading%control == 0) return
@@ -206,6 +205,42 @@ contains
     end associate
   end subroutine read_loading
 
+  !> One value, or several to go to one after the other. A load may go back to zero.
+  subroutine read_path(fields, loading)
+    type(scene_fields), intent(inout) :: fields
+    type(scene_loading), intent(inout) :: loading
+    integer :: number
+
+    number = fields%value_count('loading', 'value')
+    if (number <= 1 .or. loading%control == control_limit) then
+      call fields%take_number('loading', 'value', &
+           merge(above_zero, any_number, loading%control == control_load), loading%value)
+    else if (number > most_values) then
+      call fields%complain_of('loading', 'value', 'too many values: found ' // &
+                              decimal_text(number) // ', expected at most ' // &
+                              decimal_text(most_values))
+    else
+      allocate (loading%path(number))
+      call fields%take_numbers('loading', 'value', &
+           merge(not_negative, any_number, loading%control == control_load), loading%path)
+      loading%value = deepest(loading%path, loading%control)
+      if (loading%control == control_load .and. loading%value%digits == 0_int64) &
+        call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
+    end if
+  end subroutine read_path
+
+  !> The largest load or the least separation.
+  pure function deepest(path, control) result(value)
+    type(decimal_value), intent(in) :: path(:)
+    integer, intent(in) :: control
+    type(decimal_value) :: value
+    real(real64) :: numbers(size(path))
+
+    numbers = nearest_double(path)
+    if (control == control_load) numbers = -numbers
+    value = path(minloc(numbers, 1))
+  end function deepest
+
   !> A curve at every position must have room.
   subroutine check_states(fields, checked)
     type(scene_fields), intent(inout) :: fields
@@ -213,6 +248,7 @@ contains
     integer(int64) :: states
 
     states = int(checked%motion%positions, int64) * int(max(1, checked%loading%points), int64)
+    if (allocated(checked%loading%path)) states = states * size(checked%loading%path)
     if (states > int(most_states, int64)) &
       call fields%complain_of_group('loading', 'too many states: found ' // &
            decimal_text(checked%motion%positions) // ' positions with ' // &
@@ -253,65 +289,6 @@ contains
       call need(fields, 'limit', 'yield_stress', limit%criterion == criterion_hardy, for_what)
     end associate
   end subroutine read_limit
-
-  !> Group &effects. An effect's own numbers may stand there while it is off.
-  subroutine read_effects(fields, checked)
-    type(scene_fields), intent(inout) :: fields
-    type(scene), intent(inout) :: checked
-    integer, parameter :: interactions(4) = &
-      [effect_off, effect_auto, effect_coupled, effect_boundary]
-    integer, parameter :: switches(3) = [effect_off, effect_on, effect_auto]
-
-    associate (effects => checked%effects)
-      call take_effect('interaction', interactions, effects%interaction)
-      call take_effect('friction', switches, effects%friction)
-      call take_effect('plasticity', switches, effects%plasticity)
-      call take_effect('adhesion', switches, effects%adhesion)
-      call take_effect('creep', switches, effects%creep)
-      call refuse('plasticity', effects%plasticity)
-      call refuse('adhesion', effects%adhesion)
-      call refuse('creep', effects%creep)
-      call fields%take_number('effects', 'tolerance', share, effects%tolerance)
-      call fields%take_number('effects', 'boundary_tolerance', share, effects%boundary_tolerance)
-      call fields%take_number('effects', 'friction_coefficient', not_negative, &
-                              effects%friction_coefficient)
-      call require('friction_coefficient', 'friction', effects%friction)
-    end associate
-
-  contains
-
-    subroutine take_effect(name, known, effect)
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: known(:)
-      integer, intent(inout) :: effect
-      integer :: chosen
-
-      chosen = 1
-      call fields%take_word('effects', name, effect_words(known), chosen)
-      effect = effect_off
-      if (chosen > 0) effect = known(chosen)
-    end subroutine take_effect
-
-    subroutine refuse(name, effect)
-      character(len=*), intent(in) :: name
-      integer, intent(inout) :: effect
-
-      if (effect == effect_off) return
-      call fields%complain_of('effects', name, 'not available in this version: found ''' // &
-                              trim(effect_words(effect)) // ''', expected ''off''')
-      effect = effect_off
-    end subroutine refuse
-
-    subroutine require(name, of, effect)
-      character(len=*), intent(in) :: name, of
-      integer, intent(in) :: effect
-
-      if (effect == effect_off .or. fields%has('effects', name)) return
-      call fields%complain_of_group('effects', 'no ' // name // ' in &effects: expected one ' // &
-                                    'with ' // of // ' = ''' // trim(effect_words(effect)) // '''')
-    end subroutine require
-
-  end subroutine read_effects
 
   !> A name that something needs must stand there; one that nothing needs must not.
   subroutine need(fields, group, name, is_needed, for_what)

@@ -15,6 +15,7 @@ module asperity_scene_values
   public :: control_limit, control_approach, control_load, control_words
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
+  public :: hold_load, hold_approach, hold_words
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep
 
@@ -52,6 +53,12 @@ module asperity_scene_values
   integer, parameter :: effect_coupled = 4
   !> Interaction only: the whole surface by boundary elements.
   integer, parameter :: effect_boundary = 5
+  !> Creep only: the load is held.
+  integer, parameter :: hold_load = 1
+  !> Creep only: the approach is held.
+  integer, parameter :: hold_approach = 2
+  !> The words of a scene for them.
+  character(len=*), parameter :: hold_words(2) = [character(len=8) :: 'load', 'approach']
   !> The words of a scene for them.
   character(len=*), parameter :: effect_words(5) = &
     [character(len=8) :: 'off', 'on', 'auto', 'coupled', 'boundary']
@@ -88,7 +95,10 @@ module asperity_scene_values
   !> How far the surfaces close.
   type :: scene_loading
     integer :: control = control_limit  !! `control_limit`, `control_approach` or `control_load`
-    type(decimal_value) :: value        !! separation or load at the end; unused for the limit
+    !> Separation or load at the end, or the deepest of the path; unused for the limit.
+    type(decimal_value) :: value
+    !> Separations or loads, one after the other, up and down; allocated when there are several.
+    type(decimal_value), allocatable :: path(:)
     integer :: points = 0               !! states on the way; 0 or 1 is the end state only
   end type scene_loading
 
@@ -105,13 +115,22 @@ module asperity_scene_values
   type :: scene_effects
     integer :: interaction = effect_off  !! `effect_off`, `_coupled`, `_boundary` or `_auto`
     integer :: friction = effect_off     !! `effect_off`, `effect_on` or `effect_auto`
-    integer :: plasticity = effect_off   !! only `effect_off` so far
-    integer :: adhesion = effect_off     !! only `effect_off` so far
-    integer :: creep = effect_off        !! only `effect_off` so far
+    integer :: plasticity = effect_off   !! `effect_off`, `effect_on` or `effect_auto`
+    integer :: adhesion = effect_off     !! `effect_off`, `effect_on` or `effect_auto`
+    integer :: creep = effect_off        !! `effect_off`, `effect_on` or `effect_auto`
     type(decimal_value) :: tolerance = decimal_value(1_int64, -2)  !! share of the load, in (0, 1)
     !> What the last halving of the cells may change, share of the load, in (0, 1).
     type(decimal_value) :: boundary_tolerance = decimal_value(1_int64, -3)
     type(decimal_value) :: friction_coefficient  !! 0 or more
+    type(decimal_value) :: plastic_yield_stress  !! in tension; 0: flow begins at the limit
+    type(decimal_value) :: work_of_adhesion      !! energy of an area, 0 or more
+    type(decimal_value) :: equilibrium_distance  !! of two surfaces that adhere, more than 0
+    type(decimal_value) :: relaxation_time       !! 0 or more, unit of `hold_time`
+    !> Relaxed over instantaneous modulus, more than 0 and at most 1.
+    type(decimal_value) :: relaxed_modulus_ratio = decimal_value(1_int64, 0)
+    type(decimal_value) :: hold_time             !! after loading, 0 or more
+    integer :: hold = hold_load                  !! `hold_load` or `hold_approach`
+    integer :: hold_points = 20                  !! states of the hold, at least 2
   contains
     procedure :: any_on => any_effect_on  !! whether one of them is not off
   end type scene_effects

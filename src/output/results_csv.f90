@@ -153,7 +153,7 @@ contains
     integer :: m, step
 
     call buffer%line('position,step,approach,decrease,contacts,load,area,projected_area,' // &
-                     'vertical_load')
+                     'vertical_load,time')
     do m = 1, size(results%positions)
       do step = 1, size(results%positions(m)%states)
         associate (state => results%positions(m)%states(step))
@@ -166,6 +166,7 @@ contains
           call line%put(state%area)
           call line%put(state%projected_area)
           call line%put(state%vertical_load)
+          call line%put(state%time)
           call line%finish(buffer)
         end associate
       end do

@@ -1,7 +1,10 @@
 !> Runs every suite of unit tests.
 program unit_tests
   use asperity_testing, only: finish, run_suite, tally_type
+  use asperity_adhesion_suite, only: collect_adhesion
   use asperity_boundary_suite, only: collect_boundary
+  use asperity_coupled_suite, only: collect_coupled
+  use asperity_creep_suite, only: collect_creep
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
   use asperity_philox_suite, only: collect_philox
@@ -21,7 +24,10 @@ program unit_tests
   call run_suite('report fields', collect_report_fields, tally)
   call run_suite('scene', collect_scene, tally)
   call run_suite('cells', collect_boundary, tally)
+  call run_suite('coupled contacts', collect_coupled, tally)
   call run_suite('friction', collect_friction, tally)
+  call run_suite('adhesion', collect_adhesion, tally)
+  call run_suite('creep', collect_creep, tally)
   call run_suite('plastic flow', collect_plasticity, tally)
   call run_suite('generator', collect_philox, tally)
   call run_suite('generation', collect_generation, tally)

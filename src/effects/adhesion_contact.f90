@@ -1,0 +1,156 @@
+!> One adhering contact: which theory it follows, when it snaps in and off, what it answers.
+!>
+!> The Tabor parameter mu = (R w**2/(E**2 z0**3))**(1/3) compares the neck that adhesion draws out
+!> with the range z0 of the attraction (Tabor 1977). Above 5 the theory of Johnson, Kendall and
+!> Roberts holds, below 0.1 that of Derjaguin, Muller and Toporov (Johnson and Greenwood 1997);
+!> between them Maugis' with lambda = 1.157 mu, which has both as its limits. Without work of
+!> adhesion it is Hertz.
+!>
+!> A contact has two states, apart and adhering. Apart there is no load. The attraction reaches h0 =
+!> 0.974 z0, Maugis' value: that of the constant stress with the strength and the work of the
+!> attraction between molecules. The contact begins to adhere when the spheres come that near, and
+!> ends when its curve turns back. Johnson, Kendall and Roberts have no range: spheres that meet
+!> adhere at once. In the limit of Derjaguin, Muller and Toporov nothing snaps: the pull grows
+!> linearly from the range to 2 pi w R at first touch and goes back on the same line.
+module asperity_adhesion_contact
+  use asperity_adhesion_jkr, only: answer_jkr, pull_off_jkr, snap_off_jkr
+  use asperity_adhesion_maugis, only: follow_maugis, maugis_answer, maugis_curve, new_maugis
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: adhesion_numbers, adhering_contact, central_answer
+  public :: new_adhering_contact, adheres, answer_along_centres
+  public :: model_hertz, model_jkr, model_maugis, model_dmt
+
+  !> No work of adhesion.
+  integer, parameter :: model_hertz = 0
+  !> Johnson, Kendall and Roberts.
+  integer, parameter :: model_jkr = 1
+  !> Maugis.
+  integer, parameter :: model_maugis = 2
+  !> Derjaguin, Muller and Toporov.
+  integer, parameter :: model_dmt = 3
+
+  real(real64), parameter :: pi = acos(-1.0_real64)
+  ! Johnson and Greenwood's borders of the Tabor parameter.
+  real(real64), parameter :: least_of_jkr = 5.0_real64, most_of_dmt = 0.1_real64
+  ! Range of the constant stress over z0, w/(sigma0 z0): 9 sqrt(3)/16.
+  real(real64), parameter :: range_of_attraction = 0.97427857925749364_real64
+
+  !> What holds for all contacts, in one set of units.
+  type :: adhesion_numbers
+    real(real64) :: modulus = 1.0_real64   !! combined, more than 0
+    real(real64) :: work = 0.0_real64      !! of adhesion, modulus times length, 0 or more
+    real(real64) :: distance = 1.0_real64  !! of equilibrium, z0, more than 0
+  end type adhesion_numbers
+
+  !> What does not change while one contact is opened and closed.
+  type :: adhering_contact
+    integer :: model = model_hertz          !! the theory it follows
+    real(real64) :: radius = 0.0_real64     !! combined
+    real(real64) :: tabor = 0.0_real64      !! Tabor parameter
+    real(real64) :: pull_off = 0.0_real64   !! largest pull, 0 or more
+    real(real64) :: snap_in = 0.0_real64    !! overlap from which it adheres; 0 or less
+    real(real64) :: snap_off = 0.0_real64   !! overlap below which it parts; not above snap_in
+    type(maugis_curve) :: curve             !! of Maugis' theory
+  end type adhering_contact
+
+  !> Answer along the line of centres.
+  type :: central_answer
+    real(real64) :: contact_radius = 0.0_real64  !! 0 where the spheres do not touch
+    real(real64) :: load = 0.0_real64            !! negative: the contact pulls
+    real(real64) :: stiffness = 0.0_real64       !! d load/d overlap
+    real(real64) :: pressure = 0.0_real64        !! at the centre of the contact circle, or 0
+  end type central_answer
+
+contains
+
+  !> The theory of a contact and the ends of its curve.
+  pure subroutine new_adhering_contact(numbers, radius, contact)
+    type(adhesion_numbers), intent(in) :: numbers   !! of all contacts
+    real(real64), intent(in) :: radius              !! combined, more than 0
+    type(adhering_contact), intent(out) :: contact  !! ready to answer
+
+    contact%radius = radius
+    if (.not. numbers%work > 0.0_real64) return
+    contact%tabor = ((numbers%work / numbers%modulus)**2 * radius)**(1.0_real64 / 3.0_real64) / &
+                    numbers%distance
+    if (contact%tabor > least_of_jkr) then
+      contact%model = model_jkr
+      contact%snap_off = snap_off_jkr(numbers%modulus, radius, numbers%work)
+      contact%pull_off = pull_off_jkr(radius, numbers%work)
+    else if (contact%tabor < most_of_dmt) then
+      contact%model = model_dmt
+      contact%snap_in = -range_of_attraction * numbers%distance
+      contact%snap_off = contact%snap_in
+      contact%pull_off = 2.0_real64 * pi * numbers%work * radius
+    else
+      contact%model = model_maugis
+      ! 2 sigma0 (R/(pi w K**2))**(1/3), K = 4/3 E.
+      call new_maugis(contact%tabor * (2.0_real64 / range_of_attraction) * &
+                      (9.0_real64 / (16.0_real64 * pi))**(1.0_real64 / 3.0_real64), contact%curve)
+      contact%snap_in = -range_of_attraction * numbers%distance
+      contact%snap_off = min(contact%curve%snap_off * neck(numbers, radius)**2 / radius, &
+                             contact%snap_in)
+      contact%pull_off = contact%curve%pull_off * pi * numbers%work * radius
+    end if
+  end subroutine new_adhering_contact
+
+  !> Whether a contact adheres at an overlap that it came to without turning round on the way.
+  elemental logical function adheres(contact, overlap, adhered)
+    type(adhering_contact), intent(in) :: contact  !! the contact
+    real(real64), intent(in) :: overlap            !! of the spheres; negative: a gap
+    logical, intent(in) :: adhered                 !! whether it did before
+
+    adheres = contact%model /= model_hertz .and. &
+              (overlap >= contact%snap_in .or. (adhered .and. overlap >= contact%snap_off))
+  end function adheres
+
+  !> What a contact answers that adheres.
+  pure subroutine answer_along_centres(numbers, contact, overlap, answer)
+    type(adhesion_numbers), intent(in) :: numbers  !! of all contacts
+    type(adhering_contact), intent(in) :: contact  !! one that adheres
+    real(real64), intent(in) :: overlap            !! not below snap_off
+    type(central_answer), intent(out) :: answer    !! along the line of centres
+    type(maugis_answer) :: maugis
+    real(real64) :: unit
+
+    associate (modulus => numbers%modulus, radius => contact%radius)
+      select case (contact%model)
+      case (model_jkr)
+        call answer_jkr(modulus, radius, numbers%work, overlap, answer%load, &
+                        answer%contact_radius, answer%stiffness, answer%pressure)
+      case (model_maugis)
+        unit = neck(numbers, radius)
+        call follow_maugis(contact%curve, (overlap / unit) * (radius / unit), maugis)
+        answer%contact_radius = unit * maugis%contact_radius
+        answer%load = pi * numbers%work * radius * maugis%load
+        answer%stiffness = (4.0_real64 / 3.0_real64) * modulus * unit * maugis%stiffness
+        answer%pressure = modulus * (unit / radius) * maugis%pressure / pi
+      case default
+        answer%contact_radius = sqrt(radius * max(overlap, 0.0_real64))
+        answer%load = (4.0_real64 / 3.0_real64) * modulus * answer%contact_radius * overlap
+        answer%stiffness = 2.0_real64 * modulus * answer%contact_radius
+        answer%pressure = (2.0_real64 / pi) * modulus * sqrt(max(overlap, 0.0_real64) / radius)
+        if (contact%model == model_hertz) return
+        if (overlap < 0.0_real64) then
+          answer%load = -contact%pull_off * (1.0_real64 - overlap / contact%snap_in)
+          answer%stiffness = contact%pull_off / contact%snap_in
+        else
+          answer%load = answer%load - contact%pull_off
+        end if
+      end select
+    end associate
+  end subroutine answer_along_centres
+
+  ! Maugis' unit of the contact radius, (pi w R**2/K)**(1/3).
+  pure real(real64) function neck(numbers, radius)
+    type(adhesion_numbers), intent(in) :: numbers
+    real(real64), intent(in) :: radius
+
+    neck = (0.75_real64 * pi * (numbers%work / numbers%modulus) * radius**2)**(1.0_real64 / &
+                                                                               3.0_real64)
+  end function neck
+
+end module asperity_adhesion_contact

@@ -1,0 +1,127 @@
+!> The law of adhering contacts, inclined as the pair's offset in plan makes them.
+!>
+!> Load and contact radius follow the overlap of the spheres along the line of their centres, as in
+!> the law of Hertz; a negative overlap is a gap. A contact that was adhering goes on to do so
+!> where one that comes from far does not: the law holds which ones were.
+module asperity_adhesion_law
+  use asperity_adhesion_contact, only: adhering_contact, adheres, adhesion_numbers, &
+                                       answer_along_centres, central_answer, model_hertz, &
+                                       new_adhering_contact
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_hertz_law, only: hertz_law
+  use asperity_kernel_real64, only: stable_overlap
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: adhesion_law, new_adhesion_law
+
+  !> The law with what it holds of each contact.
+  type, extends(contact_law) :: adhesion_law
+    type(adhesion_numbers) :: numbers                 !! in the units of the pairs
+    type(adhering_contact), allocatable :: known(:)   !! by the number of the contact
+    logical, allocatable :: adhered(:)                !! by the number: it did at the state before
+  contains
+    procedure :: respond
+    procedure :: holds
+  end type adhesion_law
+
+contains
+
+  !> The law for the pairs of a position, of which none adheres yet.
+  subroutine new_adhesion_law(numbers, pairs, law)
+    type(adhesion_numbers), intent(in) :: numbers  !! in the units of the pairs
+    type(contact_pairs), intent(in) :: pairs       !! the position
+    type(adhesion_law), intent(out) :: law         !! ready to answer
+    integer :: i
+    logical :: same
+
+    law%numbers = numbers
+    allocate (law%known(size(pairs%list)), law%adhered(size(pairs%list)))
+    law%adhered = .false.
+    do i = 1, size(pairs%list)
+      ! Most models have one radius; the ends of a curve are worth remembering.
+      same = .false.
+      if (i > 1) same = .not. abs(pairs%list(i)%radius - law%known(i - 1)%radius) > 0.0_real64
+      if (same) then
+        law%known(i) = law%known(i - 1)
+      else
+        call new_adhering_contact(numbers, pairs%list(i)%radius, law%known(i))
+      end if
+    end do
+  end subroutine new_adhesion_law
+
+  !> The answer of a contact. Continuous in the penetration but where the contact snaps. The
+  !> pressure is that at the centre of the contact circle, where it is largest.
+  pure subroutine respond(self, pair, number, penetration, response)
+    class(adhesion_law), intent(in) :: self         !! the law
+    type(contact_pair), intent(in) :: pair          !! who touches
+    integer, intent(in) :: number                   !! place of the pair in its list
+    real(real64), intent(in) :: penetration         !! vertical, less than zc; negative: a gap
+    type(contact_response), intent(out) :: response !! the answer
+    type(hertz_law) :: hertz
+    type(adhering_contact) :: contact
+    type(central_answer) :: answer
+    real(real64) :: centres, overlap
+
+    call look_up(self, pair, number, contact)
+    if (contact%model == model_hertz) then
+      hertz%modulus = self%numbers%modulus
+      call hertz%respond(pair, number, penetration, response)
+      return
+    end if
+    overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration)
+    if (.not. adheres(contact, overlap, did_adhere(self, number))) return
+    call answer_along_centres(self%numbers, contact, overlap, answer)
+    centres = pair%s - overlap
+    response%overlap = overlap
+    response%contact_radius = answer%contact_radius
+    response%load = answer%load
+    response%cosine = (pair%zc - penetration) / centres
+    response%vertical_load = response%load * response%cosine
+    response%stiffness = answer%stiffness * response%cosine**2 - &
+                         response%load * (pair%d / centres)**2 / centres
+    response%maximum_pressure = answer%pressure
+  end subroutine respond
+
+  !> Whether a contact adheres at a penetration.
+  pure logical function holds(self, pair, number, penetration)
+    class(adhesion_law), intent(in) :: self  !! the law
+    type(contact_pair), intent(in) :: pair   !! who touches
+    integer, intent(in) :: number            !! place of the pair in its list
+    real(real64), intent(in) :: penetration  !! vertical, less than zc; negative: a gap
+    type(adhering_contact) :: contact
+
+    call look_up(self, pair, number, contact)
+    holds = adheres(contact, stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration), &
+                    did_adhere(self, number))
+  end function holds
+
+  ! What is known of a contact; found anew for one that is not on the list.
+  pure subroutine look_up(self, pair, number, contact)
+    class(adhesion_law), intent(in) :: self
+    type(contact_pair), intent(in) :: pair
+    integer, intent(in) :: number
+    type(adhering_contact), intent(out) :: contact
+
+    if (allocated(self%known)) then
+      if (number >= 1 .and. number <= size(self%known)) then
+        contact = self%known(number)
+        return
+      end if
+    end if
+    call new_adhering_contact(self%numbers, pair%radius, contact)
+  end subroutine look_up
+
+  ! Whether a contact adhered at the state before.
+  pure logical function did_adhere(self, number)
+    class(adhesion_law), intent(in) :: self
+    integer, intent(in) :: number
+
+    did_adhere = .false.
+    if (.not. allocated(self%adhered)) return
+    if (number >= 1 .and. number <= size(self%adhered)) did_adhere = self%adhered(number)
+  end function did_adhere
+
+end module asperity_adhesion_law

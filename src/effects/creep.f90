@@ -1,0 +1,274 @@
+!> Creep of both bodies, as an effect that a scene names.
+!>
+!> Loading takes no time. Then the load or the approach is held; the states of the hold come at
+!> rising times. In each, the elastic answers become those of a standard linear solid with the
+!> memory of the states before (Lee and Radok 1960). The scene's modulus is the instantaneous one.
+module asperity_creep
+  use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
+  use asperity_contact_law, only: contact_response
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_state, only: contact_state
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_kinds, only: real64
+  use asperity_problems, only: decimal_text
+  use asperity_scene_values, only: effect_auto, effect_boundary, scene
+  use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, loaded, relaxation, solid_step, &
+                                         standard_linear_solid, step_over
+  implicit none
+  private
+
+  public :: new_creep, creep_of
+
+  !> What one contact remembers of the last state kept: of its load and of its greatest pressure.
+  type :: contact_memory
+    real(real64) :: elastic_load = 0.0_real64      !! load without relaxation
+    real(real64) :: load = 0.0_real64              !! the part of it that will relax
+    real(real64) :: elastic_pressure = 0.0_real64  !! pressure without relaxation
+    real(real64) :: pressure = 0.0_real64          !! the part of it that will relax
+  end type contact_memory
+
+  !> Creep with one standard linear solid for both bodies.
+  type, extends(contact_effect) :: creep_effect
+    type(standard_linear_solid) :: solid            !! of both bodies
+    real(real64) :: hold_time = 0.0_real64          !! how long the last state is held, 0 or more
+    real(real64) :: may_fall = 0.0_real64           !! elastic load that may go, share of the total
+    real(real64) :: time = 0.0_real64               !! of the last state kept
+    type(contact_memory), allocatable :: memory(:)  !! of each pair; not allocated: nothing touched
+  contains
+    procedure :: estimate
+    procedure :: apply
+  end type creep_effect
+
+contains
+
+  !> Creep as the scene names it.
+  subroutine new_creep(scene_in, effect)
+    type(scene), intent(in) :: scene_in                        !! checked values
+    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
+    real(real64), parameter :: rounding = 1.0e-9_real64
+    type(standard_linear_solid) :: solid
+    real(real64) :: may_fall
+
+    associate (effects => scene_in%effects)
+      solid%relaxed_ratio = decimal_to_real64(effects%relaxed_modulus_ratio)
+      solid%relaxation_time = decimal_to_real64(effects%relaxation_time)
+      ! Cells move the load of a contact by their tolerance, `auto` by its own where it sets in.
+      may_fall = rounding
+      if (any(effects%interaction == [effect_auto, effect_boundary])) &
+        may_fall = decimal_to_real64(effects%boundary_tolerance)
+      if (effects%interaction == effect_auto) &
+        may_fall = max(may_fall, decimal_to_real64(effects%tolerance))
+      call creep_of(solid, decimal_to_real64(effects%hold_time), may_fall, effect)
+      effect%mode = effects%creep
+    end associate
+  end subroutine new_creep
+
+  !> Creep of a given material.
+  subroutine creep_of(solid, hold_time, may_fall, effect)
+    type(standard_linear_solid), intent(in) :: solid           !! of both bodies
+    real(real64), intent(in) :: hold_time                      !! 0 or more, unit of the solid's
+    real(real64), intent(in) :: may_fall  !! how far elastic loads of contacts may fall in a hold
+                                          !! and pass for rounding, as a share of their sum
+    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act; its mode is `off`
+    type(creep_effect) :: new
+
+    new%name = 'creep'
+    new%solid = solid
+    new%hold_time = hold_time
+    new%may_fall = may_fall
+    new%begin => forget
+    new%keep => keep
+    new%held_share => share_at
+    call set_columns(new%contact_columns, &
+                     [character(len=20) :: 'elastic_load', 'relaxed_share'], &
+                     reshape([1, 2, 0, 0], [2, 2]))
+    call set_columns(new%state_columns, [character(len=20) :: 'time', 'elastic_load'], &
+                     reshape([0, 0, 1, 2], [2, 2]))
+    allocate (effect, source=new)
+  end subroutine creep_of
+
+  !> Share of the load that is gone at the end of a hold of the approach. While a load is held, load
+  !> over elastic load is nearer to one. The same for all states of a position, so that `auto` does
+  !> not change its mind on the way.
+  function estimate(self, pairs, state) result(share)
+    class(creep_effect), intent(in) :: self   !! creep
+    type(contact_pairs), intent(in) :: pairs  !! the position
+    type(contact_state), intent(in) :: state  !! before creep
+    real(real64) :: share
+
+    share = 0.0_real64
+    if (size(pairs%list) > 0 .and. allocated(state%answers)) &
+      share = 1.0_real64 - relaxation(self%solid, self%hold_time)
+  end function estimate
+
+  ! What is left of a load that is held, over the elastic load of the same closing: one over the
+  ! creep compliance.
+  function share_at(self, time) result(share)
+    class(contact_effect), intent(in) :: self
+    real(real64), intent(in) :: time
+    real(real64) :: share
+
+    share = 1.0_real64
+    select type (self)
+    type is (creep_effect)
+      share = 1.0_real64 / creep_compliance(self%solid, time)
+    end select
+  end function share_at
+
+  !> Turns the elastic answers at `state%time` into those after creep. Columns: load that an elastic
+  !> contact of this closing carries, load over that; the time, the sum of the elastic loads.
+  subroutine apply(self, pairs, state, outcome)
+    class(creep_effect), intent(in) :: self         !! creep
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(inout) :: state     !! gets loads, pressures and stiffness
+    type(effect_outcome), intent(inout) :: outcome  !! what it did
+    type(solid_step) :: step
+    real(real64) :: elastic, fall
+    integer :: i, worst
+
+    outcome%simulated = 'on'
+    outcome%ending%converged = .true.
+    allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(2))
+    outcome%of_contacts = 0.0_real64
+    outcome%of_state = [state%time, sum(state%answers%load)]
+    if (size(pairs%list) == 0 .or. .not. state%time > 0.0_real64) then
+      call tell_elastic(state, outcome)
+      return
+    end if
+    call next_step(self, size(pairs%list), state%time, step, outcome%failure)
+    if (allocated(outcome%failure)) return
+    fall = 0.0_real64
+    worst = 0
+    do i = 1, size(pairs%list)
+      elastic = state%answers(i)%load
+      if (self%memory(i)%elastic_load - elastic > fall) then
+        fall = self%memory(i)%elastic_load - elastic
+        worst = i
+      end if
+      if (.not. state%penetration(i) > 0.0_real64) cycle
+      outcome%of_contacts(i, :) = [elastic, 1.0_real64]
+      if (.not. elastic > 0.0_real64) cycle
+      call relax(step, self%memory(i), pairs%list(i)%s, state%answers(i))
+      outcome%of_contacts(i, 2) = state%answers(i)%load / elastic
+    end do
+    if (fall > self%may_fall * outcome%of_state(2)) outcome%failure = &
+      'the area of contact ' // decimal_text(worst) // ' shrinks during the hold, which the ' // &
+      'theory of Lee and Radok does not cover'
+  end subroutine apply
+
+  ! The end of loading: nothing has crept.
+  subroutine tell_elastic(state, outcome)
+    type(contact_state), intent(in) :: state
+    type(effect_outcome), intent(inout) :: outcome
+
+    where (state%penetration > 0.0_real64)
+      outcome%of_contacts(:, 1) = state%answers%load
+      outcome%of_contacts(:, 2) = 1.0_real64
+    end where
+  end subroutine tell_elastic
+
+  ! One contact: the elastic answer becomes that after a step.
+  pure subroutine relax(step, before, sum_of_radii, answer)
+    type(solid_step), intent(in) :: step
+    type(contact_memory), intent(in) :: before
+    real(real64), intent(in) :: sum_of_radii
+    type(contact_response), intent(inout) :: answer
+    type(contact_memory) :: now
+    real(real64) :: elastic, elastic_pressure, turn, gain
+
+    now = before
+    elastic = answer%load
+    elastic_pressure = answer%maximum_pressure
+    call loaded(step, before%elastic_load, elastic, now%load, answer%load)
+    call loaded(step, before%elastic_pressure, elastic_pressure, now%pressure, &
+                answer%maximum_pressure)
+    answer%vertical_load = answer%vertical_load * (answer%load / elastic)
+    ! The elastic stiffness is cosine dPe/dp + Pe d(cosine)/dp; only dPe/dp becomes less.
+    turn = (1.0_real64 - answer%cosine) * (1.0_real64 + answer%cosine) / &
+           (sum_of_radii - answer%overlap)
+    gain = step%relaxed_ratio + step%growth
+    answer%stiffness = gain * answer%stiffness - (answer%load - gain * elastic) * turn
+  end subroutine relax
+
+  ! The step from the last state kept.
+  pure subroutine next_step(self, pairs, time, step, failure)
+    class(creep_effect), intent(in) :: self
+    integer, intent(in) :: pairs
+    real(real64), intent(in) :: time
+    type(solid_step), intent(out) :: step
+    character(len=:), allocatable, intent(inout) :: failure
+
+    if (.not. allocated(self%memory)) then
+      failure = 'a hold begins with the state at the end of loading'
+    else if (size(self%memory) /= pairs) then
+      failure = 'the contacts of a hold are not those at the end of loading'
+    else if (time < self%time) then
+      failure = 'the times of a hold fall'
+    else
+      step = step_over(self%solid, self%time, time)
+    end if
+  end subroutine next_step
+
+  ! Nothing has touched yet.
+  subroutine forget(self, pairs)
+    class(contact_effect), intent(inout) :: self
+    type(contact_pairs), intent(in) :: pairs
+
+    select type (self)
+    class is (creep_effect)
+      if (allocated(self%memory)) deallocate (self%memory)
+      allocate (self%memory(size(pairs%list)))
+      self%time = 0.0_real64
+    end select
+  end subroutine forget
+
+  ! Remembers a state. Its loads and pressures are those after creep; the elastic ones follow from
+  ! them. Friction, which acts later, leaves both as they are.
+  subroutine keep(self, pairs, state)
+    class(contact_effect), intent(inout) :: self
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    type(solid_step) :: step
+    character(len=:), allocatable :: failure
+
+    select type (self)
+    class is (creep_effect)
+      if (self%mode == effect_auto) then
+        if (.not. self%estimate(pairs, state) > self%tolerance) return
+      end if
+      if (.not. state%time > 0.0_real64) call forget(self, pairs)
+      call next_step(self, size(pairs%list), state%time, step, failure)
+      if (allocated(failure)) return
+      self%time = state%time
+      call remember(step, state%answers, self%memory)
+    end select
+  end subroutine keep
+
+  ! What a contact keeps of a step.
+  elemental subroutine remember(step, answer, memory)
+    type(solid_step), intent(in) :: step
+    type(contact_response), intent(in) :: answer
+    type(contact_memory), intent(inout) :: memory
+
+    if (answer%load > 0.0_real64) then
+      call remember_one(step, answer%load, memory%elastic_load, memory%load)
+      call remember_one(step, answer%maximum_pressure, memory%elastic_pressure, memory%pressure)
+    else
+      memory = contact_memory()
+    end if
+  end subroutine remember
+
+  ! The same for one of its numbers.
+  elemental subroutine remember_one(step, value, elastic, memory)
+    type(solid_step), intent(in) :: step
+    real(real64), intent(in) :: value
+    real(real64), intent(inout) :: elastic
+    real(real64), intent(inout) :: memory
+    real(real64) :: now
+
+    now = elastic_load_of(step, elastic, memory, value)
+    memory = value - step%relaxed_ratio * now
+    elastic = now
+  end subroutine remember_one
+
+end module asperity_creep

@@ -1,0 +1,97 @@
+!> The states of a position, one after the other: on the way to its end, along a path of loads or
+!> approaches, and through a hold.
+module asperity_effect_path
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_kernel_real64, only: closings_on_the_way
+  use asperity_kinds, only: real64
+  use asperity_scene_values, only: control_load, hold_load, scene
+  use asperity_viscoelastic_solid, only: hold_times
+  implicit none
+  private
+
+  public :: path_step, plan_states, plan_hold
+  public :: to_closing, to_load, as_before
+
+  !> The step ends at a closing.
+  integer, parameter :: to_closing = 1
+  !> The step ends at a load.
+  integer, parameter :: to_load = 2
+  !> The step keeps the load of the last state.
+  integer, parameter :: as_before = 3
+
+  !> The way to one state.
+  type :: path_step
+    integer :: kind = to_closing       !! `to_closing`, `to_load` or `as_before`
+    real(real64) :: value = 0.0_real64 !! the closing or the load, in the unit of the pairs
+    real(real64) :: time = 0.0_real64  !! since the end of loading
+  end type path_step
+
+contains
+
+  !> The states of loading. `points` equal parts lie between one value of a path and the next.
+  subroutine plan_states(scene_in, pairs, closing, steps)
+    type(scene), intent(in) :: scene_in                       !! checked values
+    type(contact_pairs), intent(in) :: pairs                  !! the position
+    real(real64), intent(in) :: closing                       !! the end, without a path
+    type(path_step), allocatable, intent(out) :: steps(:)     !! at least one
+    real(real64), allocatable :: closings(:)
+    real(real64) :: from, to
+    integer :: i, j, parts, used
+
+    if (.not. allocated(scene_in%loading%path)) then
+      call closings_on_the_way(scene_in%loading%points, pairs%list%gap, closing, closings)
+      allocate (steps(size(closings)))
+      steps%value = closings
+      return
+    end if
+    parts = max(1, scene_in%loading%points)
+    allocate (steps(1 + parts * size(scene_in%loading%path)))
+    if (scene_in%loading%control == control_load) steps%kind = to_load
+    used = 1
+    from = 0.0_real64
+    do i = 1, size(scene_in%loading%path)
+      to = value_of(scene_in, pairs, scene_in%loading%path(i))
+      do j = 1, parts
+        used = used + 1
+        steps(used)%value = from + (to - from) * (real(j, real64) / real(parts, real64))
+      end do
+      steps(used)%value = to
+      from = to
+    end do
+    ! The curve begins at first touch.
+    if (parts == 1) steps = steps(2:)
+  end subroutine plan_states
+
+  !> The states of a hold after the last state of loading.
+  subroutine plan_hold(scene_in, closing, steps)
+    type(scene), intent(in) :: scene_in                     !! checked values
+    real(real64), intent(in) :: closing                     !! of the last state
+    type(path_step), allocatable, intent(out) :: steps(:)   !! none without a hold
+    real(real64), allocatable :: times(:)
+
+    associate (effects => scene_in%effects)
+      call hold_times(decimal_to_real64(effects%hold_time), &
+                      decimal_to_real64(effects%relaxation_time), effects%hold_points, times)
+      allocate (steps(size(times) - 1))
+      steps%time = times(2:)
+      steps%value = closing
+      if (effects%hold == hold_load) steps%kind = as_before
+    end associate
+  end subroutine plan_hold
+
+  ! A value of the path in the unit of the pairs: a load, or the closing of an approach.
+  real(real64) function value_of(scene_in, pairs, value)
+    type(scene), intent(in) :: scene_in
+    type(contact_pairs), intent(in) :: pairs
+    type(decimal_value), intent(in) :: value
+
+    if (scene_in%loading%control == control_load) then
+      value_of = scale(decimal_to_real64(value), &
+                       -4 * (pairs%modulus_power + 2 * pairs%length_power))
+    else
+      value_of = pairs%first_touch - scale(decimal_to_real64(value), -4 * pairs%length_power)
+    end if
+  end function value_of
+
+end module asperity_effect_path

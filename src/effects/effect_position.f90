@@ -1,0 +1,174 @@
+!> One position with its effects: loading, path and hold, state by state.
+module asperity_effect_position
+  use asperity_closing_at_load, only: close_to_load
+  use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_records, only: most_rows, position_result
+  use asperity_contact_state, only: contact_state, start_state, total_load
+  use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, to_closing, to_load
+  use asperity_effect_report, only: effects_at_position
+  use asperity_effect_rows, only: add_state
+  use asperity_effect_sequence, only: all_left_out, first_failure, simulate
+  use asperity_hertz_law, only: hertz_law
+  use asperity_kinds, only: real64
+  use asperity_scene_values, only: control_load, effect_auto, scene
+  implicit none
+  private
+
+  public :: run_position
+
+contains
+
+  !> Computes all states of a position that has pairs. `simulated` is false when `auto` left all
+  !> effects out and the position has nothing that the solver without effects does not know;
+  !> `too_far` is true when pairs that were not listed may touch.
+  subroutine run_position(scene_in, pairs, effects, keep_rows, result, at, simulated, too_far, &
+                          failure)
+    type(scene), intent(in) :: scene_in                    !! checked values
+    type(contact_pairs), intent(in) :: pairs               !! at least one
+    type(effect_box), intent(inout) :: effects(:)          !! of the scene; they remember
+    logical, intent(in) :: keep_rows                       !! keep the contacts of every state
+    type(position_result), intent(out) :: result           !! the states
+    type(effects_at_position), intent(out) :: at           !! what the effects did
+    logical, intent(out) :: simulated                      !! an effect was
+    logical, intent(out) :: too_far                        !! to be done again with all pairs
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(path_step), allocatable :: steps(:), hold(:)
+    real(real64) :: closing
+
+    result%x_displacement = pairs%x_displacement
+    result%y_displacement = pairs%y_displacement
+    simulated = allocated(scene_in%loading%path)
+    too_far = .false.
+    call begin(pairs, effects)
+    closing = pairs%closing
+    if (scene_in%loading%control == control_load .and. .not. simulated) then
+      call close_to_load(pairs, loading_only(effects), pairs%target, closing, failure)
+      if (allocated(failure)) return
+    end if
+    call plan_states(scene_in, pairs, closing, steps)
+    allocate (hold(0))
+    if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, closing, hold)
+    steps = [steps, hold]
+    allocate (result%states(size(steps)), result%rows(0))
+    call walk(scene_in, pairs, effects, steps, keep_rows, result, at, simulated, too_far, failure)
+  end subroutine run_position
+
+  ! Goes from state to state.
+  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, at, simulated, too_far, &
+                  failure)
+    type(scene), intent(in) :: scene_in
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(inout) :: effects(:)
+    type(path_step), intent(in) :: steps(:)
+    logical, intent(in) :: keep_rows
+    type(position_result), intent(inout) :: result
+    type(effects_at_position), intent(inout) :: at
+    logical, intent(inout) :: simulated
+    logical, intent(out) :: too_far
+    character(len=:), allocatable, intent(out) :: failure
+    type(contact_state) :: state
+    type(effect_outcome), allocatable :: outcomes(:)
+    real(real64) :: closing, held
+    integer :: i
+
+    closing = 0.0_real64
+    held = 0.0_real64
+    too_far = .false.
+    do i = 1, size(steps)
+      select case (steps(i)%kind)
+      case (to_closing)
+        closing = steps(i)%value
+      case (to_load)
+        call close_to_load(pairs, loading_only(effects), steps(i)%value, closing, failure)
+      case (as_before)
+        call close_to_load(pairs, loading_only(effects), &
+                           held / share_held(effects, steps(i)%time), closing, failure)
+      end select
+      too_far = closing > pairs%complete_to
+      if (allocated(failure) .or. too_far) return
+      call simulate(pairs, effects, closing, steps(i)%time, state, outcomes)
+      call first_failure(effects, outcomes, failure)
+      if (allocated(failure)) return
+      simulated = simulated .or. .not. all_left_out(outcomes)
+      call keep(pairs, state, effects)
+      call add_state(scene_in, pairs, effects, state, outcomes, i, keep_rows, result, at)
+      if (steps(i)%kind /= as_before) held = total_load(state)
+      if (result%rows_used > most_rows) exit
+    end do
+  end subroutine walk
+
+  ! Nothing has touched yet.
+  subroutine begin(pairs, effects)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(inout) :: effects(:)
+    integer :: i
+
+    do i = 1, size(effects)
+      if (associated(effects(i)%effect%begin)) call effects(i)%effect%begin(pairs)
+    end do
+  end subroutine begin
+
+  ! A state becomes the past.
+  subroutine keep(pairs, state, effects)
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    type(effect_box), intent(inout) :: effects(:)
+    integer :: i
+
+    do i = 1, size(effects)
+      if (associated(effects(i)%effect%keep)) call effects(i)%effect%keep(pairs, state)
+    end do
+  end subroutine keep
+
+  ! The effects that act while loading takes no time.
+  function loading_only(effects) result(list)
+    type(effect_box), intent(in) :: effects(:)
+    type(effect_box), allocatable :: list(:)
+    integer :: i, used
+
+    used = 0
+    do i = 1, size(effects)
+      if (.not. associated(effects(i)%effect%held_share)) used = used + 1
+    end do
+    allocate (list(used))
+    used = 0
+    do i = 1, size(effects)
+      if (associated(effects(i)%effect%held_share)) cycle
+      used = used + 1
+      allocate (list(used)%effect, source=effects(i)%effect)
+    end do
+  end function loading_only
+
+  ! Whether an effect that acts in time is called for.
+  logical function acts_in_time(pairs, effects, closing)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: closing
+    type(contact_state) :: state
+    integer :: i
+
+    acts_in_time = .false.
+    do i = 1, size(effects)
+      if (.not. associated(effects(i)%effect%held_share)) cycle
+      acts_in_time = .true.
+      if (effects(i)%effect%mode /= effect_auto) cycle
+      call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
+      acts_in_time = effects(i)%effect%estimate(pairs, state) > effects(i)%effect%tolerance
+    end do
+  end function acts_in_time
+
+  ! What is left of a held load at a time, over the load of the same closing while loading.
+  real(real64) function share_held(effects, time) result(share)
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: time
+    integer :: i
+
+    share = 1.0_real64
+    do i = 1, size(effects)
+      if (associated(effects(i)%effect%held_share)) &
+        share = share * effects(i)%effect%held_share(time)
+    end do
+  end function share_held
+
+end module asperity_effect_position
