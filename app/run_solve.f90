@@ -41,7 +41,7 @@ contains
     character(len=:), allocatable :: arithmetic, failure
     type(error_budget) :: budget
     real(real64) :: bound
-    logical :: keep_rows, thesis_sweep
+    logical :: keep_rows, thesis_sweep, with_effects
 
     call read_scene(line%input, scene_in, problems)
     if (problems%count() == 0) then
@@ -49,6 +49,8 @@ contains
       if (scene_in%lower%file /= scene_in%upper%file) &
         call refuse_input(line, scene_in%lower%file, problems)
     end if
+    with_effects = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
+    if (problems%count() == 0 .and. with_effects) call refuse_precision(line, problems)
     if (problems%count() > 0) then
       call write_standard_error(problems%text())
       status = 2
@@ -60,7 +62,7 @@ contains
     if (line%arithmetic /= '') arithmetic = line%arithmetic
     thesis_sweep = is_thesis_sweep(scene_in)
     keep_rows = line%contacts_file /= '' .or. thesis_sweep
-    if (scene_in%effects%any_on() .or. allocated(scene_in%loading%path)) then
+    if (with_effects) then
       call solve_with_effects(scene_in, keep_rows, results, effects, failure)
     else if (line%accuracy > 0.0_real64) then
       call solve_to_accuracy(scene_in, line%accuracy, keep_rows, results, arithmetic, bound, &
@@ -101,6 +103,19 @@ contains
     if (complained(failure)) return
     status = 0
   end subroutine run_solve_command
+
+  ! Effects and paths are computed in doubles only.
+  subroutine refuse_precision(line, problems)
+    type(command_line), intent(in) :: line
+    type(problem_list), intent(inout) :: problems
+
+    if (line%arithmetic /= '' .and. line%arithmetic /= 'real64') &
+      call problems%add('--arithmetic ' // line%arithmetic // ': effects and paths of several ' // &
+                        'values are computed in real64, expected that or none')
+    if (line%accuracy > 0.0_real64) &
+      call problems%add('--accuracy: effects and paths of several values are computed in ' // &
+                        'real64 only, expected none')
+  end subroutine refuse_precision
 
   !> Runs the original beside, and prints Table VI before and after. A deck on which the original
   !> goes astray has no such table.

@@ -1,0 +1,218 @@
+!> The pairs of two surfaces in order that are near enough in plan, by a sweep along strips.
+!>
+!> A layer of the one surface is searched with a layer of the other: strip against the strips in
+!> reach, and in these from left to right, both in the order of x. So a search costs in proportion
+!> to the asperities and the pairs found, wherever they lie.
+module asperity_pair_search_layers
+  use asperity_cell_grid, only: cell_grid
+  use asperity_cell_layer, only: grid_layer
+  use asperity_cell_reach, only: pair_reach, squared_reach
+  use asperity_kinds, only: int32, int64, real64
+  use asperity_pair_search_blocks, only: found_pair, found_pairs, room_in_block
+  use asperity_pair_search_sweep, only: batch_room, batch_size, begin_sweep, most_lanes, &
+                                        near_batch, sweep_place, sweep_strips
+  implicit none
+  private
+
+  public :: search_pairs
+
+  ! What one search is about.
+  type :: search_task
+    type(pair_reach) :: reach
+    real(real64) :: offset(4) = 0.0_real64
+    real(real64) :: margin = 0.0_real64
+    real(real64) :: floor = -huge(1.0_real64)
+    real(real64) :: distance = 0.0_real64         ! of the layers at hand
+    logical :: upper_sought = .false.             ! the lower layer seeks
+  end type search_task
+
+contains
+
+  !> Finds the pairs of one position.
+  !>
+  !> Without a margin a pair is found when d**2 < squared_reach(reach, RU + RL), d**2 being
+  !> ((xu + dx) - xl)**2 + ((yu + dy) - yl)**2 in doubles. With one, d may be larger by the margin.
+  !> touch = (hu + hl) - d**2/(s + zc), zc**2 = (s - d)(s + d), s = RU + RL; with a margin for the
+  !> least d that it allows, so that none can be larger.
+  subroutine search_pairs(upper, lower, dx, dy, reach, margin, floor, found, failed)
+    type(cell_grid), intent(in) :: upper     !! the surface displaced
+    type(cell_grid), intent(in) :: lower     !! the other surface
+    real(real64), intent(in) :: dx           !! displacement of the upper surface
+    real(real64), intent(in) :: dy           !! displacement of the upper surface
+    type(pair_reach), intent(in) :: reach    !! how near pairs are
+    real(real64), intent(in) :: margin       !! added to that distance, 0 or more
+    real(real64), intent(in) :: floor        !! pairs with a smaller touch are left out
+    type(found_pairs), intent(out) :: found  !! all other pairs
+    logical, intent(out) :: failed           !! there is no memory for all pairs
+    type(search_task) :: task
+    integer :: i, j
+
+    task%reach = reach
+    task%margin = margin
+    task%floor = floor
+    failed = .false.
+    do i = 1, size(upper%layers)
+      do j = 1, size(lower%layers)
+        associate (above => upper%layers(i), below => lower%layers(j))
+          if (above%highest + below%highest < floor) cycle
+          ! A little more: the sweep compares d**2 with the square of this.
+          task%distance = (sqrt(squared_reach(reach, above%largest + below%largest)) + margin) * &
+                          (1.0_real64 + 1.0e-14_real64)
+          if (.not. task%distance > 0.0_real64) cycle
+          ! The larger radii are sought: their strips are as high as the reach.
+          task%upper_sought = exponent(above%largest) > exponent(below%largest)
+          ! The upper surface is displaced, whichever it is. Adding zero changes nothing.
+          if (task%upper_sought) then
+            task%offset = [0.0_real64, 0.0_real64, dx, dy]
+            call sweep_layers(lower, upper, below, above, 1, below%strips, task, found, failed)
+          else
+            task%offset = [dx, dy, 0.0_real64, 0.0_real64]
+            call sweep_layers(upper, lower, above, below, 1, above%strips, task, found, failed)
+          end if
+        end associate
+        if (failed) return
+      end do
+    end do
+  end subroutine search_pairs
+
+  ! Strips of the one layer against the strips in reach of the other. Ranges of strips are
+  ! independent: threads can share them when each has its own list.
+  subroutine sweep_layers(seeking, sought, seekers, points, from, to, task, found, failed)
+    type(cell_grid), intent(in) :: seeking, sought
+    type(grid_layer), intent(in) :: seekers, points
+    integer, intent(in) :: from, to
+    type(search_task), intent(in) :: task
+    type(found_pairs), intent(inout) :: found
+    logical, intent(out) :: failed
+    type(near_batch) :: near
+    type(sweep_place) :: place
+    real(real64) :: low, high
+    integer :: strip, other, begin, lanes
+
+    failed = .false.
+    begin = 1
+    do strip = from, to
+      low = seekers%low(strip) + task%offset(2)
+      high = seekers%high(strip) + task%offset(2)
+      do while (begin <= points%strips)
+        if (low - (points%high(begin) + task%offset(4)) < task%distance) exit
+        begin = begin + 1
+      end do
+      other = begin
+      do
+        lanes = 0
+        do while (lanes < most_lanes .and. other + lanes <= points%strips)
+          if ((points%low(other + lanes) + task%offset(4)) - high >= task%distance) exit
+          lanes = lanes + 1
+        end do
+        if (lanes == 0) exit
+        call begin_sweep(seekers, points, strip, other, lanes, task%offset, task%distance, place)
+        do while (place%seeker <= place%last_seeker)
+          call sweep_strips(seekers%points, points%points, task%offset, task%distance, place, near)
+          if (near%used < batch_size) cycle
+          call keep_batch(seeking, sought, seekers, points, task, near, found, failed)
+          if (failed) return
+        end do
+        other = other + lanes
+      end do
+    end do
+    call keep_batch(seeking, sought, seekers, points, task, near, found, failed)
+  end subroutine sweep_layers
+
+  ! Keeps the pairs of a batch that are within reach and touch above the floor.
+  subroutine keep_batch(seeking, sought, seekers, points, task, near, found, failed)
+    type(cell_grid), intent(in) :: seeking, sought
+    type(grid_layer), intent(in) :: seekers, points
+    type(search_task), intent(in) :: task
+    type(near_batch), intent(inout) :: near
+    type(found_pairs), intent(inout) :: found
+    logical, intent(out) :: failed
+    real(real64) :: s(batch_room), bound(batch_room), touch(batch_room), d
+    integer :: i, n, before
+
+    failed = .false.
+    n = near%used
+    near%used = 0
+    if (n == 0) return
+    do i = 1, n
+      associate (one => seekers%points(near%seeker(i)), other => points%points(near%sought(i)))
+        touch(i) = one%height + other%height
+        near%seeker(i) = one%index
+        near%sought(i) = other%index
+      end associate
+    end do
+    if (seekers%smallest < seekers%largest .or. points%smallest < points%largest) then
+      do i = 1, n
+        s(i) = seeking%radius(near%seeker(i)) + sought%radius(near%sought(i))
+      end do
+      bound(:n) = reach_with_margin(task, s(:n))
+    else
+      s(:n) = seekers%largest + points%largest
+      bound(:n) = reach_with_margin(task, s(1))
+    end if
+    if (task%margin > 0.0_real64) then
+      do i = 1, n
+        d = min(max(sqrt(near%squared(i)) - task%margin, 0.0_real64), s(i))
+        touch(i) = touch(i) - d * d / (s(i) + sqrt((s(i) - d) * (s(i) + d)))
+      end do
+    else
+      do i = 1, n
+        d = min(sqrt(near%squared(i)), s(i))
+        touch(i) = touch(i) - near%squared(i) / (s(i) + sqrt((s(i) - d) * (s(i) + d)))
+      end do
+    end if
+    call room_in_block(found, n, failed)
+    if (failed) return
+    associate (block => found%block(found%blocks))
+      before = block%used
+      if (task%upper_sought) then
+        call append(near%sought(:n), near%seeker(:n), near%squared(:n), bound(:n), touch(:n), &
+                    task%floor, block%list, block%used, found%first, found%last)
+      else
+        call append(near%seeker(:n), near%sought(:n), near%squared(:n), bound(:n), touch(:n), &
+                    task%floor, block%list, block%used, found%first, found%last)
+      end if
+      found%number = found%number + int(block%used - before, int64)
+    end associate
+  end subroutine keep_batch
+
+  ! The bound on the square of the distance, with the margin of the task.
+  elemental function reach_with_margin(task, s) result(bound)
+    type(search_task), intent(in) :: task
+    real(real64), intent(in) :: s
+    real(real64) :: bound
+
+    bound = squared_reach(task%reach, s)
+    if (task%margin > 0.0_real64) bound = (sqrt(bound) + task%margin)**2
+  end function reach_with_margin
+
+  ! Adds pairs to a list that has room for all.
+  pure subroutine append(upper, lower, squared, bound, touch, floor, list, used, first, last)
+    integer(int32), contiguous, intent(in) :: upper(:), lower(:)
+    real(real64), contiguous, intent(in) :: squared(:), bound(:), touch(:)
+    real(real64), intent(in) :: floor
+    type(found_pair), contiguous, intent(inout) :: list(:)
+    integer, intent(inout) :: used
+    real(real64), intent(inout) :: first, last
+    real(real64) :: highest, lowest
+    integer :: i, n
+
+    n = used
+    highest = first
+    lowest = last
+    do i = 1, size(upper)
+      if (.not. (squared(i) < bound(i) .and. touch(i) >= floor)) cycle
+      n = n + 1
+      list(n)%touch = touch(i)
+      list(n)%squared = squared(i)
+      list(n)%upper = upper(i)
+      list(n)%lower = lower(i)
+      highest = max(highest, touch(i))
+      lowest = min(lowest, touch(i))
+    end do
+    used = n
+    first = highest
+    last = lowest
+  end subroutine append
+
+end module asperity_pair_search_layers

@@ -1,0 +1,107 @@
+!> A surface in an order in which neighbours are found at once.
+!>
+!> Asperities are parted by the power of two of their radius, so that a few large ones do not widen
+!> the search for all small ones. Each such layer is cut into strips along x as high as a pair of
+!> its asperities can be apart; inside a strip asperities stand in the order of x. Strips without
+!> asperities do not exist: the cost follows the number of asperities, whatever room lies between
+!> them. The order does not change when the whole surface is displaced: built once, it serves
+!> every position.
+module asperity_cell_grid
+  use asperity_cell_layer, only: build_layer, grid_layer
+  use asperity_cell_reach, only: pair_reach
+  use asperity_kinds, only: int32, int64, real64
+  implicit none
+  private
+
+  public :: cell_grid
+  public :: build_grid, grid_bytes
+
+  !> A surface, ready to be searched.
+  type :: cell_grid
+    type(grid_layer), allocatable :: layers(:)  !! ascending radius
+    real(real64), allocatable :: radius(:)      !! of each asperity, by index
+  end type cell_grid
+
+contains
+
+  !> Puts a surface in order. All lengths have one unit, near the radii: squares must not overflow.
+  subroutine build_grid(grid, x, y, height, radius, reach)
+    type(cell_grid), intent(out) :: grid               !! the surface in order
+    real(real64), contiguous, intent(in) :: x(:)       !! places in plan, finite
+    real(real64), contiguous, intent(in) :: y(:)       !! as many
+    real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many
+    real(real64), contiguous, intent(in) :: radius(:)  !! as many, each more than 0
+    type(pair_reach), intent(in) :: reach              !! what will be searched for; a search for
+                                                       !! another reach is right, but slower
+    integer(int32), allocatable :: members(:), ends(:)
+    integer :: power, i, begin, layers
+
+    allocate (grid%radius(size(radius)))
+    grid%radius(:) = radius
+    if (size(x) == 0) then
+      allocate (grid%layers(0))
+      return
+    end if
+    if (exponent(minval(radius)) == exponent(maxval(radius))) then
+      allocate (grid%layers(1), members(0))
+      call build_layer(grid%layers(1), x, y, height, radius, members, reach)
+      return
+    end if
+    call part_by_power(radius, members, ends)
+    layers = 0
+    begin = 0
+    do i = lbound(ends, 1), ubound(ends, 1)
+      if (ends(i) > begin) layers = layers + 1
+      begin = ends(i)
+    end do
+    allocate (grid%layers(layers))
+    layers = 0
+    begin = 0
+    do power = lbound(ends, 1), ubound(ends, 1)
+      if (ends(power) == begin) cycle
+      layers = layers + 1
+      call build_layer(grid%layers(layers), x, y, height, radius, members(begin + 1:ends(power)), &
+                       reach)
+      begin = ends(power)
+    end do
+  end subroutine build_grid
+
+  !> Bytes that a surface in order holds.
+  pure function grid_bytes(grid) result(bytes)
+    type(cell_grid), intent(in) :: grid  !! built
+    integer(int64) :: bytes
+    integer :: i
+
+    bytes = 8_int64 * size(grid%radius, kind=int64)
+    do i = 1, size(grid%layers)
+      bytes = bytes + 32_int64 * size(grid%layers(i)%points, kind=int64) + &
+              20_int64 * size(grid%layers(i)%low, kind=int64)
+    end do
+  end function grid_bytes
+
+  ! Indices by ascending power of two of the radius; each power's end among them.
+  subroutine part_by_power(radius, members, ends)
+    real(real64), contiguous, intent(in) :: radius(:)
+    integer(int32), allocatable, intent(out) :: members(:), ends(:)
+    integer :: i, power, before, own
+
+    allocate (members(size(radius)), ends(exponent(minval(radius)):exponent(maxval(radius))))
+    ends(:) = 0_int32
+    do i = 1, size(radius)
+      power = exponent(radius(i))
+      ends(power) = ends(power) + 1_int32
+    end do
+    before = 0
+    do power = lbound(ends, 1), ubound(ends, 1)
+      own = ends(power)
+      ends(power) = before
+      before = before + own
+    end do
+    do i = 1, size(radius)
+      power = exponent(radius(i))
+      ends(power) = ends(power) + 1_int32
+      members(ends(power)) = int(i, int32)
+    end do
+  end subroutine part_by_power
+
+end module asperity_cell_grid
