@@ -72,6 +72,7 @@ module asperity_contact_effect
     !> long as both are small.
     function estimate_influence(self, pairs, state) result(share)
       import :: contact_effect, contact_pairs, contact_state, real64
+      implicit none
       class(contact_effect), intent(in) :: self  !! the effect
       type(contact_pairs), intent(in) :: pairs   !! the position
       type(contact_state), intent(in) :: state   !! without this effect
@@ -81,6 +82,7 @@ module asperity_contact_effect
     !> Simulates the effect. `outcome%failure` is allocated when that cannot be done.
     subroutine apply_effect(self, pairs, state, outcome)
       import :: contact_effect, contact_pairs, contact_state, effect_outcome
+      implicit none
       class(contact_effect), intent(in) :: self       !! the effect
       type(contact_pairs), intent(in) :: pairs        !! the position
       type(contact_state), intent(inout) :: state     !! without, then with this effect
@@ -90,6 +92,7 @@ module asperity_contact_effect
     !> A share that depends on time alone.
     function share_at_time(self, time) result(share)
       import :: contact_effect, real64
+      implicit none
       class(contact_effect), intent(in) :: self  !! the effect
       real(real64), intent(in) :: time           !! since the end of loading
       real(real64) :: share
@@ -98,6 +101,7 @@ module asperity_contact_effect
     !> Begins a position at which nothing has touched yet.
     subroutine begin_position(self, pairs)
       import :: contact_effect, contact_pairs
+      implicit none
       class(contact_effect), intent(inout) :: self  !! the effect
       type(contact_pairs), intent(in) :: pairs      !! the position
     end subroutine begin_position
@@ -105,6 +109,7 @@ module asperity_contact_effect
     !> Keeps a state as the past of those that follow.
     subroutine keep_state(self, pairs, state)
       import :: contact_effect, contact_pairs, contact_state
+      implicit none
       class(contact_effect), intent(inout) :: self  !! the effect
       type(contact_pairs), intent(in) :: pairs      !! the position
       type(contact_state), intent(in) :: state      !! all effects applied
@@ -114,6 +119,7 @@ module asperity_contact_effect
     !> it where the effect is not called for.
     subroutine find_closing(self, pairs, law, target, closing, failure)
       import :: contact_effect, contact_law, contact_pairs, real64
+      implicit none
       class(contact_effect), intent(in) :: self                 !! the effect
       type(contact_pairs), intent(in) :: pairs                  !! the position
       class(contact_law), intent(in) :: law                     !! of every contact

@@ -31,6 +31,7 @@ module asperity_contact_law
     !> The answer of a contact to a penetration, in the units of its pair. Continuous in it.
     pure subroutine respond_to(self, pair, number, penetration, response)
       import :: contact_law, contact_pair, contact_response, real64
+      implicit none
       class(contact_law), intent(in) :: self          !! the law
       type(contact_pair), intent(in) :: pair          !! who touches
       integer, intent(in) :: number                   !! place of the pair in its list

@@ -12,8 +12,8 @@ module asperity_creep
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
-  use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, loaded, relaxation, solid_step, &
-                                         standard_linear_solid, step_over
+  use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, loaded, relaxation, &
+                                         solid_step, standard_linear_solid, step_over
   implicit none
   private
 

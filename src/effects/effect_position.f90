@@ -81,7 +81,8 @@ contains
         closing = steps(i)%value
       case (to_load)
         call close_to_load(pairs, loading_only(effects), steps(i)%value, closing, failure)
-      case (as_before)
+      case default
+        ! As before: the load of the last state.
         call close_to_load(pairs, loading_only(effects), &
                            held / share_held(effects, steps(i)%time), closing, failure)
       end select

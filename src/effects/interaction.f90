@@ -66,7 +66,8 @@ contains
     real(real64) :: share
 
     share = 0.0_real64
-    if (self%tolerance < 1.0_real64) share = estimate_of_interaction(pairs, state%law, state%closing)
+    if (self%tolerance < 1.0_real64) &
+      share = estimate_of_interaction(pairs, state%law, state%closing)
   end function estimate
 
   !> Lets the contacts lower each other. Columns: how far each is lowered, its load alone; the sum

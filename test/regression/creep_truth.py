@@ -129,7 +129,8 @@ def main():
     print("held load of spheres, gaps 0 0.01 0.03, radii 1 2 0.5, load 0.008, r 0.4, tau 1, t 3")
     case = ((0, 0.01, 0.03), (1, 2, 0.5), 0.008, 0.4, 1.0, 3.0)
     (elastic, loads), moved = extrapolated(*case, steps=800)
-    print("Pe", elastic.tolist(), "P", loads.tolist(), "moved", moved, "sum", math.fsum(elastic) / 0.008)
+    print("Pe", elastic.tolist(), "P", loads.tolist(), "moved", moved, "sum",
+          math.fsum(elastic) / 0.008)
     print("work of a cycle taken, given back, load at the end of the hold")
     for r, tau, hold in ((0.5, 1, 1e-9), (0.5, 1, 1), (0.5, 1, 50), (0.8, 100, 600)):
         print(r, tau, hold, *cycle_work(r, tau, hold))
