@@ -29,11 +29,13 @@ contains
   !> Finds the closing at which the sum of the normal forces is a load. Load grows with closing: a
   !> bracket that never opens, false position on load**(2/3), until the load is met as closely as
   !> the effects can meet it. For no load at all: the largest closing without.
-  subroutine close_to_load(pairs, effects, target, closing, failure)
+  subroutine close_to_load(pairs, effects, target, closing, state, outcomes, failure)
     type(contact_pairs), intent(in) :: pairs                !! the position
     type(effect_box), intent(in) :: effects(:)              !! none that acts in time
     real(real64), intent(in) :: target                      !! 0 or more
     real(real64), intent(inout) :: closing                  !! a guess, then the closing
+    type(contact_state), intent(out) :: state               !! the last one that was simulated
+    type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did in it
     character(len=:), allocatable, intent(out) :: failure   !! why not
     type(load_bracket) :: bracket
     real(real64) :: load, nothing, tolerance
@@ -48,8 +50,10 @@ contains
     nothing = bracket%high * least_closing
     tolerance = load_tolerance(effects)
     do try = 1, most_tries
-      call load_at(pairs, effects, closing, load, failure)
+      call simulate(pairs, effects, closing, 0.0_real64, state, outcomes)
+      call first_failure(effects, outcomes, failure)
       if (allocated(failure)) return
+      load = total_load(state)
       if (target > 0.0_real64) then
         if (abs(load - target) <= tolerance * target) return
       end if
@@ -87,21 +91,6 @@ contains
       if (allocated(failure)) return
     end do
   end subroutine ask_effects
-
-  ! The load at a closing.
-  subroutine load_at(pairs, effects, closing, load, failure)
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(in) :: effects(:)
-    real(real64), intent(in) :: closing
-    real(real64), intent(out) :: load
-    character(len=:), allocatable, intent(inout) :: failure
-    type(contact_state) :: state
-    type(effect_outcome), allocatable :: outcomes(:)
-
-    call simulate(pairs, effects, closing, 0.0_real64, state, outcomes)
-    call first_failure(effects, outcomes, failure)
-    load = total_load(state)
-  end subroutine load_at
 
   ! Moves the end of the bracket on whose side the load is. An end that stays twice counts half as
   ! far off (Illinois), so that both ends move.

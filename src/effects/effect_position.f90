@@ -34,6 +34,8 @@ contains
     logical, intent(out) :: too_far                        !! to be done again with all pairs
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(path_step), allocatable :: steps(:), hold(:)
+    type(contact_state) :: state
+    type(effect_outcome), allocatable :: outcomes(:)
     real(real64) :: closing
 
     result%x_displacement = pairs%x_displacement
@@ -43,7 +45,8 @@ contains
     call begin(pairs, effects)
     closing = pairs%closing
     if (scene_in%loading%control == control_load .and. .not. simulated) then
-      call close_to_load(pairs, loading_only(effects), pairs%target, closing, failure)
+      call close_to_load(pairs, loading_only(effects), pairs%target, closing, state, outcomes, &
+                         failure)
       if (allocated(failure)) return
     end if
     call plan_states(scene_in, pairs, closing, steps)
@@ -51,12 +54,14 @@ contains
     if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, closing, hold)
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
-    call walk(scene_in, pairs, effects, steps, keep_rows, result, at, simulated, too_far, failure)
+    call walk(scene_in, pairs, effects, steps, keep_rows, result, at, state, outcomes, simulated, &
+              too_far, failure)
   end subroutine run_position
 
-  ! Goes from state to state.
-  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, at, simulated, too_far, &
-                  failure)
+  ! Goes from state to state. A state that is known already, from the search for a load, is not
+  ! simulated again.
+  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, at, state, outcomes, &
+                  simulated, too_far, failure)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(inout) :: effects(:)
@@ -64,11 +69,11 @@ contains
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
     type(effects_at_position), intent(inout) :: at
+    type(contact_state), intent(inout) :: state
+    type(effect_outcome), allocatable, intent(inout) :: outcomes(:)
     logical, intent(inout) :: simulated
     logical, intent(out) :: too_far
     character(len=:), allocatable, intent(out) :: failure
-    type(contact_state) :: state
-    type(effect_outcome), allocatable :: outcomes(:)
     real(real64) :: closing, held
     integer :: i
 
@@ -80,24 +85,42 @@ contains
       case (to_closing)
         closing = steps(i)%value
       case (to_load)
-        call close_to_load(pairs, loading_only(effects), steps(i)%value, closing, failure)
+        call close_to_load(pairs, loading_only(effects), steps(i)%value, closing, state, &
+                           outcomes, failure)
       case default
         ! As before: the load of the last state.
         call close_to_load(pairs, loading_only(effects), &
-                           held / share_held(effects, steps(i)%time), closing, failure)
+                           held / share_held(effects, steps(i)%time), closing, state, outcomes, &
+                           failure)
       end select
       too_far = closing > pairs%complete_to
       if (allocated(failure) .or. too_far) return
-      call simulate(pairs, effects, closing, steps(i)%time, state, outcomes)
+      if (.not. is_known(state, outcomes, effects, closing, steps(i)%time)) &
+        call simulate(pairs, effects, closing, steps(i)%time, state, outcomes)
       call first_failure(effects, outcomes, failure)
       if (allocated(failure)) return
       simulated = simulated .or. .not. all_left_out(outcomes)
       call keep(pairs, state, effects)
       call add_state(scene_in, pairs, effects, state, outcomes, i, keep_rows, result, at)
+      ! What follows may remember this state and answer otherwise.
+      if (allocated(outcomes)) deallocate (outcomes)
       if (steps(i)%kind /= as_before) held = total_load(state)
       if (result%rows_used > most_rows) exit
     end do
   end subroutine walk
+
+  ! Whether a state is that of a closing and time, with all effects.
+  pure logical function is_known(state, outcomes, effects, closing, time)
+    type(contact_state), intent(in) :: state
+    type(effect_outcome), allocatable, intent(in) :: outcomes(:)
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: closing, time
+
+    is_known = .false.
+    if (.not. allocated(outcomes)) return
+    is_known = size(outcomes) == size(effects) .and. .not. time > 0.0_real64 .and. &
+               .not. abs(state%closing - closing) > 0.0_real64
+  end function is_known
 
   ! Nothing has touched yet.
   subroutine begin(pairs, effects)
