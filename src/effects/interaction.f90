@@ -134,10 +134,8 @@ contains
     outcome%ending = cells%ending
     if (allocated(cells%failure)) then
       outcome%failure = cells%failure
-    else if (.not. cells%ending%converged) then
-      outcome%failure = not_converged(cells%ending)
+      return
     end if
-    if (allocated(outcome%failure)) return
     do i = 1, size(pairs%list)
       associate (answer => state%answers(i))
         outcome%of_contacts(i, 2) = cells%alone_load(i)
@@ -230,10 +228,8 @@ contains
     outcome%of_state(3) = outcome%of_state(3) + real(cells%cells, real64)
     if (allocated(cells%failure)) then
       outcome%failure = cells%failure
-    else if (.not. cells%ending%converged) then
-      outcome%failure = not_converged(cells%ending)
+      return
     end if
-    if (allocated(outcome%failure)) return
     do k = 1, size(members)
       i = members(k)
       call state%law%respond(pairs%list(i), i, penetration(k), free)
