@@ -1,7 +1,8 @@
 !> Friction on inclined contacts, as an effect that a scene names.
 module asperity_friction_effect
   use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
-  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_law, only: contact_response
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
   use asperity_decimal, only: decimal_to_real64
   use asperity_friction, only: add_to_rig, estimate_of_friction, rig_reaction, rub, rubbing, &
@@ -68,6 +69,7 @@ contains
     type(contact_state), intent(inout) :: state     !! gets the vertical loads with friction
     type(effect_outcome), intent(inout) :: outcome  !! what it did
     type(rubbing) :: rubbed
+    type(contact_response) :: pressed
     type(rig_reaction) :: rig
     real(real64) :: frictionless
     integer :: i, sliding
@@ -78,8 +80,8 @@ contains
     sliding = 0
     do i = 1, size(pairs%list)
       if (.not. state%penetration(i) > 0.0_real64) cycle
-      call rub(pairs%list(i), state%penetration(i), state%answers(i), self%kappa, &
-               self%coefficient, rubbed)
+      call along_normal(pairs%list(i), state%penetration(i), state%answers(i), pressed)
+      call rub(pairs%list(i), state%penetration(i), pressed, self%kappa, self%coefficient, rubbed)
       call add_to_rig(pairs%list(i), rubbed, rig)
       state%answers(i)%vertical_load = rubbed%vertical_load
       state%answers(i)%stiffness = rubbed%stiffness
@@ -94,5 +96,21 @@ contains
     outcome%ending%converged = .true.
     outcome%ending%residual = 0.0_real64
   end subroutine apply
+
+  ! The answer with the load that is normal to the contact. Cells know vertical loads only.
+  pure subroutine along_normal(pair, penetration, answer, pressed)
+    type(contact_pair), intent(in) :: pair
+    real(real64), intent(in) :: penetration
+    type(contact_response), intent(in) :: answer
+    type(contact_response), intent(out) :: pressed
+    real(real64) :: centres, cosine
+
+    pressed = answer
+    if (answer%cosine < 1.0_real64) return
+    centres = sqrt(pair%d**2 + (pair%zc - penetration)**2)
+    cosine = (pair%zc - penetration) / centres
+    pressed%cosine = cosine
+    pressed%load = answer%vertical_load / cosine
+  end subroutine along_normal
 
 end module asperity_friction_effect

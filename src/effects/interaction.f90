@@ -48,7 +48,9 @@ contains
     new%name = 'interaction'
     new%mode = scene_in%effects%interaction
     new%boundary_tolerance = decimal_to_real64(scene_in%effects%boundary_tolerance)
-    if (any(new%mode == [effect_auto, effect_boundary])) new%load_tolerance = new%boundary_tolerance
+    ! Cells come and go with the closing, which moves the load a little.
+    if (any(new%mode == [effect_auto, effect_boundary])) &
+      new%load_tolerance = 0.1_real64 * new%boundary_tolerance
     new%closing_at_load => closing_of_coupled
     call set_columns(new%contact_columns, [character(len=20) :: 'lowered', 'alone_load'], &
                      reshape([0, 1, 1, 2], [2, 2]))

@@ -10,7 +10,7 @@ module asperity_test_scene
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
-                                   effect_off, scene
+                                   effect_auto, effect_coupled, effect_off, scene
   use asperity_surface_csv, only: parse_surface_csv, surface_table
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
@@ -50,7 +50,7 @@ contains
             new_unittest('unknown and repeated groups and names', test_unknown), &
             new_unittest('bad values', test_bad_values), &
             new_unittest('names missing or out of place', test_missing), &
-            new_unittest('effects that are not there yet', test_effects), &
+            new_unittest('effects', test_effects), &
             new_unittest('all problems of all files are told', test_all_problems), &
             new_unittest('files that cannot be read', test_unreadable), &
             new_unittest('good surface files', test_good_csv), &
@@ -471,15 +471,34 @@ contains
 
     call accept(error, deck // '&effects interaction="OFF", friction="off", plasticity="off", ' // &
                 'adhesion="off", creep="off", tolerance=0.5 /', found)
-    call refuse(error, deck // '|&effects interaction="coupled" /', '2:10', &
-                'interaction: not available in this version: found ''coupled'', expected ''off''')
-    call refuse(error, deck // '|&effects interaction="boundary" /', '2:10', 'not available')
-    call refuse(error, deck // '|&effects creep="auto" /', '2:10', 'not available')
-    call refuse(error, deck // '|&effects friction="on" /', '2:10', 'not available')
+    call check(error, .not. found%effects%any_on(), 'an effect is on')
+    call accept(error, deck // '&effects interaction="Coupled", friction="auto", ' // &
+                'friction_coefficient=0, boundary_tolerance=1e-4 /', found)
+    call check(error, found%effects%interaction, effect_coupled, 'interaction coupled')
+    call check(error, found%effects%friction, effect_auto, 'friction auto')
+    call check(error, decimal_to_real64(found%effects%boundary_tolerance) < 1.001e-4_real64, &
+               'boundary_tolerance')
+    call check(error, found%effects%any_on(), 'no effect is on')
+    ! An effect's own numbers may stand there while it is off.
+    call accept(error, deck // '&effects friction_coefficient=0.3 /', found)
     call refuse(error, deck // '|&effects interaction="on" /', '2:22', &
                 'expected ''off'', ''auto'', ''coupled'' or ''boundary''')
-    call refuse(error, deck // '|&effects friction="coupled" /', '2:19', &
+    call refuse(error, deck // '|&effects friction="coupled", friction_coefficient=1 /', '2:19', &
                 'expected ''off'', ''on'' or ''auto''')
+    call refuse(error, deck // '|&effects creep="sometimes" /', '2:16', &
+                'expected ''off'', ''on'' or ''auto''')
+    call refuse(error, deck // '|&effects friction="on" /', '2:1', &
+                'no friction_coefficient in &effects: expected one with friction = ''on''')
+    call refuse(error, deck // '|&effects friction_coefficient=-0.1 /', '2:31', &
+                'friction_coefficient: found ''-0.1'', expected a number of 0 or more')
+    call refuse(error, deck // '|&effects tolerance=0 /', '2:20', &
+                'tolerance: found ''0'', expected a number more than 0 and less than 1')
+    call refuse(error, deck // '|&effects tolerance=1. /', '2:20', 'tolerance: found ''1.''')
+    call refuse(error, deck // '|&effects boundary_tolerance=0. /', '2:29', &
+                'boundary_tolerance: found ''0.'', expected a number more than 0 and less than 1')
+    call refuse(error, deck // '|&effects boundary_tolerance=1 /', '2:29', 'found ''1''')
+    call refuse(error, deck // '|&effects boundary_tolerance=-1 /', '2:29', 'found ''-1''')
+    call refuse(error, deck // '|&effects wear="on" /', '2:10', 'unknown name in &effects')
   end subroutine test_effects
 
   subroutine test_all_problems(error)

@@ -1,0 +1,551 @@
+"""Interaction of neighbouring contacts, as `asperity solve` does it, against truths made apart.
+
+The truth of `boundary` is reference_output/boundary (its README tells how it was made and how well
+it holds); that of `coupled` is the same, and its own equations evaluated in coupled_truth.py.
+"""
+
+import csv
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+import boundary_truth
+from coupled_truth import leftover
+from effect_runs import (CAP, COMBINED, DECK, FLAT, MODULUS, RATIO, ROOT, Sweeps, by_position,
+                         column, random_caps, total, write_caps)
+from surfaces_csv import solve, write_csv_scene, write_scene
+
+OVERLAPPING = (18, 56, 79)  # positions of the thesis where contact circles overlap
+# Of the factor load together / load alone. The first two are the promises of the project.
+COUPLED_APART, COUPLED_OVERLAPPING = 0.002, 0.02
+# What the last halving of cells may change (boundary_tolerance), and so of a ratio of two loads.
+CELLS = 1e-3
+FACTOR_ON_CELLS = 5e-4
+# A solve of `coupled` calls itself converged at this residual.
+CONVERGED = 1e-10
+# Of the closing, where the upper sphere is as large as a flat: a few ulps of its radius.
+ROUNDING = 4e-10
+
+
+@pytest.fixture(scope="module")
+def sweeps(asperity, tmp_path_factory):
+    return Sweeps(asperity, tmp_path_factory.mktemp("effects"))
+
+
+@pytest.fixture(scope="module")
+def truth():
+    """The rows of factors.csv, by position."""
+    with open(ROOT / "reference_output" / "boundary" / "factors.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["position"]) for row in rows] == list(range(1, 101))
+    return rows
+
+
+def overlapping(truth):
+    return np.array([row["overlapping_circles"] != "0" for row in truth])
+
+
+def report(tally, name, errors, bound):
+    """Print the worst and where, count, and hold it against the bound."""
+    errors, bound = np.asarray(errors, float), np.broadcast_to(bound, np.shape(errors))
+    worst = int(np.argmax(errors / bound))
+    tally.add(name, errors.size, int((errors <= bound).sum()))
+    print(f"{name}: {errors.size} compared, worst {errors[worst]:.2e} (number {worst + 1}), "
+          f"allowed {bound[worst]:.0e}")
+    assert (errors <= bound).all(), f"{name}: {errors[worst]:.3e} at number {worst + 1}"
+
+
+def effects_part(stdout):
+    """The summary's paragraph of the effects."""
+    assert "\nEffects, " in stdout
+    return stdout[stdout.index("\nEffects, "):].split("\n\n")[0]
+
+
+# The thesis sweep.
+
+def test_truth_has_the_positions_that_overlap(truth):
+    assert tuple(np.flatnonzero(overlapping(truth)) + 1) == OVERLAPPING
+
+
+def test_factor_of_coupled(sweeps, truth, tally):
+    run = sweeps.solve(interaction="coupled")
+    errors = np.abs(column(run.positions, "factor") - column(truth, "factor"))
+    apart = ~overlapping(truth)
+    report(tally, "effects: factor, coupled, circles apart", errors[apart], COUPLED_APART)
+    report(tally, "effects: factor, coupled, overlapping", errors[~apart], COUPLED_OVERLAPPING)
+
+
+def test_loads_alone(sweeps, truth, tally):
+    """The contacts each alone are those of Hertz, and those of the solver without effects."""
+    for mode in ("coupled", "off"):
+        run = sweeps.solve(interaction=mode)
+        alone = column(run.positions, "alone_load" if mode == "coupled" else "vertical_load")
+        errors = np.abs(alone / column(truth, "hertz") - 1)
+        report(tally, f"effects: load alone, {mode}", errors, 5e-10)  # the truth's printed digits
+
+
+def test_contacts_that_open(sweeps, truth, tally):
+    """As many contacts are left as in the truth."""
+    want = column(truth, "contacts") - column(truth, "open")
+    for mode in ("coupled", "boundary"):
+        have = column(sweeps.solve(interaction=mode).positions, "contacts")
+        report(tally, f"effects: contacts left, {mode}", np.abs(have - want), 0.5)
+    assert column(truth, "open").sum() > 3
+
+
+def test_contacts_lowered(sweeps, tally):
+    """Row by row: the penetration without effects is the one that is left and what was lowered; the
+    loads are Hertz's at the penetration left."""
+    off = {(r["position"], r["upper"], r["lower"]): r
+           for r in sweeps.solve(interaction="off").contacts}
+    rows = sweeps.solve(interaction="coupled").contacts
+    depth, load, alone = [], [], []
+    for row in rows:
+        free = off[row["position"], row["upper"], row["lower"]]
+        assert row["area_no"] == free["area_no"]
+        left, lowered = float(row["penetration"]), float(row["lowered"])
+        assert lowered >= 0.0
+        depth.append(abs((left + lowered) / float(free["penetration"]) - 1))
+        alone.append(abs(float(row["alone_load"]) / float(free["vertical_load"]) - 1))
+        hertz = 4 / 3 * COMBINED * np.sqrt(CAP / 2) * float(row["overlap"]) ** 1.5
+        load.append(abs(float(row["load"]) / hertz - 1))
+    assert max(float(row["lowered"]) for row in rows) > 1e-3
+    report(tally, "effects: penetration and lowering", depth, 1e-12)
+    report(tally, "effects: load alone of a contact", alone, 1e-12)
+    report(tally, "effects: load of a lowered contact", load, 1e-12)
+
+
+def test_factor_of_boundary(sweeps, truth, tally):
+    run = sweeps.solve(interaction="boundary")
+    errors = np.abs(column(run.positions, "factor") - column(truth, "factor"))
+    report(tally, "effects: factor, boundary", errors, FACTOR_ON_CELLS)
+
+
+def test_load_of_boundary_is_converged(sweeps, truth, tally):
+    """Within 0.1 % of the truth at every position, together and alone."""
+    run = sweeps.solve(interaction="boundary")
+    for ours, theirs in (("vertical_load", "together"), ("alone_load", "alone")):
+        errors = np.abs(column(run.positions, ours) / column(truth, theirs) - 1)
+        report(tally, f"effects: load {theirs}, boundary", errors, CELLS)
+
+
+@pytest.mark.parametrize("position", (8, 18, 19, 38, 57))
+def test_finer_cells(position, sweeps, truth, tally):
+    coarse, fine = (sweeps.solve(positions=1, x_first=position / 10, interaction="boundary",
+                                 boundary_tolerance=bound).positions[0]
+                    for bound in (CELLS, 1e-4))
+    assert float(fine["cells"]) >= float(coarse["cells"])
+    load = float(fine["vertical_load"])
+    report(tally, "effects: load, default cells against finer",
+           [abs(float(coarse["vertical_load"]) / load - 1)], CELLS)
+    report(tally, "effects: load, finer cells",
+           [abs(load / float(truth[position - 1]["together"]) - 1)], 2e-4)
+
+
+def test_columns_of_boundary(sweeps):
+    """Cells know vertical gaps only: the load is the vertical load, to the last digit."""
+    run = sweeps.solve(interaction="boundary")
+    for rows in (run.positions, run.contacts):
+        assert rows and all(row["load"] == row["vertical_load"] for row in rows)
+        assert all(row["area"] == row["projected_area"] for row in rows)
+    assert all(row["interaction"] == "boundary" for row in run.positions)
+    assert column(run.positions, "cells").min() > 50
+    for m, rows in by_position(run.contacts).items():
+        assert total(rows, "load") == pytest.approx(float(run.positions[m - 1]["load"]), rel=1e-13)
+
+
+def test_auto_is_within_its_tolerance(sweeps, truth, tally):
+    """Factor against that of cells, like with like: what was left out counts as factor 1."""
+    auto = sweeps.solve(interaction="auto", tolerance=0.01).positions
+    cells = column(sweeps.solve(interaction="boundary").positions, "factor")
+    factor = np.array([float(r["factor"]) if r["interaction"] != "off" else 1.0 for r in auto])
+    report(tally, "effects: factor, auto against boundary", np.abs(factor - cells), 0.01)
+    report(tally, "effects: factor, auto", np.abs(factor - column(truth, "factor")), 0.01)
+
+
+@pytest.mark.parametrize("tolerance", (0.001, 0.01, 0.1))
+def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
+    rows = sweeps.solve(interaction="auto", tolerance=tolerance).positions
+    estimate = column(rows, "interaction_estimate")
+    simulated = np.array([row["interaction"] != "off" for row in rows])
+    assert (simulated == (estimate > tolerance)).all()
+    assert 0 < simulated.sum() < 100
+    # The estimate is a bound for `coupled`; the truth may take away a little more.
+    ours = 1 - column(sweeps.solve(interaction="coupled").positions, "factor")
+    report(tally, "effects: influence of coupled above the estimate",
+           np.maximum(ours - estimate, 0), 1e-9)
+    lost = 1 - column(truth, "factor")
+    report(tally, "effects: influence above the estimate", np.maximum(lost - estimate, 0), 2e-4)
+    measured = column(rows, "interaction_influence")[simulated]
+    assert np.allclose(measured, column(rows, "factor")[simulated] - 1, rtol=0, atol=1e-15)
+    for row, is_overlapping, on in zip(rows, overlapping(truth), simulated):
+        way = "off"
+        if on:
+            way = "coupled+boundary" if is_overlapping and tolerance < 0.02 else "coupled"
+        assert row["interaction"] == way, row["position"]
+        assert (float(row["cells"]) > 0) == (way == "coupled+boundary")
+
+
+def test_auto_leaves_no_trace_where_it_is_off(sweeps):
+    """Byte for byte the answers of the solver without effects."""
+    auto, off = sweeps.solve(interaction="auto", tolerance=0.01), sweeps.solve(interaction="off")
+    rows, common = by_position(auto.contacts), list(off.contacts[0])
+    same = 0
+    for left, free in zip(auto.positions, off.positions):
+        if left["interaction"] != "off":
+            continue
+        same += 1
+        m = int(free["position"])
+        assert {name: left[name] for name in free} == free
+        assert [{name: row[name] for name in common} for row in rows[m]] == [
+            row for row in off.contacts if int(row["position"]) == m]
+    print(f"auto at 0.01: {same} positions left out")
+    assert 20 < same < 80
+
+
+def test_residuals(sweeps):
+    coupled = sweeps.solve(interaction="coupled")
+    worst = column(coupled.positions, "interaction_residual").max()
+    print(f"coupled: residual at most {worst:.1e}, iterations at most "
+          f"{column(coupled.positions, 'interaction_iterations').max():.0f}")
+    assert 0.0 < worst <= CONVERGED
+    assert "converged everywhere, largest residual" in effects_part(coupled.stdout)
+    cells = sweeps.solve(interaction="boundary")
+    assert 0.0 < column(cells.positions, "interaction_residual").max() <= 1e-5
+    assert "converged everywhere, largest residual" in effects_part(cells.stdout)
+
+
+def test_summary(sweeps, tally):
+    off = sweeps.solve(interaction="off")
+    assert "effects: none" in off.stdout and "\nEffects, " not in off.stdout
+    assert off.stdout.split("\n", 1)[1] == sweeps.solve().stdout.split("\n", 1)[1]
+    coupled = sweeps.solve(interaction="coupled")
+    assert "effects: interaction coupled\n" in coupled.stdout
+    assert "simulated at 100 positions" in effects_part(coupled.stdout)
+    auto = sweeps.solve(interaction="auto", tolerance=0.01)
+    text = " ".join(effects_part(auto.stdout).split())
+    ways = [row["interaction"] for row in auto.positions]
+    assert f"tolerance 1.00 %: estimated at 100 positions, simulated at {100 - ways.count('off')}" \
+        in text
+    assert f"coupled at {ways.count('coupled')}: 1-3, " in text
+    assert "coupled+boundary (contact circles overlap) at 3: 18, 56, 79" in text
+    # The numbers of the summary are those of the columns.
+    influence = column(auto.positions, "interaction_influence")
+    first = np.argmax(np.abs(influence))
+    assert f"influence {100 * influence[first]:.1f} % (position {first + 1})" in text
+    estimate = np.where([way == "off" for way in ways],
+                        column(auto.positions, "interaction_estimate"), -1)
+    assert (f"largest estimate left out {100 * estimate.max():.3f} % "
+            f"(position {estimate.argmax() + 1})") in text
+
+
+@pytest.mark.parametrize("mode", ("off", "coupled", "boundary", "auto"))
+def test_overlapping_circles_are_told(mode, sweeps):
+    run = sweeps.solve(interaction=mode)
+    circles = {int(row["position"]): int(row["overlapping_circles"]) for row in run.positions}
+    assert {m for m, count in circles.items() if count} == set(OVERLAPPING)
+    assert "3 pairs of contact circles overlap" in run.stdout
+
+
+# Scenes of a few contacts.
+
+def one_pair(folder, penetration, **effects):
+    """Two spheres of the thesis one above the other, first touch at zero."""
+    top = [(0.0, 0.0, 0.5, CAP)]
+    return write_csv_scene(folder, top, [(0.0, 0.0, -0.5, CAP)], modulus=(MODULUS, MODULUS),
+                           ratio=(RATIO, RATIO), effects=effects,
+                           loading={"control": "approach", "value": -float(penetration)})
+
+
+@pytest.mark.parametrize("circle", (0.01, 0.03, 0.0937))
+def test_one_aligned_pair_on_cells(circle, asperity, tmp_path, tally):
+    """Hertz, and closer to the sphere's own closed form (Sneddon 1965); the last is the size of the
+    thesis' contacts."""
+    penetration, load = boundary_truth.sneddon(CAP, circle)
+    run = solve(asperity, one_pair(tmp_path, penetration, interaction="boundary"))
+    assert run.status == 0, run.stderr
+    found = float(run.positions[0]["load"])
+    hertz = 4 / 3 * COMBINED * np.sqrt(CAP / 2) * penetration ** 1.5
+    report(tally, "effects: one pair, boundary against Hertz", [abs(found / hertz - 1)], 1e-3)
+    report(tally, "effects: one pair, boundary against Sneddon",
+           [abs(found / (load * COMBINED) - 1)], 5e-4)
+    assert float(run.positions[0]["factor"]) == pytest.approx(1.0, abs=1e-6)
+    assert float(run.contacts[0]["area"]) == pytest.approx(np.pi * circle ** 2, rel=0.05)
+    alone = solve(asperity, one_pair(tmp_path, penetration, interaction="coupled"))
+    assert float(alone.positions[0]["load"]) == pytest.approx(hertz, rel=1e-12)
+    assert alone.positions[0]["factor"] == "1.0000000000000000E+000"
+
+
+def closing_of(run):
+    return float(run.curve[-1]["decrease"])
+
+
+def test_two_contacts_far_apart(asperity, tmp_path, tally):
+    """Each is lowered by P/(pi E r) and terms that are smaller by 1/r**2; what is left after those
+    is of the next order."""
+    distances, differences = (1.0, 2.0, 4.0, 8.0), []
+    radius = CAP * FLAT / (CAP + FLAT)
+    for distance in distances:
+        caps = write_caps(tmp_path, [(-distance / 2, 0), (distance / 2, 0)], [1.0, 1.0],
+                          loading={"control": "load", "value": 300.0},
+                          effects={"interaction": "coupled"})
+        run = solve(asperity, caps.scene, curve=True)
+        depth = float(run.contacts[0]["penetration"])
+        circle2 = float(run.contacts[0]["area"]) / np.pi
+        assert depth == pytest.approx((150 / (4 / 3 * COMBINED * np.sqrt(radius))) ** (2 / 3),
+                                      rel=1e-9)
+        first = 150 / (np.pi * COMBINED * distance)
+        # On the tilted surface each moves aside, which raises its gap and widens the distance.
+        aside = radius * first / distance
+        apart = distance + 2 * aside
+        # Mean of a Hertz field over the other's circle with a punch's weight.
+        second = (150 / (np.pi * COMBINED * apart)
+                  * (1 + (circle2 / 3 + circle2 / 5) / (2 * apart ** 2))
+                  + aside ** 2 / (2 * radius))
+        lowered = closing_of(run) - depth
+        differences.append((abs(lowered / first - 1), abs(lowered / second - 1)))
+        report(tally, "effects: lowering of two contacts far apart", [differences[-1][1]],
+               (np.sqrt(circle2) / distance) ** 4 + ROUNDING / first)
+    print("two contacts, off first order and off second:", *(f"{a:.1e} {b:.1e};"
+                                                             for a, b in differences))
+    for near, far in zip(differences, differences[1:]):
+        assert near[0] > 3 * far[0]
+
+
+def test_deep_contact_opens_a_shallow_one(asperity, tmp_path, tally):
+    """A cap that touched alone stands free beside one that is pressed deep; a little higher, it
+    touches. Against cells, and the truth of the cells."""
+    for height, is_open in ((0.9895, True), (0.9925, False), (0.9995, False)):
+        caps = write_caps(tmp_path, [(0, 0), (0.3, 0)], [1.0, height],
+                          loading={"control": "approach", "value": 2.0 - 0.012},
+                          effects={"interaction": "coupled"})
+        runs = {"coupled": solve(asperity, caps.scene, curve=True)}
+        write_caps(tmp_path, [(0, 0), (0.3, 0)], [1.0, height],
+                   loading={"control": "approach", "value": 2.0 - 0.012},
+                   effects={"interaction": "boundary"})
+        runs["boundary"] = solve(asperity, caps.scene, curve=True)
+        closing = closing_of(runs["coupled"])
+        found = boundary_truth.evaluate(caps.contacts(closing), COMBINED, ("4",))
+        assert (found["loads"][1] == 0.0) == is_open and found["loads_alone"][1] > 1.0
+        for mode, run in runs.items():
+            assert int(run.positions[0]["contacts"]) == sum(v > 0 for v in found["loads"]), mode
+            report(tally, f"effects: factor beside a deep contact, {mode}",
+                   [abs(float(run.positions[0]["factor"]) - found["factor"])], COUPLED_APART)
+
+
+# Load asked for.
+
+@pytest.mark.parametrize("load", (1.0, 300.0, 3000.0))
+def test_load_is_reached_at_all_positions(load, sweeps, tally):
+    run = sweeps.solve(loading={"control": "load", "value": load}, interaction="coupled")
+    report(tally, "effects: load asked for, coupled",
+           np.abs(column(run.positions, "load") / load - 1), 1e-10)
+    sums = [total(rows, "load") for rows in by_position(run.contacts).values()]
+    report(tally, "effects: sum of loads, coupled", np.abs(np.array(sums) / load - 1), 1e-10)
+
+
+@pytest.mark.parametrize("mode, bound", (("boundary", CELLS), ("auto", 0.01)))
+def test_load_is_reached_on_cells(mode, bound, sweeps, tally):
+    run = sweeps.solve(loading={"control": "load", "value": 900.0}, x_first=1.7, positions=3,
+                       interaction=mode)
+    report(tally, f"effects: load asked for, {mode}",
+           np.abs(column(run.positions, "load") / 900.0 - 1), bound)
+
+
+def check_caps(run, caps, load, tally, name):
+    """A surface of caps pressed to a load: the sum, its equations, and the open contacts."""
+    assert run.status == 0, run.stderr
+    report(tally, f"effects: {name}, load",
+           [abs(total(run.contacts, "load") / load - 1)], CONVERGED)
+    row = run.positions[0]
+    assert float(row["interaction_residual"]) <= CONVERGED
+    closing, gaps = closing_of(run), caps.gaps()
+    shut = column(run.contacts, "lower").astype(int) - 1
+    assert len(set(shut)) == len(shut) == int(row["contacts"])
+    opened = np.setdiff1d(np.flatnonzero(gaps < closing), shut)
+    radius = CAP * FLAT / (CAP + FLAT)
+    rest, closed = leftover(caps.places[shut], radius, (closing - gaps)[shut],
+                            column(run.contacts, "penetration"),
+                            np.sqrt(column(run.contacts, "area") / np.pi),
+                            column(run.contacts, "vertical_load"), COMBINED,
+                            caps.places[opened], (closing - gaps)[opened])
+    print(f"{name}: {len(shut)} contacts, {len(opened)} opened, "
+          f"{row['overlapping_circles']} pairs of circles overlap, {row['interaction_iterations']} "
+          f"iterations, open ones stay {-closed:.1e} apart")
+    # Where circles overlap the quadrature is coarse: that holds the worst, not the many.
+    report(tally, f"effects: {name}, equations", np.abs(rest), 1e-3)
+    assert np.median(np.abs(rest)) < 1e-5
+    assert closed < 1e-3
+    return opened
+
+
+@pytest.mark.parametrize("seed", (7, 8, 9))
+def test_hundreds_of_caps(seed, asperity, tmp_path, tally):
+    """Caps of 1.27 cm anywhere on the plane, many as good as on top of each other."""
+    caps = write_caps(tmp_path, *random_caps(400, 3.4, 4.5, seed),
+                      loading={"control": "load", "value": 4000.0},
+                      effects={"interaction": "coupled"})
+    run = solve(asperity, caps.scene, curve=True)
+    assert len(check_caps(run, caps, 4000.0, tally, "400 caps")) > 50
+
+
+def test_two_thousand_caps(asperity, tmp_path, tally):
+    """7.6 x 10 cm pressed to 20 kN."""
+    caps = write_caps(tmp_path, *random_caps(2000, 7.6, 10.0, 7),
+                      loading={"control": "load", "value": 2.0e4},
+                      effects={"interaction": "coupled"})
+    run = solve(asperity, caps.scene, curve=True)
+    assert len(check_caps(run, caps, 2.0e4, tally, "2000 caps")) > 500
+
+
+def test_some_caps_against_the_truth(asperity, tmp_path, tally):
+    """The sum of loads that the truth of the cells finds at the closing the program found."""
+    places, heights = random_caps(8, 1.2, 1.2, 3)
+    found, closing = None, None
+    for mode, bound in (("coupled", 0.002), ("boundary", 2 * CELLS)):
+        caps = write_caps(tmp_path, places, heights, loading={"control": "load", "value": 2000.0},
+                          effects={"interaction": mode})
+        run = solve(asperity, caps.scene, curve=True)
+        assert run.status == 0, run.stderr
+        if closing != closing_of(run):
+            closing = closing_of(run)
+            found = boundary_truth.evaluate(caps.contacts(closing), COMBINED, ("4",))
+        assert sum(v > 0 for v in found["loads"]) == len(run.contacts) < len(found["loads"])
+        report(tally, f"effects: load of 8 caps, {mode}", [abs(found["together"] / 2000.0 - 1)],
+               bound)
+        assert found["factor"] < 0.6
+
+
+# Curves, approach, nothing in contact, the same again.
+
+@pytest.mark.parametrize("mode", ("coupled", "boundary", "auto"))
+def test_curve_is_made_of_states(mode, sweeps, tally):
+    """Every state of a curve is what the same approach gives by itself."""
+    points = 5
+    run = sweeps.solve(positions=1, x_first=5.6, curve=True, interaction=mode,
+                       loading={"control": "limit", "points": points})
+    # Beside the points asked for, each first touch is a state.
+    assert len(run.curve) == int(run.positions[0]["steps"]) >= points
+    full = float(run.positions[0]["load"])
+    last = run.curve[-1]
+    assert all(run.positions[0][name] == last[name] for name in
+               ("approach", "contacts", "load", "area", "projected_area", "vertical_load"))
+    errors = []
+    for step, state in enumerate(run.curve, 1):
+        rows = [row for row in run.contacts if int(row["step"]) == step]
+        assert total(rows, "load") == pytest.approx(float(state["load"]), rel=1e-13, abs=1e-300)
+        assert len(rows) == int(state["contacts"])
+        if step == 1:
+            continue
+        one = sweeps.solve(positions=1, x_first=5.6, interaction=mode, curve=True,
+                           loading={"control": "approach", "value": float(state["approach"])})
+        errors.append(abs(float(one.positions[0]["load"]) - float(state["load"])) / full)
+    # The approach of a state is rounded where it is written.
+    report(tally, f"effects: states of a curve, {mode}", errors, 1e-9)
+    loads = column(run.curve, "load")
+    assert (np.diff(loads) > 0).all()
+
+
+def test_curve_of_a_sweep(sweeps):
+    """Positions and steps are in order, and the last state of each is the position."""
+    run = sweeps.solve(positions=4, x_first=1.7, curve=True, interaction="coupled",
+                       loading={"control": "load", "value": 500.0, "points": 3})
+    states = by_position(run.curve)
+    assert list(states) == [1, 2, 3, 4]
+    for row in run.positions:
+        curve = states[int(row["position"])]
+        assert [int(state["step"]) for state in curve] == list(range(1, int(row["steps"]) + 1))
+        assert len(curve) >= 3 and curve[-1]["load"] == row["load"]
+        assert float(row["load"]) == pytest.approx(500.0, rel=1e-10)
+
+
+@pytest.mark.parametrize("mode", ("coupled", "boundary", "auto"))
+def test_position_without_contact(mode, asperity, tmp_path):
+    upper, lower = [(0.0, 0.0, 0.5, CAP)], [(0.0, 0.0, 0.5, CAP)]
+    run = solve(asperity, write_csv_scene(
+        tmp_path, upper, lower, motion={"x_first": 0.0, "x_step": 50.0, "positions": 2},
+        loading={"control": "limit"}, limit={"criterion": "load", "value": 300.0},
+        effects={"interaction": mode, "friction": "on", "friction_coefficient": 0.2}))
+    assert run.status == 0, run.stderr
+    assert "no contact at 1 position" in run.stdout
+    empty = run.positions[1]
+    assert empty["contacts"] == "0" and float(empty["load"]) == 0.0
+    assert empty["interaction"] == empty["friction"] == "off"
+    assert {float(empty[name]) for name in ("alone_load", "cells", "rig_force_x")} == {0.0}
+    assert [row["position"] for row in run.contacts] == ["1"]
+
+
+@pytest.mark.parametrize("mode", ("coupled", "boundary", "auto"))
+def test_same_bytes_again(mode, sweeps, asperity, tmp_path):
+    """Also with another number of threads."""
+    first = sweeps.solve(interaction=mode)
+    scene = write_scene(tmp_path / "sweep.scene", surfaces={"deck": str(DECK)},
+                        motion={"x_first": 0.1, "x_step": 0.1, "positions": 100},
+                        effects={"interaction": mode})
+    again = solve(asperity, scene, "--threads", "2")
+    assert again.status == 0, again.stderr
+    assert again.positions == first.positions and again.contacts == first.contacts
+    assert effects_part(again.stdout) == effects_part(first.stdout)
+
+
+# What is refused.
+
+REFUSED = {
+    "interaction = 'on'": (":2:24: interaction: found the text 'on', "
+                           "expected 'off', 'auto', 'coupled' or 'boundary'"),
+    "interaction = ''": ":2:24: interaction: found the text ''",
+    "interaction = 'auto', tolerance = 0": "tolerance: found '0', "
+                                           "expected a number more than 0 and less than 1",
+    "interaction = 'auto', tolerance = 1": "tolerance: found '1'",
+    "interaction = 'auto', tolerance = -0.1": "tolerance: found '-0.1'",
+    "interaction = 'auto', tolerance = nan": "tolerance: found 'nan'",
+    "tolerance = 2": "tolerance: found '2'",
+    "interaction = 'boundary', boundary_tolerance = 0": "boundary_tolerance: found '0'",
+    "interaction = 'boundary', boundary_tolerance = 1.": "boundary_tolerance: found '1.'",
+    "interaction = 'boundary', boundary_tolerance = 'x'": "boundary_tolerance: found the text 'x'",
+    "friction = 'on'": "no friction_coefficient in &effects: expected one with friction = 'on'",
+    "friction = 'coupled', friction_coefficient = 1": ("friction: found the text 'coupled', "
+                                                       "expected 'off', 'on' or 'auto'"),
+    "friction = 'on', friction_coefficient = -0.1": ("friction_coefficient: found '-0.1', "
+                                                     "expected a number of 0 or more"),
+    "friction = 'on', friction_coefficient = inf": "friction_coefficient: found 'inf'",
+    "friction = 'on', friction_coefficient = 1e999": "friction_coefficient: found '1e999'",
+    "friction_coefficient = -1": "friction_coefficient: found '-1'",
+    "interactions = 'off'": "unknown name in &effects: found 'interactions', expected interaction,",
+}
+
+
+@pytest.mark.parametrize("names", REFUSED, ids=range(len(REFUSED)))
+def test_bad_effects(names, asperity, tmp_path):
+    scene = tmp_path / "bad.scene"
+    scene.write_text(f"&surfaces deck = '{DECK}' /\n&effects {names} /\n")
+    out = tmp_path / "positions.csv"
+    done = subprocess.run([asperity, "solve", scene, "--positions", out], capture_output=True,
+                          text=True)
+    assert done.returncode == 2
+    assert done.stdout == "" and not out.exists()
+    assert f"{scene}:2:" in done.stderr and REFUSED[names] in done.stderr, done.stderr
+
+
+def test_all_bad_effects_are_told(asperity, tmp_path):
+    scene = tmp_path / "bad.scene"
+    scene.write_text(f"&surfaces deck = '{DECK}' /\n&effects interaction = 'x', friction = 'on',\n"
+                     "  tolerance = 5, boundary_tolerance = -1 /\n")
+    done = subprocess.run([asperity, "solve", scene], capture_output=True, text=True)
+    assert done.returncode == 2
+    told = [line for line in done.stderr.splitlines() if f"{scene}:" in line]
+    assert len(told) == 4, done.stderr
+
+
+@pytest.mark.parametrize("option", (("--arithmetic", "ibm370"), ("--arithmetic", "real32"),
+                                    ("--accuracy", "1e-3")), ids="_".join)
+def test_options_that_effects_do_not_know(option, asperity, tmp_path):
+    """Effects are computed in doubles: another arithmetic is refused, not ignored."""
+    scene = write_scene(tmp_path / "one.scene", surfaces={"deck": str(DECK)},
+                        motion={"x_first": 0.1, "positions": 1},
+                        effects={"interaction": "coupled"})
+    done = subprocess.run([asperity, "solve", scene, *option], capture_output=True, text=True,
+                          env={**os.environ, "OMP_NUM_THREADS": "1"})
+    assert done.returncode == 2, done.stdout

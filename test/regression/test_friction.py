@@ -1,0 +1,360 @@
+"""Friction as `asperity solve` does it, contact by contact, against friction_truth.py.
+
+Two evaluations made apart: the superposition of Hertz states with mpmath (`closed_form`), and a row
+of springs that touch, stick and slip one by one (`march`).
+"""
+
+import subprocess
+from functools import cache
+
+import mpmath
+import numpy as np
+import pytest
+
+import friction_truth
+from effect_runs import (CAP, COMBINED, DECK, MODULUS, RATIO, Sweeps, by_position, column, place_of,
+                         total)
+from surfaces_csv import solve, write_csv_scene
+
+KAPPA = 2 * (1 - RATIO) / (2 - RATIO)  # tangential over normal stiffness (Mindlin 1949)
+# Of the loads, against closed_form; and of loads and slip annulus against 1000 springs.
+EXACT, BY_SPRINGS, ANNULUS_BY_SPRINGS = 1e-13, 2e-6, 5e-3
+# The annulus is a root of the overlap that sticks, which hangs on a difference of slopes.
+EXACT_ANNULUS = 1e-9
+
+
+@pytest.fixture(scope="module")
+def sweeps(asperity, tmp_path_factory):
+    return Sweeps(asperity, tmp_path_factory.mktemp("friction"))
+
+
+@cache
+def by_closed_form(upper, lower, distance, penetration, coefficient,
+                   material=(MODULUS, RATIO, MODULUS, RATIO)):
+    found = friction_truth.closed_form(upper, lower, distance, penetration, *material, coefficient,
+                                       digits=20)
+    return found, float(1 - found.stick_radius / found.contact_radius)
+
+
+def numbers(row, *names):
+    return [float(row[name]) for name in names]
+
+
+def errors_of(row, place, truth, annulus):
+    """Of one contact: the three forces over its normal load, the slip annulus, sliding or not."""
+    along, up, x, y = numbers(row, "tangential_load", "vertical_load", "lateral_x", "lateral_y")
+    normal = float(truth.normal)
+    lateral = np.hypot(x - float(truth.lateral) * place.outward[0],
+                       y - float(truth.lateral) * place.outward[1])
+    forces = max(abs(float(row["load"]) - normal), abs(along - float(truth.tangential)),
+                 abs(up - float(truth.vertical)), lateral) / normal
+    return forces, abs(float(row["slip_annulus"]) - annulus), (
+        float(row["sliding"]) == float(truth.sliding))
+
+
+def report(tally, name, errors, bound):
+    """Print the worst, count, and hold it against the bound."""
+    errors = np.asarray(errors, float)
+    tally.add(name, errors.size, int((errors <= bound).sum()))
+    print(f"{name}: {errors.size} compared, worst {errors.max():.2e}, allowed {bound:.0e}")
+    assert errors.size and (errors <= bound).all(), name
+
+
+def compare(rows, coefficient, tally, name, **more):
+    """All rows against the closed form."""
+    forces, annuli, agreed = [], [], 0
+    for row in rows:
+        place = place_of(row)
+        truth, annulus = by_closed_form(place.upper_radius, place.lower_radius, place.distance,
+                                        float(row["penetration"]), coefficient, **more)
+        force, annulus, same = errors_of(row, place, truth, annulus)
+        forces.append(force)
+        annuli.append(annulus)
+        agreed += same
+    report(tally, f"friction: forces, {name}", forces, EXACT)
+    report(tally, f"friction: slip annulus, {name}", annuli, EXACT_ANNULUS)
+    tally.add(f"friction: sliding or not, {name}", len(rows), agreed)
+    assert agreed == len(rows)
+
+
+@pytest.mark.parametrize("coefficient", (0.05, 0.1, 0.5))
+def test_every_contact_of_the_sweep(coefficient, sweeps, tally):
+    run = sweeps.solve(friction="on", friction_coefficient=coefficient)
+    assert len(run.contacts) == len(sweeps.solve().contacts) > 200
+    kinds = {"stick": 0, "part": 0, "slide": 0}
+    for row in run.contacts:
+        annulus = float(row["slip_annulus"])
+        kinds["stick" if annulus == 0 else "slide" if annulus == 1 else "part"] += 1
+    print(f"coefficient {coefficient}: {kinds}")
+    assert (kinds["slide"] > 50) == (coefficient < 0.5) and kinds["stick"] > 30
+    compare(run.contacts, coefficient, tally, f"coefficient {coefficient}")
+
+
+def test_contacts_that_slip_in_part(sweeps, tally):
+    """The slope grows little while a pair closes: only a coefficient in a narrow band makes part of
+    a contact slip. Against both truths."""
+    rows = sweeps.solve().contacts
+    forces, annuli = [], []
+    for number in (1, 40, 80, 120, 160, 200):
+        for share in (0.9995, 0.998, 0.9997):
+            coefficient = share * KAPPA * float(rows[number]["slope"])
+            position = int(rows[number]["position"])
+            run = sweeps.solve(positions=1, x_first=position / 10, friction="on",
+                               friction_coefficient=coefficient)
+            compare(run.contacts, coefficient, tally, "beside part slip")
+            row = next(r for r in run.contacts if r["upper"] == rows[number]["upper"]
+                       and r["lower"] == rows[number]["lower"])
+            if not 0 < float(row["slip_annulus"]) < 1:
+                continue
+            place = place_of(row)
+            truth = friction_truth.march(
+                place.upper_radius, place.lower_radius, place.distance, float(row["penetration"]),
+                MODULUS, RATIO, MODULUS, RATIO, coefficient, steps=1000)
+            force, annulus, same = errors_of(row, place, truth,
+                                             1 - truth.stick_radius / truth.contact_radius)
+            assert same
+            forces.append(force)
+            annuli.append(annulus)
+    assert len(forces) >= 8
+    report(tally, "friction: forces against springs", forces, BY_SPRINGS)
+    report(tally, "friction: slip annulus against springs", annuli, ANNULUS_BY_SPRINGS)
+
+
+def test_contacts_against_springs(sweeps, tally):
+    """The second way, on contacts that stick or slide."""
+    for coefficient in (0.05, 0.1):
+        rows = sweeps.solve(friction="on", friction_coefficient=coefficient).contacts
+        forces = []
+        for row in rows[::20]:
+            place = place_of(row)
+            truth = friction_truth.march(
+                place.upper_radius, place.lower_radius, place.distance, float(row["penetration"]),
+                MODULUS, RATIO, MODULUS, RATIO, coefficient, steps=1000)
+            force, _, same = errors_of(row, place, truth, 0.0)
+            assert same
+            forces.append(force)
+        report(tally, "friction: forces against springs", forces, BY_SPRINGS)
+
+
+COMMON = ("position", "step", "approach", "area_no", "x", "y", "upper", "lower", "area",
+          "projected_area", "slope", "load", "average_pressure", "maximum_pressure",
+          "limit_exceeded", "penetration", "overlap")
+
+
+def test_friction_changes_only_forces(sweeps, tally):
+    """Where the contacts lie, how deep and how large, is that of the solver without friction."""
+    off, on = sweeps.solve(), sweeps.solve(friction="on", friction_coefficient=0.1)
+    exact = ("position", "step", "area_no", "upper", "lower", "limit_exceeded")
+    worst = []
+    for free, row in zip(off.contacts, on.contacts, strict=True):
+        assert all(free[name] == row[name] for name in exact)
+        worst.append(max(abs(a - b) / max(abs(a), 1e-300) for a, b in zip(
+            numbers(free, *COMMON), numbers(row, *COMMON))))
+    report(tally, "friction: contacts with and without", worst, 1e-13)
+    free = column(off.positions, "vertical_load")
+    report(tally, "friction: vertical load without",
+           np.abs(column(on.positions, "frictionless_load") / free - 1), 1e-13)
+    report(tally, "friction: its influence", np.abs(
+        column(on.positions, "vertical_load") / free - 1
+        - column(on.positions, "friction_influence")), 1e-13)
+    assert (column(on.positions, "friction_influence") >= 0).all()
+
+
+def test_coefficient_zero(sweeps):
+    off, on = sweeps.solve(), sweeps.solve(friction="on", friction_coefficient=0.0)
+    assert column(on.contacts, "tangential_load").max() == 0.0
+    for name in ("load", "vertical_load"):
+        assert np.allclose(column(on.contacts, name), column(off.contacts, name), rtol=1e-14,
+                           atol=0)
+    # What is left sideways is the horizontal part of the normal loads.
+    slope, load = column(on.contacts, "slope"), column(on.contacts, "load")
+    side = np.hypot(column(on.contacts, "lateral_x"), column(on.contacts, "lateral_y"))
+    assert np.allclose(side, load * slope / np.hypot(1, slope), rtol=1e-12, atol=0)
+    assert (column(on.positions, "sliding_contacts") == column(on.positions, "contacts")).all()
+
+
+def test_coefficient_without_bound(sweeps, tally):
+    """All sticks, and no coefficient above a certain one makes a difference."""
+    huge = sweeps.solve(friction="on", friction_coefficient=1e300)
+    for name in ("sliding", "slip_annulus"):
+        assert column(huge.contacts, name).max() == 0.0
+    assert column(huge.positions, "sliding_contacts").max() == 0.0
+    for other in (10.0, 1e99, 1e308):
+        assert sweeps.solve(friction="on", friction_coefficient=other).contacts == huge.contacts
+    compare(huge.contacts, 10, tally, "coefficient 1e300")
+    # Walton 1978: T/N = kappa tan, with the slope at the end. The slope grows a little on the way.
+    ratio = column(huge.contacts, "tangential_load") / column(huge.contacts, "load")
+    slope = column(huge.contacts, "slope")
+    report(tally, "friction: stick against Walton's ratio",
+           np.abs(ratio / (KAPPA * slope) - 1), 0.01)
+    assert (ratio < KAPPA * slope).all()
+
+
+@pytest.mark.parametrize("ratio", (-0.9, 0.0, 0.3, 0.5))
+def test_ratio_of_walton(ratio, asperity, tmp_path, tally):
+    """A small penetration, where the slope is that of first touch."""
+    distance, radius = 0.4, 1.0
+    touch = np.sqrt(4 * radius ** 2 - distance ** 2)
+    scene = write_csv_scene(
+        tmp_path, [(0.0, 0.0, 0.5, radius)], [(distance, 0.0, 0.5, radius)],
+        modulus=(2e5, 2e5), ratio=(ratio, ratio),
+        loading={"control": "load", "value": 1e-6},
+        effects={"friction": "on", "friction_coefficient": 5.0})
+    run = solve(asperity, scene)
+    assert run.status == 0, run.stderr
+    along, load = numbers(run.contacts[0], "tangential_load", "load")
+    want = 2 * (1 - ratio) / (2 - ratio) * distance / touch
+    report(tally, "friction: ratio of Walton", [abs(along / load / want - 1)], 1e-6)
+    # The upper sphere is pushed back up the slope by N, and held by T.
+    x, y = numbers(run.contacts[0], "lateral_x", "lateral_y")
+    sine, cosine = distance / (2 * radius), touch / (2 * radius)
+    assert y == 0.0 and x == pytest.approx(along * cosine - load * sine, abs=1e-6 * load)
+
+
+def test_positions_are_sums_of_contacts(sweeps, tally):
+    """The rig holds the upper body with the opposite of all lateral forces and moments."""
+    run = sweeps.solve(friction="on", friction_coefficient=0.1)
+    worst = []
+    for m, rows in by_position(run.contacts).items():
+        x, y, up, fx, fy = (column(rows, name) for name in
+                            ("x", "y", "vertical_load", "lateral_x", "lateral_y"))
+        want = {"vertical_load": up.sum(), "rig_force_x": -fx.sum(), "rig_force_y": -fy.sum(),
+                "rig_moment_x": -(y * up).sum(), "rig_moment_y": (x * up).sum(),
+                "rig_moment_z": -(x * fy - y * fx).sum(),
+                "sliding_contacts": total(rows, "sliding")}
+        size = up.sum() * max(1.0, np.abs([x, y]).max())
+        worst += [abs(float(run.positions[m - 1][name]) - value) / size
+                  for name, value in want.items()]
+    report(tally, "friction: rig and sums", worst, 1e-13)
+    assert column(run.positions, "sliding_contacts").max() > 2
+
+
+def test_auto(sweeps, tally):
+    on = sweeps.solve(friction="on", friction_coefficient=0.1)
+    off = sweeps.solve()
+    for tolerance in (0.002, 0.01):
+        auto = sweeps.solve(friction="auto", friction_coefficient=0.1, tolerance=tolerance)
+        estimate = column(auto.positions, "friction_estimate")
+        simulated = np.array([row["friction"] == "on" for row in auto.positions])
+        assert (simulated == (estimate > tolerance)).all() and 5 < simulated.sum() < 95
+        report(tally, "friction: influence above the estimate",
+               np.maximum(column(on.positions, "friction_influence") - estimate, 0), 1e-12)
+        report(tally, "friction: vertical load, auto against on",
+               np.abs(column(auto.positions, "vertical_load")
+                      / column(on.positions, "vertical_load") - 1), tolerance)
+        for row, full, free, there in zip(auto.positions, on.positions, off.positions, simulated):
+            names = [name for name in full if name != "friction_estimate"] if there else list(free)
+            want = full if there else free
+            assert {n: row[n] for n in names} == {n: want[n] for n in names}
+        assert f"simulated at {simulated.sum()}" in auto.stdout
+
+
+def test_unlike_materials(sweeps, tally):
+    """Mindlin's stiffness of unlike bodies."""
+    material = {"elastic_modulus": (3.0e5, 1.1e5), "poisson_ratio": (0.2, 0.45)}
+    run = sweeps.solve(material=material, positions=20, friction="on", friction_coefficient=0.1)
+    compare(run.contacts, 0.1, tally, "unlike materials", material=(3.0e5, 0.2, 1.1e5, 0.45))
+
+
+def test_lowered_contacts_rub_less(sweeps, tally):
+    """With interaction, friction sees the loads that the neighbours leave."""
+    coupled = sweeps.solve(interaction="coupled")
+    both = sweeps.solve(interaction="coupled", friction="on", friction_coefficient=0.1)
+    for free, row in zip(coupled.contacts, both.contacts, strict=True):
+        assert all(free[name] == row[name] for name in ("penetration", "load", "lowered"))
+    compare(both.contacts, 0.1, tally, "lowered contacts")
+    assert all(a["vertical_load"] == b["frictionless_load"]
+               for a, b in zip(coupled.positions, both.positions))
+    assert all(a["factor"] == b["factor"] for a, b in zip(coupled.positions, both.positions))
+    alone = sweeps.solve(friction="on", friction_coefficient=0.1)
+    less = column(both.positions, "rig_force_x") / column(alone.positions, "rig_force_x")
+    print(f"rig force with interaction over without: {less.min():.2f} to {less.max():.2f}")
+    text = both.stdout[both.stdout.index("\nEffects, "):]
+    assert "effects: interaction coupled, friction on" in both.stdout
+    assert text.index("  interaction  coupled") < text.index("  friction     on")
+
+
+def test_friction_on_cells(sweeps, tally):
+    """Cells bring the vertical load of each contact. Friction goes on from it: T, N and the lateral
+    force are in equilibrium with it."""
+    run = sweeps.solve(positions=30, interaction="boundary", friction="on",
+                       friction_coefficient=0.1)
+    cells = sweeps.solve(positions=30, interaction="boundary")
+    worst = []
+    for row, free in zip(run.contacts, cells.contacts, strict=True):
+        slope = float(row["slope"])
+        sine, cosine = slope / np.hypot(1, slope), 1 / np.hypot(1, slope)
+        vertical, along = float(free["vertical_load"]), float(row["tangential_load"])
+        side = np.hypot(*numbers(row, "lateral_x", "lateral_y"))
+        want = abs(vertical / cosine * sine - along * cosine)
+        worst.append(max(abs(side - want), abs(float(row["vertical_load"]) - vertical
+                                               - along * sine)) / vertical)
+    report(tally, "friction: equilibrium on cells", worst, 1e-10)
+
+
+def test_load_asked_for(sweeps, tally):
+    """The sum of the normal loads is asked for: friction does not change the closing."""
+    loading = {"control": "load", "value": 500.0}
+    off = sweeps.solve(loading=loading, positions=20)
+    on = sweeps.solve(loading=loading, positions=20, friction="on", friction_coefficient=0.3)
+    report(tally, "friction: load asked for",
+           np.abs(column(on.positions, "load") / 500.0 - 1), 1e-11)
+    report(tally, "friction: approach at a load",
+           np.abs(column(on.positions, "approach") - column(off.positions, "approach")), 1e-12)
+
+
+def test_curve(sweeps, tally):
+    """Friction depends on the path, which is one closing: each state is what its approach gives."""
+    run = sweeps.solve(positions=1, x_first=5.5, curve=True, friction="on",
+                       friction_coefficient=0.1, loading={"control": "limit", "points": 6})
+    assert len(run.curve) == int(run.positions[0]["steps"]) >= 6
+    rows = [row for row in run.contacts if float(row["load"]) > 1e-9]
+    assert {row["step"] for row in rows} >= {"3", "6"}
+    compare(rows, 0.1, tally, "states of a curve")
+    for step, state in enumerate(run.curve, 1):
+        part = [row for row in run.contacts if int(row["step"]) == step]
+        assert total(part, "vertical_load") == pytest.approx(float(state["vertical_load"]),
+                                                             rel=1e-13, abs=1e-300)
+
+
+def test_same_bytes_again(sweeps, asperity, tmp_path):
+    scene = tmp_path / "sweep.scene"
+    scene.write_text(f"&surfaces deck = '{DECK}' /\n&effects friction = 'on', "
+                     "friction_coefficient = 0.1 /\n")
+    files = [tmp_path / name for name in ("a.csv", "b.csv")]
+    for file in files:
+        done = subprocess.run([asperity, "solve", scene, "--quiet", "--contacts", file],
+                              capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_one_contact_that_slips_in_part(asperity, tmp_path, tally):
+    """A deep pair, in the plane's other directions; both truths with many digits."""
+    along = np.array([0.3, -0.4])
+    distance, coefficient = 0.5, 0.14835
+    touch = float(np.sqrt((2 * CAP) ** 2 - distance ** 2))
+    level = 2 * CAP - touch  # heights of the summits over the reference planes, together
+    scene = write_csv_scene(
+        tmp_path, [(*along, level / 2, CAP)], [(0.0, 0.0, level / 2, CAP)],
+        modulus=(MODULUS, MODULUS), ratio=(RATIO, RATIO),
+        loading={"control": "approach", "value": -0.02},
+        effects={"friction": "on", "friction_coefficient": coefficient})
+    run = solve(asperity, scene)
+    assert run.status == 0, run.stderr
+    row = run.contacts[0]
+    depth = float(row["penetration"])
+    assert depth == pytest.approx(0.02, rel=1e-12)
+    with mpmath.workdps(30):
+        truth = friction_truth.closed_form(CAP, CAP, distance, depth, MODULUS, RATIO, MODULUS,
+                                           RATIO, coefficient, digits=30)
+    annulus = float(1 - truth.stick_radius / truth.contact_radius)
+    assert 0.05 < annulus < 0.95
+    side = along / distance * float(truth.lateral)
+    want = [float(truth.tangential), float(truth.vertical), *side]
+    have = numbers(row, "tangential_load", "vertical_load", "lateral_x", "lateral_y")
+    report(tally, "friction: one pair that slips in part",
+           np.abs(np.array(have) - want) / float(truth.normal), EXACT)
+    report(tally, "friction: its slip annulus", [abs(float(row["slip_annulus"]) - annulus)], 1e-9)
+    assert float(truth.normal) == pytest.approx(
+        4 / 3 * COMBINED * np.sqrt(CAP / 2) * float(row["overlap"]) ** 1.5, rel=1e-12)
