@@ -7,6 +7,7 @@ module asperity_run_accuracy
   use asperity_command_line, only: command_line, refuse_input
   use asperity_files, only: write_standard_error, write_standard_output
   use asperity_kinds, only: real64
+  use asperity_model_rungs, only: model_rung, run_model_rungs
   use asperity_output_files, only: commit_files, stage_file
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: read_scene
@@ -31,8 +32,9 @@ contains
     type(card_deck), allocatable :: deck
     type(problem_list) :: problems
     type(accuracy_row), allocatable :: rows(:)
+    type(model_rung), allocatable :: rungs(:)
     type(text_buffer) :: table, csv
-    character(len=:), allocatable :: failure
+    character(len=:), allocatable :: failure, left_out
 
     call read_scene(line%input, scene_in, problems)
     if (problems%count() == 0) then
@@ -52,14 +54,16 @@ contains
     status = 1
     if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
     call run_accuracy_study(scene_in, deck, seconds_a_row, rows, failure)
+    if (.not. allocated(failure)) &
+      call run_model_rungs(scene_in, seconds_a_row, rungs, left_out, failure)
     if (allocated(failure)) failure = line%input // ': ' // failure
     if (complained(failure)) return
     if (line%csv_file /= '') then
-      call write_accuracy_csv(rows, csv)
+      call write_accuracy_csv(rows, rungs, csv)
       call stage_file(line%csv_file, csv%text(), failure)
       if (complained(failure)) return
     end if
-    if (.not. line%quiet) call write_accuracy_table(rows, table)
+    if (.not. line%quiet) call write_accuracy_table(rows, rungs, left_out, table)
     call write_standard_output(table%text(), failure)
     if (complained(failure)) return
     call commit_files(failure)

@@ -1,6 +1,7 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
   use asperity_accuracy_choice, only: solve_to_accuracy
+  use asperity_budget_table, only: write_budget
   use asperity_complaints, only: complained
   use asperity_command_line, only: command_line, refuse_input
   use asperity_contact_records, only: scene_results, solve_method
@@ -19,7 +20,7 @@ module asperity_run_solve
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: is_thesis_sweep, scene
   use asperity_solver, only: solve_in_arithmetic
-  use asperity_summary, only: write_budget, write_choice, write_corrected_table, write_summary
+  use asperity_summary, only: write_choice, write_corrected_table, write_summary
   use asperity_text_buffer, only: text_buffer
   implicit none
   private

@@ -39,7 +39,7 @@ step_name(a) = is('arithmetic', word(arithmetics, a)) && is('method', 'marching'
   is('overlap', 'stable') ? sprintf(step_format(column('step')), column('step')) : ''
 step_format(step) = sprintf('step %%.%df cm', int(ceil(-log10(step) - 0.01)))
 
-plot "< awk -F, 'NR == 1 || $NF == 1' " . file \
+plot "< awk -F, 'NR == 1 || ($2 != \"model\" && $19 == 1)' " . file \
     using (microseconds * column('seconds_per_position')):(place(column('worst'))) \
     smooth unique with lines linetype 5 title 'cheapest (front)', \
   for [a = 1:4] for [m = 1:3] file using (at(a, m, 'stable')):(place(column('worst'))) \

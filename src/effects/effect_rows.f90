@@ -22,15 +22,29 @@ contains
   subroutine name_columns(effects, report)
     type(effect_box), intent(in) :: effects(:)     !! of the scene
     type(effect_report), intent(inout) :: report   !! gets names and columns
-    integer :: i
+    integer :: i, k, of_contact, of_state
 
     allocate (report%names(size(effects)), report%modes(size(effects)))
-    allocate (report%contact_columns(0), report%state_columns(0))
+    of_contact = 0
+    of_state = 0
+    do i = 1, size(effects)
+      of_contact = of_contact + size(effects(i)%effect%contact_columns)
+      of_state = of_state + size(effects(i)%effect%state_columns)
+    end do
+    allocate (report%contact_columns(of_contact), report%state_columns(of_state))
+    of_contact = 0
+    of_state = 0
     do i = 1, size(effects)
       report%names(i) = effects(i)%effect%name
       report%modes(i) = effects(i)%effect%mode
-      report%contact_columns = [report%contact_columns, effects(i)%effect%contact_columns%text]
-      report%state_columns = [report%state_columns, effects(i)%effect%state_columns%text]
+      do k = 1, size(effects(i)%effect%contact_columns)
+        of_contact = of_contact + 1
+        report%contact_columns(of_contact) = effects(i)%effect%contact_columns(k)%text
+      end do
+      do k = 1, size(effects(i)%effect%state_columns)
+        of_state = of_state + 1
+        report%state_columns(of_state) = effects(i)%effect%state_columns(k)%text
+      end do
     end do
   end subroutine name_columns
 

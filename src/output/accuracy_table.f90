@@ -5,6 +5,9 @@ module asperity_accuracy_table
   use asperity_contact_records, only: overlap_stable
   use asperity_csv, only: csv_line
   use asperity_kinds, only: real64
+  use asperity_model_rungs, only: model_rung
+  use asperity_problems, only: decimal_text
+  use asperity_scene_values, only: effect_off, effect_words
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -13,12 +16,16 @@ module asperity_accuracy_table
 
   character(len=*), parameter :: row_format = &
     '(a1, 1x, a10, 1x, a8, 1x, a6, 1x, a8, 1x, f13.2, f7.0, "%", f7.1, 5(2x, a16))'
+  character(len=*), parameter :: rung_format = &
+    '(2x, a11, 1x, a9, 10x, f13.2, f7.0, "%", f7.1, 2x, a, 2x, a)'
 
 contains
 
   !> One line a way of computing; the front carries a star.
-  subroutine write_accuracy_table(rows, buffer)
+  subroutine write_accuracy_table(rows, rungs, left_out, buffer)
     type(accuracy_row), intent(in) :: rows(:)   !! all ways
+    type(model_rung), intent(in) :: rungs(:)    !! the model's ladder
+    character(len=*), intent(in) :: left_out    !! why its end is missing; empty: it is not
     type(text_buffer), intent(inout) :: buffer  !! the text
     character(len=170) :: line
     integer :: i
@@ -38,11 +45,51 @@ contains
         both(rows(i), count_error)
       call buffer%line(line)
     end do
+    call write_rungs(rungs, minval(rows%seconds), left_out, buffer)
   end subroutine write_accuracy_table
 
-  !> The same with all digits.
-  subroutine write_accuracy_csv(rows, buffer)
+  ! One line a rung of the model.
+  subroutine write_rungs(rungs, fastest, left_out, buffer)
+    type(model_rung), intent(in) :: rungs(:)
+    real(real64), intent(in) :: fastest
+    character(len=*), intent(in) :: left_out
+    type(text_buffer), intent(inout) :: buffer
+    character(len=120) :: line
+    character(len=18) :: tolerance, error
+    integer :: i
+
+    call buffer%line('')
+    call buffer%line('Model: what taking neighbouring contacts together costs. Largest (mean) ' // &
+                     'difference of the factor,')
+    call buffer%line('load together over load of the same contacts each alone, to the finest ' // &
+                     'cells.')
+    call buffer%line('')
+    call buffer%line('  interaction tolerance            us/position  spread  ratio  factor' // &
+                     '              at position')
+    do i = 1, size(rungs)
+      tolerance = '-'
+      if (rungs(i)%tolerance > 0.0_real64) write (tolerance, '(es7.0e2)') rungs(i)%tolerance
+      if (rungs(i)%error_known) then
+        write (error, '(es7.1e2, " (", es6.0e2, ")")') rungs(i)%largest, rungs(i)%mean
+        write (line, rung_format) name_of_model(rungs(i)), adjustl(tolerance), &
+          1.0e6_real64 * rungs(i)%seconds, 100 * rungs(i)%spread, rungs(i)%seconds / fastest, &
+          error, decimal_text(rungs(i)%worst_position)
+      else
+        error = 'not estimated'
+        if (left_out == '' .and. i == size(rungs)) error = 'the reference'
+        write (line, rung_format) name_of_model(rungs(i)), adjustl(tolerance), &
+          1.0e6_real64 * rungs(i)%seconds, 100 * rungs(i)%spread, rungs(i)%seconds / fastest, error
+      end if
+      call buffer%line(trim(line))
+    end do
+    if (left_out /= '') call buffer%line('the ladder ends here: ' // left_out)
+  end subroutine write_rungs
+
+  !> The same with all digits. Rungs of the model follow the ways; what does not apply to a row is
+  !> empty.
+  subroutine write_accuracy_csv(rows, rungs, buffer)
     type(accuracy_row), intent(in) :: rows(:)   !! all ways
+    type(model_rung), intent(in) :: rungs(:)    !! the model's ladder
     type(text_buffer), intent(inout) :: buffer  !! the text
     integer, parameter :: quantities(5) = &
       [load_error, area_error, pressure_error, approach_error, count_error]
@@ -51,7 +98,8 @@ contains
 
     call buffer%line('arithmetic,method,step,overlap,seconds_per_position,spread,ratio,' // &
                      'load_max,load_mean,area_max,area_mean,pressure_max,pressure_mean,' // &
-                     'approach_max,approach_mean,contacts_max,contacts_mean,worst,front')
+                     'approach_max,approach_mean,contacts_max,contacts_mean,worst,front,' // &
+                     'interaction,tolerance,factor_max,factor_mean,factor_worst_position')
     do i = 1, size(rows)
       call line%put(trim(rows(i)%arithmetic))
       call line%put(trim(way_name(rows(i))))
@@ -66,9 +114,60 @@ contains
       end do
       call line%put(rows(i)%worst)
       call line%put(rows(i)%on_front)
+      call put_factor(line, rungs, effect_off)
+      call line%finish(buffer)
+    end do
+    do i = 1, size(rungs)
+      call line%put('real64')
+      call line%put('model')
+      call line%put(0.0_real64)
+      call line%put('stable')
+      call line%put(rungs(i)%seconds)
+      call line%put(rungs(i)%spread)
+      call line%put(rungs(i)%seconds / minval(rows%seconds))
+      ! Two for each quantity, the worst, the front.
+      do k = 1, 2 * size(quantities) + 2
+        call line%put('')
+      end do
+      call put_factor(line, rungs(i:i), rungs(i)%interaction)
       call line%finish(buffer)
     end do
   end subroutine write_accuracy_csv
+
+  ! The model's cells: those of the first rung that takes contacts together in this way.
+  subroutine put_factor(line, rungs, interaction)
+    type(csv_line), intent(inout) :: line
+    type(model_rung), intent(in) :: rungs(:)
+    integer, intent(in) :: interaction
+    integer :: i, k
+
+    call line%put(trim(effect_words(interaction)))
+    do i = 1, size(rungs)
+      if (rungs(i)%interaction == interaction) exit
+    end do
+    if (i > size(rungs)) then
+      call line%put('')
+    else
+      call line%put(rungs(i)%tolerance)
+      if (rungs(i)%error_known) then
+        call line%put(rungs(i)%largest)
+        call line%put(rungs(i)%mean)
+        call line%put(rungs(i)%worst_position)
+        return
+      end if
+    end if
+    do k = 1, 3
+      call line%put('')
+    end do
+  end subroutine put_factor
+
+  pure function name_of_model(rung) result(name)
+    type(model_rung), intent(in) :: rung
+    character(len=11) :: name
+
+    name = effect_words(rung%interaction)
+    if (rung%interaction == effect_off) name = 'independent'
+  end function name_of_model
 
   pure function way_name(row) result(name)
     type(accuracy_row), intent(in) :: row

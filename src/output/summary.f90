@@ -4,7 +4,6 @@ module asperity_summary
   use asperity_corrected_table, only: corrected_table, stage_names
   use asperity_effect_report, only: effect_report
   use asperity_effects_summary, only: effects_in_words, write_effects
-  use asperity_error_budget, only: budget_line, error_budget
   use asperity_kinds, only: real64
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
                                        slope_row, total_area_row, total_difference_row, &
@@ -16,7 +15,7 @@ module asperity_summary
   implicit none
   private
 
-  public :: write_summary, write_corrected_table, write_budget, write_choice
+  public :: write_summary, write_corrected_table, write_choice
 
 contains
 
@@ -189,38 +188,6 @@ contains
     call buffer%line('accuracy' // asked // ' asked for: ' // how // &
                      ' is the cheapest way that has it, error bound' // promised)
   end subroutine write_choice
-
-  !> The error budget: plus-or-minus of every total, by source.
-  subroutine write_budget(budget, positions, buffer)
-    type(error_budget), intent(in) :: budget    !! what was measured
-    integer, intent(in) :: positions            !! number of positions
-    type(text_buffer), intent(inout) :: buffer  !! the text
-    type(budget_line) :: total
-    character(len=100) :: line
-    integer :: i
-
-    call buffer%line('')
-    if (positions == 1) then
-      call buffer%line('Error budget            value   arithmetic +-         step +-    model')
-    else
-      call buffer%line('Error budget          average   arithmetic +-         step +-    model')
-    end if
-    do i = 1, size(budget%lines)
-      total = budget%lines(i)
-      write (line, '(2x, a14, g15.7, es14.1e3, es16.1e3, 4x, a)') total%name, total%value, &
-        total%arithmetic, total%step, 'not estimated'
-      call buffer%line(line)
-    end do
-    if (positions > 1) call buffer%line('+- is the largest over the positions.')
-    if (budget%by_reference) then
-      call buffer%line('Arithmetic: real128 is the reference itself; what remains is the ' // &
-                       'rounding of printed doubles.')
-    else
-      call buffer%line('Arithmetic: against real128.')
-    end if
-    call buffer%line('Step: exact events take no steps. Model: needs an effect to compare ' // &
-                     'with; none is on.')
-  end subroutine write_budget
 
   !> A number with so many decimals, right-justified.
   pure function fixed(value, decimals) result(text)

@@ -2,6 +2,7 @@
 module asperity_error_budget
   use asperity_contact_records, only: scene_results, solve_method, state_row
   use asperity_kinds, only: real64
+  use asperity_model_budget, only: measure_model, model_budget
   use asperity_scene_values, only: scene
   use asperity_solver, only: solve_in_arithmetic
   implicit none
@@ -17,37 +18,49 @@ module asperity_error_budget
     real(real64) :: step = 0.0_real64         !! largest over the positions; exact events have none
   end type budget_line
 
-  !> The budget of a scene. The model's share is not known without effects to compare with.
+  !> The budget of a scene.
   type :: error_budget
     type(budget_line) :: lines(4)   !! load, vertical load, area, approach
-    logical :: by_reference = .false.  !! the results are the reference: rounding to doubles remains
+    type(model_budget) :: model     !! of the same totals: what the model leaves out
+    logical :: by_reference = .false.     !! arithmetic: only rounding to doubles remains
+    logical :: without_effects = .false.  !! arithmetic: compared without the scene's effects
   end type error_budget
 
 contains
 
-  !> Compares results with exact events in real128. `failure` is allocated when that cannot be run.
+  !> Compares results with exact events in real128, and the model with contacts on cells. Effects
+  !> are computed in doubles only: with them the arithmetic is that of the scene without, at the
+  !> deepest of a path.
+  !> `failure` is allocated when the arithmetics cannot be run.
   subroutine measure_budget(scene_in, arithmetic, results, budget, failure)
     type(scene), intent(in) :: scene_in                    !! what was solved
     character(len=*), intent(in) :: arithmetic             !! in which arithmetic
     type(scene_results), intent(in) :: results             !! its results, by exact events
     type(error_budget), intent(out) :: budget              !! plus-or-minus of the totals
     character(len=:), allocatable, intent(out) :: failure  !! why not
-    type(scene_results) :: reference
+    type(scene_results) :: reference, plain
     real(real64) :: have(4), want(4)
     integer :: m
 
     call solve_in_arithmetic('real128', scene_in, solve_method(), .false., reference, failure)
     if (allocated(failure)) return
     budget%by_reference = arithmetic == 'real128'
+    budget%without_effects = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
+    if (budget%without_effects) then
+      call solve_in_arithmetic(arithmetic, scene_in, solve_method(), .false., plain, failure)
+      if (allocated(failure)) return
+    end if
     budget%lines%name = [character(len=14) :: 'total load', 'vertical load', 'contact area', &
                          'approach']
     do m = 1, size(results%positions)
       have = totals(results, m)
+      budget%lines%value = budget%lines%value + have / size(results%positions)
+      if (budget%without_effects) have = totals(plain, m)
       want = totals(reference, m)
       ! The reference itself is handed over as doubles.
       budget%lines%arithmetic = max(budget%lines%arithmetic, abs(have - want) + 0.5 * spacing(want))
-      budget%lines%value = budget%lines%value + have / size(results%positions)
     end do
+    call measure_model(scene_in, results, budget%model)
   end subroutine measure_budget
 
   !> Load, vertical load, area and approach of the last state.

@@ -9,25 +9,63 @@ import pytest
 
 from decks import random_deck, write_deck
 from exact_contact import Truth, read_deck
-from surfaces_csv import exact_csv_scene, records, solve, write_csv_scene
+from surfaces_csv import exact_csv_scene, records, solve, write_csv_scene, write_scene
 
 ERRORS = ("load", "area", "pressure", "approach", "contacts")
 ARITHMETICS = ("ibm370", "real32", "real64", "real128")
 STEPS = (0.01, 0.001, 0.0001, 0.00001)
 TOTALS = ("load", "vertical_load", "area", "approach")
+LADDER = (("off", 0.0), ("coupled", 0.0), ("auto", 0.01), ("boundary", 0.01), ("boundary", 0.001),
+          ("boundary", 0.0001))
+# Twenty positions of the thesis, 18 and 78 among them: where contacts stand closest.
+PART = {"x_first": 0.3, "x_step": 0.5, "positions": 20}
+
+
+def run_study(asperity, path, folder):
+    """Table, rows of the ways, rows of the model's rungs."""
+    file = folder / "study.csv"
+    done = subprocess.run([asperity, "accuracy", path, "--csv", file], capture_output=True,
+                          text=True, timeout=900)
+    assert done.returncode == 0, done.stderr
+    rows = records(file)
+    return (done.stdout, [row for row in rows if row["method"] != "model"],
+            [row for row in rows if row["method"] == "model"])
+
+
+def part_scene(folder, root, interaction="off", tolerance=0.001, **groups):
+    """A part of the thesis sweep with one way of taking contacts together."""
+    groups = {"motion": PART, "loading": {"control": "limit"}, **groups}
+    return write_scene(folder / f"part_{interaction}_{tolerance:g}.scene",
+                       surfaces={"deck": str(root / "data" / "thesis.deck")},
+                       effects={"interaction": interaction, "boundary_tolerance": tolerance,
+                                **groups.pop("effects", {})}, **groups)
 
 
 @pytest.fixture(scope="module")
 def studies(asperity, root, tmp_path_factory):
-    """The study on the thesis deck, twice: its tables and its CSVs."""
-    found = []
-    for number in (1, 2):
-        path = tmp_path_factory.mktemp("study") / f"study{number}.csv"
-        done = subprocess.run([asperity, "accuracy", root / "data" / "thesis.deck", "--csv", path],
-                              capture_output=True, text=True, timeout=120)
-        assert done.returncode == 0, done.stderr
-        found.append((done.stdout, records(path)))
+    """The study on the thesis deck, and on a part of its positions."""
+    folder = tmp_path_factory.mktemp("study")
+    return (run_study(asperity, root / "data" / "thesis.deck", folder),
+            run_study(asperity, part_scene(folder, root), folder))
+
+
+@pytest.fixture(scope="module")
+def runs(asperity, root, tmp_path_factory):
+    """Positions of the part, solved in each way of taking contacts together."""
+    folder = tmp_path_factory.mktemp("runs")
+    found = {}
+    for interaction, tolerance in LADDER:
+        done = solve(asperity, part_scene(folder, root, interaction, tolerance or 0.001),
+                     contacts=False)
+        assert done.status == 0, done.stderr
+        found[interaction, tolerance] = done.positions
     return found
+
+
+def factors(rows):
+    """Load together over load alone; 1 where contacts were left to themselves."""
+    return [float(row["factor"]) if row.get("interaction", "off") != "off" else 1.0
+            for row in rows]
 
 
 def name_of(row):
@@ -35,7 +73,7 @@ def name_of(row):
 
 
 def test_every_way_is_there(studies):
-    table, rows = studies[0]
+    table, rows, _ = studies[0]
     expected = {(a, "events", 0.0, w) for a in ARITHMETICS for w in ("stable", "original")}
     expected |= {(a, "marching", s, w) for a in ARITHMETICS for s in STEPS
                  for w in ("stable", "original")}
@@ -47,7 +85,7 @@ def test_every_way_is_there(studies):
 
 
 def test_the_front_is_the_same_twice(studies):
-    fronts = [[name_of(row) for row in rows if row["front"] == "1"] for _, rows in studies]
+    fronts = [[name_of(row) for row in rows if row["front"] == "1"] for _, rows, _ in studies]
     assert fronts[0] == fronts[1]
     # The choice by --accuracy takes its ways from the front: they must be the same.
     assert fronts[0] == [(a, "events", 0.0, "stable") for a in ("real64", "real128")]
@@ -77,6 +115,43 @@ def test_what_the_study_must_find(studies):
         for step in STEPS:
             row = rows[(arithmetic, "marching", step, "original")]
             assert float(row["pressure_max"]) < 1.5 * unit / (2 * step) * 1.1
+
+
+def test_the_rungs_are_what_the_solver_does(studies, runs, tally):
+    """Errors of the model's rungs, from the factor columns of runs of their own."""
+    table, ways, rungs = studies[1]
+    assert [(row["interaction"], float(row["tolerance"])) for row in rungs] == list(LADDER)
+    reference = factors(runs[LADDER[-1]])
+    for rung, name in zip(rungs[:-1], LADDER):
+        errors = [abs(a - b) for a, b in zip(factors(runs[name]), reference)]
+        assert float(rung["factor_max"]) == pytest.approx(max(errors), rel=1e-9, abs=1e-15)
+        assert float(rung["factor_mean"]) == pytest.approx(sum(errors) / len(errors), rel=1e-9,
+                                                           abs=1e-15)
+        assert int(rung["factor_worst_position"]) == errors.index(max(errors)) + 1
+        print(f"{name[0]} {name[1]:g}: {max(errors):.1e} at most")
+    tally.add("rungs of the model", 3 * (len(LADDER) - 1), 3 * (len(LADDER) - 1))
+    # The finest cells are the reference: they have no error that is known.
+    assert rungs[-1]["factor_max"] == "" and "the reference" in table
+    # Every way of computing takes contacts as independent: so has its error.
+    assert {row["factor_max"] for row in ways} == {rungs[0]["factor_max"]}
+    assert all(row["load_max"] == row["worst"] == row["front"] == "" for row in rungs)
+
+
+def test_each_rung_is_better(studies, root):
+    """On the whole sweep: bounds that come from the ladder itself, and one truth from outside."""
+    rungs = studies[0][2]
+    error = {(row["interaction"], float(row["tolerance"])): float(row["factor_max"])
+             for row in rungs[:-1]}
+    assert (error["off", 0.0] > error["auto", 0.01] > error["coupled", 0.0] >
+            error["boundary", 0.01] >= error["boundary", 0.001])
+    assert error["auto", 0.01] <= 0.01
+    assert error["boundary", 0.001] <= 0.001
+    # Independent contacts miss the most where the factor, evaluated apart, is the least.
+    truth = {int(row["position"]): float(row["factor"])
+             for row in records(root / "reference_output" / "boundary" / "factors.csv")}
+    worst = min(truth, key=truth.get)
+    assert int(rungs[0]["factor_worst_position"]) == worst
+    assert error["off", 0.0] == pytest.approx(1 - truth[worst], abs=1e-3)
 
 
 def test_the_reference_is_true(asperity, root, tmp_path):
@@ -158,6 +233,13 @@ def test_an_accuracy_that_nothing_has(asperity, root):
     assert "no way of computing has this accuracy" in done.stderr
 
 
+def budget_line(text, label):
+    """Value, arithmetic, step and model of a total."""
+    line = re.search(rf"^  {label}\s+(\S+)\s+(\S+)\s+(\S+)\s+(\S.*)$", text, re.MULTILINE)
+    assert line, text
+    return line.groups()
+
+
 def test_the_budget_contains_the_error(asperity, root, tmp_path):
     """The arithmetic's plus-or-minus covers the distance of real64 to 50 digits."""
     path = root / "data" / "examples" / "position_56.scene"
@@ -166,13 +248,70 @@ def test_the_budget_contains_the_error(asperity, root, tmp_path):
     found = solve(asperity, path, "--budget", folder=tmp_path, contacts=False)
     for label, name in (("total load", "load"), ("vertical load", "vertical_load"),
                         ("contact area", "area"), ("approach", "approach")):
-        line = re.search(rf"^  {label}\s+(\S+)\s+(\S+)\s+(\S+)\s+not estimated$", found.stdout,
-                         re.MULTILINE)
-        assert line, found.stdout
+        line = budget_line(found.stdout, label)
         error = abs(float(found.positions[0][name]) - getattr(state, name))
         # The reference is handed over as a double: half a unit more.
-        assert error <= float(line[2]) * 1.05 + 2.0 ** -53 * abs(getattr(state, name))
-        assert float(line[3]) == 0.0
+        assert error <= float(line[1]) * 1.05 + 2.0 ** -53 * abs(getattr(state, name))
+        assert float(line[2]) == 0.0
+
+
+@pytest.mark.parametrize("interaction", ("off", "coupled", "auto"))
+def test_the_budget_of_the_model(interaction, asperity, root, runs, tmp_path, tally):
+    """Against the positions' files of two runs: the scene's own way, and cells."""
+    used = runs[interaction, 0.01 if interaction == "auto" else 0.0]
+    cells = runs["boundary", 0.001]
+    shares = [abs(a - b) / a for a, b in zip(factors(used), factors(cells))]
+    areas = [abs(float(a["projected_area"]) / float(b["projected_area"]) - 1)
+             for a, b in zip(cells, used)]
+    found = solve(asperity, part_scene(tmp_path, root, interaction), "--budget", contacts=False)
+    assert found.status == 0, found.stderr
+    for label, name, share in (("total load", "load", shares), ("contact area", "area", areas),
+                               ("vertical load", "vertical_load", shares)):
+        want = max(s * float(row[name]) for s, row in zip(share, used))
+        have = float(budget_line(found.stdout, label)[3])
+        print(f"{interaction}, {label}: {have:.1e} printed, {want:.4e} from the files")
+        assert have == pytest.approx(want, rel=0.051)  # two digits are printed
+        tally.add("budget of the model", 1, 1)
+    assert budget_line(found.stdout, "approach")[3] == "given"
+    assert f"interaction '{interaction}' against 'boundary'" in found.stdout
+    assert "good to 1.0E-003" in found.stdout and "counts alike" in found.stdout
+
+
+def test_the_budget_of_cells(asperity, root, runs, tmp_path):
+    """Nothing is finer than cells: what is left is their tolerance."""
+    found = solve(asperity, part_scene(tmp_path, root, "boundary", 0.01), "--budget",
+                  contacts=False)
+    want = 0.01 * max(float(row["load"]) for row in runs["boundary", 0.01])
+    assert float(budget_line(found.stdout, "total load")[3]) == pytest.approx(want, rel=0.051)
+    assert budget_line(found.stdout, "contact area")[3] == "not estimated"
+    assert "is the reference itself" in found.stdout
+
+
+def test_the_budget_at_a_load(asperity, root, tmp_path):
+    """The load is given: contacts that know nothing of each other stop too early. How much too
+    early, a run on cells tells; it sees slopes otherwise, and the share changes on the way."""
+    groups = {"motion": {"x_first": 5.6}, "loading": {"control": "load", "value": 1000.0}}
+    found = solve(asperity, part_scene(tmp_path, root, **groups), "--budget", contacts=False)
+    cells = solve(asperity, part_scene(tmp_path, root, "boundary", **groups),
+                  contacts=False)
+    too_early = float(found.positions[0]["approach"]) - float(cells.positions[0]["approach"])
+    have = float(budget_line(found.stdout, "approach")[3])
+    print(f"approach at 1000 N: {have:.2e} in the budget, {too_early:.4e} found on cells")
+    assert have == pytest.approx(too_early, rel=0.15)
+    assert [budget_line(found.stdout, label)[3] for label in
+            ("total load", "vertical load", "contact area")] == ["given", "given", "not estimated"]
+
+
+def test_too_many_contacts_for_a_budget(asperity, tmp_path):
+    """Cells would take long: the model is not estimated, the rest is, and that is no failure."""
+    grid = [(2.0 * i, 2.0 * j, 0.1, 1.0) for i in range(24) for j in range(22)]
+    path = write_csv_scene(tmp_path, grid, grid,
+                           loading={"control": "approach", "value": 0.199})
+    found = solve(asperity, path, "--budget", contacts=False)
+    assert found.status == 0, found.stderr
+    assert int(found.positions[0]["contacts"]) == len(grid)
+    assert budget_line(found.stdout, "total load")[3] == "not estimated"
+    assert "Model: not estimated: up to 528 contacts at a position" in found.stdout
 
 
 def test_a_study_needs_a_limit(asperity, tmp_path):
@@ -183,8 +322,9 @@ def test_a_study_needs_a_limit(asperity, tmp_path):
 
 
 def test_the_csv_is_csv(studies, tmp_path):
-    _, rows = studies[0]
-    assert all(None not in row and len(row) == 19 for row in rows)
+    _, ways, rungs = studies[0]
+    rows = ways + rungs
+    assert all(None not in row and len(row) == 24 for row in rows)
     with open(tmp_path / "copy.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, rows[0])
         writer.writerows(rows)

@@ -1,0 +1,114 @@
+!> The error budget as a table: plus-or-minus of every total, by source.
+module asperity_budget_table
+  use asperity_error_budget, only: budget_line, error_budget
+  use asperity_kinds, only: real64
+  use asperity_model_budget, only: model_budget, of_approach, of_area, of_load, share_given, &
+                                   share_measured, share_unknown
+  use asperity_scene_values, only: effect_boundary, effect_words
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: write_budget
+
+contains
+
+  !> One line a total, and what the columns mean.
+  subroutine write_budget(budget, positions, buffer)
+    type(error_budget), intent(in) :: budget    !! what was measured
+    integer, intent(in) :: positions            !! number of positions
+    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(budget_line) :: total
+    character(len=100) :: line
+    character(len=:), allocatable :: reference
+    integer :: i
+
+    call buffer%line('')
+    if (positions == 1) then
+      call buffer%line('Error budget            value   arithmetic +-         step +-  model +-')
+    else
+      call buffer%line('Error budget          average   arithmetic +-         step +-  model +-')
+    end if
+    do i = 1, size(budget%lines)
+      total = budget%lines(i)
+      write (line, '(2x, a14, g15.7, es14.1e3, es16.1e3, 4x, a)') total%name, total%value, &
+        total%arithmetic, total%step, model_share(budget%model, i)
+      call buffer%line(line)
+    end do
+    if (positions > 1) call buffer%line('+- is the largest over the positions.')
+    if (budget%by_reference) then
+      reference = 'real128 is the reference itself; what remains is the rounding of printed doubles'
+    else
+      reference = 'against real128'
+    end if
+    if (budget%without_effects) reference = reference // ', without effects'
+    call buffer%line('Arithmetic: ' // reference // '.')
+    call buffer%line('Step: exact events take no steps.')
+    call write_model(budget%model, buffer)
+  end subroutine write_budget
+
+  ! A number, or why there is none.
+  pure function model_share(model, i) result(text)
+    type(model_budget), intent(in) :: model
+    integer, intent(in) :: i
+    character(len=:), allocatable :: text
+
+    select case (model%known(i))
+    case (share_measured)
+      text = short(model%error(i))
+    case (share_given)
+      text = 'given'
+    case default
+      text = 'not estimated'
+    end select
+  end function model_share
+
+  ! What was compared with what, and how good that is.
+  subroutine write_model(model, buffer)
+    type(model_budget), intent(in) :: model
+    type(text_buffer), intent(inout) :: buffer
+
+    if (allocated(model%why_not)) then
+      call buffer%line('Model: not estimated: ' // model%why_not // '.')
+    else if (model%interaction == effect_boundary) then
+      call buffer%line('Model: interaction ''boundary'' is the reference itself.')
+    else
+      call buffer%line('Model: interaction ''' // trim(effect_words(model%interaction)) // &
+                       ''' against ''boundary'' at the same approach, by the load of the')
+      call buffer%line('contacts together over their load each alone, so that ' // &
+                       'inclination counts alike.')
+    end if
+    if (.not. allocated(model%why_not)) &
+      call buffer%line('Load on cells: good to' // short(model%cells_are_good_to) // &
+                       ' of it (boundary_tolerance).')
+    if (model%known(of_area) == share_measured) &
+      call buffer%line('Area: compared in plan; cells count it in whole cells, good to about 1 %.')
+    if (model%known(of_load) /= share_given .and. model%known(of_approach) == share_given) &
+      call buffer%line('Approach: given, or that at which a contact by itself reaches its limit.')
+    if (model%known(of_load) == share_given .and. model%known(of_approach) == share_measured) &
+      call buffer%line('Approach: by as much as the model''s share moves it at the given load.')
+    if (any(model%known == share_unknown) .and. .not. allocated(model%why_not)) &
+      call buffer%line('Not estimated: ' // unknown_because(model))
+  end subroutine write_model
+
+  ! Why single totals have no number.
+  pure function unknown_because(model) result(text)
+    type(model_budget), intent(in) :: model
+    character(len=:), allocatable :: text
+
+    if (model%interaction == effect_boundary) then
+      text = 'there is nothing finer to compare cells with.'
+    else
+      text = 'at a given load the areas of both ways belong to different approaches.'
+    end if
+  end function unknown_because
+
+  ! Two digits.
+  pure function short(value) result(text)
+    real(real64), intent(in) :: value
+    character(len=9) :: text
+
+    write (text, '(es9.1e3)') value
+  end function short
+
+end module asperity_budget_table

@@ -1,0 +1,122 @@
+!> One run of a scene with one way of taking neighbouring contacts together, for comparing ways.
+!>
+!> `boundary` knows vertical gaps only: an inclined contact by itself has another load there than by
+!> Hertz's equations along its normal, by about slope**2/4. What is compared is therefore the
+!> factor, load of the contacts together over load of the same contacts each alone, and the area in
+!> plan.
+module asperity_model_run
+  use asperity_contact_records, only: scene_results, solve_method, state_row
+  use asperity_effect_report, only: effect_report
+  use asperity_effect_solver, only: solve_with_effects
+  use asperity_kinds, only: real64
+  use asperity_problems, only: decimal_text
+  use asperity_scene_values, only: scene
+  use asperity_solver, only: solve_in_arithmetic
+  implicit none
+  private
+
+  public :: model_run, run_model, solve_model, too_many_for_cells
+
+  !> Contacts of a position, squared and summed over the positions, that are solved on cells: 500 in
+  !> one position, or 5 in each of 10000, take some minutes.
+  real(real64), parameter :: squares_allowed = 250000.0_real64
+
+  !> The last state of every position.
+  type :: model_run
+    real(real64), allocatable :: factor(:)          !! load together over load alone, vertical
+    real(real64), allocatable :: load(:)            !! sum of the normal forces
+    real(real64), allocatable :: projected_area(:)  !! sum of the areas in plan
+    real(real64), allocatable :: approach(:)        !! separation of the reference planes
+  end type model_run
+
+contains
+
+  !> Runs a scene with `interaction` set, all its other effects as they are, to the last state only.
+  subroutine run_model(scene_in, interaction, run, failure)
+    type(scene), intent(in) :: scene_in                    !! checked values
+    integer, intent(in) :: interaction                     !! one of the `effect_` numbers
+    type(model_run), intent(out) :: run                    !! all positions
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(scene) :: copy
+
+    copy = scene_in
+    copy%effects%interaction = interaction
+    copy%loading%points = 0
+    call solve_model(copy, run, failure)
+  end subroutine run_model
+
+  !> Solves a scene as it is.
+  subroutine solve_model(scene_in, run, failure)
+    type(scene), intent(in) :: scene_in                    !! checked values
+    type(model_run), intent(out) :: run                    !! all positions
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(scene_results) :: results
+    type(effect_report) :: report
+
+    if (scene_in%effects%any_on()) then
+      call solve_with_effects(scene_in, .false., results, report, failure)
+    else
+      call solve_in_arithmetic('real64', scene_in, solve_method(), .false., results, failure)
+    end if
+    if (.not. allocated(failure)) call take_last_states(results, report, run)
+  end subroutine solve_model
+
+  !> Why the contacts of a solved scene are too many for cells; empty when they are not.
+  pure function too_many_for_cells(results) result(why)
+    type(scene_results), intent(in) :: results   !! of any way of taking them together
+    character(len=:), allocatable :: why
+    real(real64) :: squares
+    integer :: m, most
+    type(state_row) :: last
+
+    squares = 0.0_real64
+    most = 0
+    do m = 1, size(results%positions)
+      last = results%positions(m)%states(size(results%positions(m)%states))
+      squares = squares + real(last%contacts, real64)**2
+      most = max(most, last%contacts)
+    end do
+    why = ''
+    if (squares > squares_allowed) &
+      why = 'up to ' // decimal_text(most) // ' contacts at a position would take long on cells'
+  end function too_many_for_cells
+
+  ! Factor, load, area and approach of every position.
+  subroutine take_last_states(results, report, run)
+    type(scene_results), intent(in) :: results
+    type(effect_report), intent(in) :: report
+    type(model_run), intent(inout) :: run
+    type(state_row) :: last
+    integer :: m, number
+
+    number = size(results%positions)
+    allocate (run%factor(number), run%load(number), run%projected_area(number), &
+              run%approach(number))
+    do m = 1, number
+      last = results%positions(m)%states(size(results%positions(m)%states))
+      run%load(m) = last%load
+      run%projected_area(m) = last%projected_area
+      run%approach(m) = last%approach
+      run%factor(m) = factor_of(report, m)
+    end do
+  end subroutine take_last_states
+
+  ! Load together over load alone; 1 where interaction is off or was left out.
+  pure real(real64) function factor_of(report, m) result(factor)
+    type(effect_report), intent(in) :: report
+    integer, intent(in) :: m
+    integer :: column, e
+
+    factor = 1.0_real64
+    if (.not. allocated(report%positions)) return
+    do e = 1, size(report%names)
+      if (report%names(e) /= 'interaction') cycle
+      if (report%positions(m)%outcomes(e)%simulated == 'off') return
+    end do
+    do column = 1, size(report%state_columns)
+      if (report%state_columns(column) == 'factor') &
+        factor = report%positions(m)%state_values(column)
+    end do
+  end function factor_of
+
+end module asperity_model_run

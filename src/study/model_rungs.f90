@@ -1,0 +1,138 @@
+!> What each rung of the model costs: contacts that know nothing of each other, coupled, `auto`, and
+!> on cells of three tolerances. Placing the surfaces, the same for all, is timed apart and taken
+!> off.
+!>
+!> Errors are differences of the factor, load of the contacts together over load of the same
+!> contacts each alone, against that on the finest cells. Other effects are left out.
+module asperity_model_rungs
+  use asperity_contact_records, only: scene_results, solve_method
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_kernel_real64, only: place_scene, placed_scene
+  use asperity_kinds, only: int64, real64
+  use asperity_model_run, only: model_run, solve_model, too_many_for_cells
+  use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, &
+                                   scene, scene_effects
+  use asperity_solver, only: solve_in_arithmetic
+  use asperity_timing, only: timing_samples
+  implicit none
+  private
+
+  public :: model_rung, run_model_rungs
+
+  !> The ladder, and the tolerance of each rung: of `auto` the share of the load that it may leave
+  !> out, of `boundary` what the last halving of the cells may change.
+  integer, parameter :: ladder(6) = [effect_off, effect_coupled, effect_auto, effect_boundary, &
+                                     effect_boundary, effect_boundary]
+  type(decimal_value), parameter :: tolerances(6) = &
+    [decimal_value(0_int64, 0), decimal_value(0_int64, 0), decimal_value(1_int64, -2), &
+     decimal_value(1_int64, -2), decimal_value(1_int64, -3), decimal_value(1_int64, -4)]
+
+  ! A pass that takes so many times the time to spend is not repeated.
+  real(real64), parameter :: long = 3.0_real64
+
+  ! A pass takes at least so long, s: the clock may be disturbed while the surfaces are placed.
+  real(real64), parameter :: shortest = 1.0e-9_real64
+
+  !> One way of taking neighbouring contacts together: its cost and its error.
+  type :: model_rung
+    integer :: interaction = effect_off       !! one of the `effect_` numbers
+    real(real64) :: tolerance = 0.0_real64    !! of `auto` or `boundary`, else 0
+    real(real64) :: seconds = 0.0_real64      !! a position, median
+    real(real64) :: spread = 0.0_real64       !! half the quartile distance over the median
+    integer :: passes = 0                     !! over all positions
+    logical :: error_known = .false.          !! whether there were finer cells to compare with
+    real(real64) :: largest = 0.0_real64      !! difference of the factor, over the positions
+    real(real64) :: mean = 0.0_real64         !! the same, mean over the positions
+    integer :: worst_position = 0             !! where it is largest
+  end type model_rung
+
+contains
+
+  !> Climbs the ladder as far as it goes; `left_out` says why it ends early. The finest cells are
+  !> the reference of the others, and have no error that is known.
+  subroutine run_model_rungs(scene_in, least_seconds, rungs, left_out, failure)
+    type(scene), intent(in) :: scene_in                       !! checked values
+    real(real64), intent(in) :: least_seconds                 !! time to spend on a rung, s
+    type(model_rung), allocatable, intent(out) :: rungs(:)    !! those that were reached
+    character(len=:), allocatable, intent(out) :: left_out    !! why not all of them
+    character(len=:), allocatable, intent(out) :: failure     !! why there is none at all
+    type(scene) :: bare
+    type(model_run) :: runs(size(ladder))
+    type(timing_samples) :: timing
+    type(scene_results) :: results
+    integer :: i, reached
+
+    bare = scene_in
+    bare%effects = scene_effects()
+    bare%loading%points = 0
+    call solve_in_arithmetic('real64', bare, solve_method(), .false., results, failure)
+    if (allocated(failure)) return
+    left_out = too_many_for_cells(results)
+    allocate (rungs(size(ladder)))
+    reached = 0
+    do i = 1, size(ladder)
+      if (ladder(i) == effect_boundary .and. left_out /= '') exit
+      call run_timed(bare, i, least_seconds, runs(i), timing, failure)
+      if (allocated(failure)) then
+        call move_alloc(failure, left_out)
+        exit
+      end if
+      reached = i
+      rungs(i) = model_rung(interaction=ladder(i), tolerance=decimal_to_real64(tolerances(i)), &
+                            seconds=timing%median(), spread=timing%spread(), &
+                            passes=timing%passes())
+    end do
+    rungs = rungs(:reached)
+    if (reached == 0) return
+    if (ladder(reached) /= effect_boundary) return
+    do i = 1, reached - 1
+      call compare(runs(i), runs(reached), rungs(i))
+    end do
+  end subroutine run_model_rungs
+
+  ! One rung, again and again on the clock; a long one only once.
+  subroutine run_timed(bare, number, least_seconds, run, timing, failure)
+    type(scene), intent(in) :: bare
+    integer, intent(in) :: number
+    real(real64), intent(in) :: least_seconds
+    type(model_run), intent(out) :: run
+    type(timing_samples), intent(out) :: timing
+    character(len=:), allocatable, intent(out) :: failure
+    type(scene) :: copy
+    type(placed_scene) :: placed
+    integer(int64) :: from, between, until, rate
+    real(real64) :: seconds
+
+    copy = bare
+    copy%effects%interaction = ladder(number)
+    if (ladder(number) == effect_auto) copy%effects%tolerance = tolerances(number)
+    if (ladder(number) == effect_boundary) copy%effects%boundary_tolerance = tolerances(number)
+    do
+      call system_clock(from, rate)
+      call place_scene(copy, placed, failure)
+      if (allocated(failure)) return
+      call system_clock(between)
+      call solve_model(copy, run, failure)
+      if (allocated(failure)) return
+      call system_clock(until)
+      seconds = real((until - between) - (between - from), real64) / real(rate, real64)
+      call timing%add(max(seconds, shortest), copy%motion%positions)
+      if (timing%total() >= long * least_seconds) exit
+      if (timing%total() >= least_seconds .and. timing%passes() >= 3) exit
+    end do
+  end subroutine run_timed
+
+  ! Differences of the factor over all positions.
+  pure subroutine compare(run, reference, rung)
+    type(model_run), intent(in) :: run, reference
+    type(model_rung), intent(inout) :: rung
+    real(real64) :: error(size(run%factor))
+
+    error = abs(run%factor - reference%factor)
+    rung%error_known = .true.
+    rung%largest = maxval(error)
+    rung%mean = sum(error) / size(error)
+    rung%worst_position = maxloc(error, dim=1)
+  end subroutine compare
+
+end module asperity_model_rungs
