@@ -15,10 +15,12 @@ module asperity_coupled_contacts
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_acceleration, only: accelerate, forget, step_memory
+  use asperity_coupled_coarse, only: refine_start
   use asperity_coupled_estimate, only: estimate_of_interaction
   use asperity_coupled_field, only: spread_field
+  use asperity_coupled_open, only: settle_open
   use asperity_coupled_start, only: start_at_closing, start_at_load
-  use asperity_coupled_state, only: compare, gather, go_back_half, look_at_waiting, mark_place, &
+  use asperity_coupled_state, only: compare, gather, go_back, look_at_waiting, mark_place, &
                                     prepare, solve_state
   use asperity_coupled_step, only: propose, take
   use asperity_kinds, only: real64
@@ -30,14 +32,22 @@ module asperity_coupled_contacts
 
   ! The residual asked for, and the one that counts as converged where rounding allows no less.
   real(real64), parameter :: tolerance = 1.0e-12_real64, tolerance_rounded = 1.0e-10_real64
-  integer, parameter :: most_iterations = 400, most_with_load = 100, most_trials = 100
+  real(real64), parameter :: tolerance_many = 5.0e-12_real64
+  integer, parameter :: most_iterations = 120, most_with_load = 100, most_trials = 100
+  integer, parameter :: most_cautious = 400, most_started_again = 500
   ! Below this residual the matrix of an earlier step serves.
   real(real64), parameter :: rough = 1.0e-2_real64
   ! From this residual on the contacts that wait are worth a look.
-  real(real64), parameter :: look_from = 0.5_real64
-  ! More contacts than that take steps in between, for which the far field follows by its
-  ! derivative: what converges slowly is near.
-  integer, parameter :: few = 64, most_inner = 15
+  real(real64), parameter :: look_from = 0.1_real64
+  ! Below this residual full steps are taken; after one that failed, so many careful ones.
+  real(real64), parameter :: full_from = 5.0e-2_real64
+  integer, parameter :: careful_steps = 3
+  ! So many iterations are allowed whatever the work.
+  integer, parameter :: least_bounded = 60
+  ! So many contacts get a better first guess, and no second look.
+  integer, parameter :: many = 64
+  ! Work allowed: pairs of loaded contacts times iterations.
+  real(real64), parameter :: most_work = 4.0e8_real64
   ! Larger than any residual; may be doubled.
   real(real64), parameter :: unknown = 0.25_real64 * huge(1.0_real64)
 
@@ -59,10 +69,36 @@ contains
       state%p = start
     else
       call start_at_closing(pairs, law, closing, state%p)
+      call refine_start(pairs, law, state%target, closing, state%closing, state%p)
     end if
-    call iterate(pairs, law, state, ending)
+    call iterate(pairs, law, state, .false., ending)
+    if (.not. ending%converged) call start_again(pairs, law, closing, state, ending)
     penetration = state%p
   end subroutine solve_coupled
+
+  ! From the deepest contact alone, the others joining as they must, with careful steps only: for
+  ! contacts that nearly coincide, of which one or the other may carry.
+  pure subroutine start_again(pairs, law, closing, state, ending)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    real(real64), intent(in) :: closing
+    type(solve_state), intent(inout) :: state
+    type(solve_ending), intent(inout) :: ending
+    type(solve_state) :: again
+    type(solve_ending) :: ending_again
+
+    if (size(pairs%list) > most_started_again) return
+    call prepare(pairs, again)
+    again%closing = closing
+    again%p = min(0.0_real64, closing - pairs%list%gap)
+    again%p(1) = closing - pairs%list(1)%gap
+    call iterate(pairs, law, again, .true., ending_again)
+    ending_again%iterations = ending_again%iterations + ending%iterations
+    ending%iterations = ending_again%iterations
+    if (.not. ending_again%residual < ending%residual) return
+    ending = ending_again
+    state = again
+  end subroutine start_again
 
   !> Closing and penetrations at which the loads normal to the contacts have a given sum.
   pure subroutine solve_coupled_load(pairs, law, target, closing, penetration, ending, &
@@ -90,11 +126,16 @@ contains
       state%target = target
       if (present(most_closing)) state%most_closing = most_closing
       call start_at_load(pairs, law, target, state%most_closing, state%closing, state%p)
-      if (present(start)) state%p = start
-      call iterate(pairs, law, state, ending)
+      if (present(start)) then
+        state%p = start
+      else
+        call refine_start(pairs, law, target, state%most_closing, state%closing, state%p)
+      end if
+      call iterate(pairs, law, state, .false., ending)
       closing = state%closing
       penetration = state%p
-      if (.not. ending%converged .and. closing < state%most_closing) &
+      if (.not. ending%converged .and. closing < state%most_closing .and. &
+          state%work < most_work) &
         call search(pairs, law, target, state%most_closing, closing, penetration, ending)
       if (.not. ending%converged) then
         reason = 'the load is not reached at the largest closing'
@@ -114,10 +155,11 @@ contains
     real(real64), intent(inout) :: closing
     real(real64), intent(out) :: penetration(:)
     type(solve_ending), intent(inout) :: ending
-    real(real64) :: low, high, off_low, off_high, off
+    real(real64) :: low, high, off_low, off_high, off, work
     integer :: spent, trial, side
 
     spent = ending%iterations
+    work = 0.0_real64
     off = -1.0_real64
     low = 0.0_real64
     off_low = -1.0_real64
@@ -125,7 +167,8 @@ contains
     do trial = 1, most_trials
       call attempt(pairs, law, target, closing, penetration, ending, off)
       spent = spent + ending%iterations
-      if (off >= 0.0_real64 .or. .not. closing < most_closing) exit
+      work = work + ending%iterations * real(count(penetration > 0.0_real64), real64)**2
+      if (off >= 0.0_real64 .or. .not. closing < most_closing .or. work > most_work) exit
       low = closing
       off_low = off
       closing = min(1.5_real64 * closing, most_closing)
@@ -135,12 +178,13 @@ contains
     if (off < 0.0_real64) ending%converged = .false.
     do trial = 1, most_trials
       if (off_high < 0.0_real64 .or. abs(off) <= tolerance .or. &
-          high - low <= 2 * spacing(high)) exit
+          high - low <= 2 * spacing(high) .or. work > most_work) exit
       closing = (low * off_high - high * off_low) / (off_high - off_low)
       if (modulo(trial, 8) == 0) closing = 0.5_real64 * (low + high)
       closing = max(low, min(high, closing))
       call attempt(pairs, law, target, closing, penetration, ending, off)
       spent = spent + ending%iterations
+      work = work + ending%iterations * real(count(penetration > 0.0_real64), real64)**2
       if (off >= 0.0_real64) then
         high = closing
         off_high = off
@@ -179,77 +223,71 @@ contains
   end subroutine attempt
 
   ! Newton's method until the residual is small and nobody who waits must wake.
-  pure subroutine iterate(pairs, law, state, ending)
+  pure subroutine iterate(pairs, law, state, cautious, ending)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     type(solve_state), intent(inout) :: state
+    logical, intent(in) :: cautious  ! no full steps
     type(solve_ending), intent(out) :: ending
     type(step_memory) :: memory
     real(real64), allocatable :: step(:), off(:), shift_x(:), shift_y(:)
-    real(real64) :: residual, residual_whole, norm, norm_whole, norm_before, best
-    integer :: n, most, stalled, halvings, inner
-    logical :: woken, looked, same, whole, refresh, done
+    real(real64) :: residual, norm, norm_before, best
+    integer :: i, k, n, most, stalled, halvings, careful
+    logical :: woken, looked, same, done, full
 
     n = size(pairs%list)
     most = most_iterations
+    if (cautious) most = most_cautious
     if (state%target > 0.0_real64) most = most_with_load
     allocate (off(n), shift_x(n), shift_y(n), step(0))
-    norm_whole = unknown
     norm_before = unknown
-    residual_whole = unknown
     best = unknown
     stalled = 0
     halvings = 0
-    inner = 0
+    careful = 0
     looked = .false.
-    refresh = .true.
+    full = .false.
     do
       ending%iterations = ending%iterations + 1
       call gather(pairs, law, state, best < rough, same)
-      whole = refresh .or. .not. same .or. n <= few
-      call spread_field(state%field, pairs%modulus, whole)
+      call spread_field(state%field, pairs%modulus)
+      call settle_open(pairs, state)
       call compare(pairs, state, off, shift_x, shift_y, residual, norm)
-      if (whole) norm_before = norm_whole
+      state%work = state%work + real(state%field%loaded, real64)**2
       if (.not. norm <= 2 * norm_before .and. halvings < 8) then
-        ! Too far: back half of the way, without memory.
+        ! Too far: back half of the way, or all of it to take a careful step, without memory.
         halvings = halvings + 1
-        refresh = .true.
-        call go_back_half(state)
+        call go_back(state, merge(1.0_real64, 0.5_real64, full))
+        full = .false.
+        careful = careful_steps
         call forget(memory)
         cycle
       end if
+      if (careful > 0) careful = careful - 1
+      if (.not. norm <= 0.7_real64 * norm_before .and. full) careful = careful_steps
       halvings = 0
       norm_before = norm
-      refresh = .false.
-      if (whole) then
-        ending%residual = residual
-        residual_whole = residual
-        norm_whole = norm
-        inner = 0
-        stalled = stalled + 1
-        if (residual < 0.5_real64 * best) stalled = 0
-        best = min(best, residual)
-        if (ending%iterations >= most) exit
-        done = residual <= tolerance .or. (residual <= tolerance_rounded .and. stalled >= 4)
-        if (done .or. (residual <= look_from .and. .not. looked)) then
-          looked = .true.
-          call look_at_waiting(pairs, state, woken)
-          if (done .and. .not. woken) exit
-          if (woken) then
-            norm_whole = unknown
-            best = unknown
-            refresh = .true.
-          end if
+      ending%residual = residual
+      stalled = stalled + 1
+      if (residual < 0.5_real64 * best) stalled = 0
+      best = min(best, residual)
+      done = .false.
+      if (ending%iterations >= most) exit
+      if (state%work > most_work .and. ending%iterations >= least_bounded) exit
+      done = residual <= merge(tolerance_many, tolerance, n > many) .or. &
+             (residual <= tolerance_rounded .and. stalled >= 2)
+      if (done .or. (residual <= look_from .and. .not. looked)) then
+        looked = .true.
+        call look_at_waiting(pairs, state, woken)
+        if (done .and. .not. woken) exit
+        if (woken) then
+          norm_before = unknown
+          best = unknown
         end if
-      else
-        inner = inner + 1
-        ! A hundredth is what such steps can gain; near the end they meet rounding before.
-        refresh = residual <= max(1.0e-2_real64 * residual_whole, 0.5_real64 * tolerance) .or. &
-                  inner >= merge(most_inner, 4, residual_whole > 1.0e-9_real64) .or. &
-                  ending%iterations >= most
       end if
-      call propose(pairs, state, off, shift_x, shift_y, residual, step)
-      if (same .and. residual < 0.1_real64) then
+      full = careful == 0 .and. residual <= full_from .and. .not. cautious
+      call propose(pairs, state, off, shift_x, shift_y, residual, .not. full, step)
+      if (same .and. residual < 0.1_real64 .and. .not. full) then
         call accelerate(memory, step)
       else
         call forget(memory)
@@ -257,8 +295,12 @@ contains
       call mark_place(state)
       call take(state, step, off)
     end do
+    do k = state%field%loaded + 1, state%awake
+      i = state%order(k)
+      state%p(i) = min(state%p(i) + off(k), 0.0_real64)
+    end do
     ending%converged = ending%residual <= tolerance_rounded
-    if (ending%converged) then
+    if (ending%converged .and. .not. done) then
       call look_at_waiting(pairs, state, woken)
       ending%converged = .not. woken
     end if

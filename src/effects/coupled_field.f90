@@ -1,17 +1,31 @@
 !> The field that contacts spread over one another, and the matrix of their compliances.
 !>
-!> Near neighbours take the closed forms of mutual_displacement. Far ones take the first terms of
-!> the same integral in powers of 1/r**2: pi E times a mean is the sum over k of
-!> c(k) <tau**(2 k)> / r**(2 k + 1), c = 1, 1/2, 3/8, 5/16, ... as in 1/sqrt(1 - z). The inner
-!> loops run over the contacts that feel one source: no sum need be split to make them vectors.
+!> Near neighbours take the closed forms of mutual_displacement, far ones a short series, those
+!> between a longer one.
 module asperity_coupled_field
-  use asperity_coupled_equations, only: multiply
+  use asperity_coupled_equations, only: comply
+  use asperity_coupled_far, only: far_contact, feel_source, share_field
+  use asperity_coupled_middle, only: middle_pairs
   use asperity_kinds, only: real32, real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
   implicit none
   private
 
-  public :: contact_field, make_room, spread_field
+  public :: contact_field, near_pair, make_room, spread_field
+
+  !> Two near contacts, the second with load: derivatives by the place of the first, for a unit
+  !> load.
+  type :: near_pair
+    integer :: first = 0                         !! contact
+    integer :: second = 0                        !! contact with load
+    real(real64) :: first_x = 0.0_real64         !! of the lift of the first
+    real(real64) :: first_y = 0.0_real64         !! of the lift of the first
+    real(real64) :: second_x = 0.0_real64        !! of the lift of the second
+    real(real64) :: second_y = 0.0_real64        !! of the lift of the second
+    real(real64) :: bend_xx = 0.0_real64         !! second derivatives of the mutual energy
+    real(real64) :: bend_xy = 0.0_real64         !! the same
+    real(real64) :: bend_yy = 0.0_real64         !! the same
+  end type near_pair
 
   !> Contacts side by side, those with load first, and what they feel of each other.
   type :: contact_field
@@ -26,23 +40,23 @@ module asperity_coupled_field
     real(real64), allocatable :: growth(:)    !! its change with the log of the own circle's radius
     real(real64), allocatable :: tilt_x(:)    !! slope of the others' surface
     real(real64), allocatable :: tilt_y(:)    !! slope of the others' surface
-    real(real64), allocatable :: bend_xx(:)   !! its second derivatives, near part
+    real(real64), allocatable :: lean_x(:)    !! slope of the lift less that of the surface
+    real(real64), allocatable :: lean_y(:)    !! slope of the lift less that of the surface
+    real(real64), allocatable :: bend_xx(:)   !! second derivatives of the surface, near part
     real(real64), allocatable :: bend_xy(:)   !! the same
     real(real64), allocatable :: bend_yy(:)   !! the same
     real(real64), allocatable :: strongest(:) !! largest compliance with a near loaded contact
-    real(real64), allocatable :: far(:, :)    !! far part of lift, tilt_x, tilt_y
-    real(real64), allocatable :: far_place(:, :)  !! x and y it was found for
-    real(real64), allocatable :: far_load(:)  !! loads it was found for
-    integer :: near_pairs = 0                 !! neighbours that are not far
-    integer, allocatable :: near(:, :)        !! both contacts of each; the second carries load
+    integer :: near_pairs = 0                 !! neighbours that are near
+    type(near_pair), allocatable :: near(:)   !! they
+    type(middle_pairs) :: middle              !! neighbours neither near nor far
+    logical :: only_open = .false.            !! those with load are not asked what they feel
     logical :: keep_compliance = .false.      !! the matrix below still serves
     real(real32), allocatable :: compliance(:, :)  !! between the loaded, zero on the diagonal
   end type contact_field
 
   real(real64), parameter :: pi = acos(-1.0_real64)
-  ! Sums of radii from which on the series serves: its first term left out is 3e-12 of the
-  ! penetration there, which is less than the closed form loses by rounding.
-  real(real64), parameter :: far_from = 9.0_real64
+  ! Sums of radii up to which the closed forms serve.
+  real(real64), parameter :: near_to = 4.0_real64
 
 contains
 
@@ -54,225 +68,174 @@ contains
     allocate (field%x(room), field%y(room), field%load(room))
     allocate (field%radius(room), field%circle(room))
     allocate (field%lift(room), field%growth(room), field%tilt_x(room), field%tilt_y(room))
+    allocate (field%lean_x(room), field%lean_y(room))
     allocate (field%bend_xx(room), field%bend_xy(room), field%bend_yy(room))
     allocate (field%strongest(room), field%compliance(0, 0))
-    allocate (field%far(room, 3), field%far_place(room, 2), field%far_load(room))
-    allocate (field%near(2, 4 * room))
+    allocate (field%near(4 * room))
   end subroutine make_room
 
-  !> Fills lift, growth, tilts, bends and compliance.
-  pure subroutine spread_field(field, modulus, whole)
+  !> Fills lift, growth, tilts, leans, bends, near pairs and compliance.
+  pure subroutine spread_field(field, modulus)
     type(contact_field), intent(inout) :: field !! the contacts
     real(real64), intent(in) :: modulus         !! combined
-    !> false: the loads have changed little since the last whole one and are those of the same
-    !> contacts; the far part follows by its derivative
-    logical, intent(in) :: whole
     integer :: k, n
 
     n = field%count
+    field%lift(1:n) = 0.0_real64
+    ! Far fields are level enough over a circle for Newton's method.
+    field%growth(1:n) = 0.0_real64
+    field%tilt_x(1:n) = 0.0_real64
+    field%tilt_y(1:n) = 0.0_real64
+    field%lean_x(1:n) = 0.0_real64
+    field%lean_y(1:n) = 0.0_real64
     field%bend_xx(1:n) = 0.0_real64
     field%bend_xy(1:n) = 0.0_real64
     field%bend_yy(1:n) = 0.0_real64
     field%strongest(1:n) = 0.0_real64
-    if (whole) call find_far(field, 1.0_real64 / modulus)
-    field%lift(1:n) = field%far(1:n, 1)
-    ! Far fields are level enough over a circle for Newton's method.
-    field%growth(1:n) = 0.0_real64
-    field%tilt_x(1:n) = field%far(1:n, 2)
-    field%tilt_y(1:n) = field%far(1:n, 3)
-    if (.not. whole) call follow_far(field)
+    if (.not. field%keep_compliance) call fill_compliance(field, 1.0_real64 / (pi * modulus))
+    call add_far(field, 1.0_real64 / (pi * modulus))
+    call field%middle%add(field%x, field%y, field%circle, field%load, 1.0_real64 / (pi * modulus), &
+                          field%lift, field%tilt_x, field%tilt_y)
     do k = 1, field%near_pairs
-      call add_near(field, field%near(1, k), field%near(2, k), 1.0_real64 / modulus)
+      call add_near(field, k, 1.0_real64 / modulus)
     end do
   end subroutine spread_field
 
   ! The far part, and who is near.
-  pure subroutine find_far(field, scale)
+  pure subroutine add_far(field, scale)
     type(contact_field), intent(inout) :: field
     real(real64), intent(in) :: scale
-    logical, allocatable :: is_near(:)
-    integer, allocatable :: longer(:, :)
-    integer :: i, j, n
+    real(real64) :: is_far(field%count)
+    real(real64) :: load(field%loaded)
+    type(far_contact) :: one
+    integer :: j, m, n
 
+    m = field%loaded
     n = field%count
-    allocate (is_near(n))
+    load = scale * field%load(:m)
     field%near_pairs = 0
-    field%lift(1:n) = 0.0_real64
-    field%tilt_x(1:n) = 0.0_real64
-    field%tilt_y(1:n) = 0.0_real64
-    do j = 1, field%loaded
-      call add_far(field, j, scale / pi, is_near)
-      if (.not. field%keep_compliance) field%compliance(j, j) = 0.0_real32
-      if (field%near_pairs + n > size(field%near, 2)) then
-        allocate (longer(2, 2 * (field%near_pairs + n)))
-        longer(:, :field%near_pairs) = field%near(:, :field%near_pairs)
-        call move_alloc(longer, field%near)
-      end if
-      do i = 1, n
-        ! Loaded neighbours come twice and are taken once; open ones only feel.
-        if (.not. is_near(i) .or. (i >= j .and. i <= field%loaded)) cycle
-        field%near_pairs = field%near_pairs + 1
-        field%near(:, field%near_pairs) = [i, j]
-      end do
+    field%middle%count = 0
+    do j = 1, m
+      one = far_contact(field%x(j), field%y(j), field%circle(j), load(j))
+      is_far(:m) = 1.0_real64
+      if (.not. field%only_open) &
+        call share_field(one, field%x(:j - 1), field%y(:j - 1), field%circle(:j - 1), &
+                         load(:j - 1), field%lift(:j - 1), field%tilt_x(:j - 1), &
+                         field%tilt_y(:j - 1), is_far(:j - 1))
+      field%lift(j) = field%lift(j) + one%lift
+      field%tilt_x(j) = field%tilt_x(j) + one%tilt_x
+      field%tilt_y(j) = field%tilt_y(j) + one%tilt_y
+      call feel_source(one, field%x(m + 1:n), field%y(m + 1:n), field%lift(m + 1:n), &
+                       field%tilt_x(m + 1:n), field%tilt_y(m + 1:n), is_far(m + 1:n))
+      call list_near(field, j, is_far)
     end do
-    field%far(1:n, 1) = field%lift(1:n)
-    field%far(1:n, 2) = field%tilt_x(1:n)
-    field%far(1:n, 3) = field%tilt_y(1:n)
-    field%far_load(1:n) = field%load(1:n)
-    field%far_place(1:n, 1) = field%x(1:n)
-    field%far_place(1:n, 2) = field%y(1:n)
-  end subroutine find_far
-
-  ! Moves the far lift on to the loads and places of now: the matrix without its near part.
-  pure subroutine follow_far(field)
-    type(contact_field), intent(inout) :: field
-    real(real64) :: change(field%loaded), image(field%loaded)
-    integer :: i, j, k, m
-
-    m = field%loaded
-    change = field%load(:m) - field%far_load(:m)
-    call multiply(field%compliance, change, image)
-    field%lift(:m) = field%lift(:m) + image + &
-                     field%far(:m, 2) * (field%x(:m) - field%far_place(:m, 1)) + &
-                     field%far(:m, 3) * (field%y(:m) - field%far_place(:m, 2))
-    do k = 1, field%near_pairs
-      i = field%near(1, k)
-      j = field%near(2, k)
-      if (i > m) cycle
-      field%lift(i) = field%lift(i) - field%compliance(i, j) * change(j)
-      field%lift(j) = field%lift(j) - field%compliance(i, j) * change(i)
-    end do
-  end subroutine follow_far
-
-  ! What all that are far from one source feel of it.
-  pure subroutine add_far(field, source, scale, near)
-    type(contact_field), intent(inout) :: field
-    integer, intent(in) :: source
-    real(real64), intent(in) :: scale
-    logical, contiguous, intent(out) :: near(:)
-    real(real64) :: x, y, b, b2, load, hertz2, hertz4, hertz6, flat4
-    integer :: m, n
-
-    m = field%loaded
-    n = field%count
-    x = field%x(source)
-    y = field%y(source)
-    load = field%load(source) * scale
-    b = field%circle(source)
-    ! Means of tau**2, 4, 6 over the source.
-    b2 = b * b
-    hertz2 = b2 / 5
-    hertz4 = 3 * b2**2 / 35
-    hertz6 = b2**3 / 21
-    flat4 = b2**2 / 5
-    call feel(field%x(:n), field%y(:n), field%circle(:n), field%lift(:n), &
-              field%tilt_x(:n), field%tilt_y(:n), near(:n))
-    if (m > 0 .and. .not. field%keep_compliance) &
-      call comply(field%x(:m), field%y(:m), field%circle(:m), &
-                  field%compliance(:m, source))
-
-  contains
-
-    pure subroutine feel(px, py, a, lift, tilt_x, tilt_y, is_near)
-      real(real64), contiguous, intent(in) :: px(:), py(:), a(:)
-      real(real64), contiguous, intent(inout) :: lift(:), tilt_x(:), tilt_y(:)
-      logical, contiguous, intent(out) :: is_near(:)
-      real(real64) :: dx, dy, rr, w, root, a2, t1, t2, t3, slope, limit, part
-      integer :: i
-
-      do i = 1, size(px)
-        dx = px(i) - x
-        dy = py(i) - y
-        rr = dx * dx + dy * dy
-        limit = (far_from * (a(i) + b))**2
-        is_near(i) = rr <= limit
-        part = merge(0.0_real64, load, rr <= limit)
-        w = 1.0_real64 / max(rr, limit)
-        root = part * sqrt(w)
-        a2 = a(i) * a(i)
-        t1 = a2 / 3 + hertz2
-        t2 = a2 * (a2 / 5 + 2 * hertz2) + hertz4
-        t3 = a2 * (a2 * (a2 / 7 + 3 * hertz2) + 5 * hertz4) + hertz6
-        lift(i) = lift(i) + root * (1.0_real64 + w * (0.5_real64 * t1 + w * (0.375_real64 * t2 + &
-                  w * 0.3125_real64 * t3)))
-        ! Here both circles have Hertz' weight.
-        t1 = a2 / 5 + hertz2
-        t2 = a2 * (3 * a2 / 35 + 1.2_real64 * hertz2) + hertz4
-        slope = root * w * (1.0_real64 + w * (1.5_real64 * t1 + w * 1.875_real64 * t2))
-        tilt_x(i) = tilt_x(i) - slope * dx
-        tilt_y(i) = tilt_y(i) - slope * dy
-      end do
-    end subroutine feel
-
-    pure subroutine comply(px, py, a, compliance)
-      real(real64), contiguous, intent(in) :: px(:), py(:), a(:)
-      real(real32), contiguous, intent(out) :: compliance(:)
-      real(real64) :: rr, w, a2, t1, t2
-      integer :: i
-
-      do i = 1, size(px)
-        rr = (px(i) - x)**2 + (py(i) - y)**2
-        w = 1.0_real64 / max(rr, (far_from * (a(i) + b))**2)
-        a2 = a(i) * a(i)
-        t1 = (a2 + b2) / 3
-        t2 = a2 * (a2 / 5 + (2.0_real64 / 3) * b2) + flat4
-        compliance(i) = real(scale * sqrt(w) * (1.0_real64 + w * (0.5_real64 * t1 + w * &
-                        0.375_real64 * t2)), real32)
-      end do
-    end subroutine comply
-
   end subroutine add_far
 
-  ! What two near contacts do to each other; the source carries load.
-  pure subroutine add_near(field, i, source, scale)
+  ! Lists the neighbours of one contact: the near, and those between near and far.
+  pure subroutine list_near(field, j, is_far)
     type(contact_field), intent(inout) :: field
-    integer, intent(in) :: i, source
-    real(real64), intent(in) :: scale
-    type(mutual_terms) :: terms
-    real(real64) :: dx, dy, r, slope, along, load
+    integer, intent(in) :: j
+    real(real64), intent(in) :: is_far(:)
+    type(near_pair), allocatable :: longer(:)
+    integer :: i, k
 
-    dx = field%x(i) - field%x(source)
-    dy = field%y(i) - field%y(source)
+    call field%middle%make_room(size(is_far))
+    k = field%near_pairs
+    if (k + size(is_far) > size(field%near)) then
+      allocate (longer(2 * (k + size(is_far))))
+      longer(:k) = field%near(:k)
+      call move_alloc(longer, field%near)
+    end if
+    do i = 1, size(is_far)
+      if (is_far(i) > 0.5_real64) cycle
+      if ((field%x(i) - field%x(j))**2 + (field%y(i) - field%y(j))**2 > &
+          (near_to * (field%circle(i) + field%circle(j)))**2) then
+        field%middle%count = field%middle%count + 1
+        field%middle%first(field%middle%count) = i
+        field%middle%second(field%middle%count) = j
+      else
+        k = k + 1
+        field%near(k)%first = i
+        field%near(k)%second = j
+      end if
+    end do
+    field%near_pairs = k
+  end subroutine list_near
+
+  ! Compliances of all pairs as those of points; add_near mends the near ones.
+  pure subroutine fill_compliance(field, scale)
+    type(contact_field), intent(inout) :: field
+    real(real64), intent(in) :: scale
+    integer :: j, m
+
+    m = field%loaded
+    do j = 1, m
+      call comply(field%x(j), field%y(j), field%circle(j)**2, field%x(:m), field%y(:m), &
+                  field%circle(:m), real(scale, real32), field%compliance(:m, j))
+      field%compliance(j, j) = 0.0_real32
+    end do
+  end subroutine fill_compliance
+
+  ! What two near contacts do to each other; the second carries load.
+  pure subroutine add_near(field, number, scale)
+    type(contact_field), intent(inout) :: field
+    integer, intent(in) :: number
+    real(real64), intent(in) :: scale
+    type(near_pair) :: pair
+    type(mutual_terms) :: terms
+    real(real64) :: dx, dy, r, slope, along
+    integer :: i, j
+
+    i = field%near(number)%first
+    j = field%near(number)%second
+    pair%first = i
+    pair%second = j
+    dx = field%x(i) - field%x(j)
+    dy = field%y(i) - field%y(j)
     r = sqrt(dx * dx + dy * dy)
-    call mutual_displacement(r, field%circle(i), field%circle(source), terms)
-    slope = 0.0_real64
+    call mutual_displacement(r, field%circle(i), field%circle(j), terms)
+    slope = scale * terms%bend
     along = 0.0_real64
     if (r > 0.0_real64) then
-      slope = terms%slope / r
-      along = (terms%bend - slope) / r**2
+      pair%first_x = scale * (terms%first_slope / r) * dx
+      pair%first_y = scale * (terms%first_slope / r) * dy
+      pair%second_x = scale * (terms%second_slope / r) * dx
+      pair%second_y = scale * (terms%second_slope / r) * dy
+      slope = scale * (terms%slope / r)
+      along = (scale * terms%bend - slope) / r**2
     end if
-    load = field%load(source) * scale
-    field%lift(i) = field%lift(i) + load * terms%on_first
-    field%growth(i) = field%growth(i) + load * terms%first_growth
-    field%tilt_x(i) = field%tilt_x(i) + load * slope * dx
-    field%tilt_y(i) = field%tilt_y(i) + load * slope * dy
-    call add_bend(field, i, source, scale, dx, dy, slope, along)
+    pair%bend_xx = slope + along * dx * dx
+    pair%bend_xy = along * dx * dy
+    pair%bend_yy = slope + along * dy * dy
+    if (.not. r > 0.0_real64) slope = 0.0_real64
+    field%near(number) = pair
+    call feel(field, i, pair, field%load(j), scale * terms%on_first, &
+              scale * terms%first_growth, slope * dx, slope * dy, pair%first_x, pair%first_y)
     if (i > field%loaded) return
-    load = field%load(i) * scale
-    field%lift(source) = field%lift(source) + load * terms%on_second
-    field%growth(source) = field%growth(source) + load * terms%second_growth
-    field%tilt_x(source) = field%tilt_x(source) - load * slope * dx
-    field%tilt_y(source) = field%tilt_y(source) - load * slope * dy
-    call add_bend(field, source, i, scale, dx, dy, slope, along)
+    call feel(field, j, pair, field%load(i), scale * terms%on_second, &
+              scale * terms%second_growth, -slope * dx, -slope * dy, -pair%second_x, -pair%second_y)
     field%strongest(i) = max(field%strongest(i), scale * terms%compliance)
-    field%strongest(source) = max(field%strongest(source), scale * terms%compliance)
-    if (field%keep_compliance) return
-    field%compliance(i, source) = real(scale * terms%compliance, real32)
-    field%compliance(source, i) = field%compliance(i, source)
+    field%strongest(j) = max(field%strongest(j), scale * terms%compliance)
+    field%compliance(i, j) = real(scale * terms%compliance, real32)
+    field%compliance(j, i) = field%compliance(i, j)
   end subroutine add_near
 
-  ! Adds to the second derivatives of the surface at contact k. Where k moves, the other moves
-  ! the other way, by their loads and radii; that bends as much more.
-  pure subroutine add_bend(field, k, other, scale, dx, dy, slope, along)
+  ! What contact k feels of one of its neighbours.
+  pure subroutine feel(field, k, pair, load, lift, growth, tilt_x, tilt_y, slope_x, slope_y)
     type(contact_field), intent(inout) :: field
-    integer, intent(in) :: k, other
-    real(real64), intent(in) :: scale, dx, dy, slope, along
-    real(real64) :: load
+    integer, intent(in) :: k
+    type(near_pair), intent(in) :: pair
+    real(real64), intent(in) :: load, lift, growth, tilt_x, tilt_y, slope_x, slope_y
 
-    load = scale * (field%load(other) + field%load(k) * (field%radius(other) / field%radius(k)))
-    field%bend_xx(k) = field%bend_xx(k) + load * (slope + along * dx * dx)
-    field%bend_xy(k) = field%bend_xy(k) + load * along * dx * dy
-    field%bend_yy(k) = field%bend_yy(k) + load * (slope + along * dy * dy)
-  end subroutine add_bend
+    field%lift(k) = field%lift(k) + load * lift
+    field%growth(k) = field%growth(k) + load * growth
+    field%tilt_x(k) = field%tilt_x(k) + load * tilt_x
+    field%tilt_y(k) = field%tilt_y(k) + load * tilt_y
+    field%lean_x(k) = field%lean_x(k) + load * (slope_x - tilt_x)
+    field%lean_y(k) = field%lean_y(k) + load * (slope_y - tilt_y)
+    field%bend_xx(k) = field%bend_xx(k) + load * pair%bend_xx
+    field%bend_xy(k) = field%bend_xy(k) + load * pair%bend_xy
+    field%bend_yy(k) = field%bend_yy(k) + load * pair%bend_yy
+  end subroutine feel
 
 end module asperity_coupled_field

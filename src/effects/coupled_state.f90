@@ -3,12 +3,13 @@ module asperity_coupled_state
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_field, only: contact_field, make_room, spread_field
+  use asperity_coupled_shift, only: shift_by_tilt, shift_law
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: solve_state, prepare, gather, compare, look_at_waiting, share_of_shift
-  public :: mark_place, go_back_half
+  public :: solve_state, prepare, gather, compare, look_at_waiting
+  public :: mark_place, go_back
 
   !> Where the iteration stands. The first `awake` of `order` are followed, the others wait.
   type :: solve_state
@@ -23,15 +24,15 @@ module asperity_coupled_state
     real(real64), allocatable :: shift_y(:)        !! of the circle, by pair
     real(real64), allocatable :: normal(:)         !! load, by place in the order
     real(real64), allocatable :: stiffness(:)      !! by place in the order
-    logical :: has_reply = .false.                 !! the reply below still serves
-    real(real64), allocatable :: reply(:)          !! of the loads to a unit of closing
+    type(shift_law), allocatable :: law(:)         !! of the shifts, by place in the order
     real(real64), allocatable :: marked(:, :)      !! p, shift_x, shift_y where it last stood well
     real(real64) :: marked_closing = 0.0_real64    !! closing there
+    real(real64) :: work = 0.0_real64              !! pairs of loaded contacts looked at
     type(contact_field) :: field                   !! by place in the order
   end type solve_state
 
   !> Open contacts that lie deeper than this share of the largest penetration wait.
-  real(real64), parameter, public :: margin = 0.2_real64
+  real(real64), parameter, public :: margin = 0.1_real64
 
 contains
 
@@ -47,7 +48,7 @@ contains
     allocate (state%shift_x(n), source=0.0_real64)
     allocate (state%shift_y(n), source=0.0_real64)
     allocate (state%marked(n, 3), source=0.0_real64)
-    allocate (state%reply(n))
+    allocate (state%law(n))
     call make_room(state%field, n)
   end subroutine prepare
 
@@ -97,7 +98,6 @@ contains
     end do
     n = state%field%loaded
     state%field%keep_compliance = roughly .and. same
-    state%has_reply = state%has_reply .and. same
     if (size(state%field%compliance, 1) == n) return
     deallocate (state%field%compliance)
     allocate (state%field%compliance(n, n))
@@ -106,9 +106,9 @@ contains
   ! What the equations leave over, by place in the order, and where the circles should be.
   pure subroutine compare(pairs, state, off, shift_x, shift_y, residual, norm)
     type(contact_pairs), intent(in) :: pairs
-    type(solve_state), intent(in) :: state
+    type(solve_state), intent(inout) :: state
     real(real64), intent(out) :: off(:), shift_x(:), shift_y(:), residual, norm
-    real(real64) :: deepest, held, moved
+    real(real64) :: deepest, moved
     integer :: i, k
 
     residual = 0.0_real64
@@ -116,17 +116,17 @@ contains
     deepest = tiny(1.0_real64)
     do k = 1, state%awake
       i = state%order(k)
-      held = share_of_shift(pairs%list(i)%radius * hypot(state%field%tilt_x(k), &
-                            state%field%tilt_y(k)), state%field%circle(k))
-      shift_x(k) = -held * pairs%list(i)%radius * state%field%tilt_x(k)
-      shift_y(k) = -held * pairs%list(i)%radius * state%field%tilt_y(k)
+      call shift_by_tilt(pairs%list(i)%radius, state%field%circle(k), state%field%tilt_x(k), &
+                         state%field%tilt_y(k), state%law(k))
+      shift_x(k) = state%law(k)%x
+      shift_y(k) = state%law(k)%y
+      moved = hypot(shift_x(k) - state%shift_x(i), shift_y(k) - state%shift_y(i)) * &
+              hypot(state%field%tilt_x(k), state%field%tilt_y(k))
       off(k) = (state%closing - pairs%list(i)%gap - state%field%lift(k) - &
                 0.5_real64 * (state%shift_x(i)**2 + state%shift_y(i)**2) / &
                 pairs%list(i)%radius) - state%p(i)
       if (k <= state%field%loaded) then
         deepest = max(deepest, state%p(i))
-        moved = hypot(shift_x(k) - state%shift_x(i), shift_y(k) - state%shift_y(i)) * &
-                hypot(state%field%tilt_x(k), state%field%tilt_y(k))
         residual = max(residual, abs(off(k)), moved)
         norm = norm + off(k)**2 + moved**2
       else if (off(k) + state%p(i) > 0.0_real64) then
@@ -142,25 +142,13 @@ contains
     end if
   end subroutine compare
 
-  ! Share of a shift that counts. Shifts of more than half the circle's radius occur only where a
-  ! small circle lies on the flank of a large one; there the tilt is no small change any more.
-  pure function share_of_shift(shift, circle) result(share)
-    real(real64), intent(in) :: shift, circle
-    real(real64) :: share, cap
-
-    cap = 0.5_real64 * circle
-    share = 0.0_real64
-    if (cap > 0.0_real64) &
-      share = 1.0_real64 / sqrt(sqrt(1.0_real64 + min(shift / cap, 1.0e9_real64)**4))
-  end function share_of_shift
-
   ! Finds the penetrations of those that wait, and wakes whom the others no longer keep open.
   pure subroutine look_at_waiting(pairs, state, woken)
     type(contact_pairs), intent(in) :: pairs
     type(solve_state), intent(inout) :: state
     logical, intent(out) :: woken
     type(contact_field) :: all
-    real(real64) :: deepest
+    real(real64) :: deepest, aside
     integer, allocatable :: order(:)
     integer :: i, k, m, n
 
@@ -172,6 +160,7 @@ contains
     allocate (order(n))
     all%loaded = m
     all%keep_compliance = .true.
+    all%only_open = .true.
     all%x(:m) = state%field%x(:m)
     all%radius(:m) = state%field%radius(:m)
     all%y(:m) = state%field%y(:m)
@@ -194,15 +183,22 @@ contains
       all%load(k) = 0.0_real64
     end do
     all%count = k
-    call spread_field(all, pairs%modulus, .true.)
+    call spread_field(all, pairs%modulus)
     do k = m + 1, all%count
       i = order(k)
       state%p(i) = state%closing - pairs%list(i)%gap - all%lift(k)
-      if (state%p(i) > 0.0_real64) woken = .true.
+      ! Its place aside is nearer by no more than this.
+      aside = 0.5_real64 * pairs%list(i)%radius * (all%tilt_x(k)**2 + all%tilt_y(k)**2)
+      if (state%p(i) + aside > 0.0_real64) woken = .true.
     end do
     if (.not. woken) return
     do i = 1, n
       if (state%p(i) > -margin * deepest) state%is_awake(i) = .true.
+    end do
+    do k = m + 1, all%count
+      i = order(k)
+      aside = 0.5_real64 * pairs%list(i)%radius * (all%tilt_x(k)**2 + all%tilt_y(k)**2)
+      if (state%p(i) + aside > 0.0_real64) state%is_awake(i) = .true.
     end do
   end subroutine look_at_waiting
 
@@ -216,14 +212,15 @@ contains
     state%marked_closing = state%closing
   end subroutine mark_place
 
-  !> Goes back half of the way to that place.
-  pure subroutine go_back_half(state)
+  !> Goes back to that place, or part of the way.
+  pure subroutine go_back(state, share)
     type(solve_state), intent(inout) :: state !! where it stands
+    real(real64), intent(in) :: share         !! of the way
 
-    state%p = 0.5_real64 * (state%p + state%marked(:, 1))
-    state%shift_x = 0.5_real64 * (state%shift_x + state%marked(:, 2))
-    state%shift_y = 0.5_real64 * (state%shift_y + state%marked(:, 3))
-    state%closing = 0.5_real64 * (state%closing + state%marked_closing)
-  end subroutine go_back_half
+    state%p = state%p + share * (state%marked(:, 1) - state%p)
+    state%shift_x = state%shift_x + share * (state%marked(:, 2) - state%shift_x)
+    state%shift_y = state%shift_y + share * (state%marked(:, 3) - state%shift_y)
+    state%closing = state%closing + share * (state%marked_closing - state%closing)
+  end subroutine go_back
 
 end module asperity_coupled_state

@@ -178,7 +178,7 @@ contains
     outcome%why = 'contact circles overlap'
     do c = 1, clusters
       call find_members(cluster, c, members)
-      call mend_one(self, pairs, members, state, outcome)
+      call mend_one(self, pairs, cluster == c, members, state, outcome)
       if (allocated(outcome%failure)) return
     end do
   end subroutine mend_clusters
@@ -199,9 +199,10 @@ contains
   end subroutine find_members
 
   ! One cluster on cells.
-  subroutine mend_one(self, pairs, members, state, outcome)
+  subroutine mend_one(self, pairs, is_member, members, state, outcome)
     class(interaction_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
+    logical, intent(in) :: is_member(:)
     integer, intent(in) :: members(:)
     type(contact_state), intent(inout) :: state
     type(effect_outcome), intent(inout) :: outcome
@@ -219,7 +220,7 @@ contains
     do k = 1, size(members)
       penetration(k) = state%closing - pairs%list(members(k))%gap
       do i = 1, size(pairs%list)
-        if (.not. any(members == i)) &
+        if (.not. is_member(i)) &
           penetration(k) = penetration(k) - displacement(members(k), i)
       end do
     end do

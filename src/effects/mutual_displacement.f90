@@ -25,6 +25,8 @@ module asperity_mutual_displacement
     real(real64) :: first_growth = 0.0_real64   !! d(on_first)/d(log of first radius)
     real(real64) :: second_growth = 0.0_real64  !! d(on_second)/d(log of second radius)
     real(real64) :: compliance = 0.0_real64  !! flat punch on one, mean of a flat punch on the other
+    real(real64) :: first_slope = 0.0_real64   !! d(on_first)/dr
+    real(real64) :: second_slope = 0.0_real64  !! d(on_second)/dr
     real(real64) :: slope = 0.0_real64       !! d/dr of Hertz on one, mean of Hertz on the other
     real(real64) :: bend = 0.0_real64        !! d2/dr2 of the same
   end type mutual_terms
@@ -34,6 +36,7 @@ module asperity_mutual_displacement
     real(real64) :: second = 0.0_real64      !! twice integrated
     real(real64) :: third = 0.0_real64       !! three times
     real(real64) :: fourth = 0.0_real64      !! four times
+    real(real64) :: slope_third = 0.0_real64   !! d/dr of the third
     real(real64) :: slope_fourth = 0.0_real64  !! d/dr of the fourth
     real(real64) :: slope_fifth = 0.0_real64   !! d/dr of the fifth
     real(real64) :: slope_sixth = 0.0_real64   !! d/dr of the sixth
@@ -96,6 +99,10 @@ contains
     terms%first_growth = rim - terms%on_first
     rim = (scale / a) * (b / a) * (a * (far%second + near%second) - (far%third - near%third))
     terms%second_growth = rim - terms%on_second
+    terms%first_slope = (scale / b) * ((far%slope_third - near%slope_third) - &
+                                       (far%slope_fourth - near%slope_fourth) / b)
+    terms%second_slope = (scale / a) * ((far%slope_third + near%slope_third) - &
+                                        (far%slope_fourth - near%slope_fourth) / a)
     terms%slope = hertz * ( &
       (far%slope_fourth + near%slope_fourth) - (far%slope_fifth - near%slope_fifth) / a - &
       (far%slope_fifth + near%slope_fifth) / b + &
@@ -127,8 +134,10 @@ contains
       call average(k, flat_means, hertz_means, mean, grown)
       terms%on_first = terms%on_first + unit * mean
       terms%first_growth = terms%first_growth + unit * grown
+      terms%first_slope = terms%first_slope - unit * (2 * k + 1) * mean / r
       call average(k, hertz_means, flat_means, mean, grown)
       terms%on_second = terms%on_second + unit * mean
+      terms%second_slope = terms%second_slope - unit * (2 * k + 1) * mean / r
       ! By its own radius: what is left of the degree 2 k.
       terms%second_growth = terms%second_growth + unit * (2 * k * mean - grown)
       call average(k, flat_means, flat_means, mean, grown)
@@ -181,11 +190,13 @@ contains
     values%second = tau * arc + root
     values%third = (tt / 2 + rr / 4) * arc + 0.75_real64 * tau * root
     values%fourth = tau * (tt / 6 + rr / 4) * arc + (11 * tt / 36 + rr / 9) * root
+    values%slope_third = 0.5_real64 * r * arc
     values%slope_fourth = 0.5_real64 * r * (tau * arc + root)
     values%slope_fifth = 0.5_real64 * r * ((tt / 2 + rr / 8) * arc + 0.625_real64 * tau * root)
     values%slope_sixth = 0.5_real64 * r * (tau * (tt / 6 + rr / 8) * arc + 7 * rr * root / 24)
     ! What is left of the first of them has r below the line and vanishes with it.
     if (.not. root > 0.0_real64) return
+    values%slope_third = values%slope_third + tau * root / (2 * r)
     values%slope_fourth = values%slope_fourth - cube / (6 * r)
     values%slope_fifth = values%slope_fifth - tau * cube / (24 * r)
     values%slope_sixth = values%slope_sixth - 19 * r * cube / 144 + cube * root**2 / (120 * r)
@@ -196,12 +207,13 @@ contains
     real(real64), intent(in) :: r, first, second
     type(mutual_terms), intent(out) :: terms
     ! Gauss' three points for a flat punch (Legendre) and for Hertz' weight 1 - t**2 (Gegenbauer).
-      real(real64), parameter :: legendre_place = sqrt(0.6_real64)
+    real(real64), parameter :: legendre_place = sqrt(0.6_real64)
     real(real64), parameter :: legendre_weight = 5.0_real64 / 18
     real(real64), parameter :: gegenbauer_place = sqrt(3.0_real64 / 7)
     real(real64), parameter :: gegenbauer_weight = 7.0_real64 / 30
     real(real64) :: a, b, hertz, hertz_aside, hertz_rim, flat, flat_aside, flat_rim, slope
-    real(real64) :: flat_hertz, slope_aside, by_flat_rim, flat_of_small, place
+    real(real64) :: flat_hertz, slope_aside, by_flat_rim, flat_of_small, place, hertz_slope
+    real(real64) :: flat_slope, outside
     logical :: first_is_small
 
     first_is_small = first < second
@@ -213,26 +225,37 @@ contains
     ! Fields of the large circle, mean over the small one as a flat punch.
     hertz = hertz + 2 * legendre_weight * (hertz_aside - hertz)
     flat_of_small = flat + 2 * legendre_weight * (flat_aside - flat)
+    hertz_slope = slope + 2 * legendre_weight * (slope_aside - slope)
     terms%compliance = flat_of_small
     call field_at(r, b, a, hertz_rim, flat_rim, slope_aside)
     place = gegenbauer_place * a
     call field_at(r, b, place, hertz_aside, flat_aside, slope_aside)
     flat_hertz = flat + 2 * gegenbauer_weight * (flat_aside - flat)
     terms%slope = slope + 2 * gegenbauer_weight * (slope_aside - slope)
-    ! Only Newton's method needs it: that of a point load outside, of the bowl inside.
+    ! Only Newton's method needs these: those at a point.
     terms%bend = -0.75_real64 / b**3
-    if (r > b) terms%bend = 2.0_real64 / (pi * r**3)
+    flat_slope = 0.0_real64
+    if (r > b) then
+      outside = max(sqrt((r - b) * (r + b)), a, 1.0e-6_real64 * b)
+      terms%bend = 1.5_real64 / (pi * b**3) * &
+                   (b / outside * (1.0_real64 + (b / r)**2) - atan2(b, outside))
+      flat_slope = -1.0_real64 / (pi * r * outside)
+    end if
     ! Hertz on the small circle, felt by the large: its rim is where the small circle's row ends.
     by_flat_rim = hertz_of_small(r, a, b)
     if (first_is_small) then
       terms%on_first = hertz
       terms%first_growth = hertz_rim - hertz
       terms%on_second = flat_hertz
+      terms%first_slope = hertz_slope
+      terms%second_slope = flat_slope
       terms%second_growth = by_flat_rim - flat_hertz
     else
       terms%on_second = hertz
       terms%second_growth = hertz_rim - hertz
       terms%on_first = flat_hertz
+      terms%first_slope = flat_slope
+      terms%second_slope = hertz_slope
       terms%first_growth = by_flat_rim - flat_hertz
     end if
   end subroutine with_small_circle

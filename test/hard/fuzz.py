@@ -27,6 +27,8 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from fuzz_effects import EFFECTS, broken_laws, keep_cells_coarse, random_scene
+
 ROOT = Path(__file__).resolve().parents[2]
 
 # A longer sweep or curve is honest work, which this test does not measure.
@@ -257,7 +259,8 @@ def keep_work_small(scene):
         value = int(match.group(2)[:15])
         return match.group(1) + (b"7" if HONEST_COUNT < value <= MOST_POSITIONS
                                  else match.group(2))
-    return re.sub(rb"(?i)((?:positions|points)\s*=?\s*(?:1\*)?\+?)(\d+)", shorter, scene)
+    scene = re.sub(rb"(?i)((?:positions|points)\s*=?\s*(?:1\*)?\+?)(\d+)", shorter, scene)
+    return keep_cells_coarse(scene)
 
 
 # ---------------------------------------------------------------- cases
@@ -330,11 +333,25 @@ def deck_arguments(rng):
     return words + places(rng, [("--contacts", "c.csv", 0.6), ("--positions", "p.csv", 0.6)])
 
 
+def effects_case(rng, files, seed):
+    """A random scene with effects, seldom mutated."""
+    files["s.scene"], files["u.csv"], files["l.csv"] = random_scene(rng)
+    if rng.random() < 0.15:
+        files["s.scene"] = keep_work_small(mutate(rng, files["s.scene"]))
+    arguments = ["solve", "s.scene", "--positions", "p.csv"]
+    arguments += places(rng, [("--contacts", "c.csv", 0.6), ("--curve", "k.csv", 0.2)])
+    if rng.random() < 0.05:
+        arguments += ["--arithmetic", rng.choice(["real32", "real64"])]
+    return Case(files, arguments, f"effects, seed {seed}")
+
+
 def make_case(seed):
     """The case of a seed."""
     rng = random.Random(seed)
     files = {"u.csv": SURFACES[0], "l.csv": SURFACES[1], "own.csv": rng.choice(SURFACES[2:]),
              "small.deck": DECKS[0], "deck": rng.choice(DECKS), "s.scene": rng.choice(SCENES)}
+    if seed % 5 == 4:
+        return effects_case(rng, files, seed)
     kind = rng.choices(["deck", "scene", "surface", "command", "big"], [30, 34, 16, 19, 1])[0]
     if kind == "deck":
         files["deck"] = mutate(rng, files["deck"])
@@ -417,9 +434,11 @@ def check_csv(path, data):
     if not data.endswith(b"\n") or not rows:
         return [f"{path} is not whole"]
     wrong = [row for row in rows[1:] if len(row) != len(rows[0])]
+    words = [name in EFFECTS for name in rows[0]]
     for row in rows[1:]:
         try:
-            if not all(math.isfinite(float(cell)) for cell in row):
+            if not all(word and cell.isprintable() or math.isfinite(float(cell))
+                       for cell, word in zip(row, words)):
                 wrong.append(row)
         except ValueError:
             wrong.append(row)
@@ -491,6 +510,8 @@ def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
             wrong.append(f"left {name}")
         else:
             wrong += check_csv(name, path.read_bytes())
+            if name == "p.csv":
+                wrong += broken_laws(path.read_bytes())
     return wrong
 
 

@@ -10,7 +10,8 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1] / part) for part in ("re
 
 from cases import scenes  # noqa: E402
 from deck_cases import decks  # noqa: E402
-from surfaces_csv import write_csv_scene  # noqa: E402
+from effect_cases import effect_cases  # noqa: E402
+from surfaces_csv import write_csv_scene, write_scene, write_surface  # noqa: E402
 
 
 def comment(label, text):
@@ -28,6 +29,30 @@ def write_case(folder, case):
     """One scene and its two surfaces."""
     path = write_csv_scene(folder, case.upper, case.lower, case.name, case.modulus, case.ratio,
                            **case.groups)
+    path.write_text(comment("Hard", case.why) + comment("Truth", case.truth) + path.read_text())
+    return path
+
+
+def surface_writer(folder):
+    """A function that writes rows as a surface, once, and gives the file's name."""
+    names = {}
+
+    def surface(rows, name):
+        key = tuple(rows)
+        if key not in names:
+            names[key] = write_surface(folder / f"{name}.csv", rows)
+        return names[key]
+
+    return surface
+
+
+def write_effect_case(folder, case, surface):
+    """One scene with effects, and its surfaces if no case before has them."""
+    path = write_scene(
+        folder / f"{case.name}.scene",
+        surfaces={"upper": surface(case.upper, f"{case.name}_upper"),
+                  "lower": surface(case.lower, f"{case.name}_lower")},
+        material={"elastic_modulus": case.modulus, "poisson_ratio": case.ratio}, **case.groups)
     path.write_text(comment("Hard", case.why) + comment("Truth", case.truth) + path.read_text())
     return path
 
@@ -59,6 +84,14 @@ def write_deck(path, upper, lower, width=3.455, angles=(0.0, 0.0), displacement=
     return path
 
 
+def write_effects(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    surface = surface_writer(folder)
+    for case in effect_cases():
+        if not case.large:
+            write_effect_case(folder, case, surface)
+
+
 def write_all(folder):
     folder.mkdir(parents=True, exist_ok=True)
     for case in scenes():
@@ -68,6 +101,7 @@ def write_all(folder):
     for deck in decks():
         write_deck(folder / f"{deck.name}.deck", **deck.deck)
         index.append(f"- `{deck.name}.deck`\n  - Hard: {deck.why}\n  - Truth: {deck.truth}\n")
+    write_effects(folder / "effects")
     (folder / "decks.md").write_text("\n".join(index))
 
 

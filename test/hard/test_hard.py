@@ -31,7 +31,7 @@ def data(root):
 
 def test_data_are_what_the_catalogue_says(data, tmp_path):
     write_all(tmp_path)
-    names = sorted(path.name for path in tmp_path.iterdir())
+    names = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*"))
     assert len(names) > 150
     assert filecmp.cmpfiles(data, tmp_path, names, shallow=False)[1:] == ([], [])
 

@@ -40,6 +40,7 @@ contains
       new_unittest('coincident contacts share the load', coincident), &
       new_unittest('contacts far apart, one, none', far_one_none), &
       new_unittest('the load asked for is found, and what closes for it', load_found), &
+      new_unittest('a contact at the rim of another opens and closes without a jump', at_the_rim), &
       new_unittest('thousands of crowded contacts converge', thousands), &
       new_unittest('the estimate is above the loss', estimate_is_above)]
   end subroutine collect_coupled
@@ -196,7 +197,7 @@ contains
     type(hertz_law) :: law
     type(solve_ending) :: ending
     type(mutual_terms) :: terms
-    real(real64) :: factor, p, both(2), circle, load, shift
+    real(real64) :: factor, p, both(2), circle, load, shift, cap
     integer :: i, pass
 
     do i = 1, size(distances)
@@ -207,8 +208,9 @@ contains
         load = p**1.5_real64 * 4 / 3
         call mutual_displacement(distances(i) + 2 * shift, circle, circle, terms)
         shift = -terms%slope * load
-        ! Capped at half the circle.
-        shift = shift / (1 + (2 * shift / circle)**4)**0.25_real64
+        ! Capped at half the circle, or half of itself.
+        cap = 0.5_real64 * sqrt(circle**2 + shift**2)
+        shift = shift / (1 + (shift / cap)**4)**0.25_real64
         p = 1 - terms%on_first * load - shift**2 / 2
       end do
       call set_out([0.0_real64, distances(i)], zeros, zeros, pairs, law)
@@ -307,6 +309,36 @@ contains
     call solve_coupled_load(pairs, law, 10 * target, closing, p, ending, depth, failure=failure)
     call check(error, allocated(failure) .and. .not. ending%converged, 'a load out of reach')
   end subroutine load_found
+
+  ! A shallow contact beside a deep one, as the gap of the shallow one falls.
+  subroutine at_the_rim(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: steps = 400
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(solve_ending) :: ending
+    real(real64) :: factor, p(2), before, distance, largest
+    integer :: i, k
+
+    do k = 1, 8
+      distance = 0.5_real64 + 0.2_real64 * k
+      before = -1.0_real64
+      largest = 0.0_real64
+      do i = 0, steps
+        call set_out([0.0_real64, distance], [0.0_real64, 0.0_real64], &
+                     [0.0_real64, 0.9_real64 - 0.7_real64 * i / steps], pairs, law)
+        call factor_of(pairs, law, factor, ending, p)
+        call check(error, ending%converged .and. ending%residual <= 1.0e-10_real64, &
+                   'not converged')
+        if (i > 0) largest = max(largest, abs(p(2) - before) / depth)
+        before = max(p(2), 0.0_real64)
+        if (.not. p(2) > 0.0_real64) largest = 0.0_real64
+      end do
+      call check(error, p(2) > 0.0_real64, 'stays open')
+      ! Several times the step of the gap.
+      call check(error, largest < 10 * 0.7_real64 / steps, 'a jump')
+    end do
+  end subroutine at_the_rim
 
   subroutine thousands(error)
     type(error_type), allocatable, intent(out) :: error
