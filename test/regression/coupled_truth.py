@@ -71,13 +71,14 @@ class Field:
         return lift, np.stack([tilt_x, tilt_y], -1)
 
     def held(self, shift):
-        """Less than half the circle's radius, and little changed where far less."""
-        share = np.hypot(*shift.T) / (self.circles / 2)
+        """Less than the cap sqrt(a^2 + (R t)^2)/2, and little changed where far less."""
+        length = np.hypot(*shift.T)
+        share = length / (np.hypot(self.circles, length) / 2)
         return shift / ((1 + share ** 4) ** 0.25)[:, None]
 
     def shifts(self, radius):
         """Where each contact comes to lie on the tilted surface: s = -R slope, at the shifted
-        places, held to half its circle. Damped by how fast the slope changes."""
+        places, held to its cap. Damped by how fast the slope changes."""
         shift = np.zeros_like(self.places)
         probe = 1e-4 * self.circles[:, None]
         for _ in range(80):
