@@ -38,7 +38,7 @@ contains
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did in it
     character(len=:), allocatable, intent(out) :: failure   !! why not
     type(load_bracket) :: bracket
-    real(real64) :: load, nothing, tolerance
+    real(real64) :: load, nothing
     integer :: try
 
     bracket%high = minval(pairs%list%gap + pairs%list%zc)
@@ -48,14 +48,13 @@ contains
       closing = max(closing, 1.0e-3_real64 * pairs%closing * (target / pairs%target)**two_thirds)
     closing = min(max(closing, 0.0_real64), bracket%high * (1.0_real64 - epsilon(1.0_real64)))
     nothing = bracket%high * least_closing
-    tolerance = load_tolerance(effects)
     do try = 1, most_tries
       call simulate(pairs, effects, closing, 0.0_real64, state, outcomes)
       call first_failure(effects, outcomes, failure)
       if (allocated(failure)) return
       load = total_load(state)
       if (target > 0.0_real64) then
-        if (abs(load - target) <= tolerance * target) return
+        if (abs(load - target) <= load_tolerance(effects, outcomes) * target) return
       end if
       call narrow(bracket, closing, load, target)
       if (.not. target > 0.0_real64 .and. bracket%high < nothing) exit
@@ -66,7 +65,7 @@ contains
     if (bracket%high < nothing) closing = 0.0_real64
     if (.not. target > 0.0_real64) return
     if (bracket%high_miss < huge(1.0_real64)) closing = bracket%high
-    if (abs(load - target) <= jump_allowed(effects) * target) return
+    if (abs(load - target) <= jump_allowed(effects, outcomes) * target) return
     if (bracket%high_miss < huge(1.0_real64)) then
       failure = 'the load is not reached: with the effects it jumps past it'
     else
@@ -136,26 +135,29 @@ contains
     end associate
   end function next_guess
 
-  ! How near a load can be met.
-  pure real(real64) function load_tolerance(effects) result(tolerance)
+  ! How near a load can be met by the effects that are simulated.
+  pure real(real64) function load_tolerance(effects, outcomes) result(tolerance)
     type(effect_box), intent(in) :: effects(:)
+    type(effect_outcome), intent(in) :: outcomes(:)
     integer :: i
 
     tolerance = 1.0e-11_real64
     do i = 1, size(effects)
-      tolerance = max(tolerance, effects(i)%effect%load_tolerance)
+      if (outcomes(i)%simulated /= 'off') &
+        tolerance = max(tolerance, effects(i)%effect%load_tolerance)
     end do
   end function load_tolerance
 
   ! Where `auto` begins to simulate an effect, the load jumps by up to its tolerance.
-  pure real(real64) function jump_allowed(effects) result(tolerance)
+  pure real(real64) function jump_allowed(effects, outcomes) result(tolerance)
     type(effect_box), intent(in) :: effects(:)
+    type(effect_outcome), intent(in) :: outcomes(:)
     integer :: i
 
-    tolerance = load_tolerance(effects)
+    tolerance = load_tolerance(effects, outcomes)
     do i = 1, size(effects)
       if (effects(i)%effect%mode == effect_auto) &
-        tolerance = max(tolerance, effects(i)%effect%tolerance)
+        tolerance = max(tolerance, effects(i)%effect%tolerance, effects(i)%effect%load_tolerance)
     end do
   end function jump_allowed
 

@@ -23,6 +23,9 @@ module asperity_contact_effect
     character(len=name_length) :: text = ''   !! as in the header
     integer :: modulus_power = 0              !! its unit holds the modulus to this power
     integer :: length_power = 0               !! and the length to this
+    !> What it is where `auto` left the effect out: this times the vertical load, plus ...
+    real(real64) :: of_load = 0.0_real64
+    real(real64) :: otherwise = 0.0_real64    !! ... this
   end type column_name
 
   !> What one effect did to one state.

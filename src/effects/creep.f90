@@ -84,6 +84,9 @@ contains
                      reshape([1, 2, 0, 0], [2, 2]))
     call set_columns(new%state_columns, [character(len=20) :: 'time', 'elastic_load'], &
                      reshape([0, 0, 1, 2], [2, 2]))
+    new%contact_columns(1)%of_load = 1.0_real64
+    new%contact_columns(2)%otherwise = 1.0_real64
+    new%state_columns(2)%of_load = 1.0_real64
     allocate (effect, source=new)
   end subroutine creep_of
 

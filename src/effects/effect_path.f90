@@ -11,18 +11,20 @@ module asperity_effect_path
   private
 
   public :: path_step, plan_states, plan_hold
-  public :: to_closing, to_load, as_before
+  public :: to_closing, to_load, stay, as_before
 
   !> The step ends at a closing.
   integer, parameter :: to_closing = 1
   !> The step ends at a load.
   integer, parameter :: to_load = 2
-  !> The step keeps the load of the last state.
-  integer, parameter :: as_before = 3
+  !> The step keeps the closing of the last state.
+  integer, parameter :: stay = 3
+  !> The step keeps the load of the last state of loading.
+  integer, parameter :: as_before = 4
 
   !> The way to one state.
   type :: path_step
-    integer :: kind = to_closing       !! `to_closing`, `to_load` or `as_before`
+    integer :: kind = to_closing       !! `to_closing`, `to_load`, `stay` or `as_before`
     real(real64) :: value = 0.0_real64 !! the closing or the load, in the unit of the pairs
     real(real64) :: time = 0.0_real64  !! since the end of loading
   end type path_step
@@ -35,12 +37,14 @@ contains
     type(contact_pairs), intent(in) :: pairs                  !! the position
     real(real64), intent(in) :: closing                       !! the end, without a path
     type(path_step), allocatable, intent(out) :: steps(:)     !! at least one
-    real(real64), allocatable :: closings(:)
+    real(real64), allocatable :: closings(:), gaps(:)
     real(real64) :: from, to
     integer :: i, j, parts, used
 
     if (.not. allocated(scene_in%loading%path)) then
-      call closings_on_the_way(scene_in%loading%points, pairs%list%gap, closing, closings)
+      allocate (gaps(size(pairs%list)))
+      gaps = pairs%list%gap
+      call closings_on_the_way(scene_in%loading%points, gaps, closing, closings)
       allocate (steps(size(closings)))
       steps%value = closings
       return
@@ -64,9 +68,8 @@ contains
   end subroutine plan_states
 
   !> The states of a hold after the last state of loading.
-  subroutine plan_hold(scene_in, closing, steps)
+  subroutine plan_hold(scene_in, steps)
     type(scene), intent(in) :: scene_in                     !! checked values
-    real(real64), intent(in) :: closing                     !! of the last state
     type(path_step), allocatable, intent(out) :: steps(:)   !! none without a hold
     real(real64), allocatable :: times(:)
 
@@ -75,8 +78,7 @@ contains
                       decimal_to_real64(effects%relaxation_time), effects%hold_points, times)
       allocate (steps(size(times) - 1))
       steps%time = times(2:)
-      steps%value = closing
-      if (effects%hold == hold_load) steps%kind = as_before
+      steps%kind = merge(as_before, stay, effects%hold == hold_load)
     end associate
   end subroutine plan_hold
 

@@ -51,12 +51,24 @@ contains
     end if
     call plan_states(scene_in, pairs, closing, steps)
     allocate (hold(0))
-    if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, closing, hold)
+    if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, hold)
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
     call walk(scene_in, pairs, effects, steps, keep_rows, result, at, state, outcomes, simulated, &
               too_far, failure)
+    if (allocated(failure) .or. too_far) return
+    if (.not. are_numbers(at)) failure = 'what an effect tells is beyond the range of a double'
   end subroutine run_position
+
+  ! Whether all that the effects tell are numbers.
+  pure logical function are_numbers(at)
+    type(effects_at_position), intent(in) :: at
+
+    are_numbers = .true.
+    if (allocated(at%state_values)) are_numbers = all(abs(at%state_values) <= huge(1.0_real64))
+    if (allocated(at%contact_values)) are_numbers = are_numbers .and. &
+                                                    all(abs(at%contact_values) <= huge(1.0_real64))
+  end function are_numbers
 
   ! Goes from state to state. A state that is known already, from the search for a load, is not
   ! simulated again.
@@ -87,11 +99,11 @@ contains
       case (to_load)
         call close_to_load(pairs, loading_only(effects), steps(i)%value, closing, state, &
                            outcomes, failure)
-      case default
-        ! As before: the load of the last state.
+      case (as_before)
         call close_to_load(pairs, loading_only(effects), &
                            held / share_held(effects, steps(i)%time), closing, state, outcomes, &
                            failure)
+      case default  ! stay
       end select
       too_far = closing > pairs%complete_to
       if (allocated(failure) .or. too_far) return

@@ -21,6 +21,7 @@ module asperity_effect_report
     character(len=20), allocatable :: contact_columns(:)   !! header of the columns of a contact
     character(len=20), allocatable :: state_columns(:)     !! header of the columns of a position
     real(real64) :: tolerance = 0.0_real64                 !! share of the load for `auto`
+    real(real64) :: plasticity_index = -1.0_real64         !! of the surfaces; negative: not known
     type(effects_at_position), allocatable :: positions(:) !! in order; not allocated: no effects
   end type effect_report
 

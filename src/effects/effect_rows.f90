@@ -3,7 +3,7 @@ module asperity_effect_rows
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
-  use asperity_contact_state, only: contact_state
+  use asperity_contact_state, only: contact_state, total_vertical_load
   use asperity_contact_law, only: contact_response
   use asperity_effect_report, only: effect_report, effects_at_position
   use asperity_kinds, only: real64
@@ -95,7 +95,7 @@ contains
     if (number < size(result%states)) return
     result%overlapping_circles = count_overlapping(pairs%list%x, pairs%list%y, &
                                                    state%answers%contact_radius)
-    call set_state_values(pairs, effects, outcomes, at)
+    call set_state_values(pairs, effects, state, outcomes, at)
     do i = 1, size(outcomes)
       if (allocated(outcomes(i)%of_contacts)) deallocate (outcomes(i)%of_contacts)
     end do
@@ -173,6 +173,7 @@ contains
     integer, intent(in) :: rows
     type(effects_at_position), intent(inout) :: at
     real(real64), allocatable :: values(:, :)
+    real(real64) :: value
     integer :: before, column, columns, e, i, k, row
 
     columns = 0
@@ -188,13 +189,16 @@ contains
     do e = 1, size(effects)
       do k = 1, size(effects(e)%effect%contact_columns)
         column = column + 1
-        if (.not. allocated(outcomes(e)%of_contacts)) cycle
         row = before
         do i = 1, size(pairs%list)
           if (.not. in_contact(state, i)) cycle
           row = row + 1
-          values(row, column) = in_units_of(effects(e)%effect%contact_columns(k), pairs, &
-                                            outcomes(e)%of_contacts(i, k))
+          if (allocated(outcomes(e)%of_contacts)) then
+            value = outcomes(e)%of_contacts(i, k)
+          else
+            value = left_out(effects(e)%effect%contact_columns(k), state%answers(i)%vertical_load)
+          end if
+          values(row, column) = in_units_of(effects(e)%effect%contact_columns(k), pairs, value)
         end do
       end do
     end do
@@ -202,11 +206,13 @@ contains
   end subroutine add_contact_values
 
   ! What the effects tell of the last state.
-  subroutine set_state_values(pairs, effects, outcomes, at)
+  subroutine set_state_values(pairs, effects, state, outcomes, at)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
+    type(contact_state), intent(in) :: state
     type(effect_outcome), intent(in) :: outcomes(:)
     type(effects_at_position), intent(inout) :: at
+    real(real64) :: value
     integer :: column, columns, e, k
 
     columns = 0
@@ -219,11 +225,23 @@ contains
     do e = 1, size(effects)
       do k = 1, size(effects(e)%effect%state_columns)
         column = column + 1
-        if (allocated(outcomes(e)%of_state)) at%state_values(column) = &
-          in_units_of(effects(e)%effect%state_columns(k), pairs, outcomes(e)%of_state(k))
+        if (allocated(outcomes(e)%of_state)) then
+          value = outcomes(e)%of_state(k)
+        else
+          value = left_out(effects(e)%effect%state_columns(k), total_vertical_load(state))
+        end if
+        at%state_values(column) = in_units_of(effects(e)%effect%state_columns(k), pairs, value)
       end do
     end do
   end subroutine set_state_values
+
+  ! A value of a column where `auto` left its effect out.
+  pure real(real64) function left_out(column, vertical_load)
+    type(column_name), intent(in) :: column
+    real(real64), intent(in) :: vertical_load
+
+    left_out = column%of_load * vertical_load + column%otherwise
+  end function left_out
 
   ! A value of a column in the units of the scene.
   pure real(real64) function in_units_of(column, pairs, value)

@@ -14,6 +14,7 @@ module asperity_effect_solver
   use asperity_kernel_real64, only: empty_state, list_pairs, place_scene, placed_scene, &
                                     solve_position
   use asperity_kinds, only: int64, real64
+  use asperity_plastic_surface, only: surface_index
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: scene
   implicit none
@@ -39,6 +40,7 @@ contains
     call list_effects(scene_in, effects)
     call name_columns(effects, report)
     report%tolerance = decimal_to_real64(scene_in%effects%tolerance)
+    if (any(report%names == 'plasticity')) report%plasticity_index = surface_index(scene_in)
     call place_scene(scene_in, placed, failure)
     if (allocated(failure)) return
     allocate (results%positions(placed%positions), report%positions(placed%positions))

@@ -48,6 +48,7 @@ contains
                       'rig_force_x', 'rig_force_y', 'rig_moment_x', 'rig_moment_y', &
                       'rig_moment_z'], &
                      reshape([1, 2, 0, 0, 1, 2, 1, 2, 1, 3, 1, 3, 1, 3], [2, 7]))
+    new%state_columns(1)%of_load = 1.0_real64
     allocate (effect, source=new)
   end subroutine new_friction
 

@@ -57,6 +57,9 @@ contains
     call set_columns(new%state_columns, &
                      [character(len=20) :: 'alone_load', 'factor', 'cells'], &
                      reshape([1, 2, 0, 0, 0, 0], [2, 3]))
+    new%contact_columns(2)%of_load = 1.0_real64
+    new%state_columns(1)%of_load = 1.0_real64
+    new%state_columns(2)%otherwise = 1.0_real64
     allocate (effect, source=new)
   end subroutine new_interaction
 

@@ -70,11 +70,13 @@ contains
     call set_columns(new%state_columns, &
                      [character(len=20) :: 'elastic_load', 'contacts_flowing', 'dissipated_work'], &
                      reshape([1, 2, 0, 0, 1, 3], [2, 3]))
+    new%state_columns(1)%of_load = 1.0_real64
     allocate (effect, source=new)
   end subroutine plasticity_of
 
   !> Change of the total vertical load by flow and by what is left of earlier flow, in full: the law
-  !> answers for itself. The others only see less load, so it is not below the truth.
+  !> answers for itself. The others only see less load, so it is not below the truth. In a hold
+  !> pressures fall while the surfaces close: what has not flowed at its begin does not flow later.
   function estimate(self, pairs, state) result(share)
     class(plasticity_effect), intent(in) :: self  !! plasticity
     type(contact_pairs), intent(in) :: pairs      !! the position
@@ -86,6 +88,7 @@ contains
     integer :: i
 
     share = 0.0_real64
+    if (state%time > 0.0_real64) return
     call make_law(self, pairs, law)
     changed = 0.0_real64
     total = sum(state%answers%vertical_load)

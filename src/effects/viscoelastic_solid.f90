@@ -135,11 +135,14 @@ contains
 
     if (.not. time > 0.0_real64) then
       time_over = 0.0_real64
-    else if (relaxation_time < 1.0_real64 .and. time > relaxation_time * huge(time)) then
-      time_over = huge(time)
-    else
-      time_over = time / relaxation_time
+      return
     end if
+    time_over = huge(time)
+    ! Nothing overflows: the product is asked for only below one.
+    if (relaxation_time < 1.0_real64) then
+      if (time > relaxation_time * huge(time)) return
+    end if
+    time_over = time / relaxation_time
   end function time_over
 
   ! exp(-x) for x of 0 or more.

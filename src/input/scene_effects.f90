@@ -2,11 +2,12 @@
 module asperity_scene_effects
   use asperity_decimal, only: decimal_value
   use asperity_effect_combinations, only: why_not_together
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: nearest_double
   use asperity_scene_fields, only: above_zero, not_negative, scene_fields, share, share_or_all
-  use asperity_scene_values, only: criterion_none, effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, effect_on, effect_words, hold_words, scene, &
-                                   scene_effects
+  use asperity_scene_values, only: control_approach, criterion_none, effect_auto, &
+                                   effect_boundary, effect_coupled, effect_off, &
+                                   effect_on, effect_words, hold_words, scene, scene_effects
   implicit none
   private
 
@@ -60,6 +61,11 @@ contains
       call require(fields, effects%plasticity /= effect_off .and. &
                    checked%limit%criterion == criterion_none, 'plastic_yield_stress', &
                    'plasticity and no limit')
+      if (effects%friction /= effect_off .and. effects%friction_coefficient%digits /= 0_int64 &
+          .and. goes_back(checked)) &
+        call fields%complain_of('effects', 'friction', 'friction is computed for surfaces that ' // &
+                                'close without going back: found a path in &loading that ' // &
+                                'does, expected friction = ''off''')
       call check_together(fields, effects)
     end associate
 
@@ -74,6 +80,21 @@ contains
     end subroutine take
 
   end subroutine read_effects
+
+  ! Whether the path of loads or approaches goes back anywhere.
+  pure logical function goes_back(checked)
+    type(scene), intent(in) :: checked
+    real(real64), allocatable :: closing(:)
+    integer :: last
+
+    goes_back = .false.
+    if (.not. allocated(checked%loading%path)) return
+    last = size(checked%loading%path)
+    allocate (closing(last))
+    closing = nearest_double(checked%loading%path)
+    if (checked%loading%control == control_approach) closing = -closing
+    goes_back = any(closing(2:) < closing(:last - 1))
+  end function goes_back
 
   ! One of the words that an effect knows.
   subroutine take_effect(fields, name, known, effect)

@@ -14,7 +14,8 @@ module asperity_scene_reader
   use asperity_scene_values, only: control_limit, control_load, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
-                                   criterion_words, scene, scene_loading, scene_motion
+                                   criterion_words, effect_off, scene, scene_loading, &
+                                   scene_motion
   implicit none
   private
 
@@ -63,9 +64,9 @@ contains
       call read_motion(fields, checked%motion)
       call read_tilt(fields, checked)
       call read_loading(fields, checked)
-      call check_states(fields, checked)
       call read_limit(fields, checked)
       call read_effects(fields, checked)
+      call check_states(fields, checked)
     end if
     call fields%problems%hand_over(problems)
     call add_lines(other_files, problems)
@@ -249,6 +250,8 @@ contains
 
     states = int(checked%motion%positions, int64) * int(max(1, checked%loading%points), int64)
     if (allocated(checked%loading%path)) states = states * size(checked%loading%path)
+    if (checked%effects%creep /= effect_off) states = states + &
+      int(checked%motion%positions, int64) * int(checked%effects%hold_points, int64)
     if (states > int(most_states, int64)) &
       call fields%complain_of_group('loading', 'too many states: found ' // &
            decimal_text(checked%motion%positions) // ' positions with ' // &

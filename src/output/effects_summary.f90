@@ -54,7 +54,7 @@ contains
     real(real64), allocatable :: influence(:), left_out(:), residual(:)
     character(len=:), allocatable :: word, head, why
     integer :: first, m, number, simulated_at
-    character(len=8) :: digits
+    character(len=10) :: digits
 
     number = size(report%positions)
     allocate (simulated(number), so(number), influence(number), left_out(number), residual(number))
@@ -82,6 +82,10 @@ contains
     else
       call paragraph(head, word // ': simulated at ' // counted(simulated_at), buffer)
     end if
+    if (report%names(e) == 'plasticity' .and. .not. report%plasticity_index < 0.0_real64) then
+      write (digits, '(g10.3)') report%plasticity_index
+      call paragraph('', 'plasticity index of the surfaces ' // trim(adjustl(digits)), buffer)
+    end if
 
     ! The ways in which it was simulated, in the order in which they first occur.
     so = .not. simulated
@@ -96,7 +100,7 @@ contains
       call paragraph('', 'influence ' // percent(influence(first)) // at_position(first) // &
                      ', least ' // percent(influence(minloc(abs(influence), 1, simulated))), buffer)
       first = maxloc(residual, 1)
-      write (digits, '(es8.1)') residual(first)
+      write (digits, '(es9.1e3)') residual(first)
       call paragraph('', 'converged everywhere, largest residual ' // trim(adjustl(digits)) // &
                      at_position(first), buffer)
     end if
@@ -169,14 +173,18 @@ contains
     character(len=:), allocatable :: text
     character(len=12) :: digits
 
-    if (abs(share) >= 0.1_real64) then
+    if (abs(share) >= 1.0e4_real64) then
+      write (digits, '(es12.1e3)') share
+      text = trim(adjustl(digits)) // ' times'
+      return
+    else if (abs(share) >= 0.1_real64) then
       write (digits, '(f12.1)') 100.0_real64 * share
     else if (abs(share) >= 0.01_real64) then
       write (digits, '(f12.2)') 100.0_real64 * share
     else if (abs(share) >= 0.0001_real64) then
       write (digits, '(f12.3)') 100.0_real64 * share
     else if (abs(share) > 0.0_real64) then
-      write (digits, '(es12.1e2)') 100.0_real64 * share
+      write (digits, '(es12.1e3)') 100.0_real64 * share
     else
       digits = '0'
     end if

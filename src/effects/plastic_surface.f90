@@ -1,0 +1,87 @@
+!> The plasticity index of the surfaces of a scene: whether their summits flow under any load worth
+!> speaking of (Greenwood and Williamson 1966, Proc. R. Soc. A 295, 300).
+module asperity_plastic_surface
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_kinds, only: int64, real64
+  use asperity_plastic_curves, only: departure, plasticity_index
+  use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
+                                   criterion_load, criterion_pressure, scene, scene_surface
+  implicit none
+  private
+
+  public :: surface_index, height_deviation
+
+  real(real64), parameter :: pi = acos(-1.0_real64)
+
+contains
+
+  !> The index (E/H) sqrt(sigma/R). The standard deviation sigma is that of the sum of both
+  !> surfaces' heights; R is combined from the mean radii. The hardness H is that of the limit, else
+  !> 2.84 times the yield stress, else E sqrt(w/R) with the overlap w at the onset. Negative: there
+  !> is neither a limit nor a yield stress, or a number is out of range.
+  pure real(real64) function surface_index(scene_in) result(found)
+    type(scene), intent(in) :: scene_in  !! checked values
+    real(real64) :: deviation, hardness, modulus, radius
+
+    found = -1.0_real64
+    associate (upper => scene_in%upper, lower => scene_in%lower)
+      deviation = hypot(height_deviation(upper%height), height_deviation(lower%height))
+      radius = 1.0_real64 / (1.0_real64 / mean(upper%radius) + 1.0_real64 / mean(lower%radius))
+      modulus = 1.0_real64 / (compliance(upper) + compliance(lower))
+    end associate
+    hardness = hardness_of(scene_in, modulus, radius)
+    if (.not. (hardness > 0.0_real64 .and. radius > 0.0_real64)) return
+    found = plasticity_index(deviation, radius, modulus, hardness)
+    if (.not. found <= huge(found)) found = -1.0_real64
+  end function surface_index
+
+  !> Standard deviation of the heights of all summits, themselves and not a sample.
+  pure real(real64) function height_deviation(height)
+    real(real64), intent(in) :: height(:)  !! of each summit, at least one
+
+    height_deviation = norm2(height - mean(height)) / sqrt(real(size(height), real64))
+  end function height_deviation
+
+  ! In the unit of the modulus; 0: not known.
+  pure real(real64) function hardness_of(scene_in, modulus, radius) result(hardness)
+    type(scene), intent(in) :: scene_in
+    real(real64), intent(in) :: modulus, radius
+    real(real64) :: load_share
+
+    hardness = 0.0_real64
+    associate (limit => scene_in%limit, effects => scene_in%effects)
+      if (limit%criterion == criterion_greenwood_williamson) then
+        hardness = decimal_to_real64(limit%hardness)
+      else if (effects%plastic_yield_stress%digits > 0_int64) then
+        hardness = 2.84_real64 * decimal_to_real64(effects%plastic_yield_stress)
+      else if (limit%criterion == criterion_load) then
+        ! (w/R)**1.5 of Hertz.
+        load_share = 0.75_real64 * (decimal_to_real64(limit%value) / modulus / radius) / radius
+        hardness = modulus * load_share**(1.0_real64 / 3.0_real64)
+      else if (limit%criterion == criterion_pressure) then
+        hardness = 0.75_real64 * pi * decimal_to_real64(limit%value)
+      else if (limit%criterion == criterion_hardy) then
+        ! The greatest pressure at first yield is 2.76 times the shear stress.
+        hardness = 0.5_real64 * pi * 2.76_real64 * decimal_to_real64(limit%yield_stress) * &
+                   sqrt(departure)
+      end if
+    end associate
+  end function hardness_of
+
+  ! (1 - nu**2)/E of one body.
+  pure real(real64) function compliance(surface)
+    type(scene_surface), intent(in) :: surface
+    real(real64) :: ratio
+
+    ratio = decimal_to_real64(surface%poisson_ratio)
+    compliance = (1.0_real64 - ratio) * (1.0_real64 + ratio) / &
+                 decimal_to_real64(surface%elastic_modulus)
+  end function compliance
+
+  pure real(real64) function mean(values)
+    real(real64), intent(in) :: values(:)
+
+    mean = sum(values / size(values))
+  end function mean
+
+end module asperity_plastic_surface

@@ -1,0 +1,239 @@
+"""Adhesion, as `asperity solve` does it, against closed forms and adhesion_truth.py."""
+
+import math
+
+import numpy as np
+import pytest
+from mpmath import mpf
+
+import adhesion_truth as truth
+from ball_scenes import balls, column, compare, off, path, solved, work
+from effect_runs import DECK
+from surfaces_csv import solve, write_scene
+
+MODULUS, RADIUS, WORK = 1000.0, 2.0, 0.01
+UNIT = math.pi * WORK * RADIUS
+LENGTH = (2 * math.pi * WORK * RADIUS**2 / MODULUS) ** (1 / 3)
+DEPTH = LENGTH**2 / RADIUS
+# Overlaps of JKR, its curve being W = DEPTH (t**4 - t).
+SNAP_OFF = -0.75 * 0.25 ** (1 / 3) * DEPTH
+AT_PULL_OFF = (0.75 ** (4 / 3) - 0.75 ** (1 / 3)) * DEPTH
+
+
+def distance(tabor):
+    """Equilibrium distance that gives a Tabor parameter."""
+    return (RADIUS * WORK**2 / MODULUS**2) ** (1 / 3) / tabor
+
+
+def adhering(asperity, folder, tabor, closings, points=None, name="ball", work_of_adhesion=WORK,
+             contacts=True, **more):
+    """Balls with a Tabor parameter, closed as said."""
+    effects = {"adhesion": "on", "work_of_adhesion": work_of_adhesion,
+               "equilibrium_distance": distance(tabor)}
+    more = {"radii": (RADIUS,), "modulus": MODULUS, **more}
+    return solved(asperity, balls(folder, name, effects, path(closings, points), **more),
+                  contacts=contacts)
+
+
+def radius(rows):
+    return np.sqrt(column(rows, "area") / math.pi)
+
+
+def against(tally, name, run, truths, bound):
+    """Contact radius, load and pressure of every state."""
+    compare(tally, f"adhesion: {name}, contact radius",
+            off(radius(run.curve), [t.contact_radius for t in truths]), bound)
+    compare(tally, f"adhesion: {name}, load",
+            [abs(float((f - t.load) / max(UNIT, abs(t.load)))) for f, t in
+             zip(column(run.curve, "load"), truths)], bound)
+    compare(tally, f"adhesion: {name}, pressure",
+            off(column(run.contacts, "maximum_pressure"), [t.pressure for t in truths]), 10 * bound)
+
+
+@pytest.mark.filterwarnings("ignore:Descending")
+def test_jkr_curve(asperity, tmp_path, tally):
+    """Ten points of a withdrawal, from a deep contact almost to the snap."""
+    closings = [*np.array([30, 8, 3, 1, 0.3, 0, -0.1, -0.25, -0.35, -0.45]) * DEPTH]
+    run = adhering(asperity, tmp_path, 50, closings)
+    truths = [truth.jkr(mpf(MODULUS), mpf(RADIUS), mpf(repr(WORK)), mpf(c)) for c in closings]
+    against(tally, "JKR", run, truths, 1e-13)
+    tabor = off(column(run.contacts, "tabor_parameter"), [50] * 10)
+    compare(tally, "adhesion: Tabor parameter", tabor, 1e-14)
+
+
+def test_jkr_pull_off(asperity, tmp_path, tally):
+    """3/2 pi w R, met where the load is least; 5/6 pi w R at the snap of held planes."""
+    run = adhering(asperity, tmp_path, 50, (DEPTH, AT_PULL_OFF, SNAP_OFF * (1 - 1e-12),
+                                            SNAP_OFF * (1 + 1e-12)))
+    load = column(run.curve, "load")
+    compare(tally, "adhesion: JKR pull-off", abs(load[1] / (-1.5 * UNIT) - 1), 1e-14)
+    compare(tally, "adhesion: JKR pull-off, column", abs(
+        float(run.contacts[0]["pull_off_force"]) / (1.5 * UNIT) - 1), 1e-14)
+    # The load goes with the root of the distance to the turn.
+    compare(tally, "adhesion: JKR at snap-off", abs(load[2] / (-5 / 6 * UNIT) - 1), 1e-5)
+    assert run.curve[3]["contacts"] == "0" and load[3] == 0
+    fine = adhering(asperity, tmp_path, 50, (DEPTH, SNAP_OFF * 1.1), 2000, name="fine")
+    least = column(fine.curve, "load").min()
+    assert -1.5 * UNIT * (1 + 1e-13) <= least < -1.5 * UNIT * (1 - 1e-6)
+
+
+@pytest.mark.parametrize("tabor", (0.11, 0.5, 1.0, 4.9))
+def test_maugis_curve(tabor, asperity, tmp_path, tally):
+    """Between the borders: ten points, and the largest pull."""
+    closings = [*np.array([30, 8, 3, 1, 0.5, 0.3, 0.1, 0.05, 0.01, 0]) * DEPTH]
+    run = adhering(asperity, tmp_path, tabor, closings)
+    given = mpf(repr(distance(tabor)))
+    modulus, ball, energy = mpf(MODULUS), mpf(RADIUS), mpf(repr(WORK))
+    truths = [truth.maugis(modulus, ball, energy, given, mpf(c)) for c in closings]
+    against(tally, f"Maugis {tabor}", run, truths, 1e-12)
+    pull = truth.maugis_pull_off(truth.maugis_units(modulus, ball, energy, given)[0])
+    told = float(run.contacts[0]["pull_off_force"]) / UNIT
+    compare(tally, "adhesion: largest pull of Maugis", abs(float(told / pull - 1)), 1e-9)
+    assert 1.5 < told < 2
+
+
+def test_dmt(asperity, tmp_path, tally):
+    """2 pi w R at first touch, Hertz less that beyond, and the same way back."""
+    reach = 9 * math.sqrt(3) / 16 * distance(0.05)
+    closings = np.array([-1.001 * reach, -0.5 * reach, 0, 0.001 * DEPTH, 0.01 * DEPTH,
+                         0.1 * DEPTH, 0.5 * DEPTH, DEPTH, 2 * DEPTH, 5 * DEPTH, 20 * DEPTH])
+    run = adhering(asperity, tmp_path, 0.05, [*closings, *closings[-2::-1]])
+    pressed = np.maximum(closings, 0)
+    load = 4 / 3 * MODULUS * np.sqrt(RADIUS) * pressed**1.5 - 2 * UNIT
+    load[:2] = 0, -UNIT
+    compare(tally, "adhesion: DMT load",
+            np.abs(column(run.curve, "load")[:11] - load) / UNIT, 1e-12)
+    compare(tally, "adhesion: DMT contact radius",
+            off(radius(run.curve)[:11], np.sqrt(RADIUS * pressed)), 1e-13)
+    compare(tally, "adhesion: DMT pull-off", abs(column(run.curve, "load")[2] / (-2 * UNIT) - 1),
+            1e-14)
+    same = [a["load"] == b["load"] for a, b in zip(run.curve, run.curve[::-1])]
+    tally.add("adhesion: DMT the same both ways", len(same), sum(same))
+    assert all(same)
+
+
+def test_snaps(asperity, tmp_path, tally):
+    """A path down and up twice: in at first touch, out at the turn, not elsewhere."""
+    near = 1e-12 * DEPTH
+    ways = (DEPTH, 0.9 * SNAP_OFF, SNAP_OFF + near, SNAP_OFF - near, SNAP_OFF + near, -near, 0)
+    run = adhering(asperity, tmp_path, 50, ways * 2)
+    contacts = [row["contacts"] for row in run.curve]
+    wanted = ["1", "1", "1", "0", "0", "0", "1"] * 2
+    met = sum(a == b for a, b in zip(contacts, wanted))
+    tally.add("adhesion: snaps", len(wanted), met)
+    assert contacts == wanted
+    compare(tally, "adhesion: load at snap-in", abs(
+        float(run.curve[6]["load"]) / (-4 / 3 * UNIT) - 1), 1e-14)
+
+
+def test_many_snap_at_once(asperity, tmp_path, tally):
+    """Two hundred balls of two heights: they snap in together, and part together."""
+    count, lag = 200, 0.5 * DEPTH
+    gaps = [0.0, lag] * (count // 2)
+    near = 1e-9 * DEPTH
+    ways = (-near, 0, lag - near, lag, DEPTH, lag + SNAP_OFF - near, SNAP_OFF - near)
+    run = adhering(asperity, tmp_path, 50, ways * 2, radii=(RADIUS,) * count, gaps=gaps)
+    found = column(run.curve, "contacts").astype(int)
+    wanted = [0, 100, 100, 200, 200, 100, 0] * 2
+    tally.add("adhesion: many snaps", len(wanted), int((found == wanted).sum()))
+    assert list(found) == wanted
+    compare(tally, "adhesion: load of a hundred snaps", abs(
+        float(run.curve[1]["load"]) / (-400 / 3 * UNIT) - 1), 1e-13)
+
+
+def test_no_work_of_adhesion(asperity, tmp_path, tally):
+    """Byte for byte without adhesion in the common columns: one ball, and the thesis models."""
+    sweep = {"surfaces": {"deck": str(DECK)},
+             "motion": {"x_first": 0.1, "x_step": 0.1, "positions": 100},
+             "loading": {"control": "approach", "value": (0.3, 0.26, 0.29), "points": 4}}
+    choices = {"on": {"adhesion": "on", "work_of_adhesion": 0.0}, "off": {"adhesion": "off"}}
+    pairs = [
+        [balls(tmp_path, f"ball-{name}", effects, path(np.arange(1, 12) * DEPTH), radii=(RADIUS,),
+               modulus=MODULUS) for name, effects in choices.items()],
+        [write_scene(tmp_path / f"sweep-{name}.scene", **sweep, effects=effects)
+         for name, effects in choices.items()]]
+    for scenes in pairs:
+        on, without = (solved(asperity, scene) for scene in scenes)
+        for kind in ("curve", "positions", "contacts"):
+            rows = list(zip(getattr(on, kind), getattr(without, kind), strict=True))
+            same = [all(a[name] == b[name] for name in b) for a, b in rows]
+            tally.add(f"adhesion: none, bytes of {kind}", len(same), sum(same))
+            assert same and all(same), f"{scenes[0].name}: {kind} {same.index(False)}"
+    # To the limit the solver without effects has its own order of rounding.
+    del sweep["loading"]
+    on, without = (solved(asperity, write_scene(tmp_path / f"limit-{name}.scene", **sweep,
+                                                effects=effects))
+                   for name, effects in choices.items())
+    for name in ("load", "vertical_load", "area", "approach"):
+        compare(tally, f"adhesion: none, {name} at the limit",
+                off(column(on.positions, name), column(without.positions, name)), 2e-15)
+
+
+def test_load_of_zero(asperity, tmp_path, tally):
+    """Without load a JKR contact keeps a**3 = 9 pi w R**2/(2 E), on a path of loads."""
+    effects = {"adhesion": "on", "work_of_adhesion": WORK, "equilibrium_distance": distance(50)}
+    scene = balls(tmp_path, "loads", effects,
+                  {"control": "load", "value": (3.0, 0.0, 1.0), "points": 10}, radii=(RADIUS,),
+                  modulus=MODULUS)
+    run = solved(asperity, scene)
+    loads = column(run.curve, "load")
+    asked = np.concatenate([np.linspace(a, b, 11)[1:] for a, b in ((0, 3), (3, 0), (0, 1))])
+    some = asked > 0
+    compare(tally, "adhesion: loads asked for", off(loads[1:][some], asked[some]), 1e-10)
+    compare(tally, "adhesion: load of zero", np.abs(loads[1:][~some]), 1e-10)
+    cube = 9 * math.pi * WORK * RADIUS**2 / (2 * MODULUS)
+    compare(tally, "adhesion: contact radius without load",
+            abs(radius(run.curve)[20] / cube ** (1 / 3) - 1), 1e-10)
+
+
+def test_work_of_a_cycle(asperity, tmp_path, tally):
+    """The loss of a JKR cycle in closed form; a cycle without a snap returns its work."""
+    tiny = 1e-10 * DEPTH
+    run = adhering(asperity, tmp_path, 50,
+                   (DEPTH, SNAP_OFF + tiny, SNAP_OFF - tiny, -tiny, 0, DEPTH), 1000)
+    done = work(run.curve)
+    loss = (0.3 + 0.05 * 0.25 ** (1 / 3)) * MODULUS * LENGTH**5 / RADIUS**2
+    compare(tally, "adhesion: loss of a cycle", abs((done[-1] - done[1000]) / loss - 1), 1e-4)
+    closed = adhering(asperity, tmp_path, 50, (DEPTH, 0.99 * SNAP_OFF, DEPTH), 500, name="closed")
+    done = work(closed.curve)
+    compare(tally, "adhesion: cycle without a snap",
+            abs(done[-1] - done[500]) / np.abs(done).max(), 1e-10)
+
+
+@pytest.mark.parametrize("tabor", (0.05, 0.3, 1.0, 50))
+def test_never_returns_more(tabor, asperity, tmp_path, tally):
+    """Balls of three sizes and heights, pressed and parted again and again."""
+    tops = (1.0, 0.2, 3.0, 0.5)
+    ways = [v for top in tops for v in (top * DEPTH, -12 * DEPTH)]
+    run = adhering(asperity, tmp_path, tabor, ways, 1200, contacts=False, radii=(RADIUS, 1.0, 3.0),
+                   gaps=(0.0, 0.3 * DEPTH, 0.1 * DEPTH))
+    done, loads = work(run.curve)[::1200], column(run.curve, "load")[::1200]
+    assert (loads[2::2] == 0).all() and (column(run.curve, "load") < 0).any()
+    # Each cycle after the first begins and ends apart. Without a jump nothing is lost.
+    kept = np.diff(done[2::2]) / (UNIT * DEPTH)
+    print(f"Tabor {tabor}: kept {kept} pi w R times the depth without load")
+    tally.add("adhesion: cycles that return no more", kept.size, int((kept >= -1e-10).sum()))
+    assert (kept >= -1e-10).all()
+    assert tabor < 0.1 or (kept > 1e-3).all()
+
+
+def test_auto(asperity, tmp_path):
+    """`auto` compares the largest pulls with the load."""
+    effects = {"adhesion": "auto", "work_of_adhesion": WORK, "tolerance": 0.01,
+               "equilibrium_distance": distance(50)}
+    for share, wanted in ((0.011, "on"), (0.009, "off")):
+        load = 1.5 * UNIT / share
+        run = solved(asperity, balls(tmp_path, f"auto{share}", effects, {
+            "control": "load", "value": load}, radii=(RADIUS,), modulus=MODULUS))
+        assert run.positions[0]["adhesion"] == wanted
+        assert float(run.positions[0]["adhesion_estimate"]) == pytest.approx(share, rel=0.02)
+        assert float(run.positions[0]["load"]) == pytest.approx(load, rel=1e-10)
+
+
+def test_far_apart_is_no_failure(asperity, tmp_path):
+    """A path that ends apart leaves rows of zeros."""
+    effects = {"adhesion": "on", "work_of_adhesion": WORK, "equilibrium_distance": distance(50)}
+    scene = balls(tmp_path, "apart", effects, path((DEPTH, -1.0)), radii=(RADIUS,),
+                  modulus=MODULUS)
+    run = solve(asperity, scene, curve=True)
+    assert run.status == 0 and run.curve[-1]["load"] == "0.0000000000000000E+000"

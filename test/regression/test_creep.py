@@ -1,0 +1,234 @@
+"""Creep, as `asperity solve` does it, against closed forms and creep_truth.py."""
+
+import math
+from itertools import product
+
+import mpmath
+import numpy as np
+import pytest
+
+import creep_truth as truth
+from ball_scenes import balls, column, compare, off, path, rises, solved
+from effect_runs import DECK, by_position
+from surfaces_csv import write_scene
+
+MODULUS, RADIUS, LOAD = 1000.0, 2.0, 0.5
+SOLIDS = ((0.8, 100.0, 600.0), (0.5, 1.0, 5.0), (0.01, 30.0, 3000.0), (0.999, 5.0, 1.0))
+# What loads are met to, and so closings and areas.
+MET = 1e-10
+
+
+def solid(ratio, tau, hold_time, hold="load", points=30, **more):
+    """Group &effects."""
+    return {"creep": "on", "relaxed_modulus_ratio": ratio, "relaxation_time": tau,
+            "hold_time": hold_time, "hold": hold, "hold_points": points, **more}
+
+
+def held(asperity, folder, effects, loading=None, name="ball", **more):
+    """A ball under a held load, or as said."""
+    loading = loading or {"control": "load", "value": LOAD}
+    more = {"radii": (RADIUS,), "modulus": MODULUS, **more}
+    return solved(asperity, balls(folder, name, effects, loading, **more))
+
+
+def compliance(ratio, tau, times):
+    """J(t) E(0), as printed; tested against a Laplace inversion below."""
+    return 1 / ratio - (1 / ratio - 1) * np.exp(-ratio * times / tau)
+
+
+def relaxed(ratio, tau, times):
+    return ratio + (1 - ratio) * np.exp(-times / tau)
+
+
+def test_compliance():
+    """The closed form of this file against the truth's numerical inversion."""
+    with mpmath.workdps(25):
+        for ratio, tau, time in SOLIDS:
+            assert compliance(ratio, tau, time) == pytest.approx(
+                float(truth.compliance(mpmath.mpf(repr(ratio)), tau, time)), rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio, tau, hold_time", SOLIDS)
+def test_held_approach(ratio, tau, hold_time, asperity, tmp_path, tally):
+    """The load relaxes as the modulus, in every state."""
+    run = held(asperity, tmp_path, solid(ratio, tau, hold_time, "approach"), path((0.01,)))
+    times, loads = column(run.curve, "time"), column(run.curve, "load")
+    assert times[0] == 0 and times[-1] == hold_time and len(times) == 30 and rises(times)
+    elastic = 4 / 3 * MODULUS * math.sqrt(RADIUS) * 0.01**1.5
+    compare(tally, "creep: held approach", off(loads, elastic * relaxed(ratio, tau, times)), 2e-14)
+    compare(tally, "creep: elastic load at a held approach",
+            off(column(run.contacts, "elastic_load"), [elastic] * 30), 2e-14)
+    assert len(set(row["area"] for row in run.curve)) == 1
+    peak = 2 * MODULUS / math.pi * math.sqrt(0.01 / RADIUS)
+    compare(tally, "creep: pressure at a held approach",
+            off(column(run.contacts, "maximum_pressure"), peak * relaxed(ratio, tau, times)), 2e-14)
+
+
+@pytest.mark.parametrize("ratio, tau, hold_time", SOLIDS)
+def test_held_load(ratio, tau, hold_time, asperity, tmp_path, tally):
+    """Lee and Radok: a**3 = 3/4 P R J(t); approach and area grow, the pressure falls."""
+    run = held(asperity, tmp_path, solid(ratio, tau, hold_time, points=200))
+    times, area = column(run.curve, "time"), column(run.curve, "area")
+    closing = column(run.curve, "decrease")
+    compare(tally, "creep: load held", off(column(run.curve, "load"), [LOAD] * 200), MET)
+    cube = 0.75 * LOAD * RADIUS / MODULUS * compliance(ratio, tau, times)
+    compare(tally, "creep: area of Lee and Radok", off(area, math.pi * cube ** (2 / 3)), MET)
+    compare(tally, "creep: closing of Lee and Radok", off(closing, cube ** (2 / 3) / RADIUS), MET)
+    peak = column(run.contacts, "maximum_pressure")
+    assert (np.diff(area) > 0).all() and (np.diff(closing) > 0).all() and (np.diff(peak) < 0).all()
+    # The middle pressure is the hereditary integral of the elastic one, which goes with a.
+    with mpmath.workdps(20):
+        r, end = mpmath.mpf(repr(ratio)), mpmath.mpf(hold_time)
+        j = lambda s: 1 / r - (1 / r - 1) * mpmath.exp(-r * s / tau)
+        rate = lambda s: ((1 - r) / tau * mpmath.exp(-r * s / tau) / 3
+                          * j(s) ** (-mpmath.mpf(2) / 3))
+        true = truth.hereditary(r, tau, end, lambda s: mpmath.cbrt(j(s)), rate)
+    compare(tally, "creep: pressure, 200 states, quadrature",
+            abs(peak[-1] / peak[0] / float(true) - 1), 1e-6 if ratio > 0.1 else 1e-3)
+
+
+def test_no_time_and_all_time(asperity, tmp_path, tally):
+    """No hold and a short one are elastic, an endless one is the relaxed solid."""
+    elastic = held(asperity, tmp_path, {"creep": "off"}, name="elastic")
+    for name, effects, compliant in (
+            ("none", {"creep": "on", "hold_time": 0.0}, 1.0),
+            ("short", solid(0.5, 1.0, 1e-14), 1.0), ("short", solid(0.5, 1.0, 1e-300), 1.0),
+            ("long", solid(0.5, 1.0, 1e300), 2.0), ("long", solid(0.5, 1.0, 100.0), 2.0),
+            ("at once", solid(0.5, 0.0, 1.0), 2.0), ("at once", solid(0.5, 1e-300, 1.0), 2.0),
+            ("never", solid(0.5, 1e300, 1.0), 1.0), ("never", solid(1.0, 1.0, 10.0), 1.0)):
+        run = held(asperity, tmp_path, effects, name="limit")
+        closing = column(run.curve, "decrease")
+        start = float(elastic.curve[-1]["decrease"])
+        compare(tally, f"creep: limits, {name}",
+                abs(closing[-1] / (start * compliant ** (2 / 3)) - 1), MET)
+        compare(tally, "creep: limits, load", off(column(run.curve, "load"), [LOAD] * len(closing)),
+                MET)
+    for tau, share in ((0.0, 0.5), (1e-300, 0.5), (1e300, 1.0)):
+        run = held(asperity, tmp_path, solid(0.5, tau, 1.0, "approach"), path((0.01,)))
+        loads = column(run.curve, "load")
+        compare(tally, "creep: limits, held approach",
+                off(loads[1:], [share * loads[0]] * (len(loads) - 1)), 1e-15)
+
+
+@pytest.mark.parametrize("interaction", ("off", "coupled"))
+def test_thesis_model_under_load(interaction, asperity, tmp_path, tally):
+    """Many contacts under a held load close as elastic ones do under J(t) E(0) times the load."""
+    ratio, tau, hold_time, load, position = 0.8, 100.0, 600.0, 1000.0, 5.6
+    model = {"surfaces": {"deck": str(DECK)}, "motion": {"x_first": position}}
+    run = solved(asperity, write_scene(
+        tmp_path / "creep.scene", **model, loading={"control": "load", "value": load},
+        effects=solid(ratio, tau, hold_time, points=12, interaction=interaction)))
+    times = column(run.curve, "time")
+    compare(tally, f"creep: thesis model, {interaction}, load",
+            off(column(run.curve, "load"), [load] * len(times)), MET)
+    closings = []
+    for factor in compliance(ratio, tau, times):
+        elastic = solved(asperity, write_scene(
+            tmp_path / "elastic.scene", **model, effects={"interaction": interaction},
+            loading={"control": "load", "value": float(load * factor)}), contacts=False)
+        closings.append([float(elastic.curve[-1][name]) for name in ("decrease", "area")])
+    for name, true in zip(("decrease", "area"), zip(*closings)):
+        compare(tally, f"creep: thesis model, {interaction}, {name}",
+                off(column(run.curve, name), true), 3e-10)
+        assert (np.diff(column(run.curve, name)) > 0).all()
+    # The greatest pressure falls; each contact's columns belong together.
+    rows = [row for row in run.contacts if float(row["elastic_load"]) > 0]
+    peaks = [max(column([row for row in run.contacts if row["step"] == str(step + 1)],
+                        "maximum_pressure")) for step in range(len(times))]
+    assert (np.diff(peaks) < 0).all()
+    compare(tally, f"creep: thesis model, {interaction}, relaxed share", off(
+        column(rows, "load"), column(rows, "relaxed_share") * column(rows, "elastic_load")), 1e-14)
+
+
+def test_thesis_model_at_an_approach(asperity, tmp_path, tally):
+    """With neighbours every load relaxes by the same factor; the contact circles stay."""
+    effects = solid(0.8, 100.0, 600.0, "approach", 12, interaction="coupled")
+    run = solved(asperity, write_scene(
+        tmp_path / "creep.scene", surfaces={"deck": str(DECK)}, motion={"x_first": 5.3,
+        "x_step": 0.1, "positions": 4}, loading={"control": "approach", "value": 0.27},
+        effects=effects))
+    errors = []
+    for rows in by_position(run.contacts).values():
+        steps = {int(row["step"]): {} for row in rows}
+        for row in rows:
+            steps[int(row["step"])][row["area_no"]] = row
+        curve = [row for row in run.curve if row["position"] == rows[0]["position"]]
+        factors = relaxed(0.8, 100.0, column(curve, "time"))
+        assert len(factors) == len(steps) == 12
+        for number, factor in enumerate(factors, 1):
+            assert steps[number].keys() == steps[1].keys()
+            now, start = list(steps[number].values()), list(steps[1].values())
+            errors += list(off(column(now, "load"), factor * column(start, "load")))
+            assert (column(now, "area") == column(start, "area")).all()
+    assert len(errors) > 100
+    compare(tally, "creep: neighbours at a held approach", errors, 1e-12)
+
+
+def test_three_balls(asperity, tmp_path, tally):
+    """The last one touches during the hold: shares of the load as the truth's march has them."""
+    gaps, radii, load, ratio, tau, hold_time = (0, 0.01, 0.03), (1, 2, 0.5), 0.008, 0.4, 1.0, 3.0
+    (elastic, loads), moved = truth.extrapolated(gaps, radii, load, ratio, tau, hold_time,
+                                                 steps=200)
+    assert moved < 1e-4 * load
+    run = held(asperity, tmp_path, solid(ratio, tau, hold_time, points=400),
+               {"control": "load", "value": load}, radii=radii, gaps=gaps, modulus=1.0)
+    last = [row for row in run.contacts if row["step"] == run.curve[-1]["step"]]
+    assert run.curve[0]["contacts"] == "2" and len(last) == 3
+    found = {int(row["upper"]): row for row in last}
+    compare(tally, "creep: loads of three balls, shares",
+            [abs(float(found[i + 1]["load"]) - loads[i]) / load for i in range(3)], 2e-6)
+    compare(tally, "creep: elastic loads of three balls",
+            [abs(float(found[i + 1]["elastic_load"]) - elastic[i]) / load for i in range(3)], 2e-6)
+
+
+@pytest.mark.parametrize("control", ("load", "approach"))
+def test_hold_after_a_path(control, asperity, tmp_path, tally):
+    """What is held is where the path ended, not its deepest point."""
+    values = (0.4, 0.9, 0.5) if control == "load" else (-0.005, -0.009, -0.006)
+    for hold, points in product(("load", "approach"), (0, 5)):
+        loading = {"control": control, "value": values, "points": points}
+        run = held(asperity, tmp_path, solid(0.5, 1.0, 4.0, hold, 10), loading, name="path")
+        times = column(run.curve, "time")
+        start = int((times == 0).sum()) - 1
+        held_rows = run.curve[start:]
+        assert len(held_rows) == 10 and start + 1 == (1 + 3 * 5 if points else 3)
+        end = -values[-1] if control == "approach" else None
+        if hold == "approach":
+            end = end or float(held_rows[0]["decrease"])
+            compare(tally, "creep: approach held after a path",
+                    off(column(held_rows, "decrease"), [end] * 10), 1e-15)
+            compare(tally, "creep: load relaxing after a path", off(
+                column(held_rows, "load"),
+                float(held_rows[0]["load"]) * relaxed(0.5, 1.0, times[start:])), 1e-13)
+        else:
+            compare(tally, "creep: load held after a path",
+                    off(column(held_rows, "load"), [float(held_rows[0]["load"])] * 10), MET)
+        if control == "load":
+            assert float(held_rows[0]["load"]) == pytest.approx(0.5, rel=1e-10)
+
+
+def test_takes_up_work(asperity, tmp_path, tally):
+    """In a hold the solid only takes work: force times closing never goes back."""
+    worst = []
+    for ratio, tau, hold_time in SOLIDS:
+        run = solved(asperity, write_scene(
+            tmp_path / "model.scene", surfaces={"deck": str(DECK)}, motion={"x_first": 5.5},
+            loading={"control": "load", "value": 800.0},
+            effects=solid(ratio, tau, hold_time, points=40)), contacts=False)
+        closing, load = column(run.curve, "decrease"), column(run.curve, "vertical_load")
+        done = np.diff(closing) * (load[1:] + load[:-1]) / 2
+        worst.append((done >= 0).all())
+    tally.add("creep: holds that return nothing", len(worst), sum(worst))
+    assert all(worst)
+
+
+def test_auto(asperity, tmp_path):
+    """`auto` asks what a held approach would lose."""
+    for hold_time, wanted in ((1e-3, "off"), (1.0, "on"), (0.0, "off")):
+        effects = {**solid(0.8, 10.0, hold_time), "creep": "auto"}
+        run = held(asperity, tmp_path, effects, name="auto")
+        row = run.positions[0]
+        assert row["creep"] == wanted, hold_time
+        assert float(row["creep_estimate"]) == pytest.approx(
+            1 - relaxed(0.8, 10.0, hold_time), abs=1e-12)
+        assert len(run.curve) == (30 if wanted == "on" else 1)

@@ -1,0 +1,249 @@
+"""Which effects a scene may name, what each needs, and where `auto` calls for them."""
+
+import csv
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+
+from ball_scenes import balls, column, compare, off, solved
+from effect_runs import DECK, ROOT
+from surfaces_csv import solve, write_scene
+
+EXAMPLES = ROOT / "data" / "examples" / "effects"
+ON = {"interaction": ("coupled", "boundary"), "friction": ("on",), "plasticity": ("on",),
+      "adhesion": ("on",), "creep": ("on",)}
+NUMBERS = {"friction_coefficient": 0.1, "plastic_yield_stress": 6000.0, "work_of_adhesion": 1e-3,
+           "equilibrium_distance": 1e-7, "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5,
+           "hold_time": 1.0}
+# Why two effects are not added up.
+REFUSED = {
+    ("adhesion", "plasticity"): "the theories of adhesion are elastic",
+    ("adhesion", "creep"): "the theory of creep knows no attraction",
+    ("adhesion", "interaction"): "neighbours are lowered by pressures of Hertz",
+    ("adhesion", "friction"): "shear changes adhesion",
+    ("creep", "plasticity"): "creep here is that of an elastic contact",
+    ("creep", "friction"): "slip and creep together have no closed theory",
+}
+
+
+def why(first, second, word):
+    """The sentence for a pair, if it is refused."""
+    pair = tuple(sorted((first, second)))
+    if pair == ("interaction", "plasticity") and word == "boundary":
+        return "cells are elastic: plasticity goes with interaction = 'coupled'"
+    return REFUSED.get(pair) or REFUSED.get(pair[::-1])
+
+
+def run(asperity, folder, **groups):
+    """A scene of the thesis model at its position 56, each in a file of its own."""
+    name = f"{len(list(folder.iterdir()))}.scene"
+    return solve(asperity, write_scene(folder / name, surfaces={"deck": str(DECK)},
+                                       motion={"x_first": 5.6}, **groups))
+
+
+def test_pairs(asperity, tmp_path, tally):
+    """Every pair: refused with its sentence, or computed."""
+    pairs = [(a, b, wa, wb) for i, a in enumerate(ON) for b in list(ON)[:i]
+             for wa, wb in product(ON[a], ON[b])]
+    refused = 0
+    for first, second, first_word, second_word in pairs:
+        done = run(asperity, tmp_path, effects={first: first_word, second: second_word, **NUMBERS})
+        interaction = second_word if second == "interaction" else first_word
+        sentence = why(first, second, interaction)
+        if sentence:
+            refused += 1
+            assert done.status == 2, (first, second)
+            assert sentence in done.stderr and "do not go together" in done.stderr, done.stderr
+            assert first in done.stderr and second in done.stderr
+            assert not done.positions and not done.stdout
+        else:
+            assert done.status == 0, (first, second, done.stderr)
+            assert done.positions[0][first] == first_word
+            assert done.positions[0][second] == second_word
+    tally.add("effects: pairs refused or computed", len(pairs), len(pairs))
+    # Adhesion with any other, creep with flow and friction, flow with cells.
+    assert len(pairs) == 14 and refused == 8, refused
+
+
+def test_auto_meets_a_refused_pair(asperity, tmp_path):
+    """With `auto` two such effects stop the run only where both are called for."""
+    both = {"plasticity": "auto", "creep": "auto", **NUMBERS}
+    for load, status in ((1000.0, 0), (6000.0, 1)):
+        done = run(asperity, tmp_path, effects=both, loading={"control": "load", "value": load})
+        assert done.status == status, done.stderr
+        assert (status == 0) == bool(done.positions)
+        if status:
+            assert "position 1: " in done.stderr and REFUSED["creep", "plasticity"] in done.stderr
+
+
+BAD = [
+    ("plasticity", "'maybe'", "expected"), ("adhesion", "1", "expected"),
+    ("creep", "'coupled'", "expected"), ("plastic_yield_stress", "0", "a number more than 0"),
+    ("plastic_yield_stress", "-1", "a number more than 0"),
+    ("work_of_adhesion", "-1e-3", "a number of 0 or more"),
+    ("work_of_adhesion", "'much'", "a number of 0 or more"),
+    ("equilibrium_distance", "0.", "a number more than 0"),
+    ("relaxation_time", "-1", "a number of 0 or more"),
+    ("relaxed_modulus_ratio", "0", "a number more than 0 and at most 1"),
+    ("relaxed_modulus_ratio", "1.01", "a number more than 0 and at most 1"),
+    ("hold_time", "-600", "a number of 0 or more"),
+    ("hold_time", "Inf", "expected a number"), ("hold", "'pressure'", "expected"),
+    ("hold_points", "1", "expected"), ("hold_points", "2.5", "expected"),
+    ("hold_points", "100001", "expected"), ("friction_coefficient", "-0.1", "of 0 or more"),
+    ("tolerance", "0", "more than 0 and less than 1"),
+    ("tolerance", "1", "more than 0 and less than 1"),
+    ("work_of_adhesion", "1, 2", "wrong number of values"),
+    ("yield", "1", "unknown name"),
+]
+
+
+def test_bad_input(asperity, tmp_path, tally):
+    """A bad value of each name: exit status 2, the place, what was found and expected."""
+    for name, value, words in BAD:
+        scene = tmp_path / "bad.scene"
+        scene.write_text(f"&surfaces deck = '{DECK}' /\n&effects {name} = {value} /\n")
+        done = solve(asperity, scene)
+        assert done.status == 2, (name, value, done.stderr)
+        line = done.stderr.splitlines()[-1]
+        assert line.startswith(f"{scene}:2:") and words in line, line
+        assert name in line and not done.positions
+    tally.add("effects: bad values refused", len(BAD), len(BAD))
+
+
+MISSING = [
+    ({"friction": "on"}, "friction_coefficient"), ({"adhesion": "on"}, "work_of_adhesion"),
+    ({"adhesion": "on", "work_of_adhesion": 1e-3}, "equilibrium_distance"),
+    ({"adhesion": "auto", "work_of_adhesion": 1e-3}, "equilibrium_distance"),
+    ({"creep": "on"}, "hold_time"),
+    ({"creep": "on", "hold_time": 1.0, "relaxed_modulus_ratio": 0.5}, "relaxation_time"),
+    ({"creep": "auto", "hold_time": 1.0, "relaxation_time": 0.5}, "relaxed_modulus_ratio"),
+]
+
+
+def test_missing_numbers(asperity, tmp_path, tally):
+    """What an effect needs must be there; with CSV surfaces and no limit a yield stress, too."""
+    for effects, name in MISSING:
+        done = run(asperity, tmp_path, effects=effects)
+        assert done.status == 2 and f"no {name} in &effects" in done.stderr, done.stderr
+        assert len(done.stderr.splitlines()) == 1
+    done = solve(asperity, balls(tmp_path, "no-limit", {"plasticity": "on"},
+                                 {"control": "load", "value": 1.0}))
+    assert done.status == 2 and "no plastic_yield_stress in &effects" in done.stderr
+    tally.add("effects: missing numbers", len(MISSING) + 1, len(MISSING) + 1)
+
+
+def test_bad_paths(asperity, tmp_path):
+    """Loads of a path: not negative, one more than zero."""
+    for value, words in ((0.0, "a number more than 0"), ((1.0, -1.0), "a number of 0 or more"),
+                         ((0.0, 0.0), "no load is more than 0")):
+        done = run(asperity, tmp_path, loading={"control": "load", "value": value})
+        assert done.status == 2 and words in done.stderr, done.stderr
+
+
+def test_auto_leaves_the_thesis_alone(asperity, tmp_path, tally):
+    """Elastic, no hold, no work of adhesion: byte for byte the sweep without effects."""
+    sweep = {"surfaces": {"deck": str(DECK)},
+             "motion": {"x_first": 0.1, "x_step": 0.1, "positions": 100}}
+    quiet = {"plasticity": "auto", "adhesion": "auto", "creep": "auto", "friction": "auto"}
+    plain, auto = (solved(asperity, write_scene(tmp_path / f"{name}.scene", **sweep,
+                                                effects=effects))
+                   for name, effects in (("plain", {"plasticity": "off"}), ("auto", quiet)))
+    for kind in ("positions", "contacts", "curve"):
+        rows = list(zip(getattr(auto, kind), getattr(plain, kind), strict=True))
+        same = [all(a[name] == b[name] for name in b) for a, b in rows]
+        tally.add(f"auto: thesis sweep, bytes of {kind}", len(same), sum(same))
+        assert same and all(same), kind
+    every = solved(asperity, write_scene(tmp_path / "every.scene", **sweep,
+                                         effects={**quiet, "interaction": "auto"}))
+    for done in (auto, every):
+        for name in quiet:
+            assert {row[name] for row in done.positions} == {"off"}
+        text = " ".join(done.stdout.split())
+        for name in ("plasticity", "adhesion", "creep", "friction"):
+            assert f"{name} auto, tolerance 1.00 %: estimated at 100 positions, simulated at 0" \
+                in text
+    # Where `auto` leaves interaction out, too, nothing differs.
+    left = [all(a[name] == b[name] for name in b) for a, b in
+            zip(every.positions, plain.positions) if a["interaction"] == "off"]
+    tally.add("auto: positions without interaction, bytes", len(left), sum(left))
+    assert len(left) > 40 and all(left)
+
+
+@pytest.mark.parametrize("limit, effects, hardness", (
+    ({"criterion": "greenwood_williamson", "hardness": 21560.0}, {}, 21560.0),
+    ({"criterion": "load"}, {"plastic_yield_stress": 6465.0}, 2.84 * 6465.0),
+    ({"criterion": "load"}, {}, None),
+    ({"criterion": "pressure", "value": 9000.0}, {}, 0.75 * math.pi * 9000.0),
+    ({"criterion": "hardy", "yield_stress": 5000.0}, {},
+     math.pi / 2 * 2.76 * 5000.0 * math.sqrt(1.9))))
+def test_plasticity_index(limit, effects, hardness, asperity, tmp_path, tally):
+    """(E/H) sqrt(sigma/R) of the deck's summits, as the summary prints it."""
+    done = run(asperity, tmp_path, limit=limit, effects={"plasticity": "auto", **effects})
+    assert done.status == 0, done.stderr
+    line = next(line for line in done.stdout.splitlines() if "plasticity index" in line)
+    lines = DECK.read_text().splitlines()
+    upper, heights = int(lines[1][:5]), [float(line[12:19]) for line in lines[4:]]
+    # Of the sum of both surfaces' heights; inches.
+    sigma = math.hypot(np.std(heights[:upper]), np.std(heights[upper:]))
+    modulus = 400000 * 0.6894 / (2 * (1 - 0.42**2))
+    if hardness is None:  # by the limit load: E sqrt(w/R)
+        hardness = modulus * (0.75 * 65 * 9.8 / 2.205 / (modulus * 0.635**2)) ** (1 / 3)
+    index = modulus / hardness * math.sqrt(sigma / 0.25)
+    compare(tally, "plasticity index", abs(float(line.split()[-1]) / index - 1), 5e-3)
+
+
+# What each example is about: what `auto` simulates there, at the last state.
+ABOUT = {"beyond_limit": {"plasticity": "on"}, "ten_minutes": {"creep": "on"},
+         "ten_minutes_approach": {"creep": "on"}, "index_092": {"plasticity": "on"},
+         "gelatine": {"adhesion": "on"}, "beyond_limit_hertz": {}, "cycle": {"plasticity": "on"},
+         "cycle_elastic": {}, "steel": {"plasticity": "on"}}
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.scene")))
+def test_examples(name, asperity, tmp_path, tally):
+    """Only what an example is about is simulated; its output beside it is still what comes out."""
+    done = solve(asperity, EXAMPLES / f"{name}.scene", folder=tmp_path, contacts=False, curve=True)
+    assert done.status == 0, done.stderr
+    row = done.positions[0]
+    simulated = {effect: row[effect] for effect in ON if row.get(effect, "off") != "off"}
+    assert simulated == ABOUT[name]
+    with open(EXAMPLES / f"{name}.curve.csv", newline="") as file:
+        kept = list(csv.DictReader(file))
+    assert len(kept) == len(done.curve) and kept[0].keys() == done.curve[0].keys()
+    for column_name in ("approach", "load", "area", "time"):
+        found, true = column(done.curve, column_name), column(kept, column_name)
+        scale = np.abs(true).max() or 1.0
+        compare(tally, f"examples: {column_name} of the curves", np.abs(found - true) / scale,
+                1e-9)
+    if name.startswith(("beyond_limit", "ten", "index")) and "hertz" not in name:
+        # All five effects were asked for.
+        assert all(row[effect + "_estimate"] for effect in ON)
+
+
+def flowing(rows, overlap):
+    """Share of the contacts that are past an overlap."""
+    return (column(rows, "overlap") > overlap).mean()
+
+
+def test_share_of_contacts_that_flow(asperity, tmp_path, tally):
+    """The example with the index 0.92 against the integrals of Greenwood and Williamson."""
+    run_of_index = solve(asperity, EXAMPLES / "index_092.scene", folder=tmp_path, curve=True)
+    modulus, hardness, radius = 196000 / (2 * (1 - 0.42**2)), 21560.0, 0.635
+    onset = radius * (hardness / modulus) ** 2
+    sigma = radius * (0.92 * hardness / modulus) ** 2
+    tail = lambda z: 0.5 * math.erfc(z / math.sqrt(2))
+    # 400 summits are counted: a share is known to half a contact.
+    for row in run_of_index.curve:
+        rows = [r for r in run_of_index.contacts if r["step"] == row["step"]]
+        height = (float(row["approach"]) - 0.1) / sigma
+        compare(tally, "index: share of summits that touch",
+                abs(len(rows) / 400 - tail(height)), 2 / 400)
+        compare(tally, "index: share of contacts that flow",
+                abs(flowing(rows, onset) - tail(height + onset / sigma) / tail(height)),
+                1 / len(rows))
+    assert 0.2 < flowing(rows, onset) < 0.4
+    compare(tally, "index: ratio of onset and deviation",
+            off([onset / sigma], [1 / 0.92**2]), 1e-12)
+    assert "plasticity index of the surfaces 0.920" in run_of_index.stdout

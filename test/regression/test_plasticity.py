@@ -1,0 +1,337 @@
+"""Plastic flow, as `asperity solve` does it, against the published formulas of plastic_truth.py."""
+
+import random
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath import mpf
+
+from ball_scenes import balls, column, compare, off, path, rises, solved, work
+from effect_runs import DECK, by_position
+from plastic_truth import BETWEEN, POINTS, STEEL, Sphere, unloading
+from surfaces_csv import write_scene
+
+ONSET = 1.9 * float(STEEL.critical_overlap)
+# The steel of Jackson and Green: on a rigid flat, or on its like with twice the modulus.
+MATERIAL = {"modulus": float(STEEL.modulus), "ratio": 0.32}
+ON = {"plasticity": "on", "plastic_yield_stress": 0.9115}
+
+
+def pressed(asperity, folder, closings, points=None, effects=ON, name="steel",
+            contacts=True, **more):
+    """One contact of the steel, closed as said."""
+    return solved(asperity, balls(folder, name, effects, path(closings, points), **MATERIAL,
+                                  **more), contacts=contacts)
+
+
+def overlaps(run):
+    """Closings over the critical overlap, with many digits."""
+    return [mpf(float(row["decrease"])) / STEEL.critical_overlap for row in run.curve]
+
+
+def test_published_curve(asperity, tmp_path, tally):
+    """Ten points of Jackson and Green; below x = 6 the join that docs/effects/plasticity.md has."""
+    wanted = sorted(map(float, (*BETWEEN, *POINTS)))
+    run = pressed(asperity, tmp_path, [x * ONSET / 1.9 for x in wanted])
+    x = overlaps(run)
+    joined = sum(float(v) < 5.99 for v in x)
+    assert len(x) == 15 and joined == 5
+    load = off(column(run.curve, "load"), [STEEL.joined(v) * STEEL.critical_load for v in x])
+    area = off(column(run.curve, "area"), [STEEL.area(v) * STEEL.critical_area for v in x])
+    published = off(column(run.curve, "load")[joined:],
+                    [STEEL.published(v) * STEEL.critical_load for v in x[joined:]])
+    compare(tally, "plasticity: published load, ten points", published, 1e-13)
+    compare(tally, "plasticity: load, joined", load[:joined], 1e-13)
+    compare(tally, "plasticity: area", area, 1e-13)
+    assert [row["plastic"] for row in run.contacts] == ["1.0000000000000000E+000"] * 15
+
+
+def test_hertz_below_onset(asperity, tmp_path, tally):
+    """A hair below the onset every common column is that without plasticity; a hair above not."""
+    below, above = ONSET * (1 - 1e-12), ONSET * (1 + 1e-9)
+    on, without = (pressed(asperity, tmp_path, (0.3 * ONSET, 0.7 * ONSET, below, above),
+                           effects=effects, name=name)
+                   for effects, name in ((ON, "on"), ({"plasticity": "off"}, "off")))
+    same = [all(a[key] == b[key] for key in b) for a, b in zip(on.contacts, without.contacts)]
+    tally.add("plasticity: Hertz below the onset, bytes", 3, sum(same[:3]))
+    assert same == [True, True, True, False]
+    assert [float(row["plastic"]) for row in on.contacts] == [0, 0, 0, 1]
+    change = abs(float(on.contacts[3]["load"]) / float(without.contacts[3]["load"]) - 1)
+    assert 1e-13 < change < 1e-8
+
+
+def test_limit_is_onset(asperity, tmp_path, tally):
+    """The limit of the scene as onset: the load at it is the limit, past it the law of Sy."""
+    limit = 1.9**1.5 * float(STEEL.critical_load)
+    effects = {"plasticity": "on"}
+    by_limit = pressed(asperity, tmp_path, np.array([1.0, 1.5, 3, 10]) * ONSET, effects=effects,
+                       name="limit", limit={"criterion": "load", "value": limit})
+    by_stress = pressed(asperity, tmp_path, np.array([1.0, 1.5, 3, 10]) * ONSET)
+    for name in ("load", "area"):
+        compare(tally, f"plasticity: onset by limit, {name}",
+                off(column(by_limit.curve, name), column(by_stress.curve, name)), 1e-12)
+    assert [row["limit_exceeded"] for row in by_limit.contacts] == ["1"] * 4
+    # First yield by Hardy is 1.9 times earlier in overlap: C Sy = 2.76 times the shear stress.
+    shear = float(STEEL.c * STEEL.yield_stress) / 2.76
+    hardy = pressed(asperity, tmp_path, np.array([1.0, 1.5, 3, 10]) * ONSET, effects=effects,
+                    name="hardy", limit={"criterion": "hardy", "yield_stress": shear})
+    compare(tally, "plasticity: onset by Hardy's yield",
+            off(column(hardy.curve, "load"), column(by_stress.curve, "load")), 1e-12)
+
+
+def onsets(asperity, folder):
+    """Closings 1e-13 apart through the onset, the end of the join and the largest overlap."""
+    largest = 12 / 1.9 * ONSET
+    return [pressed(asperity, folder, start * (1 + 1e-13 * np.arange(-30, 31)), name=name)
+            for name, start in (("onset", ONSET), ("join", 6 / 1.9 * ONSET))] + [
+        pressed(asperity, folder, [largest, *largest * (1 - 1e-13 * np.arange(0, 40))],
+                name="turn")]
+
+
+def test_continuous(asperity, tmp_path, tally):
+    """Load and area do not jump, seen with steps of 1e-13."""
+    for place, run in zip(("onset", "end of the join", "turn"), onsets(asperity, tmp_path)):
+        for name in ("load", "area"):
+            values = column(run.curve, name)
+            jumps = np.abs(np.diff(values)) / values[:-1]
+            compare(tally, f"plasticity: jump of {name}, {place}", jumps, 1e-12)
+
+
+def test_never_falling(asperity, tmp_path, tally):
+    """Steps of 1e-6 around the onset and coarse ones to 150 critical overlaps."""
+    fine = pressed(asperity, tmp_path, (ONSET * (1 - 5e-4), ONSET * (1 + 5e-4)), 1000, name="fine")
+    coarse = pressed(asperity, tmp_path, (0.9 * ONSET, 80 * ONSET), 2000, name="coarse")
+    for name in ("load", "area"):
+        values = column(fine.curve, name)[1000:]
+        steps = np.diff(values) / values[:-1]
+        assert (np.diff(values) > 0).all() and (np.diff(column(coarse.curve, name)) > 0).all()
+        # A jump of the curve would stand out of the second differences; the stiffness may step.
+        bend = np.abs(np.diff(steps))
+        compare(tally, f"plasticity: second differences of {name}",
+                np.delete(bend, bend.argmax()), 1e-11)
+        assert bend.max() < 1e-6
+
+
+def test_unloading(asperity, tmp_path, tally):
+    """Down and up again on the curve of Etsion, Kligerman and Kadin, then on by the first one."""
+    top, further = 10 * ONSET / 1.9, 20 * ONSET / 1.9
+    run = pressed(asperity, tmp_path, (top, 0, top, further, 0), 40)
+    up, down, again, on, last = (run.curve[1 + 40 * i : 41 + 40 * i] for i in range(5))
+    for name, curve, start in (("unloading", down, up[-1]), ("again", again, up[-1]),
+                               ("second unloading", last, on[-1])):
+        x_top = mpf(float(start["decrease"])) / STEEL.critical_overlap
+        residual, load_power, area_power = unloading(x_top)
+        share = [max(mpf(0), (mpf(float(row["decrease"])) / float(start["decrease"]) - residual)
+                     / (1 - residual)) for row in curve]
+        for column_name, power, full in (
+                ("load", load_power, STEEL.published(x_top) * STEEL.critical_load),
+                ("area", area_power, STEEL.area(x_top) * STEEL.critical_area)):
+            true = [full * s**power for s in share]
+            # Near the residual overlap the share itself cancels.
+            errors = [e * min(1.0, float(s)) for e, s in
+                      zip(off(column(curve, column_name), true), share)]
+            compare(tally, f"plasticity: {name}, {column_name}", errors, 1e-13)
+        flat = [row for row, s in zip(curve, share) if s == 0]
+        assert flat and all(float(row["load"]) == 0 == float(row["area"]) for row in flat)
+    x = [mpf(float(row["decrease"])) / STEEL.critical_overlap for row in on]
+    compare(tally, "plasticity: loading on",
+            off(column(on, "load"), [STEEL.published(v) * STEEL.critical_load for v in x]), 1e-13)
+    assert again[-1]["load"] == up[-1]["load"]
+
+
+def test_hysteresis(asperity, tmp_path, tally):
+    """Work of a cycle by the trapezoidal rule against the column and against quadrature."""
+    tops = (3.0, 6.0, 12.0, 40.0)
+    lost, errors = [], []
+    for top in tops:
+        run = pressed(asperity, tmp_path, (top * ONSET / 1.9, 0), 2000, name=f"cycle{top:g}",
+                      contacts=False)
+        took = work(run.curve)[-1]
+        told = float(run.positions[0]["dissipated_work"])
+        lost.append(took)
+        errors.append(abs(took / told - 1))
+        assert took > 0
+    compare(tally, "plasticity: work of a cycle against its column", errors, 1e-6)
+    unit = STEEL.critical_load * STEEL.critical_overlap
+    true = [float(STEEL.lost(top) * unit) for top in tops[1:]]
+    compare(tally, "plasticity: work of a cycle against quadrature", off(lost[1:], true), 1e-6)
+    assert rises(lost)
+
+
+@pytest.mark.parametrize("interaction", ("off", "coupled"))
+def test_closed_elastic_cycle(interaction, asperity, tmp_path, tally):
+    """The thesis model up, down, part up, down: the same loads at the same closings."""
+    effects = {"interaction": interaction}
+    scene = write_scene(tmp_path / "cycle.scene", surfaces={"deck": str(DECK)},
+                        motion={"x_first": 5.6}, effects=effects,
+                        loading={"control": "approach", "value": (0.26, 0.29, 0.26, 0.29),
+                                 "points": 60})
+    run = solved(asperity, scene)
+    first, down, up, last = (run.curve[1 + 60 * i : 61 + 60 * i] for i in range(4))
+    loads = {name: column(rows, "load") for name, rows in (
+        ("down", down), ("up", up), ("last", last))}
+    closings = column(down, "decrease")
+    assert np.allclose(closings, column(last, "decrease"), rtol=0, atol=1e-15)
+    assert (loads["last"] > 0).sum() > 45 and column(last, "contacts").max() >= 5
+    errors = [off(loads["last"], loads["down"]), off(loads["up"][:-1], loads["down"][-2::-1])]
+    compare(tally, f"elastic cycle, {interaction}: same loads", np.concatenate(errors), 1e-10)
+    gained = work(run.curve)
+    compare(tally, f"elastic cycle, {interaction}: work left",
+            abs(gained[240] - gained[120]) / gained[60], 1e-10)
+
+
+def test_a_path_of_loads(asperity, tmp_path, tally):
+    """Loads up and down are met, with hysteresis, by many contacts of the thesis model."""
+    scene = write_scene(tmp_path / "loads.scene", surfaces={"deck": str(DECK)},
+                        motion={"x_first": 5.6}, effects={"plasticity": "on"},
+                        loading={"control": "load", "value": (4000.0, 500.0, 4000.0, 6000.0, 0.0),
+                                 "points": 30})
+    run = solved(asperity, scene)
+    loads, closing = column(run.curve, "load"), column(run.curve, "decrease")
+    assert len(loads) == 151
+    asked = np.concatenate([np.linspace(a, b, 31)[1:] for a, b in (
+        (0, 4000), (4000, 500), (500, 4000), (4000, 6000), (6000, 0))])
+    compare(tally, "plasticity: loads asked for", off(loads[1:-1], asked[:-1]), 1e-10)
+    assert loads[-1] <= 1e-9 and closing[-1] > 0.003
+    up, down, again = closing[1:31], closing[31:61], closing[61:91]
+    compare(tally, "plasticity: reloading by the same curve",
+            off(again[:-1], down[-2::-1]), 1e-9)
+    assert (np.interp(asked[31:60], asked[:30], up) < down[1:]).all()
+    assert work(run.curve)[-1] > 0
+
+
+def test_never_returns_more(asperity, tmp_path, tally):
+    """Random ways over the thesis model: whenever the load is gone, work was taken."""
+    rng, ends = random.Random(6), 0
+    for criterion, number in (("load", "value"), ("hardy", "yield_stress")):
+        limit = {"criterion": criterion, number: {"load": 120.0, "hardy": 4000.0}[criterion]}
+        for turn in range(4):
+            ways = [round(rng.uniform(0.24, 0.29), 4) for _ in range(8)]
+            values = tuple(v for way in ways for v in (way, 0.35))
+            scene = write_scene(
+                tmp_path / f"{criterion}{turn}.scene", surfaces={"deck": str(DECK)},
+                motion={"x_first": 5.3 + 0.1 * turn}, limit=limit, effects={"plasticity": "on"},
+                loading={"control": "approach", "value": values, "points": 100})
+            run = solved(asperity, scene, contacts=False)
+            done = work(run.curve)[::100]
+            apart = done[2::2]
+            assert (column(run.curve[200::200], "load") == 0).all()
+            # A trapezoid of a step near first touch is coarse: allow it 1e-4 of what was taken.
+            slack = 1e-4 * done.max()
+            assert done.max() > 0 and (np.diff(np.concatenate([[0.0], apart])) > -slack).all()
+            told = float(run.positions[0]["dissipated_work"])
+            assert abs(apart[-1] / told - 1) < 5e-3, (apart[-1], told)
+            ends += len(apart)
+    tally.add("plasticity: ways that return no more", ends, ends)
+
+
+def test_with_friction(asperity, tmp_path, tally):
+    """The tangential load is mu times the plastic one where a contact slides, else less."""
+    groups = {"surfaces": {"deck": str(DECK)}, "motion": {"x_first": 5.6},
+              "loading": {"control": "approach", "value": 0.23}}
+    plastic = solved(asperity, write_scene(tmp_path / "plastic.scene", **groups,
+                                           effects={"plasticity": "on"}))
+    both = solved(asperity, write_scene(tmp_path / "both.scene", **groups, effects={
+        "plasticity": "on", "friction": "on", "friction_coefficient": 0.1}))
+    names = ("load", "area", "plastic", "largest_overlap", "maximum_pressure")
+    same = [[a[name] for name in names] == [b[name] for name in names]
+            for a, b in zip(plastic.contacts, both.contacts, strict=True)]
+    tally.add("plasticity: normal columns with friction", len(same), sum(same))
+    assert all(same) and sum(float(row["plastic"]) for row in both.contacts) >= 3
+    load, tangential = column(both.contacts, "load"), column(both.contacts, "tangential_load")
+    sliding = column(both.contacts, "sliding") == 1
+    assert sliding.any()
+    compare(tally, "plasticity: friction of sliding contacts",
+            off(tangential[sliding], 0.1 * load[sliding]), 1e-14)
+    assert (tangential <= 0.1 * load * (1 + 1e-14)).all()
+    slope = column(both.contacts, "slope")
+    cosine = 1 / np.sqrt(1 + slope**2)
+    compare(tally, "plasticity: vertical load with friction",
+            off(column(both.contacts, "vertical_load"),
+                cosine * (load + tangential * slope)), 1e-12)
+
+
+def plastic_of_the_thesis():
+    """Both bodies are of it, flowing from 6000 N/cm2; the exponent of the area as documented."""
+    body = mpf(275760) / 2  # half: a rigid flat has none
+    sphere = Sphere(body, "0.42", "6000", "0.635")
+    sphere.b = min(sphere.b, mpf("0.14") * mpmath.exp(
+        23 * mpf("1.619") * (1 - mpf("0.32")**2) / 200))
+    return sphere
+
+
+def model(asperity, folder, name, approaches, points=None, **effects):
+    """The thesis model at its position 56."""
+    loading = {"control": "approach", "value": approaches}
+    if points:
+        loading["points"] = points
+    return solved(asperity, write_scene(
+        folder / f"{name}.scene", surfaces={"deck": str(DECK)}, motion={"x_first": 5.6},
+        loading=loading, effects={"plastic_yield_stress": 6000.0, **effects}))
+
+
+def test_with_interaction(asperity, tmp_path, tally):
+    """With neighbours each contact still follows its own curve, at its own overlap."""
+    run = model(asperity, tmp_path, "both", 0.23, plasticity="on", interaction="coupled")
+    sphere = plastic_of_the_thesis()
+    rows = [row for row in run.contacts if float(row["load"]) > 0]
+    x = [mpf(float(row["overlap"])) / sphere.critical_overlap for row in rows]
+    assert max(x) > 6 and max(column(rows, "lowered")) > 1e-4
+    compare(tally, "plasticity: loads with neighbours",
+            off(column(rows, "load"), [sphere.joined(v) * sphere.critical_load for v in x]), 1e-11)
+    alone = model(asperity, tmp_path, "alone", 0.23, plasticity="on")
+    elastic = model(asperity, tmp_path, "elastic", 0.23, interaction="coupled")
+    total, lonely, stiff = (float(r.positions[0]["vertical_load"])
+                            for r in (run, alone, elastic))
+    assert total < lonely and total < stiff
+
+
+def test_unloading_with_interaction(asperity, tmp_path, tally):
+    """Flattened contacts open one after the other; those left follow their own curves."""
+    run = model(asperity, tmp_path, "cycle", (0.215, 0.29), 80, plasticity="on",
+                interaction="coupled")
+    sphere, errors = plastic_of_the_thesis(), []
+    down = run.curve[81:]
+    loads = column(down, "load")
+    assert (np.diff(loads) <= 0).all() and loads[-1] == 0
+    assert len({row["contacts"] for row in down}) > 5
+    for row in run.contacts:
+        x_top = mpf(float(row["largest_overlap"])) / sphere.critical_overlap
+        if int(row["step"]) < 82 or x_top < 6:
+            continue
+        residual, power, _ = unloading(x_top)
+        share = (mpf(float(row["overlap"])) / float(row["largest_overlap"]) - residual) / (
+            1 - residual)
+        true = sphere.published(x_top) * sphere.critical_load * max(share, mpf(0)) ** power
+        errors.append(float(abs(float(row["load"]) - true) / (
+            sphere.published(x_top) * sphere.critical_load)))
+    assert len(errors) > 300
+    compare(tally, "plasticity: unloading with neighbours", errors, 1e-12)
+    taken, left = work(run.curve)[80], work(run.curve)[-1]
+    assert 0 < left < taken
+
+
+def test_auto_at_the_onset(asperity, tmp_path):
+    """`auto` waits until flow changes the load by the tolerance, and tells its estimate."""
+    load = 1.9**1.5 * float(STEEL.critical_load)
+    effects = {"plasticity": "auto", "plastic_yield_stress": 0.9115, "tolerance": 0.01}
+    for times, wanted in ((0.999, "off"), (1.001, "off"), (1.2, "on")):
+        scene = balls(tmp_path, f"auto{times}", effects,
+                      {"control": "load", "value": times * load}, **MATERIAL)
+        run = solved(asperity, scene)
+        row = run.positions[0]
+        assert row["plasticity"] == wanted, times
+        assert (float(row["plasticity_estimate"]) > 0) == (times > 1)
+        assert float(row["load"]) == pytest.approx(times * load, rel=1e-10)
+
+
+def test_many_turns_do_not_drift(asperity, tmp_path, tally):
+    """A thousand turns between the same closings: the same loads, to the last digit."""
+    top = 10 * ONSET / 1.9
+    run = pressed(asperity, tmp_path, [top, 0.97 * top] * 500, name="cycles")
+    loads = column(run.curve, "load")
+    same = len(set(loads[::2])) == 1 and len(set(loads[1::2])) == 1
+    tally.add("plasticity: thousand turns, to the bit", len(loads), len(loads) if same else 0)
+    assert len(loads) == 1000 and same
+    assert by_position(run.contacts)[1][-1]["largest_overlap"] == run.contacts[0]["largest_overlap"]
