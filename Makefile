@@ -1,7 +1,8 @@
 # Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: hard-table help report test trouble lint strict archive docs bench figures fuzz setup clean
+.PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
+.PHONY: setup clean
 
 DECK ?= data/thesis.deck
 
@@ -15,6 +16,10 @@ report: ## print the report of the original program (DECK=other.deck for another
 test: ## unit tests in the strict build, then the harness against the thesis
 	@bash .ci/setup build test
 	@bash .ci/test
+
+images: ## a run of two images over MPI against one of one
+	@bash .ci/setup build test images
+	@bash .ci/images
 
 trouble: ## all tests again in builds that look for trouble, and a second compiler
 	@bash .ci/setup build test trouble
@@ -38,8 +43,9 @@ docs: ## API pages in docs/api
 	@echo docs/api/index.html
 
 bench: ## time, memory and what accuracy costs in time (SAVE=1 keeps the result)
-	@bash .ci/setup build
+	@bash .ci/setup build bench
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save)
+	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save)
 
 figures: ## draw the pictures in docs/figures anew
 	@bash .ci/setup build figures

@@ -28,7 +28,8 @@ if [ "$(cat build/texts 2>/dev/null)" != "$texts" ]; then
   echo "$texts" >build/texts
 fi
 
-# Sets fpm_options to those of a build: release|archive|strict|sanitize|memcheck|coverage|second.
+# Sets fpm_options to those of a build: release|archive|strict|sanitize|memcheck|coverage|images|
+# second.
 # Without --no-prune fpm leaves out modules that nothing uses yet.
 options_of() {
   case $1 in
@@ -37,10 +38,14 @@ options_of() {
     strict) fpm_options=(--no-prune --flag "$strict_flags") ;;
     sanitize) fpm_options=(--no-prune --flag "$sanitize_flags") ;;
     memcheck) fpm_options=(--no-prune --flag "$memcheck_flags") ;;
+    images)
+      fpm_options=(--flag "$archive_flags -DASPERITY_COARRAYS -fcoarray=lib"
+        --link-flag "-Wl,--no-as-needed -lcaf_openmpi")
+      ;;
     coverage) fpm_options=(--no-prune --flag "$coverage_flags") ;;
     second)
       fpm_options=(--no-prune --compiler "$second_compiler" --flag "$second_flags"
-        --link-flag "$root/build/real128_functions.o -lquadmath")
+        --link-flag "$root/build/real128_functions.o -lquadmath -Wl,-z,muldefs")
       ;;
     *) return 1 ;;
   esac

@@ -25,6 +25,7 @@ module asperity_command_line
     character(len=:), allocatable :: positions_file  !! path of the positions CSV, or empty
     character(len=:), allocatable :: curve_file      !! path of the curve CSV, or empty
     character(len=:), allocatable :: csv_file        !! path of the study's CSV, or empty
+    character(len=:), allocatable :: keep_file       !! path of the surfaces kept, or empty
     character(len=:), allocatable :: output_file     !! path of the generated surface, or empty
     character(len=:), allocatable :: upper_file      !! path of the upper surface, or empty
     character(len=:), allocatable :: lower_file      !! path of the lower surface, or empty
@@ -33,13 +34,12 @@ module asperity_command_line
     logical :: carriage_control = .false.            !! keep the printer's column one
     logical :: quiet = .false.                       !! no summary
     logical :: budget = .false.                      !! print the error budget
-    integer :: threads = 1                           !! threads to use
+    integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
   end type command_line
 
   ! Positions whose tables the original prints.
   integer, parameter :: thesis_tables(3) = [13, 55, 56]
-  character(len=*), parameter :: later_commands(1) = [character(len=8) :: 'study']
   ! Options of the commands, with a value and without.
   character(len=*), parameter :: original_valued(4) = &
     [character(len=18) :: '--arithmetic', '--tables', '--contacts', '--positions']
@@ -50,12 +50,13 @@ module asperity_command_line
   character(len=*), parameter :: solve_flags(2) = [character(len=18) :: '--budget', '--quiet']
   character(len=*), parameter :: no_flags(0) = [character(len=18) ::]
   character(len=*), parameter :: study_valued(1) = [character(len=18) :: '--csv']
+  character(len=*), parameter :: area_valued(2) = [character(len=18) :: '--csv', '--keep']
   character(len=*), parameter :: generate_valued(4) = &
     [character(len=18) :: '--output', '--upper', '--lower', '--surface']
   ! Options that name an output.
-  character(len=*), parameter :: output_options(7) = &
+  character(len=*), parameter :: output_options(8) = &
     [character(len=11) :: '--contacts', '--positions', '--curve', '--csv', '--output', '--upper', &
-     '--lower']
+     '--lower', '--keep']
   character(len=*), parameter :: study_flags(1) = [character(len=18) :: '--quiet']
 
 contains
@@ -75,6 +76,7 @@ contains
     line%positions_file = ''
     line%curve_file = ''
     line%csv_file = ''
+    line%keep_file = ''
     line%output_file = ''
     line%upper_file = ''
     line%lower_file = ''
@@ -106,11 +108,11 @@ contains
       call read_arguments(2, generate_valued, no_flags, 'specification', list, problems)
       if (list%operand == '') &
         call problems%add('no specification named, expected: asperity generate [OPTIONS] SPEC')
+    case ('study')
+      call read_arguments(2, area_valued, study_flags, 'specification', list, problems)
+      if (list%operand == '') &
+        call problems%add('no specification named, expected: asperity study [OPTIONS] SPEC')
     case default
-      if (any(line%command == later_commands)) then
-        call problems%add('the command ' // line%command // ' is not available in this version')
-        return
-      end if
       line%command = 'original'
       line%arithmetic = trim(arithmetic_names(1))
       call read_arguments(1, original_valued, original_flags, 'deck', list, problems)
@@ -152,6 +154,8 @@ contains
       line%curve_file = value
     case ('--csv')
       line%csv_file = value
+    case ('--keep')
+      line%keep_file = value
     case ('--output')
       line%output_file = value
     case ('--upper')
@@ -184,7 +188,7 @@ contains
     if (len(value) <= 4 .and. verify(value, '0123456789') == 0) &
       read (value, '(i4)', iostat=status) threads
     if (status == 0 .and. threads > 0) return
-    threads = 1
+    threads = 0
     call problems%add('--threads: found ' // quoted(value) // ', expected a number from 1 to 9999')
   end subroutine read_threads
 
@@ -289,8 +293,10 @@ contains
       path = line%output_file
     case (6)
       path = line%upper_file
-    case default
+    case (7)
       path = line%lower_file
+    case default
+      path = line%keep_file
     end select
   end function output_file
 

@@ -40,6 +40,8 @@ contains
       call describe_accuracy(text)
     case ('generate')
       call describe_generate(text)
+    case ('study')
+      call describe_study(text)
     case default
       call describe_all(text)
     end select
@@ -55,6 +57,7 @@ contains
     call text%line('       asperity solve [OPTIONS] SCENE')
     call text%line('       asperity accuracy [OPTIONS] [DECK or SCENE]')
     call text%line('       asperity generate [OPTIONS] SPEC')
+    call text%line('       asperity study [OPTIONS] SPEC')
     call text%line('       asperity COMMAND --help')
     call text%line('')
     call text%line('asperity DECK runs the original program on a card deck and prints its report.')
@@ -81,7 +84,7 @@ contains
     call text%line('  --arithmetic NAME   real64 (default), real32, real128 or ibm370')
     call text%line('  --accuracy ERROR    take the cheapest way with this relative error, as 1e-3')
     call text%line('  --budget            print the error of every total, by source')
-    call text%line('  --threads N         threads to use; this version uses one')
+    call text%line('  --threads N         threads (default: one a core); the same bytes for any')
     call text%line('  --quiet             print no summary')
   end subroutine describe_solve
 
@@ -111,6 +114,19 @@ contains
     call text%line('  --lower FILE        write the lower surface as CSV')
     call text%line('  --surface N         only surface N of the ensemble')
   end subroutine describe_generate
+
+  subroutine describe_study(text)
+    type(text_buffer), intent(inout) :: text
+
+    call text%line('Usage: asperity study [OPTIONS] SPEC')
+    call text%line('')
+    call text%line('Presses an ensemble of random surfaces together, cuts them into smaller and')
+    call text%line('smaller sections and tells which size speaks for the whole.')
+    call text%line('')
+    call text%line('  --csv FILE          write the table with all digits')
+    call text%line('  --keep FILE         keep surfaces that are done; a rerun goes on there')
+    call text%line('  --quiet             print no table')
+  end subroutine describe_study
 
   !> Name and version.
   subroutine show_version(status)

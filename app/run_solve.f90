@@ -15,7 +15,9 @@ module asperity_run_solve
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records, original_request
   use asperity_output_files, only: commit_files, stage_file
+  use asperity_position_loop, only: use_threads
   use asperity_problems, only: problem_list
+  use asperity_progress, only: allow_progress
   use asperity_results_csv, only: write_contacts, write_curve, write_positions
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: is_thesis_sweep, scene
@@ -59,6 +61,8 @@ contains
     end if
     status = 1
     call write_standard_error(scene_in%notes%text())
+    call allow_progress()
+    call use_threads(line%threads)
     arithmetic = 'real64'
     if (line%arithmetic /= '') arithmetic = line%arithmetic
     thesis_sweep = is_thesis_sweep(scene_in)

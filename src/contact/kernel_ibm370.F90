@@ -1,8 +1,9 @@
 #define NUMBER type(hex32)
 !> The present-day solver's kernel in System/370 short floating point.
 module asperity_kernel_ibm370
-  use asperity_contact_records, only: add_rows, are_finite, by_marching, contact_row, cut_rows, &
-                                      most_rows, overlap_stable, position_result, &
+  use asperity_cell_reach, only: pair_reach, squared_reach
+  use asperity_contact_records, only: add_rows, are_finite, by_events, by_marching, contact_row, &
+                                      cut_rows, most_rows, overlap_stable, position_result, &
                                       room_of_a_state, scene_results, solve_method, state_row
   use asperity_contact_pairs, only: contact_pairs
   use asperity_decimal, only: decimal_to_real64, decimal_value
@@ -12,6 +13,13 @@ module asperity_kernel_ibm370
   use asperity_numbers_ibm370, only: cube_root, decimal_number, exponent_of_16, from_real64, &
                                      times_power_of_16, to_real64, upper_half, whole_number
   use asperity_overlapping_circles, only: count_overlapping
+  use asperity_pair_search, only: margin_of_arithmetic
+  use asperity_pair_search_blocks, only: found_pairs
+  use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
+                                         surface_points
+  use asperity_pair_search_row, only: build_row, first_from, summit_row
+  use asperity_position_loop, only: begin_positions, end_positions, is_wanted, position_done, &
+                                    position_watch, threads_for
   use asperity_problems, only: decimal_text
   use asperity_process, only: has_memory
   use asperity_scene_values, only: control_approach, control_limit, control_load, &

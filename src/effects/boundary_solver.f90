@@ -153,8 +153,8 @@ contains
     if (allocated(outcome%failure)) outcome%ending%converged = .false.
   end subroutine halve_until_settled
 
-  ! What the cells may be off in the load: 5e-4 at 6 cells per radius, 1.2e-4 at 12, 3e-5 at 24 for a
-  ! contact of Hertz. A small change alone may be luck.
+  ! What the cells may be off in the load: 5e-4 at 6 cells per radius, 1.2e-4 at 12, 3e-5 at 24 for
+  ! a contact of Hertz. A small change alone may be luck.
   pure real(real64) function expected_error(halvings)
     integer, intent(in) :: halvings
 

@@ -36,7 +36,7 @@ module asperity_coupled_state
 
 contains
 
-  ! Room for all pairs.
+  !> Room for all pairs.
   pure subroutine prepare(pairs, state)
     type(contact_pairs), intent(in) :: pairs
     type(solve_state), intent(out) :: state
@@ -52,7 +52,7 @@ contains
     call make_room(state%field, n)
   end subroutine prepare
 
-  ! Sets out the contacts that are awake, those with load first.
+  !> Sets out the contacts that are awake, those with load first.
   pure subroutine gather(pairs, law, state, roughly, same)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
@@ -103,7 +103,7 @@ contains
     allocate (state%field%compliance(n, n))
   end subroutine gather
 
-  ! What the equations leave over, by place in the order, and where the circles should be.
+  !> What the equations leave over, by place in the order, and where the circles should be.
   pure subroutine compare(pairs, state, off, shift_x, shift_y, residual, norm)
     type(contact_pairs), intent(in) :: pairs
     type(solve_state), intent(inout) :: state
@@ -142,7 +142,7 @@ contains
     end if
   end subroutine compare
 
-  ! Finds the penetrations of those that wait, and wakes whom the others no longer keep open.
+  !> Finds the penetrations of those that wait, and wakes whom the others no longer keep open.
   pure subroutine look_at_waiting(pairs, state, woken)
     type(contact_pairs), intent(in) :: pairs
     type(solve_state), intent(inout) :: state

@@ -1,11 +1,11 @@
 !> Solves a scene with its effects: the contacts of every position, then the effects called for.
 !>
 !> Effects are computed in doubles. A position at which `auto` leaves all effects out is that of the
-!> solver without effects, byte for byte.
+!> solver without effects, byte for byte. Positions are shared out to threads.
 module asperity_effect_solver
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_records, only: are_finite, most_rows, scene_results, solve_method
+  use asperity_contact_records, only: are_finite, scene_results, solve_method
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_list, only: list_effects
   use asperity_effect_position, only: run_position
@@ -15,7 +15,8 @@ module asperity_effect_solver
                                     solve_position
   use asperity_kinds, only: int64, real64
   use asperity_plastic_surface, only: surface_index
-  use asperity_problems, only: decimal_text
+  use asperity_position_loop, only: begin_positions, end_positions, is_wanted, position_done, &
+                                    position_watch, threads_for
   use asperity_scene_values, only: scene
   implicit none
   private
@@ -34,8 +35,8 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(placed_scene) :: placed
     type(effect_box), allocatable :: effects(:)
-    integer(int64) :: rows
-    integer :: m
+    type(position_watch) :: watch
+    integer :: threads
 
     call list_effects(scene_in, effects)
     call name_columns(effects, report)
@@ -44,22 +45,41 @@ contains
     call place_scene(scene_in, placed, failure)
     if (allocated(failure)) return
     allocate (results%positions(placed%positions), report%positions(placed%positions))
-    rows = 0_int64
+    ! Effects take long: a few positions are worth a thread each.
+    threads = threads_for(placed%positions, huge(1_int64))
+    call begin_positions(watch, placed%positions)
+    !$omp parallel num_threads(threads) if(threads > 1)
+    call solve_share(scene_in, placed, keep_rows, results, report, watch)
+    !$omp end parallel
+    call end_positions(watch, results%positions, failure)
+  end subroutine solve_with_effects
+
+  ! The positions of one thread, which has effects of its own: they remember.
+  subroutine solve_share(scene_in, placed, keep_rows, results, report, watch)
+    type(scene), intent(in) :: scene_in
+    type(placed_scene), intent(in) :: placed
+    logical, intent(in) :: keep_rows
+    type(scene_results), intent(inout) :: results
+    type(effect_report), intent(inout) :: report
+    type(position_watch), intent(inout) :: watch
+    type(effect_box), allocatable :: effects(:)
+    character(len=:), allocatable :: failure
+    integer :: m
+
+    allocate (effects(0))
+    call list_effects(scene_in, effects)
+    !$omp do schedule(dynamic)
     do m = 1, placed%positions
+      if (.not. is_wanted(watch, m)) cycle
       call solve_one(scene_in, placed, m, effects, keep_rows, results, report, failure)
       if (.not. allocated(failure)) then
         if (.not. are_finite(results%positions(m))) &
           failure = 'a result is beyond the range of a double'
       end if
-      rows = rows + int(results%positions(m)%rows_used, int64)
-      if (rows > int(most_rows, int64)) &
-        failure = 'more than ' // decimal_text(most_rows) // ' contacts to keep: expected ' // &
-                  'fewer positions or points, or no list of contacts'
-      if (.not. allocated(failure)) cycle
-      failure = 'position ' // decimal_text(m) // ': ' // failure
-      return
+      call position_done(watch, m, results%positions(m)%rows_used, failure)
     end do
-  end subroutine solve_with_effects
+    !$omp end do
+  end subroutine solve_share
 
   ! One position: its pairs, its states, or the solver without effects where none was called for.
   subroutine solve_one(scene_in, placed, m, effects, keep_rows, results, report, failure)

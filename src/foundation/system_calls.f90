@@ -7,6 +7,7 @@ module asperity_system_calls
 
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
+  public :: posix_isatty
   public :: system_error, system_reason, canonical_path
 
   interface
@@ -80,6 +81,13 @@ module asperity_system_calls
       implicit none
       character(kind=c_char), intent(in) :: path(*)
     end function posix_unlink
+
+    !> 1 when a descriptor is a terminal.
+    integer(c_int) function posix_isatty(descriptor) bind(c, name='isatty')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: descriptor
+    end function posix_isatty
 
     !> Waits for so many microseconds.
     integer(c_int) function posix_usleep(microseconds) bind(c, name='usleep')

@@ -63,9 +63,9 @@ contains
                    'plasticity and no limit')
       if (effects%friction /= effect_off .and. effects%friction_coefficient%digits /= 0_int64 &
           .and. goes_back(checked)) &
-        call fields%complain_of('effects', 'friction', 'friction is computed for surfaces that ' // &
-                                'close without going back: found a path in &loading that ' // &
-                                'does, expected friction = ''off''')
+        call fields%complain_of('effects', 'friction', 'friction is computed for surfaces ' // &
+                                'that close without going back: found a path in &loading ' // &
+                                'that does, expected friction = ''off''')
       call check_together(fields, effects)
     end associate
 

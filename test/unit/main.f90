@@ -7,8 +7,11 @@ program unit_tests
   use asperity_creep_suite, only: collect_creep
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
+  use asperity_kernel_search_suite, only: collect_kernel_search
   use asperity_philox_suite, only: collect_philox
   use asperity_plasticity_suite, only: collect_plasticity
+  use asperity_test_pair_search, only: collect_pair_search
+  use asperity_study_suite, only: collect_study
   use asperity_test_cards, only: collect_cards
   use asperity_test_hex32, only: collect_hex32
   use asperity_test_overlap, only: collect_overlap
@@ -31,5 +34,8 @@ program unit_tests
   call run_suite('plastic flow', collect_plasticity, tally)
   call run_suite('generator', collect_philox, tally)
   call run_suite('generation', collect_generation, tally)
+  call run_suite('pair search', collect_pair_search, tally)
+  call run_suite('search of the solver', collect_kernel_search, tally)
+  call run_suite('representative area', collect_study, tally)
   call finish(tally)
 end program unit_tests

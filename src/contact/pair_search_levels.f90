@@ -1,0 +1,245 @@
+!> Two surfaces in order, level by level: few high summits first, all of them last.
+!>
+!> A position ends where a few of the highest pairs bear its load. Each level holds the asperities
+!> whose summits lie less than a drop below the highest of their surface, so every pair that
+!> touches above a known approach is in it. A position asks the least level that is enough: it
+!> costs its own contacts, not the surfaces.
+module asperity_pair_search_levels
+  use asperity_cell_grid, only: build_grid, cell_grid
+  use asperity_cell_reach, only: pair_reach, squared_reach
+  use asperity_kinds, only: int32, real64
+  use asperity_pair_search, only: margin_of_arithmetic
+  use asperity_pair_search_blocks, only: found_pairs
+  use asperity_pair_search_layers, only: search_pairs
+  implicit none
+  private
+
+  public :: pair_levels, surface_points
+  public :: build_levels, last_level, search_level
+
+  ! Each level has about so many times the asperities of the one before; the first so many at least.
+  integer, parameter :: growth = 8, fewest = 64
+  ! Steps in which the drop of a level is found.
+  integer, parameter :: steps = 4096
+  ! A search for all pairs whose spheres can touch gets strips of its own when those of the level
+  ! are lower than the reach by more than this.
+  real(real64), parameter :: most_strips = 8.0_real64
+
+  !> A surface as the search is given it: lengths in one unit near the radii.
+  type :: surface_points
+    real(real64), allocatable :: x(:)       !! places in plan
+    real(real64), allocatable :: y(:)       !! as many
+    real(real64), allocatable :: height(:)  !! summit levels, as many
+    real(real64), allocatable :: radius(:)  !! as many, each more than 0
+  end type surface_points
+
+  ! The high asperities of both surfaces.
+  type :: pair_level
+    type(cell_grid) :: upper, lower
+    integer(int32), allocatable :: upper_index(:), lower_index(:)  ! in the surface; none: all
+  end type pair_level
+
+  !> Both surfaces at all levels.
+  type :: pair_levels
+    !> every pair that touches at this approach or above is of the level, by level
+    real(real64), allocatable :: complete_from(:)
+    type(pair_level), allocatable, private :: level(:)
+    type(pair_reach), private :: reach
+    real(real64), private :: unit = 0.0_real64     ! spacing of the arithmetic at 1
+    real(real64), private :: extent = 0.0_real64   ! largest |x| + |y| + sum of radii
+    real(real64), private :: tall = 0.0_real64     ! height of the highest strips
+    real(real64), private :: widest = 0.0_real64   ! largest sum of radii
+  end type pair_levels
+
+contains
+
+  !> Puts two surfaces in order, once for all positions.
+  subroutine build_levels(levels, upper, lower, reach, unit)
+    type(pair_levels), intent(out) :: levels   !! in order
+    type(surface_points), intent(in) :: upper  !! the surface that is displaced
+    type(surface_points), intent(in) :: lower  !! the other surface
+    type(pair_reach), intent(in) :: reach      !! how near pairs are
+    real(real64), intent(in) :: unit           !! spacing of the arithmetic at 1
+    real(real64), allocatable :: drops(:)
+    real(real64) :: top
+    integer :: k, n
+
+    levels%reach = reach
+    levels%unit = unit
+    levels%widest = maxval(upper%radius) + maxval(lower%radius)
+    levels%tall = sqrt(squared_reach(reach, levels%widest))
+    levels%extent = extent_of(upper) + extent_of(lower) + levels%widest
+    top = maxval(upper%height) + maxval(lower%height)
+    call choose_drops(upper, lower, drops)
+    n = size(drops)
+    allocate (levels%level(n + 1), levels%complete_from(n + 1))
+    do k = 1, n
+      levels%complete_from(k) = top - drops(k)
+      call build_part(upper, drops(k), reach, levels%level(k)%upper, levels%level(k)%upper_index)
+      call build_part(lower, drops(k), reach, levels%level(k)%lower, levels%level(k)%lower_index)
+    end do
+    levels%complete_from(n + 1) = -huge(top)
+    call build_grid(levels%level(n + 1)%upper, upper%x, upper%y, upper%height, upper%radius, reach)
+    call build_grid(levels%level(n + 1)%lower, lower%x, lower%y, lower%height, lower%radius, reach)
+  end subroutine build_levels
+
+  !> The level that holds all asperities.
+  pure integer function last_level(levels)
+    type(pair_levels), intent(in) :: levels  !! built
+
+    last_level = size(levels%complete_from)
+  end function last_level
+
+  !> Finds the pairs of a level that the arithmetic may count as near enough and as touching above
+  !> the floor, and few others, in no order that means anything, but the same in every run.
+  subroutine search_level(levels, k, dx, dy, all_pairs, floor, found, failed)
+    type(pair_levels), intent(in) :: levels  !! built
+    integer, intent(in) :: k                 !! level, from 1
+    real(real64), intent(in) :: dx           !! displacement of the upper surface
+    real(real64), intent(in) :: dy           !! displacement of the upper surface
+    logical, intent(in) :: all_pairs         !! every pair whose spheres can touch
+    real(real64), intent(in) :: floor        !! least touch, less what rounding may add to one
+    type(found_pairs), intent(out) :: found  !! with the indices of the surfaces
+    logical, intent(out) :: failed           !! there is no memory for all pairs
+    type(cell_grid) :: upper, lower
+    type(pair_reach) :: reach
+    real(real64) :: margin
+
+    margin = margin_of_arithmetic(levels%unit, levels%extent + abs(dx) + abs(dy))
+    if (.not. all_pairs) reach = levels%reach
+    associate (level => levels%level(k))
+      if (all_pairs .and. levels%widest > most_strips * levels%tall) then
+        call build_again(level%upper, reach, upper)
+        call build_again(level%lower, reach, lower)
+        call search_pairs(upper, lower, dx, dy, reach, margin, floor, found, failed)
+      else
+        call search_pairs(level%upper, level%lower, dx, dy, reach, margin, floor, found, failed)
+      end if
+      if (failed .or. .not. allocated(level%upper_index)) return
+      call use_own_indices(level, found)
+    end associate
+  end subroutine search_level
+
+  ! From the indices in a level to those in the surfaces.
+  pure subroutine use_own_indices(level, found)
+    type(pair_level), intent(in) :: level
+    type(found_pairs), intent(inout) :: found
+    integer :: i, block
+
+    do block = 1, found%blocks
+      do i = 1, found%block(block)%used
+        associate (pair => found%block(block)%list(i))
+          pair%upper = level%upper_index(pair%upper)
+          pair%lower = level%lower_index(pair%lower)
+        end associate
+      end do
+    end do
+  end subroutine use_own_indices
+
+  ! Drops below the highest summits that leave some of the asperities, then `growth` times as many,
+  ! and so on. Drops that leave no fewer than half are none: equal heights have no levels.
+  subroutine choose_drops(upper, lower, drops)
+    type(surface_points), intent(in) :: upper, lower
+    real(real64), allocatable, intent(out) :: drops(:)
+    real(real64) :: deepest, scale
+    integer, allocatable :: counts(:)
+    integer :: all_of_them, below, k, wanted, used
+
+    all_of_them = size(upper%x) + size(lower%x)
+    deepest = max(maxval(upper%height) - minval(upper%height), &
+                  maxval(lower%height) - minval(lower%height))
+    allocate (drops(0))
+    if (.not. deepest > tiny(deepest) * steps) return
+    scale = real(steps, real64) / deepest
+    allocate (counts(0:steps))
+    counts(:) = 0
+    call count_drops(upper%height, scale, counts)
+    call count_drops(lower%height, scale, counts)
+    wanted = all_of_them
+    do while (wanted / growth >= fewest)
+      wanted = wanted / growth
+    end do
+    below = 0
+    used = 0
+    do k = 0, steps - 1
+      below = below + counts(k)
+      if (2 * below > all_of_them) exit
+      if (below < wanted) cycle
+      used = used + 1
+      drops = [drops, real(k + 1, real64) / scale]
+      wanted = growth * below
+    end do
+  end subroutine choose_drops
+
+  ! Counts asperities by the step of their drop.
+  pure subroutine count_drops(height, scale, counts)
+    real(real64), intent(in) :: height(:), scale
+    integer, intent(inout) :: counts(0:)
+    real(real64) :: top
+    integer :: i, step
+
+    top = maxval(height)
+    do i = 1, size(height)
+      step = min(int((top - height(i)) * scale), steps)
+      counts(step) = counts(step) + 1
+    end do
+  end subroutine count_drops
+
+  ! The asperities less than a drop below the highest one, in order, and their indices.
+  subroutine build_part(surface, drop, reach, grid, index)
+    type(surface_points), intent(in) :: surface
+    real(real64), intent(in) :: drop
+    type(pair_reach), intent(in) :: reach
+    type(cell_grid), intent(out) :: grid
+    integer(int32), allocatable, intent(out) :: index(:)
+    type(surface_points) :: part
+    real(real64) :: least
+    integer :: i, n
+
+    least = maxval(surface%height) - drop
+    n = count(surface%height >= least)
+    allocate (index(n), part%x(n), part%y(n), part%height(n), part%radius(n))
+    n = 0
+    do i = 1, size(surface%height)
+      if (.not. surface%height(i) >= least) cycle
+      n = n + 1
+      index(n) = int(i, int32)
+      part%x(n) = surface%x(i)
+      part%y(n) = surface%y(i)
+      part%height(n) = surface%height(i)
+      part%radius(n) = surface%radius(i)
+    end do
+    call build_grid(grid, part%x, part%y, part%height, part%radius, reach)
+  end subroutine build_part
+
+  ! A surface in order for another reach.
+  subroutine build_again(from, reach, grid)
+    type(cell_grid), intent(in) :: from
+    type(pair_reach), intent(in) :: reach
+    type(cell_grid), intent(out) :: grid
+    real(real64), allocatable :: x(:), y(:), height(:)
+    integer :: i, k, n
+
+    n = size(from%radius)
+    allocate (x(n), y(n), height(n))
+    do k = 1, size(from%layers)
+      associate (layer => from%layers(k))
+        do i = 1, layer%first(layer%strips + 1) - 1
+          x(layer%points(i)%index) = layer%points(i)%x
+          y(layer%points(i)%index) = layer%points(i)%y
+          height(layer%points(i)%index) = layer%points(i)%height
+        end do
+      end associate
+    end do
+    call build_grid(grid, x, y, height, from%radius, reach)
+  end subroutine build_again
+
+  ! The largest |x| + |y|, at least.
+  pure function extent_of(surface) result(extent)
+    type(surface_points), intent(in) :: surface
+    real(real64) :: extent
+
+    extent = maxval(abs(surface%x)) + maxval(abs(surface%y))
+  end function extent_of
+
+end module asperity_pair_search_levels

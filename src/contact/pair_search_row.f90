@@ -1,0 +1,57 @@
+!> One surface in the order of x: enough to find neighbours where there are few asperities.
+module asperity_pair_search_row
+  use asperity_cell_sort, only: sort_keys
+  use asperity_kinds, only: int32, real64
+  implicit none
+  private
+
+  public :: summit_row
+  public :: build_row, first_from
+
+  !> Asperities in the order of x.
+  type :: summit_row
+    real(real64), allocatable :: x(:)        !! ascending
+    real(real64), allocatable :: y(:)        !! the other place in plan
+    integer(int32), allocatable :: index(:)  !! number of the asperity in its surface, from 1
+  end type summit_row
+
+contains
+
+  !> Puts a surface in the order of x.
+  subroutine build_row(row, x, y)
+    type(summit_row), intent(out) :: row          !! in order
+    real(real64), contiguous, intent(in) :: x(:)  !! places in plan, finite
+    real(real64), contiguous, intent(in) :: y(:)  !! as many
+    real(real64), allocatable :: spare_key(:)
+    integer(int32), allocatable :: spare_item(:)
+    integer :: i
+
+    allocate (row%x(size(x)), row%y(size(x)), row%index(size(x)))
+    allocate (spare_key(size(x)), spare_item(size(x)))
+    do i = 1, size(x)
+      row%x(i) = x(i)
+      row%index(i) = int(i, int32)
+    end do
+    call sort_keys(row%x, row%index, spare_key, spare_item)
+    row%y(:) = y(row%index)
+  end subroutine build_row
+
+  !> The first place in the row that is not left of `x`; one behind the last when there is none.
+  pure integer function first_from(row, x) result(low)
+    type(summit_row), intent(in) :: row  !! in order
+    real(real64), intent(in) :: x        !! place in plan
+    integer :: high, middle
+
+    low = 1
+    high = size(row%x) + 1
+    do while (low < high)
+      middle = (low + high) / 2
+      if (row%x(middle) < x) then
+        low = middle + 1
+      else
+        high = middle
+      end if
+    end do
+  end function first_from
+
+end module asperity_pair_search_row

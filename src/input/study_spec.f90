@@ -1,0 +1,209 @@
+!> Reads what `asperity study` shall study: text in, checked values or a list of problems out.
+!>
+!> The text is a specification of random surfaces (`asperity_generation_spec`) with two groups more,
+!> &material and &study.
+module asperity_study_spec
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_files, only: read_whole_file
+  use asperity_generation_spec, only: generation_table, take_generation
+  use asperity_generation_values, only: generation_spec
+  use asperity_input_problems, only: binary_byte, input_problems
+  use asperity_kinds, only: real64
+  use asperity_problems, only: problem_list
+  use asperity_scene_fields, only: above_zero, any_number, poisson_range, read_fields, &
+                                   scene_fields, share
+  use asperity_scene_names, only: known_name, name_table
+  implicit none
+  private
+
+  public :: study_spec, read_study_spec, most_sections, most_sizes
+  public :: against_surface, against_plane, against_words
+  public :: places_grid, places_random, places_words
+  public :: reference_integral, reference_largest, reference_words
+
+  !> Sections of one size on one surface at most.
+  integer, parameter :: most_sections = 1000
+  !> Sizes at most.
+  integer, parameter :: most_sizes = 20
+
+  !> The upper surface meets the lower one.
+  integer, parameter :: against_surface = 1
+  !> The upper surface meets a plane: the lower surface's material, no asperities.
+  integer, parameter :: against_plane = 2
+  !> Their words.
+  character(len=*), parameter :: against_words(2) = [character(len=7) :: 'surface', 'plane']
+
+  !> Sections side by side.
+  integer, parameter :: places_grid = 1
+  !> Sections anywhere.
+  integer, parameter :: places_random = 2
+  !> Their words.
+  character(len=*), parameter :: places_words(2) = [character(len=6) :: 'grid', 'random']
+
+  !> Sections are compared with the integral.
+  integer, parameter :: reference_integral = 1
+  !> Sections are compared with the mean of the largest size.
+  integer, parameter :: reference_largest = 2
+  !> Their words.
+  character(len=*), parameter :: reference_words(2) = [character(len=8) :: 'integral', 'largest']
+
+  !> A whole study.
+  type :: study_spec
+    type(generation_spec) :: surfaces                  !! the ensemble
+    character(len=:), allocatable :: text              !! the file itself
+    type(decimal_value) :: elastic_modulus(2)          !! upper, lower; more than 0
+    type(decimal_value) :: poisson_ratio(2)            !! upper, lower
+    integer :: against = against_surface               !! what the upper surface meets
+    logical :: at_pressure = .false.                   !! the pressure is given
+    type(decimal_value) :: separation                  !! of the reference planes, else
+    type(decimal_value) :: pressure                    !! vertical load on an area, more than 0
+    real(real64), allocatable :: sizes(:)              !! sides of sections, descending; may be
+                                                       !! empty: then from the whole down
+    real(real64) :: factor = 2.0_real64                !! from one size to the next, more than 1
+    integer :: steps = 6                               !! how many sizes
+    integer :: sections = 100                          !! of a size on a surface, at most
+    integer :: places = places_grid                    !! where they are
+    integer :: reference = reference_integral          !! what a section is compared with
+    real(real64) :: tolerance = 0.1_real64             !! how near it must be, share of that
+    real(real64) :: confidence = 0.95_real64           !! share of the sections that must be
+  end type study_spec
+
+contains
+
+  !> Reads and checks a specification. With problems it is not to be used.
+  subroutine read_study_spec(path, spec, problems)
+    character(len=*), intent(in) :: path         !! the file
+    type(study_spec), intent(out) :: spec        !! its values, defaults filled in
+    type(problem_list), intent(out) :: problems  !! all that is wrong
+    type(scene_fields) :: fields
+    type(input_problems) :: found
+    character(len=:), allocatable :: failure
+
+    spec%surfaces%file = path
+    call read_whole_file(path, spec%text, failure)
+    if (allocated(failure)) then
+      ! The failure begins with the path; a problem of a file names a line and a column as well.
+      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // ', expected a specification')
+    else if (binary_byte(spec%text) > 0) then
+      call found%start(path)
+      call found%add_at_byte(spec%text, binary_byte(spec%text), 'not a text file: found a ' // &
+                             'control character, expected a specification')
+      call found%hand_over(problems)
+    else
+      call read_fields(path, spec%text, fields, study_table())
+      call take_generation(fields, spec%surfaces)
+      if (spec%surfaces%is_deck) &
+        call fields%complain_of_group('deck', 'group &deck: found in a study, expected none')
+      if (fields%has('random', 'ensemble') .and. spec%surfaces%ensemble < 2) &
+        call fields%complain_of('random', 'ensemble', 'found fewer than 2 surfaces, expected ' // &
+                                '2 or more, as their spread is studied')
+      if (.not. fields%has('random', 'ensemble')) &
+        call fields%complain_of_group('random', 'no ensemble in &random, expected the number ' // &
+                                      'of surfaces, 2 or more')
+      call take_material(fields, spec)
+      call take_loading(fields, spec)
+      call take_sections(fields, spec)
+      call fields%problems%hand_over(problems)
+    end if
+  end subroutine read_study_spec
+
+  !> The groups and names of a study.
+  pure function study_table() result(table)
+    type(name_table) :: table
+    type(name_table) :: base
+    character(len=*), parameter :: names(11) = [character(len=21) :: 'separation', 'pressure', &
+      'against', 'sizes', 'factor', 'steps', 'sections', 'places', 'reference', 'tolerance', &
+      'confidence']
+    integer :: i, old
+
+    base = generation_table()
+    old = size(base%names)
+    allocate (table%groups(size(base%groups) + 2), table%names(old + 2 + size(names)))
+    table%groups(:size(base%groups)) = base%groups
+    table%groups(size(base%groups) + 1:) = [character(len=8) :: 'material', 'study']
+    table%names(:old) = base%names
+    table%names(old + 1) = known_name('material', 'elastic_modulus')
+    table%names(old + 2) = known_name('material', 'poisson_ratio')
+    do i = 1, size(names)
+      table%names(old + 2 + i) = known_name('study', names(i))
+    end do
+  end function study_table
+
+  !> Group &material.
+  subroutine take_material(fields, spec)
+    type(scene_fields), intent(inout) :: fields
+    type(study_spec), intent(inout) :: spec
+
+    if (.not. fields%has('material', 'elastic_modulus')) &
+      call fields%complain_of_group('material', 'no elastic_modulus in &material, expected ' // &
+                                    'two values, or one for both surfaces')
+    if (.not. fields%has('material', 'poisson_ratio')) &
+      call fields%complain_of_group('material', 'no poisson_ratio in &material, expected ' // &
+                                    'two values, or one for both surfaces')
+    call fields%take_pair('material', 'elastic_modulus', above_zero, spec%elastic_modulus)
+    call fields%take_pair('material', 'poisson_ratio', poisson_range, spec%poisson_ratio)
+  end subroutine take_material
+
+  !> How near the surfaces come.
+  subroutine take_loading(fields, spec)
+    type(scene_fields), intent(inout) :: fields
+    type(study_spec), intent(inout) :: spec
+
+    call fields%take_word('study', 'against', against_words, spec%against)
+    call fields%take_number('study', 'separation', any_number, spec%separation)
+    call fields%take_number('study', 'pressure', above_zero, spec%pressure)
+    spec%at_pressure = fields%has('study', 'pressure')
+    if (spec%at_pressure .and. fields%has('study', 'separation')) then
+      call fields%complain_of('study', 'separation', 'found beside pressure, expected one of them')
+    else if (.not. spec%at_pressure .and. .not. fields%has('study', 'separation')) then
+      call fields%complain_of_group('study', 'no separation and no pressure in &study, ' // &
+                                    'expected one of them')
+    end if
+  end subroutine take_loading
+
+  !> What is cut out, and when it is good.
+  subroutine take_sections(fields, spec)
+    type(scene_fields), intent(inout) :: fields
+    type(study_spec), intent(inout) :: spec
+    type(decimal_value), allocatable :: sizes(:)
+    integer :: number
+
+    number = fields%value_count('study', 'sizes')
+    allocate (sizes(max(1, min(number, most_sizes))))
+    sizes = decimal_value()
+    if (number > 0) call fields%take_numbers('study', 'sizes', above_zero, sizes)
+    allocate (spec%sizes(min(number, most_sizes)))
+    if (number > 0) spec%sizes = decimal_to_real64(sizes)
+    if (number <= most_sizes .and. all(sizes%digits > 0)) then
+      if (.not. all(spec%sizes(2:) < spec%sizes(:number - 1))) &
+        call fields%complain_of('study', 'sizes', 'found sizes in another order, expected ' // &
+                                'each to be smaller than the one before')
+    end if
+    if (number > 0 .and. fields%has('study', 'factor')) &
+      call fields%complain_of('study', 'factor', 'found beside sizes, expected one of them')
+    if (number > 0 .and. fields%has('study', 'steps')) &
+      call fields%complain_of('study', 'steps', 'found beside sizes, expected one of them')
+    call take_real(fields, 'factor', above_zero, spec%factor)
+    if (.not. spec%factor > 1.0_real64) &
+      call fields%complain_of('study', 'factor', 'found 1 or less, expected a number more than 1')
+    call fields%take_whole('study', 'steps', 1, most_sizes, spec%steps)
+    call fields%take_whole('study', 'sections', 1, most_sections, spec%sections)
+    call fields%take_word('study', 'places', places_words, spec%places)
+    call fields%take_word('study', 'reference', reference_words, spec%reference)
+    call take_real(fields, 'tolerance', share, spec%tolerance)
+    call take_real(fields, 'confidence', share, spec%confidence)
+  end subroutine take_sections
+
+  !> A number of &study as a double; it stays as it is when it is not there or not good.
+  subroutine take_real(fields, name, range, number)
+    type(scene_fields), intent(inout) :: fields
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: range
+    real(real64), intent(inout) :: number
+    type(decimal_value) :: value
+
+    call fields%take_number('study', name, range, value)
+    if (value%digits /= 0) number = decimal_to_real64(value)
+  end subroutine take_real
+
+end module asperity_study_spec

@@ -1,0 +1,192 @@
+!> The study of the representative area as a table and as CSV.
+module asperity_area_study_table
+  use asperity_area_study_statistics, only: area_study, size_result
+  use asperity_csv, only: csv_line
+  use asperity_greenwood_integrals, only: quantities
+  use asperity_kinds, only: real64
+  use asperity_problems, only: decimal_text
+  use asperity_study_spec, only: against_plane, reference_integral, study_spec
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: write_area_table, write_area_csv
+
+  character(len=*), parameter :: names(quantities) = [character(len=13) :: &
+    'contacts', 'area', 'load', 'vertical_load']
+  character(len=*), parameter :: headings(quantities) = [character(len=13) :: &
+    'contacts', 'contact area', 'load', 'vertical load']
+
+contains
+
+  !> The summary for a reader.
+  subroutine write_area_table(spec, study, buffer)
+    type(study_spec), intent(in) :: spec        !! what was asked for
+    type(area_study), intent(in) :: study       !! the results
+    type(text_buffer), intent(inout) :: buffer  !! the text
+    character(len=:), allocatable :: against, integral
+    character(len=160) :: line
+    integer :: i, q
+
+    against = 'pairs of rough surfaces'
+    integral = 'Greenwood-Tripp'
+    if (spec%against == against_plane) then
+      against = 'rough surfaces against a plane'
+      integral = 'Greenwood-Williamson'
+    end if
+    call buffer%line(decimal_text(study%surfaces) // ' ' // against // ', separation ' // &
+                     plain(study%separation))
+    call buffer%line('studied: x from ' // plain(study%corner(1)) // ' to ' // &
+                     plain(study%corner(1) + study%extent(1)) // ', y from ' // &
+                     plain(study%corner(2)) // ' to ' // plain(study%corner(2) + study%extent(2)))
+    call buffer%line('asperities per area, found (design): upper ' // short(study%density(1)) // &
+                     ' (' // short(study%design_density(1)) // ')' // lower_density())
+    do q = 1, quantities
+      call buffer%line('')
+      call buffer%line(trim(headings(q)) // ' per area')
+      call buffer%line('       size  sections         mean  std error   from integral' // &
+                       '   std deviation  within ' // percent(spec%tolerance))
+      do i = 1, size(study%sizes)
+        associate (row => study%sizes(i))
+          write (line, '(a11, i10, a13, a11, a16, a16, a12)') plain(row%side), row%sections, &
+            short(row%mean(q)), percent(row%error(q) / row%mean(q)), &
+            from_integral(study, row, q), percent(row%deviation(q) / row%mean(q)), &
+            percent(row%within(q))
+        end associate
+        call buffer%line(line)
+      end do
+      write (line, '(a21, a13)') integral, short(study%integral(q))
+      call buffer%line(line)
+      if (spec%against /= against_plane) then
+        write (line, '(a21, a13)') 'shallow contacts only', short(study%shallow(q))
+        call buffer%line(line)
+      end if
+    end do
+    call buffer%line('')
+    call write_verdict(spec, study, buffer)
+
+  contains
+
+    function lower_density() result(text)
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (spec%against == against_plane) return
+      text = ', lower ' // short(study%density(2)) // ' (' // short(study%design_density(2)) // ')'
+    end function lower_density
+
+  end subroutine write_area_table
+
+  !> The size that speaks for the whole.
+  subroutine write_verdict(spec, study, buffer)
+    type(study_spec), intent(in) :: spec
+    type(area_study), intent(in) :: study
+    type(text_buffer), intent(inout) :: buffer
+    character(len=:), allocatable :: reference, least
+    integer :: i
+
+    reference = 'the integral'
+    if (spec%reference /= reference_integral) reference = 'the mean of the largest size'
+    call buffer%line('sections within ' // percent(spec%tolerance) // ' of ' // reference // &
+                     ' in everything:')
+    do i = 1, size(study%sizes)
+      call buffer%line('  size ' // plain(study%sizes(i)%side) // '  ' // &
+                       percent(study%sizes(i)%all_within))
+    end do
+    least = 'none of these sizes'
+    if (study%representative > 0) least = plain(study%sizes(study%representative)%side)
+    call buffer%line('representative size (' // percent(spec%confidence) // ' of the sections): ' &
+                     // least)
+    call buffer%line('estimate by the spread: ' // short(study%estimated_side))
+  end subroutine write_verdict
+
+  !> How far a mean is from the integral, in percent and in standard errors.
+  pure function from_integral(study, row, q) result(text)
+    type(area_study), intent(in) :: study
+    type(size_result), intent(in) :: row
+    integer, intent(in) :: q
+    character(len=16) :: text
+    real(real64) :: away
+
+    text = '-'
+    away = row%mean(q) - study%integral(q)
+    if (.not. (study%integral(q) > 0.0_real64 .and. row%error(q) > 0.0_real64)) return
+    write (text, '(sp, f8.3, "%", f6.1)') 100 * away / study%integral(q), away / row%error(q)
+  end function from_integral
+
+  !> All numbers, a line a size and quantity.
+  subroutine write_area_csv(study, buffer)
+    type(area_study), intent(in) :: study       !! the results
+    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(csv_line) :: line
+    integer :: i, q
+
+    call buffer%line('size,quantity,surfaces,sections,mean,deviation,standard_error,integral,' // &
+                     'shallow_integral,reference,within,all_within,separation,upper_density,' // &
+                     'lower_density,representative,estimated_size')
+    do i = 1, size(study%sizes)
+      do q = 1, quantities
+        associate (row => study%sizes(i))
+          call line%put(row%side)
+          call line%put(trim(names(q)))
+          call line%put(study%surfaces)
+          call line%put(row%sections)
+          call line%put(row%mean(q))
+          call line%put(row%deviation(q))
+          call line%put(row%error(q))
+          call line%put(study%integral(q))
+          call line%put(study%shallow(q))
+          call line%put(study%reference(q))
+          call line%put(row%within(q))
+          call line%put(row%all_within)
+          call line%put(study%separation)
+          call line%put(study%density(1))
+          call line%put(study%density(2))
+          call line%put(i == study%representative)
+          call line%put(study%estimated_side)
+          call line%finish(buffer)
+        end associate
+      end do
+    end do
+  end subroutine write_area_csv
+
+  !> A number with six digits.
+  pure function short(number) result(text)
+    real(real64), intent(in) :: number
+    character(len=:), allocatable :: text
+    character(len=14) :: digits
+
+    if (abs(number) >= 0.1_real64 .and. abs(number) < 1.0e5_real64) then
+      write (digits, '(g14.6)') number
+    else if (abs(number) > 0.0_real64) then
+      write (digits, '(es12.5)') number
+    else
+      digits = '0'
+    end if
+    text = trim(adjustl(digits))
+  end function short
+
+  !> The same without zeros at the end.
+  pure function plain(number) result(text)
+    real(real64), intent(in) :: number
+    character(len=:), allocatable :: text
+
+    text = short(number)
+    if (index(text, '.') == 0 .or. index(text, 'E') > 0) return
+    text = text(:verify(text, '0', back=.true.))
+    if (text(len(text):) == '.') text = text(:len(text) - 1)
+  end function plain
+
+  !> A share in percent.
+  pure function percent(share) result(text)
+    real(real64), intent(in) :: share
+    character(len=:), allocatable :: text
+    character(len=12) :: digits
+
+    text = '-'
+    if (.not. abs(share) < 1.0e4_real64) return
+    write (digits, '(f10.2)') 100 * share
+    text = trim(adjustl(digits)) // '%'
+  end function percent
+
+end module asperity_area_study_table

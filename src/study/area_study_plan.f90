@@ -1,0 +1,216 @@
+!> What a study of the representative area does: separation, studied region, sections.
+module asperity_area_study_plan
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_generation_values, only: exact_value
+  use asperity_greenwood_integrals, only: greenwood_law, greenwood_law_of, separation_at_pressure
+  use asperity_kinds, only: int64, real64
+  use asperity_random_philox, only: philox_block
+  use asperity_study_spec, only: against_plane, places_grid, study_spec
+  implicit none
+  private
+
+  public :: study_plan, section_square, plan_study, section_places
+
+  !> A square that is cut out.
+  type :: section_square
+    real(real64) :: x = 0.0_real64  !! lower left corner
+    real(real64) :: y = 0.0_real64  !! lower left corner
+  end type section_square
+
+  !> The plan: all that the surfaces of the ensemble share.
+  type :: study_plan
+    type(greenwood_law) :: law                       !! the design's statistics
+    type(decimal_value) :: separation                !! of the reference planes
+    real(real64) :: corner(2) = 0.0_real64           !! lower left corner of the studied region
+    real(real64) :: extent(2) = 0.0_real64           !! its sides
+    real(real64), allocatable :: sizes(:)            !! sides of the sections, descending
+    integer, allocatable :: sections(:)              !! how many of each on a surface
+    integer, allocatable :: first(:)                 !! where the sections of a size begin, from 1
+    integer :: total = 0                             !! sections of all sizes
+  end type study_plan
+
+  ! Stream of the generator for the places of sections: 1 to 6 make the surfaces.
+  integer(int64), parameter :: place_stream = 7_int64
+  ! The whole may be so many times as long as the least section.
+  real(real64), parameter :: most_along = 1.0e4_real64
+
+contains
+
+  !> Makes the plan. `failure` is allocated when the specification cannot be studied.
+  subroutine plan_study(spec, plan, failure)
+    type(study_spec), intent(in) :: spec                   !! checked
+    type(study_plan), intent(out) :: plan                  !! the plan
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    real(real64) :: separation, margin, depth
+
+    plan%law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, &
+                                spec%against == against_plane)
+    if (spec%at_pressure) then
+      call separation_at_pressure(plan%law, decimal_to_real64(spec%pressure), separation, failure)
+      if (allocated(failure)) return
+      call round_to_decimal(separation, plan%separation)
+    else
+      plan%separation = spec%separation
+    end if
+    depth = real(plan%law%heights%highest, real64) - decimal_to_real64(plan%separation)
+    if (.not. depth > 0.0_real64) then
+      failure = 'no asperities can touch at the separation, expected less than ' // &
+                number_text(real(plan%law%heights%highest, real64))
+    else if (depth >= real(plan%law%least_sum, real64)) then
+      failure = 'the centres of two asperities may come level at the separation, expected ' // &
+                'more than ' // &
+                number_text(real(plan%law%heights%highest - plan%law%least_sum, real64))
+    end if
+    if (allocated(failure)) return
+    margin = margin_at(spec, depth)
+    plan%corner = margin
+    plan%extent = [least_side(spec, 1), least_side(spec, 2)] - 2 * margin
+    if (minval(plan%extent) <= 0.0_real64) then
+      failure = 'the surfaces are too small: expected length and width of more than ' // &
+                number_text(2 * margin) // ', as a margin of ' // number_text(margin) // &
+                ' is left out'
+      return
+    end if
+    call plan_sizes(spec, plan, failure)
+  end subroutine plan_study
+
+  !> Sizes and numbers of sections.
+  subroutine plan_sizes(spec, plan, failure)
+    type(study_spec), intent(in) :: spec
+    type(study_plan), intent(inout) :: plan
+    character(len=:), allocatable, intent(out) :: failure
+    real(real64) :: whole, along(2)
+    integer :: i
+
+    whole = minval(plan%extent)
+    if (size(spec%sizes) > 0) then
+      allocate (plan%sizes(size(spec%sizes)))
+      plan%sizes = spec%sizes
+    else
+      allocate (plan%sizes(spec%steps))
+      do i = 1, spec%steps
+        plan%sizes(i) = whole / spec%factor**(i - 1)
+      end do
+    end if
+    if (plan%sizes(1) > whole) then
+      failure = 'sizes: found ' // number_text(plan%sizes(1)) // ', expected at most ' // &
+                number_text(whole) // ', what the margin of ' // number_text(plan%corner(1)) // &
+                ' leaves'
+    else if (.not. plan%sizes(size(plan%sizes)) * most_along >= whole) then
+      failure = 'sizes: found ' // number_text(plan%sizes(size(plan%sizes))) // &
+                ', expected at least ' // number_text(whole / most_along)
+    end if
+    if (allocated(failure)) return
+    allocate (plan%sections(size(plan%sizes)), plan%first(size(plan%sizes)))
+    do i = 1, size(plan%sizes)
+      plan%sections(i) = spec%sections
+      if (spec%places == places_grid) then
+        along = squares_along(plan, i)
+        plan%sections(i) = int(min(real(spec%sections, real64), along(1) * along(2)))
+      end if
+      plan%first(i) = plan%total + 1
+      plan%total = plan%total + plan%sections(i)
+    end do
+  end subroutine plan_sizes
+
+  !> The sections of one size on one surface.
+  pure subroutine section_places(spec, plan, size_number, member, squares)
+    type(study_spec), intent(in) :: spec                !! checked
+    type(study_plan), intent(in) :: plan                !! the plan
+    integer, intent(in) :: size_number                  !! which size
+    integer, intent(in) :: member                       !! which surface
+    type(section_square), allocatable, intent(out) :: squares(:)  !! the sections
+    integer(int64) :: words(4), cells(2), cell
+    real(real64) :: free(2)
+    integer :: k
+
+    allocate (squares(plan%sections(size_number)))
+    free = plan%extent - plan%sizes(size_number)
+    cells = int(squares_along(plan, size_number), int64)
+    do k = 1, size(squares)
+      if (spec%places == places_grid) then
+        ! When not all are taken, those that are lie all over the region.
+        cell = (int(k - 1, int64) * product(cells)) / size(squares)
+        squares(k)%x = modulo(cell, cells(1)) * plan%sizes(size_number)
+        squares(k)%y = (cell / cells(1)) * plan%sizes(size_number)
+      else
+        words = philox_block([int(k, int64), int(size_number, int64), int(member, int64), &
+                              place_stream], [int(spec%surfaces%seed, int64), 0_int64])
+        squares(k)%x = free(1) * (real(words(1), real64) / 2.0_real64**32)
+        squares(k)%y = free(2) * (real(words(2), real64) / 2.0_real64**32)
+      end if
+    end do
+    squares%x = squares%x + plan%corner(1)
+    squares%y = squares%y + plan%corner(2)
+  end subroutine section_places
+
+  !> How many squares of a size stand side by side in the region, along x and y.
+  pure function squares_along(plan, size_number) result(along)
+    type(study_plan), intent(in) :: plan
+    integer, intent(in) :: size_number
+    real(real64) :: along(2)
+
+    ! A size that is a part of the whole must not lose a square to rounding.
+    along = aint(plan%extent / plan%sizes(size_number) * (1 + 1.0e-12_real64))
+  end function squares_along
+
+  !> What is left out along the border. A contact needs both its asperities, so its reach; and near
+  !> the border asperities that keep a distance stand denser, which twice the distance leaves out.
+  pure real(real64) function margin_at(spec, depth)
+    type(study_spec), intent(in) :: spec
+    real(real64), intent(in) :: depth
+    real(real64) :: largest_sum
+
+    margin_at = 2 * max(decimal_to_real64(spec%surfaces%sides(1)%least_distance), &
+                        decimal_to_real64(spec%surfaces%sides(2)%least_distance))
+    if (spec%against == against_plane) then
+      margin_at = 2 * decimal_to_real64(spec%surfaces%sides(1)%least_distance)
+      return
+    end if
+    largest_sum = real(sum(spec%surfaces%sides%radius%highest), real64)
+    margin_at = margin_at + sqrt(depth * (2 * largest_sum - depth))
+  end function margin_at
+
+  !> The shorter of the two surfaces, along x or y.
+  pure real(real64) function least_side(spec, direction)
+    type(study_spec), intent(in) :: spec
+    integer, intent(in) :: direction
+    real(real64) :: sides(2)
+
+    if (direction == 1) then
+      sides = real(exact_value(spec%surfaces%sides%length), real64)
+    else
+      sides = real(exact_value(spec%surfaces%sides%width), real64)
+    end if
+    least_side = minval(sides)
+    if (spec%against == against_plane) least_side = sides(1)
+  end function least_side
+
+  !> A decimal of 15 digits.
+  pure subroutine round_to_decimal(number, value)
+    real(real64), intent(in) :: number
+    type(decimal_value), intent(out) :: value
+    character(len=22) :: text
+    integer(int64) :: fraction
+
+    ! For instance `-1.23456789012345E-001`.
+    write (text, '(es22.14e3)') number
+    read (text(2:2), '(i1)') value%digits
+    read (text(4:17), '(i14)') fraction
+    value%digits = value%digits * 10_int64**14 + fraction
+    if (number < 0.0_real64) value%digits = -value%digits
+    read (text(19:), '(i4)') value%exponent
+    value%exponent = value%exponent - 14
+  end subroutine round_to_decimal
+
+  !> A number for a message.
+  pure function number_text(number) result(text)
+    real(real64), intent(in) :: number
+    character(len=:), allocatable :: text
+    character(len=14) :: digits
+
+    write (digits, '(g14.6)') number
+    text = trim(adjustl(digits))
+  end function number_text
+
+end module asperity_area_study_plan

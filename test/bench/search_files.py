@@ -1,0 +1,75 @@
+"""What test/bench/scale_search.f90 reads and writes, shared by the benchmark and the test."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+HUGE = float(np.finfo(float).max)
+
+
+class Surface:
+    """Places, summit levels and radii of asperities."""
+
+    def __init__(self, x, y, height, radius):
+        self.x, self.y, self.height, self.radius = (
+            np.ascontiguousarray(np.broadcast_to(a, np.shape(x)), dtype=float)
+            for a in (x, y, height, radius))
+
+    def __len__(self):
+        return len(self.x)
+
+
+def write_input(path, upper, lower, *, distance=HUGE, height=HUGE, shift=(0.0, 0.0), margin=-1.0,
+                floor=-HUGE, most=0):
+    """A negative margin asks for pairs in the order of touch, any other for candidates."""
+    head = [len(upper), len(lower), distance, height, *shift, margin, floor, most]
+    with open(path, "wb") as file:
+        np.array(head, dtype=float).tofile(file)
+        for surface in (upper, lower):
+            for numbers in (surface.x, surface.y, surface.height, surface.radius):
+                numbers.tofile(file)
+
+
+def read_pairs(path, ordered=True):
+    """Indices from 0; touch and squared distance for pairs in the order of touch."""
+    size = 24 if ordered else 8
+    raw = Path(path).read_bytes()
+    n = len(raw) // size
+    upper, lower = np.frombuffer(raw, dtype=np.int32, count=2 * n).reshape(2, n) - 1
+    if not ordered:
+        return upper, lower
+    touch, squared = np.frombuffer(raw, dtype=float, offset=8 * n, count=2 * n).reshape(2, n)
+    return upper, lower, touch, squared
+
+
+def run_search(program, source, target="-", runs=1):
+    """Run the search; its figures by name: seconds of the best and the first run, or a count."""
+    done = subprocess.run(
+        [program, str(source), str(target), str(runs)], stdin=subprocess.DEVNULL,
+        capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"scale_search: {done.stderr}")
+    figures = {}
+    for line in done.stdout.splitlines():
+        name, *numbers = line.rsplit(None, 2 if "." in line else 1)
+        values = [float(number) for number in numbers]
+        figures[name.strip()] = values if len(values) > 1 else int(values[0])
+    return figures
+
+
+def search_program():
+    """Path of the program: SCALE_SEARCH_EXE if that is set, else the release build by fpm."""
+    given = os.environ.get("SCALE_SEARCH_EXE")
+    if given:
+        return Path(given).resolve()
+    local = ROOT / ".venv" / "bin" / "fpm"
+    done = subprocess.run(
+        [str(local) if local.exists() else "fpm", "run", "--example", "scale_search", "--profile",
+         "release", "--runner", "echo"],
+        cwd=ROOT, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"the release build failed:\n{done.stdout}{done.stderr}")
+    return ROOT / done.stdout.splitlines()[-1].strip()

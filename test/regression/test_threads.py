@@ -1,0 +1,157 @@
+"""Threads, progress and interruption of `asperity solve`.
+
+What a run writes is the same for any number of threads: files, summary, and the failure it tells.
+"""
+
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+
+from surfaces_csv import write_csv_scene, write_scene
+
+OUTPUTS = ("contacts", "positions", "curve")
+
+
+def rough(rng, n, lowest=0.03):
+    """Asperities as dense as in the thesis, of its radius."""
+    side = (n / 0.48) ** 0.5
+    return np.column_stack((rng.random((n, 2)) * side, rng.normal(0.127, 0.03, n).clip(lowest, 0.2),
+                            np.full(n, 1.27)))
+
+
+def outcome(asperity, scene, threads, folder):
+    """Everything a run leaves: status, both streams, files by name."""
+    folder.mkdir()
+    words = [word for name in OUTPUTS for word in (f"--{name}", folder / f"{name}.csv")]
+    done = subprocess.run([asperity, "solve", scene, "--threads", str(threads), *words],
+                          stdin=subprocess.DEVNULL, capture_output=True, timeout=60)
+    return (done.returncode, done.stdout, done.stderr,
+            {path.name: path.read_bytes() for path in sorted(folder.iterdir())})
+
+
+def compare_threads(asperity, scene, folder, tally):
+    one = outcome(asperity, scene, 1, folder / "1")
+    for threads in (2, 3):
+        assert outcome(asperity, scene, threads, folder / str(threads)) == one
+        tally.add("runs that do not depend on threads", 1, 1)
+    return one
+
+
+def test_thesis_sweep(asperity, root, tmp_path, tally):
+    status, out, _, files = compare_threads(asperity, root / "data" / "thesis.deck", tmp_path,
+                                            tally)
+    assert status == 0 and b"100 positions" in out
+    assert files["positions.csv"].count(b"\n") == 101
+
+
+@pytest.mark.parametrize("arithmetic", ["real64", "ibm370", "real128"])
+def test_large_sweep(asperity, tmp_path, tally, arithmetic):
+    rng = np.random.default_rng(2000)
+    scene = write_csv_scene(
+        tmp_path, rough(rng, 2000), rough(rng, 2000), modulus=(275760.0, 275760.0),
+        ratio=(0.42, 0.42), motion={"positions": 40, "x_step": 0.05, "y_step": -0.01},
+        loading={"control": "limit", "points": 2}, limit={"criterion": "load", "value": 288.89})
+    one = [subprocess.run([asperity, "solve", scene, "--arithmetic", arithmetic, "--threads", t,
+                           "--curve", "/dev/stdout", "--quiet"], capture_output=True, timeout=60)
+           for t in "123"]
+    assert [run.returncode for run in one] == [0, 0, 0]
+    assert one[0].stdout.count(b"\n") > 100
+    assert one[0].stdout == one[1].stdout == one[2].stdout
+    tally.add("runs that do not depend on threads", 2, 2)
+
+
+def test_effects(asperity, root, tmp_path, tally):
+    scene = write_scene(
+        tmp_path / "effects.scene", surfaces={"deck": str(root / "data" / "thesis.deck")},
+        motion={"x_first": 0.1, "x_step": 0.1, "positions": 30},
+        loading={"control": "load", "value": (50.0, 400.0, 100.0)},
+        effects={"interaction": "coupled", "plasticity": "on", "plastic_yield_stress": 8000.0})
+    status, _, err, files = compare_threads(asperity, scene, tmp_path, tally)
+    assert status == 0, err
+    assert files["curve.csv"].count(b"\n") >= 90
+
+
+def test_first_failure_is_told(asperity, tmp_path, tally):
+    """Past 1.5 no pair is left to bear the load: of all positions the first is told."""
+    rng = np.random.default_rng(5)
+    upper = rough(rng, 60)
+    lower = upper.copy()
+    scene = write_csv_scene(
+        tmp_path, upper, lower, motion={"positions": 60, "x_step": 0.7},
+        loading={"control": "load", "value": 20000.0}, limit={"criterion": "load", "value": 288.0})
+    status, _, err, files = compare_threads(asperity, scene, tmp_path, tally)
+    told = re.search(rb"position (\d+): .* no load can be borne|position (\d+): the load", err)
+    assert status == 1 and told and not files
+    first = int(told[1] or told[2])
+    assert 1 < first < 60
+    # One position fewer, and all can be solved.
+    scene.write_text(re.sub(r"positions = 60", f"positions = {first - 1}", scene.read_text()))
+    assert outcome(asperity, scene, 2, tmp_path / "fewer")[0] == 0
+
+
+@pytest.mark.parametrize("word", ["0", "-1", "two", "1.5", "10000", "+2"])
+def test_numbers_that_are_none(asperity, root, word):
+    done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck", "--threads", word],
+                          capture_output=True, text=True, timeout=20)
+    assert done.returncode == 2
+    assert "--threads: found" in done.stderr
+    assert "expected a number from 1 to 9999" in done.stderr
+
+
+@pytest.fixture
+def endless(tmp_path):
+    """A sweep that takes far longer than a test."""
+    rng = np.random.default_rng(9)
+    return write_csv_scene(
+        tmp_path, rough(rng, 3000), rough(rng, 3000), modulus=(275760.0, 275760.0),
+        motion={"positions": 200000, "x_step": 1e-5}, loading={"control": "approach", "value": 0.1},
+        limit={"criterion": "load", "value": 288.0})
+
+
+def test_progress_on_a_terminal(asperity, endless, tmp_path):
+    """A line after two seconds, that goes; interrupted: files stay as they were."""
+    kept = tmp_path / "p.csv"
+    kept.write_text("kept\n")
+    here, there = pty.openpty()
+    child = subprocess.Popen([asperity, "solve", endless, "--threads", "2", "--positions", kept],
+                             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=there,
+                             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    os.close(there)
+    said, until = b"", time.monotonic() + 30
+    while said.count(b"left") < 2 and time.monotonic() < until:
+        if select.select([here], [], [], 1)[0]:
+            said += os.read(here, 4096)
+    child.send_signal(signal.SIGINT)
+    try:
+        while more := os.read(here, 4096):
+            said += more
+    except OSError:
+        pass  # the terminal is closed
+    out, _ = child.communicate(timeout=20)
+    os.close(here)
+    lines = [line.strip().decode() for line in said.split(b"\r")]
+    assert re.fullmatch(r"\d+ of 200000 positions, \d+ a (second|minute), \d+ (s|min|h) left",
+                        lines[0])
+    assert lines[-2].endswith("interrupted by signal  2, nothing kept") or \
+        lines[-1].endswith("interrupted by signal  2, nothing kept")
+    assert child.returncode == 1 and out == b""
+    assert kept.read_text() == "kept\n"
+    assert not list(tmp_path.glob(".asperity*"))
+
+
+def test_no_progress_elsewhere(asperity, endless):
+    child = subprocess.Popen([asperity, "solve", endless], stdin=subprocess.DEVNULL,
+                             stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                             preexec_fn=lambda: signal.signal(signal.SIGTERM, signal.SIG_DFL))
+    time.sleep(3)
+    child.terminate()
+    out, err = child.communicate(timeout=20)
+    assert (child.returncode, out) == (1, b"")
+    assert err == b"interrupted by signal 15, nothing kept\n"

@@ -1,0 +1,228 @@
+!> The solver's search for pairs, by row and by level, against a comparison of all with all.
+module asperity_kernel_search_suite
+  use asperity_contact_records, only: position_result, solve_method
+  use asperity_decimal, only: decimal_value
+  use asperity_kernel_ibm370, only: placed_ibm370 => placed_scene, place_ibm370 => place_scene, &
+                                    solve_ibm370 => solve_position
+  use asperity_kernel_real64, only: placed_real64 => placed_scene, place_real64 => place_scene, &
+                                    solve_real64 => solve_position
+  use asperity_kinds, only: int64, real64
+  use asperity_problems, only: decimal_text
+  use asperity_random_philox, only: philox_block
+  use asperity_scene_values, only: control_approach, control_limit, control_load, &
+                                   criterion_load, criterion_pressure, scene, scene_surface
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_kernel_search
+
+  ! Kinds of surfaces.
+  integer, parameter :: even = 1, clustered = 2, mixed = 3, lattice = 4, tower = 5, far = 6
+  integer, parameter :: positions = 3
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_kernel_search(suite)
+    !> all tests
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    suite = [ &
+      new_unittest('few asperities: a row finds what all with all finds', by_row), &
+      new_unittest('many asperities: levels find what all with all finds', by_level), &
+      new_unittest('centres that come level: the same pair is named', level_centres)]
+  end subroutine collect_kernel_search
+
+  subroutine by_row(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: kind
+
+    do kind = even, far
+      call compare_controls(error, kind, 60)
+    end do
+  end subroutine by_row
+
+  subroutine by_level(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: kind
+
+    do kind = even, far
+      call compare_controls(error, kind, 400)
+    end do
+  end subroutine by_level
+
+  subroutine level_centres(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(scene) :: scene_in
+    integer :: n, failures
+
+    do n = 60, 400, 340
+      call make_scene(mixed, n, scene_in)
+      scene_in%loading%control = control_approach
+      scene_in%loading%value = decimal_value(-3_int64, -1)
+      call compare(error, scene_in, 'level, ' // decimal_text(n), failures)
+      call check(error, failures > 0, 'no centres come level')
+    end do
+  end subroutine level_centres
+
+  ! All ways to end a position.
+  subroutine compare_controls(error, kind, n)
+    type(error_type), allocatable, intent(inout) :: error
+    integer, intent(in) :: kind, n
+    type(scene) :: scene_in
+    character(len=:), allocatable :: what
+    integer :: failures, i
+
+    what = 'kind ' // decimal_text(kind) // ', ' // decimal_text(n)
+    call make_scene(kind, n, scene_in)
+    call compare(error, scene_in, what // ': limit', failures)
+    scene_in%loading%points = 2
+    scene_in%limit%criterion = criterion_pressure
+    scene_in%limit%value = decimal_value(20000_int64, 0)
+    call compare(error, scene_in, what // ': pressure', failures)
+    ! None reaches it before centres are level.
+    scene_in%limit%value = decimal_value(1_int64, 12)
+    call compare(error, scene_in, what // ': no limit', failures)
+    scene_in%loading%control = control_approach
+    do i = 0, 3
+      scene_in%loading%value = decimal_value(int(12 * i, int64), -2)
+      call compare(error, scene_in, what // ': approach', failures)
+    end do
+    scene_in%loading%control = control_load
+    scene_in%loading%value = decimal_value(3000_int64, 0)
+    call compare(error, scene_in, what // ': load', failures)
+  end subroutine compare_controls
+
+  ! The positions of a scene, in two arithmetics; `failures` counts those that cannot be solved.
+  subroutine compare(error, scene_in, what, failures)
+    type(error_type), allocatable, intent(inout) :: error
+    type(scene), intent(in) :: scene_in
+    character(len=*), intent(in) :: what
+    integer, intent(out) :: failures
+    type(placed_real64) :: quick, slow
+    type(placed_ibm370) :: old_quick, old_slow
+    type(position_result) :: one, other
+    character(len=:), allocatable :: failure, other_failure
+    integer :: m
+
+    failures = 0
+    call place_real64(scene_in, quick, failure)
+    call place_real64(scene_in, slow, failure, all_with_all=.true.)
+    call place_ibm370(scene_in, old_quick, failure)
+    call place_ibm370(scene_in, old_slow, failure, all_with_all=.true.)
+    do m = 1, positions
+      call solve_real64(quick, m, solve_method(), .true., one, failure)
+      call solve_real64(slow, m, solve_method(), .true., other, other_failure)
+      call same(error, one, failure, other, other_failure, what // ' in real64')
+      if (allocated(failure)) failures = failures + 1
+      ! Every comparison takes long there.
+      if (size(scene_in%upper%x) > 100 .and. (m > 1 .or. scene_in%loading%points > 0)) cycle
+      call solve_ibm370(old_quick, m, solve_method(), .true., one, failure)
+      call solve_ibm370(old_slow, m, solve_method(), .true., other, other_failure)
+      call same(error, one, failure, other, other_failure, what // ' in ibm370')
+    end do
+  end subroutine compare
+
+  ! Two results of one position must be the same, bit for bit.
+  subroutine same(error, one, failure, other, other_failure, what)
+    type(error_type), allocatable, intent(inout) :: error
+    type(position_result), intent(in) :: one, other
+    character(len=:), allocatable, intent(in) :: failure, other_failure
+    character(len=*), intent(in) :: what
+    integer :: i
+
+    call check(error, allocated(failure) .eqv. allocated(other_failure), what // ': one fails')
+    if (allocated(error)) return
+    if (allocated(failure)) then
+      call check(error, failure == other_failure, what // ': ' // failure)
+      return
+    end if
+    call check(error, size(one%states) == size(other%states) .and. &
+                      one%rows_used == other%rows_used, what // ': other states or contacts')
+    if (allocated(error)) return
+    do i = 1, size(one%states)
+      associate (a => one%states(i), b => other%states(i))
+        call check(error, a%contacts == b%contacts .and. &
+                          all(same_bits([a%approach, a%closing, a%load, a%area], &
+                                        [b%approach, b%closing, b%load, b%area])), &
+                   what // ': another state')
+      end associate
+    end do
+    do i = 1, one%rows_used
+      associate (a => one%rows(i), b => other%rows(i))
+        call check(error, a%upper == b%upper .and. a%lower == b%lower .and. &
+                          (a%limit_exceeded .eqv. b%limit_exceeded) .and. &
+                          all(same_bits([a%penetration, a%load, a%x, a%y], &
+                                        [b%penetration, b%load, b%x, b%y])), &
+                   what // ': another contact')
+      end associate
+    end do
+  end subroutine same
+
+  elemental logical function same_bits(a, b)
+    real(real64), intent(in) :: a, b
+
+    same_bits = transfer(a, 0_int64) == transfer(b, 0_int64)
+  end function same_bits
+
+  ! Two surfaces of one kind in the thesis' material, to its limit load.
+  subroutine make_scene(kind, n, scene_in)
+    integer, intent(in) :: kind, n
+    type(scene), intent(out) :: scene_in
+
+    call make_surface(kind, n, 1_int64, scene_in%upper)
+    call make_surface(kind, n + 7, 2_int64, scene_in%lower)
+    if (kind == clustered) then
+      ! Where the one has asperities the other has some.
+      scene_in%upper%x(:) = scene_in%lower%x(:n) + 0.3_real64
+      scene_in%upper%y(:) = scene_in%lower%y(:n) - 0.2_real64
+    end if
+    ! The tallest summit stands over nothing.
+    if (kind == tower) scene_in%upper%height(3) = 0.9_real64
+    if (kind == tower) scene_in%upper%x(3) = -500.0_real64
+    scene_in%motion%positions = positions
+    scene_in%motion%x_step = decimal_value(17_int64, -2)
+    scene_in%motion%y_first = decimal_value(-5_int64, -2)
+    if (kind == far) scene_in%motion%x_step = decimal_value(1_int64, 5)
+    scene_in%loading%control = control_limit
+    scene_in%limit%criterion = criterion_load
+    scene_in%limit%value = decimal_value(28889_int64, -2)
+  end subroutine make_scene
+
+  subroutine make_surface(kind, n, key, surface)
+    integer, intent(in) :: kind, n
+    integer(int64), intent(in) :: key
+    type(scene_surface), intent(inout) :: surface
+    real(real64) :: side, u(4)
+    integer :: i
+
+    allocate (surface%x(n), surface%y(n), surface%height(n), surface%radius(n))
+    surface%elastic_modulus = decimal_value(275760_int64, 0)
+    surface%poisson_ratio = decimal_value(42_int64, -2)
+    side = sqrt(n / 0.48_real64)
+    surface%radius = 1.27_real64
+    do i = 1, n
+      u = real(philox_block([int(i, int64), 0_int64, 0_int64, 0_int64], [key, 7_int64]), real64) / &
+          2.0_real64**32
+      surface%x(i) = side * u(1)
+      surface%y(i) = side * u(2)
+      surface%height(i) = 0.03_real64 + 0.1_real64 * (u(3) + u(4))
+      select case (kind)
+      case (clustered)
+        surface%x(i) = 3.0_real64 * u(1) + 1.0e4_real64 * modulo(i, 5)
+        surface%y(i) = 3.0_real64 * u(2) - 1.0e3_real64 * modulo(i, 3)
+      case (mixed)
+        surface%radius(i) = 0.05_real64 * 40.0_real64**u(3)
+        surface%height(i) = 0.1_real64 * u(4) * surface%radius(i)
+      case (lattice)
+        surface%x(i) = 0.75_real64 * modulo(i, 25)
+        surface%y(i) = 0.75_real64 * (i / 25)
+        surface%height(i) = 0.0625_real64 * (1 + modulo(i, 3))
+      case default
+        continue
+      end select
+    end do
+  end subroutine make_surface
+
+end module asperity_kernel_search_suite

@@ -1,0 +1,372 @@
+!> Integrals of Greenwood, Williamson and Tripp, and the cutting of surfaces into sections.
+!>
+!> Expected numbers come from mpmath (20 digits) by other ways than the code's: moments of the sum
+!> of two heights as double integrals over both heights; contacts of two rough surfaces with the
+!> offset itself as the variable; means over radii as double integrals over both radii.
+module asperity_study_suite
+  use asperity_area_study_plan, only: plan_study, section_places, section_square, study_plan
+  use asperity_area_study_statistics, only: area_study, evaluate_study
+  use asperity_area_study_surface, only: numbers_of_a_surface, prepare_surfaces, study_surface
+  use asperity_decimal, only: decimal_value
+  use asperity_generated_surface, only: surface_plan
+  use asperity_generation_values, only: gaussian_spec
+  use asperity_greenwood_heights, only: excess_moments, law_of_heights
+  use asperity_greenwood_integrals, only: densities_at, greenwood_law, greenwood_law_of, &
+                                          quantities, separation_at_pressure, vertical_per_area
+  use asperity_greenwood_radii, only: means_over_radii, radius_means
+  use asperity_kinds, only: int64, real128, real64
+  use asperity_study_spec, only: against_plane, places_grid, places_random, study_spec
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_study
+
+  ! The last of the 15 digits and more that mpmath gave, and some room.
+  real(real64), parameter :: exact = 2.0e-15_real64
+
+contains
+
+  !> The tests.
+  subroutine collect_study(suite)
+    type(unittest_type), allocatable, intent(out) :: suite(:)  !! all tests of this suite
+
+    allocate (suite(11))
+    suite(1) = new_unittest('heights without cut-offs: moments in closed form', gaussian_moments)
+    suite(2) = new_unittest('sum of two cut heights: moments by a double integral', sum_moments)
+    suite(3) = new_unittest('sum of a narrow and a wide law', narrow_moments)
+    suite(4) = new_unittest('heights that do not vary', fixed_moments)
+    suite(5) = new_unittest('means over radii', radii_means)
+    suite(6) = new_unittest('Greenwood-Tripp: integral over the offset itself', two_rough)
+    suite(7) = new_unittest('Greenwood-Williamson against a plane', rough_on_plane)
+    suite(8) = new_unittest('Greenwood and Tripp''s own terms', shallow_terms)
+    suite(9) = new_unittest('separation at a pressure', pressure)
+    suite(10) = new_unittest('sections lie in the region, none beside another is left out', places)
+    suite(11) = new_unittest('sections side by side add up to the whole; means agree', sums)
+  end subroutine collect_study
+
+  !> F_n(h) of Greenwood and Williamson: at 0 it is 2**(n/2) gamma((n + 1)/2)/(2 sqrt(pi)).
+  subroutine gaussian_moments(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: doubled(5) = [0, 2, 3, 4, 5]
+    real(real64), parameter :: at_1(5) = &
+      [0.158655253931_real64, 0.0833154705877_real64, 0.0756681773910_real64, &
+       0.0753397833438_real64, 0.0805623355708_real64]
+    real(real64), parameter :: at_3(5) = &
+      [0.00134989803163_real64, 3.82154317048e-4_real64, 2.63967554269e-4_real64, &
+       2.03435080487e-4_real64, 1.70872996214e-4_real64]
+    real(real128) :: moments(5), power
+    integer :: i
+
+    ! Beyond 14 deviations there is nothing that a double would show.
+    call excess_moments(law_of_heights([gaussian(0, 1, -14.0_real128, 14.0_real128)]), &
+                        0.0_real128, doubled, moments)
+    do i = 1, 5
+      power = real(doubled(i), real128) / 2
+      call check(error, real(moments(i), real64), &
+                 real(2**(power / 2) * gamma((power + 1) / 2) / (2 * sqrt(acos(-1.0_real128))), &
+                      real64), exact, 'F(0)')
+    end do
+    call excess_moments(law_of_heights([gaussian(0, 1, -14.0_real128, 14.0_real128)]), &
+                        1.0_real128, doubled, moments)
+    call check_all(error, real(moments, real64), at_1, 1.0e-11_real64, 'F(1)')
+    call excess_moments(law_of_heights([gaussian(0, 1, -14.0_real128, 14.0_real128)]), &
+                        3.0_real128, doubled, moments)
+    call check_all(error, real(moments, real64), at_3, 1.0e-11_real64, 'F(3)')
+  end subroutine gaussian_moments
+
+  subroutine sum_moments(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: separations(4) = [0.15_real64, 0.22_real64, 0.3_real64, 0.355_real64]
+    real(real64), parameter :: expected(5, 4) = reshape([ &
+      0.12305888523497826_real64, 0.016002629124739525_real64, 0.005879702610612601_real64, &
+      0.0021851010217999201_real64, 8.2073450122119118e-4_real64, &
+      0.053154309998926207_real64, 0.0036737499190270438_real64, 0.001019331264885785_real64, &
+      2.905196147532247e-4_real64, 8.467793596824767e-5_real64, &
+      0.0031021551904182272_real64, 7.8537719954691508e-5_real64, 1.3653099562722894e-5_real64, &
+      2.4704811139824768e-6_real64, 4.6137750789413194e-7_real64, &
+      2.0468546620032781e-7_real64, 3.1364366032105945e-10_real64, 1.3249517422197298e-11_real64, &
+      5.7891412201831397e-13_real64, 2.5969544403278447e-14_real64], [5, 4])
+
+    call compare_sums(error, [upper_heights(), lower_heights()], separations, expected)
+  end subroutine sum_moments
+
+  subroutine narrow_moments(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: separations(3) = [0.2_real64, 0.25_real64, 0.3_real64]
+    real(real64), parameter :: expected(5, 3) = reshape([ &
+      0.0626092972366946_real64, 0.0045166447674573401_real64, 0.001263085945781792_real64, &
+      3.6072626065430552e-4_real64, 1.0483534355088716e-4_real64, &
+      0.017447613708305035_real64, 6.6774902009310228e-4_real64, 1.3878380182593774e-4_real64, &
+      2.960671175109912e-5_real64, 6.4436297997825492e-6_real64, &
+      5.186355274576091e-4_real64, 4.3406921852354202e-6_real64, 4.1912552511364247e-7_real64, &
+      4.1414200824040661e-8_real64, 4.1653528494317559e-9_real64], [5, 3])
+
+    call compare_sums(error, [wide(127, 1, 1255, 1282), lower_heights()], separations, expected)
+  end subroutine narrow_moments
+
+  subroutine compare_sums(error, heights, separations, expected)
+    type(error_type), allocatable, intent(inout) :: error
+    type(gaussian_spec), intent(in) :: heights(2)
+    real(real64), intent(in) :: separations(:), expected(:, :)
+    real(real128) :: moments(5), separation
+    integer :: i
+
+    do i = 1, size(separations)
+      ! Thousandths, exactly.
+      separation = nint(1000 * separations(i)) / 1000.0_real128
+      call excess_moments(law_of_heights(heights), separation, [2, 4, 5, 6, 7], moments)
+      call check_all(error, real(moments, real64), expected(:, i), exact, 'moment')
+      call excess_moments(law_of_heights(heights(2:1:-1)), separation, [2, 4, 5, 6, 7], moments)
+      call check_all(error, real(moments, real64), expected(:, i), exact, 'moment, exchanged')
+    end do
+  end subroutine compare_sums
+
+  !> Without spread: a power. A part that does not vary only moves the other one.
+  subroutine fixed_moments(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(gaussian_spec) :: fixed
+    real(real128) :: moments(2), moved(2)
+
+    fixed = gaussian(3, 0, 3.0_real128, 3.0_real128)
+    call excess_moments(law_of_heights([fixed]), 1.0_real128, [2, 5], moments)
+    call check_all(error, real(moments, real64), [2.0_real64, sqrt(32.0_real64)], exact, 'one')
+    call excess_moments(law_of_heights([fixed, fixed]), 7.0_real128, [2, 5], moments)
+    call check_all(error, real(moments, real64), [0.0_real64, 0.0_real64], exact, 'out of reach')
+    call excess_moments(law_of_heights([fixed, upper_heights()]), 3.13_real128, [2, 5], moments)
+    call excess_moments(law_of_heights([upper_heights()]), 0.13_real128, [2, 5], moved)
+    call check_all(error, real(moments, real64), real(moved, real64), exact, 'moved')
+  end subroutine fixed_moments
+
+  subroutine radii_means(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(radius_means) :: means
+
+    call means_over_radii([wide(1000, 200, 6000, 16000), wide(800, 100, 5000, 11000)], means)
+    call check_all(error, real([means%sum, means%product, means%combined, means%root, &
+                                means%root_sum, means%upper, means%root_upper], real64), &
+                   [1.8101565979349758_real64, 0.80812527834798064_real64, &
+                    0.44097665386191635_real64, 0.66305501604704309_real64, &
+                    1.2076935140472496_real64, 1.0101565979349758_real64, &
+                    1.0007175525050815_real64], exact, 'mean')
+  end subroutine radii_means
+
+  subroutine two_rough(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(study_spec) :: spec
+    type(greenwood_law) :: law
+
+    call fill(spec)
+    law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, .false.)
+    call check_all(error, densities_at(law, 0.2_real64), &
+                   [0.2152760161925759_real64, 0.01393685402762784_real64, &
+                    168.8945684104764_real64, 166.5325103185897_real64], exact, 'at 0.2')
+    call check_all(error, densities_at(law, 0.3_real64), &
+                   [0.009274963095681208_real64, 1.803067584175419e-4_real64, &
+                    1.254885849497894_real64, 1.24896362379921_real64], 2 * exact, 'at 0.3')
+  end subroutine two_rough
+
+  subroutine rough_on_plane(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(study_spec) :: spec
+    type(greenwood_law) :: law
+
+    call fill(spec)
+    law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, .true.)
+    call check_all(error, densities_at(law, 0.13_real64), &
+                   [0.296774672247378_real64, 0.02078379014090802_real64, &
+                    99.87495107344976_real64, 99.87495107344976_real64], exact, 'at 0.13')
+  end subroutine rough_on_plane
+
+  !> Greenwood and Tripp 1970-71, equal surfaces of radius b: area pi**2 (n b)**2 F_2, load
+  !> (16 sqrt(2)/15) pi n**2 E b**(3/2) F_5/2.
+  subroutine shallow_terms(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(study_spec) :: spec
+    type(greenwood_law) :: law
+    real(real64) :: values(quantities), load
+    real(real64), parameter :: pi = acos(-1.0_real64)
+    real(real64), parameter :: modulus = 275760.0_real64 / (2 * 0.8236_real64)
+    real(real128) :: moments(2)
+    integer :: side
+
+    call fill(spec)
+    do side = 1, 2
+      spec%surfaces%sides(side) = spec%surfaces%sides(1)
+      spec%elastic_modulus(side) = spec%elastic_modulus(1)
+      spec%poisson_ratio(side) = spec%poisson_ratio(1)
+    end do
+    law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, .false.)
+    law%density = 0.5_real64
+    call excess_moments(law%heights, 0.25_real128, [4, 5], moments)
+    values = densities_at(law, 0.25_real64, shallow=.true.)
+    load = 16 * sqrt(2.0_real64) / 15 * pi * 0.25_real64 * modulus * 1.27_real64**1.5_real64 * &
+           real(moments(2), real64)
+    call check_all(error, values(2:), [(pi * 0.5_real64 * 1.27_real64)**2 * &
+                                       real(moments(1), real64), load, load], exact, 'published')
+  end subroutine shallow_terms
+
+  subroutine pressure(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(study_spec) :: spec
+    type(greenwood_law) :: law
+    character(len=:), allocatable :: failure
+    real(real64) :: separation, values(quantities)
+
+    call fill(spec)
+    law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, .false.)
+    values = densities_at(law, 0.2_real64)
+    call separation_at_pressure(law, values(vertical_per_area), separation, failure)
+    call check(error, .not. allocated(failure), 'a separation is found')
+    call check(error, separation, 0.2_real64, 1.0e-14_real64, 'separation')
+    call separation_at_pressure(law, 1.0e9_real64, separation, failure)
+    call check(error, allocated(failure), 'too high a pressure is refused')
+  end subroutine pressure
+
+  !> A grid: corners differ by whole sides. At random: anywhere in the region, all over it.
+  subroutine places(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(study_spec) :: spec
+    type(study_plan) :: plan
+    type(section_square), allocatable :: squares(:)
+    character(len=:), allocatable :: failure
+    real(real64) :: free
+    integer :: i
+
+    call fill(spec)
+    call plan_study(spec, plan, failure)
+    call check(error, .not. allocated(failure), 'a plan is made')
+    call check(error, plan%sections(3), 16, 'sections')
+    do i = 1, 3
+      call section_places(spec, plan, i, 1, squares)
+      call check(error, size(squares), 4**(i - 1), 'squares')
+      call check(error, maxval(squares%x), plan%corner(1) + plan%extent(1) - plan%sizes(i), &
+                 1.0e-13_real64, 'the last square ends with the region')
+      call check(error, sum(squares%y) / size(squares) + plan%sizes(i) / 2, 20.0_real64, &
+                 1.0e-12_real64, 'middle of the squares')
+    end do
+    spec%places = places_random
+    spec%sections = 1000
+    call plan_study(spec, plan, failure)
+    call section_places(spec, plan, 2, 1, squares)
+    free = plan%extent(1) - plan%sizes(2)
+    call check(error, minval(squares%x) >= plan%corner(1) .and. &
+               maxval(squares%x) <= plan%corner(1) + free, 'in the region')
+    ! The mean of 1000 places, within 4 standard errors.
+    call check(error, sum(squares%x) / 1000, plan%corner(1) + free / 2, &
+               4 * free / sqrt(12000.0_real64), 'mean of the places')
+  end subroutine places
+
+  !> The chain of surfaces, solver and cutting: the quarters of a surface hold what the whole does,
+  !> and the means of an ensemble are the integral's within 4 standard errors.
+  subroutine sums(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(study_spec) :: spec
+    type(study_plan) :: plan
+    type(surface_plan) :: plans(2)
+    type(area_study) :: study
+    real(real64), allocatable :: numbers(:, :)
+    real(real64) :: away(quantities)
+    character(len=:), allocatable :: failure
+    integer :: i, k, against
+
+    do against = 1, against_plane
+      call fill(spec)
+      spec%against = against
+      if (against == against_plane) spec%separation = decimal_value(13_int64, -2)
+      call plan_study(spec, plan, failure)
+      call prepare_surfaces(spec, plans)
+      allocate (numbers(numbers_of_a_surface(plan), 40))
+      do i = 1, 40
+        call study_surface(spec, plan, plans, i, numbers(:, i), failure)
+        call check(error, .not. allocated(failure), 'a surface is solved')
+        do k = 1, quantities
+          call check(error, sum(numbers(2 + quantities + k:2 + 5 * quantities:quantities, i)) / 4, &
+                     numbers(2 + k, i), 1.0e-13_real64 * numbers(2 + k, i), 'sum of the quarters')
+        end do
+      end do
+      call evaluate_study(spec, plan, numbers, study)
+      away = abs(study%sizes(1)%mean - study%integral) / study%sizes(1)%error
+      call check(error, maxval(away) < 4.0_real64, 'means are those of the integral')
+      call check(error, minval(study%sizes(1)%error / study%integral) > 0.0_real64 .and. &
+                 maxval(study%sizes(1)%error / study%integral) < 0.02_real64, 'standard errors')
+      deallocate (numbers)
+    end do
+  end subroutine sums
+
+  !> The surfaces of the tests: 765 and 774 asperities on 40 by 40.
+  subroutine fill(spec)
+    type(study_spec), intent(out) :: spec
+    integer :: side
+
+    spec%surfaces%file = 'test'
+    spec%text = 'test'
+    spec%surfaces%ensemble = 40
+    do side = 1, 2
+      spec%surfaces%sides(side)%number = merge(765, 774, side == 1)
+      spec%surfaces%sides(side)%length = decimal_value(40_int64, 0)
+      spec%surfaces%sides(side)%width = decimal_value(40_int64, 0)
+      spec%surfaces%sides(side)%height = merge(upper_heights(), lower_heights(), side == 1)
+    end do
+    spec%surfaces%sides(1)%radius = gaussian_decimal(decimal_value(127_int64, -2), &
+                                                     decimal_value(), 1.27_real128, 1.27_real128)
+    spec%surfaces%sides(2)%radius = gaussian_decimal(decimal_value(8_int64, -1), &
+                                                     decimal_value(), 0.8_real128, 0.8_real128)
+    spec%elastic_modulus = [decimal_value(275760_int64, 0), decimal_value(100000_int64, 0)]
+    spec%poisson_ratio = [decimal_value(42_int64, -2), decimal_value(3_int64, -1)]
+    spec%separation = decimal_value(2_int64, -1)
+    spec%steps = 3
+    spec%places = places_grid
+    allocate (spec%sizes(0))
+  end subroutine fill
+
+  pure type(gaussian_spec) function upper_heights()
+    upper_heights = gaussian_decimal(decimal_value(127_int64, -3), decimal_value(3048_int64, -5), &
+                                     0.111_real128, 0.1722_real128)
+  end function upper_heights
+
+  pure type(gaussian_spec) function lower_heights()
+    lower_heights = gaussian_decimal(decimal_value(12_int64, -2), decimal_value(5_int64, -2), &
+                                     0.0955_real128, 0.1859_real128)
+  end function lower_heights
+
+  !> Mean and deviation in thousandths, cut-offs in ten-thousandths.
+  pure type(gaussian_spec) function wide(mean, deviation, lowest, highest)
+    integer, intent(in) :: mean, deviation, lowest, highest
+
+    wide = gaussian_decimal(decimal_value(int(mean, int64), -3), &
+                            decimal_value(int(deviation, int64), -3), lowest / 1.0e4_real128, &
+                            highest / 1.0e4_real128)
+  end function wide
+
+  pure type(gaussian_spec) function gaussian(mean, deviation, lowest, highest)
+    integer, intent(in) :: mean, deviation
+    real(real128), intent(in) :: lowest, highest
+
+    gaussian = gaussian_decimal(decimal_value(int(mean, int64), 0), &
+                                decimal_value(int(deviation, int64), 0), lowest, highest)
+  end function gaussian
+
+  pure type(gaussian_spec) function gaussian_decimal(mean, deviation, lowest, highest)
+    type(decimal_value), intent(in) :: mean, deviation
+    real(real128), intent(in) :: lowest, highest
+
+    gaussian_decimal%mean = mean
+    gaussian_decimal%deviation = deviation
+    gaussian_decimal%lowest = lowest
+    gaussian_decimal%highest = highest
+  end function gaussian_decimal
+
+  !> Compares numbers with a relative tolerance.
+  subroutine check_all(error, found, expected, tolerance, message)
+    type(error_type), allocatable, intent(inout) :: error
+    real(real64), intent(in) :: found(:), expected(:), tolerance
+    character(len=*), intent(in) :: message
+    integer :: i
+
+    do i = 1, size(expected)
+      call check(error, found(i), expected(i), tolerance * abs(expected(i)), message)
+    end do
+  end subroutine check_all
+
+end module asperity_study_suite
