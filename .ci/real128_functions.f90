@@ -6,7 +6,7 @@ module real128_functions
   private
 
   public :: f128_ceiling, f128_cos, f128_exponent, f128_log10, f128_power, f128_scale, f128_sin
-  public :: f128_round, f128_sqrt
+  public :: f128_erfc, f128_exp, f128_floor, f128_hypot, f128_nearest, f128_round, f128_sqrt
 
 contains
 
@@ -44,6 +44,44 @@ contains
 
     y = x**power
   end function f128_power
+
+  function f128_exp(x) result(y) bind(c, name='_FortranAExpF128')
+    real(real128), value :: x
+    real(real128) :: y
+
+    y = exp(x)
+  end function f128_exp
+
+  function f128_hypot(x, y) result(length) bind(c, name='_FortranAHypotF128')
+    real(real128), value :: x, y
+    real(real128) :: length
+
+    length = hypot(x, y)
+  end function f128_hypot
+
+  function f128_erfc(x) result(y) bind(c, name='_FortranAErfcF128')
+    real(real128), value :: x
+    real(real128) :: y
+
+    y = erfc(x)
+  end function f128_erfc
+
+  !> The nearest whole number, as a real.
+  function f128_nearest(x) result(y) bind(c, name='_FortranARoundF128')
+    real(real128), value :: x
+    real(real128) :: y
+
+    y = anint(x)
+  end function f128_nearest
+
+  !> The largest whole number not above x.
+  function f128_floor(x) result(y) bind(c, name='_FortranAFloorF128')
+    real(real128), value :: x
+    real(real128) :: y
+
+    y = aint(x)
+    if (y > x) y = y - 1
+  end function f128_floor
 
   !> The least whole number not below x.
   function f128_ceiling(x) result(y) bind(c, name='_FortranACeilF128')

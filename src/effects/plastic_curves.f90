@@ -112,17 +112,20 @@ contains
   pure real(real64) function loading_work(scale, x)
     type(plastic_scale), intent(in) :: scale  !! of the contact
     real(real64), intent(in) :: x             !! overlap over the critical one, 0 or more
-    real(real64) :: low, high
+    real(real64), parameter :: most = 1.0e100_real64
+    real(real64) :: low, high, last
     integer :: i, panels
 
     loading_work = 0.4_real64 * min(x, departure)**2.5_real64
     if (.not. x > departure) return
     loading_work = loading_work + panel(scale, log(departure), log(min(x, joined)))
     if (.not. x > joined) return
-    panels = ceiling(log(x / joined))
+    ! Beyond, a contact has as good as no elastic part, and powers leave the range.
+    last = log(min(x, most))
+    panels = ceiling(last - log(joined))
     low = log(joined)
     do i = 1, panels
-      high = log(joined) + (log(x) - log(joined)) * i / panels
+      high = log(joined) + (last - log(joined)) * i / panels
       loading_work = loading_work + panel(scale, low, high)
       low = high
     end do

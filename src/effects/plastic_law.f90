@@ -58,7 +58,8 @@ contains
     if (number < 1 .or. number > size(self%critical)) return
     critical = self%critical(number)
     largest = max(self%largest(number), response%overlap)
-    if (.not. largest > onset * critical) return
+    ! Divided: an onset that is never reached has no room for a product.
+    if (.not. largest / onset > critical) return
     call set_scale(self%constraint, sqrt(critical / pair%radius), scale)
     if (response%overlap < self%largest(number)) then
       call unload(self%elastic%modulus, pair, scale, critical, largest, penetration, response)
@@ -79,7 +80,7 @@ contains
 
     past%largest = largest
     critical = self%critical(number)
-    past%flowed = largest > onset * critical
+    past%flowed = largest / onset > critical
     if (.not. past%flowed) return
     x = largest / critical
     call set_scale(self%constraint, sqrt(critical / pair%radius), scale)
@@ -124,8 +125,10 @@ contains
     radius = sqrt(pair%radius * largest)
     full = 4.0_real64 / 3.0_real64 * modulus * radius * largest * ratio
     radius = radius * spread
-    fraction = (response%overlap / largest - residual) / (1.0_real64 - residual)
+    fraction = response%overlap / largest - residual
+    ! A contact that was flattened for good all the way has nothing to come back to.
     if (fraction > 0.0_real64) then
+      fraction = fraction / (1.0_real64 - residual)
       response%load = full * fraction**load_power
       along = full * load_power * fraction**(load_power - 1.0_real64) / &
               ((1.0_real64 - residual) * largest)

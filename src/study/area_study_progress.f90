@@ -64,7 +64,9 @@ contains
     if (self%shown .and. real(now - self%last, real64) < interval * real(rate, real64)) return
     self%last = now
     self%shown = .true.
-    write (speed, '(g0.3)') (done - self%first) / seconds
+    ! No exponent, whatever the rate.
+    write (speed, '(f24.2)') (done - self%first) / seconds
+    speed = adjustl(speed)
     call write_standard_error(to_start // decimal_text(done) // ' of ' // &
                               decimal_text(self%total) // ' ' // self%what // ', ' // &
                               trim(speed) // ' a second, ' // &

@@ -147,7 +147,7 @@ contains
   elemental real(real128) function bell(x)
     real(real128), intent(in) :: x
 
-    bell = exp(-x**2 / 2) / sqrt(2 * acos(-1.0_real128))
+    bell = exp(-x**2 / 2) / sqrt(2 * 3.14159265358979323846264338327950288_real128)
   end function bell
 
   !> Chance of the normal law between two places; by the tails on the far side of 0, where a

@@ -43,7 +43,7 @@ module asperity_greenwood_integrals
     real(real128), public :: least_sum = 0.0_real128   !! least sum of the radii of a pair
   end type greenwood_law
 
-  real(real128), parameter :: pi = acos(-1.0_real128)
+  real(real128), parameter :: pi = 3.14159265358979323846264338327950288_real128
 
 contains
 

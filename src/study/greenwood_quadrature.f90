@@ -37,7 +37,7 @@ contains
     real(real128), intent(out) :: nodes(:)    !! descending
     real(real128), intent(out) :: weights(:)  !! as many; their sum is 2
     real(real128) :: x, before, here, next, slope
-    real(real128), parameter :: pi = acos(-1.0_real128)
+    real(real128), parameter :: pi = 3.14159265358979323846264338327950288_real128
     integer :: i, k, step, n
 
     n = size(nodes)

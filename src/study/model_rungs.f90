@@ -57,13 +57,14 @@ contains
     character(len=:), allocatable, intent(out) :: left_out    !! why not all of them
     character(len=:), allocatable, intent(out) :: failure     !! why there is none at all
     type(scene) :: bare
+    type(scene_effects) :: none
     type(model_run) :: runs(size(ladder))
     type(timing_samples) :: timing
     type(scene_results) :: results
     integer :: i, reached
 
     bare = scene_in
-    bare%effects = scene_effects()
+    bare%effects = none
     bare%loading%points = 0
     call solve_in_arithmetic('real64', bare, solve_method(), .false., results, failure)
     if (allocated(failure)) return
