@@ -111,8 +111,7 @@ contains
   !> Work of first loading up to x, in units of the load times the overlap where x is 1.
   pure real(real64) function loading_work(scale, x)
     type(plastic_scale), intent(in) :: scale  !! of the contact
-    real(real64), intent(in) :: x             !! overlap over the critical one, 0 or more
-    real(real64), parameter :: most = 1.0e100_real64
+    real(real64), intent(in) :: x             !! overlap over the critical one, 0 to 1e100
     real(real64) :: low, high, last
     integer :: i, panels
 
@@ -120,8 +119,7 @@ contains
     if (.not. x > departure) return
     loading_work = loading_work + panel(scale, log(departure), log(min(x, joined)))
     if (.not. x > joined) return
-    ! Beyond, a contact has as good as no elastic part, and powers leave the range.
-    last = log(min(x, most))
+    last = log(x)
     panels = ceiling(last - log(joined))
     low = log(joined)
     do i = 1, panels

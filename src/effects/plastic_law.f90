@@ -82,7 +82,8 @@ contains
     critical = self%critical(number)
     past%flowed = largest / onset > critical
     if (.not. past%flowed) return
-    x = largest / critical
+    ! Beyond, a contact has as good as no elastic part, and powers leave the range.
+    x = min(largest / critical, 1.0e100_real64)
     call set_scale(self%constraint, sqrt(critical / pair%radius), scale)
     call loading_curve(scale, x, ratio, slope, spread, peak)
     call unloading_shape(x, past%residual, load_power, area_power)
