@@ -153,12 +153,12 @@ contains
     if (allocated(outcome%failure)) outcome%ending%converged = .false.
   end subroutine halve_until_settled
 
-  ! What the cells may be off in the load: 5e-4 at 6 cells per radius, 1.2e-4 at 12, 3e-5 at 24 for
+  ! What the cells may be off in the load: 5e-4 at 6 cells per radius, 1e-4 at 12, 3e-5 at 24 for
   ! a contact of Hertz. A small change alone may be luck.
   pure real(real64) function expected_error(halvings)
     integer, intent(in) :: halvings
 
-    expected_error = 0.025_real64 / (coarse_cells * 2.0_real64**halvings)**2
+    expected_error = 0.0144_real64 / (coarse_cells * 2.0_real64**halvings)**2
   end function expected_error
 
   ! The cells' equations are solved far better than the cells are fine.
