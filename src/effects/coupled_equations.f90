@@ -205,7 +205,8 @@ contains
       dx = real(px(i) - x, real32)
       dy = real(py(i) - y, real32)
       sum2 = real(circle(i)**2 + b2, real32)
-      w = 1.0_real32 / max(dx * dx + dy * dy, sum2)
+      ! Of itself, and where circles are as good as none, next to nothing stands below the line.
+      w = 1.0_real32 / max(dx * dx + dy * dy, sum2, tiny(w))
       compliance(i) = scale * sqrt(w) * (1.0_real32 + w * sum2 / 6.0_real32)
     end do
   end subroutine comply
