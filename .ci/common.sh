@@ -8,6 +8,9 @@ export PATH=$venv/bin:$PATH
 # nothing has set is a signalling NaN: its first use traps.
 strict_flags="-std=f2008 -Wall -Wextra -Werror -g -fbacktrace -fcheck=all,no-array-temps \
 -ffpe-trap=invalid,zero,overflow -finit-real=snan -finit-derived"
+# The same without traps, for the whole program: a solver may meet a division by zero on its way and
+# go on.
+checks_flags=${strict_flags/-ffpe-trap=invalid,zero,overflow/}
 # Archived IEEE output must not depend on what the processor offers: no contraction to fused
 # multiply-add, no -march=native, no -ffast-math.
 archive_flags="-O2 -ffp-contract=off"
@@ -36,6 +39,7 @@ options_of() {
     release) fpm_options=(--profile release) ;;
     archive) fpm_options=(--flag "$archive_flags") ;;
     strict) fpm_options=(--no-prune --flag "$strict_flags") ;;
+    checks) fpm_options=(--no-prune --flag "$checks_flags") ;;
     sanitize) fpm_options=(--no-prune --flag "$sanitize_flags") ;;
     memcheck) fpm_options=(--no-prune --flag "$memcheck_flags") ;;
     images)
