@@ -36,8 +36,11 @@ contains
     weight = weight_of_shift(state)
     do k = 1, m
       ! A wider circle means the neighbours' field over a wider one: d(radius)/dp = R/(2 radius).
-      grown = 0.5_real64 * pairs%list(state%order(k))%radius / state%field%circle(k)**2 * &
-              state%field%growth(k)
+      grown = 0.0_real64
+      ! A contact that was flattened may touch without a circle.
+      if (state%field%circle(k) > 0.0_real64) &
+        grown = 0.5_real64 * pairs%list(state%order(k))%radius / state%field%circle(k)**2 * &
+                state%field%growth(k)
       diagonal(k) = (1.0_real64 + max(grown, -0.7_real64)) / state%stiffness(k)
     end do
     if (.not. careful) then
