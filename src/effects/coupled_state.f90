@@ -95,6 +95,8 @@ contains
       state%field%load(k) = response%vertical_load
       state%stiffness(k) = response%stiffness
       state%normal(k) = response%load
+      if (p > 0.0_real64 .and. .not. response%vertical_load > 0.0_real64) &
+        call soften(pairs, i, p, k, state)
     end do
     n = state%field%loaded
     state%field%keep_compliance = roughly .and. same
@@ -102,6 +104,21 @@ contains
     deallocate (state%field%compliance)
     allocate (state%field%compliance(n, n))
   end subroutine gather
+
+  ! A contact that was flattened touches nothing although it is below first touch. It gets a spring
+  ! that is as good as none, so that its equation has a solution: nothing is divided by zero.
+  pure subroutine soften(pairs, i, penetration, k, state)
+    type(contact_pairs), intent(in) :: pairs
+    integer, intent(in) :: i, k
+    real(real64), intent(in) :: penetration
+    type(solve_state), intent(inout) :: state
+    real(real64), parameter :: share = 1.0e-6_real64
+
+    state%field%circle(k) = share * sqrt(pairs%list(i)%radius * penetration)
+    state%stiffness(k) = 2.0_real64 * pairs%modulus * state%field%circle(k)
+    state%normal(k) = 1.0e-30_real64 * pairs%modulus * penetration**2
+    state%field%load(k) = state%normal(k)
+  end subroutine soften
 
   !> What the equations leave over, by place in the order, and where the circles should be.
   pure subroutine compare(pairs, state, off, shift_x, shift_y, residual, norm)
