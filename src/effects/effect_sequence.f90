@@ -34,6 +34,7 @@ contains
         if (effect%mode == effect_auto) then
           outcome%estimate = effect%estimate(pairs, state)
           if (.not. outcome%estimate > effect%tolerance) cycle
+          outcome%why = 'estimate above tolerance'
         end if
         call effect%apply(pairs, state, outcome)
         if (allocated(outcome%failure)) return

@@ -176,7 +176,6 @@ contains
     integer :: cluster(size(pairs%list)), clusters, c
     integer, allocatable :: members(:)
 
-    outcome%why = ''
     call cluster_of_each(pairs%list%x, pairs%list%y, state%answers%contact_radius, cluster, &
                          clusters)
     if (clusters == 0) return

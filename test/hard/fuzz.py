@@ -35,6 +35,9 @@ ROOT = Path(__file__).resolve().parents[2]
 MOST_POSITIONS = 1_000_000
 HONEST_COUNT = 300
 
+# A build without optimisation, or with checks, may take so many times longer.
+SLOWNESS = float(os.environ.get("ASPERITY_SLOWNESS", "1"))
+
 
 @dataclass
 class Case:
@@ -482,7 +485,7 @@ def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
         wrong.append(f"status {status}")
     if CRASH.search(err) or CRASH.search(out):
         wrong.append("crash: " + err[-300:].decode("utf-8", "replace"))
-    if seconds > most_seconds:
+    if seconds > SLOWNESS * most_seconds:
         wrong.append(f"took {seconds:.1f} s")
     if kilobytes > most_kilobytes:
         wrong.append(f"took {kilobytes // 1000} MB")
@@ -528,7 +531,7 @@ def run_and_check(exe, case, **limits):
     """Run a case in a new folder; status and all that is wrong."""
     with tempfile.TemporaryDirectory(prefix="fuzz") as name:
         folder = Path(name)
-        outcome = run(exe, case, folder, patience=60.0 if on_cells(case) else 20.0)
+        outcome = run(exe, case, folder, patience=SLOWNESS * (60.0 if on_cells(case) else 20.0))
         return outcome[0], outcome[2], check(case, folder, outcome, **limits)
 
 

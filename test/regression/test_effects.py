@@ -229,7 +229,7 @@ def test_summary(sweeps, tally):
     ways = [row["interaction"] for row in auto.positions]
     assert f"tolerance 1.00 %: estimated at 100 positions, simulated at {100 - ways.count('off')}" \
         in text
-    assert f"coupled at {ways.count('coupled')}: 1-3, " in text
+    assert f"coupled (estimate above tolerance) at {ways.count('coupled')}: 1-3, " in text
     assert "coupled+boundary (contact circles overlap) at 3: 18, 56, 79" in text
     # The numbers of the summary are those of the columns.
     influence = column(auto.positions, "interaction_influence")
