@@ -25,7 +25,7 @@ module asperity_command_line
     character(len=:), allocatable :: positions_file  !! path of the positions CSV, or empty
     character(len=:), allocatable :: curve_file      !! path of the curve CSV, or empty
     character(len=:), allocatable :: csv_file        !! path of the study's CSV, or empty
-    character(len=:), allocatable :: keep_file       !! path of the surfaces kept, or empty
+    character(len=:), allocatable :: keep_file       !! path of the work kept, or empty
     character(len=:), allocatable :: output_file     !! path of the generated surface, or empty
     character(len=:), allocatable :: upper_file      !! path of the upper surface, or empty
     character(len=:), allocatable :: lower_file      !! path of the lower surface, or empty
@@ -44,9 +44,9 @@ module asperity_command_line
   character(len=*), parameter :: original_valued(4) = &
     [character(len=18) :: '--arithmetic', '--tables', '--contacts', '--positions']
   character(len=*), parameter :: original_flags(1) = [character(len=18) :: '--carriage-control']
-  character(len=*), parameter :: solve_valued(6) = &
+  character(len=*), parameter :: solve_valued(7) = &
     [character(len=18) :: '--contacts', '--positions', '--curve', '--arithmetic', '--accuracy', &
-     '--threads']
+     '--threads', '--keep']
   character(len=*), parameter :: solve_flags(2) = [character(len=18) :: '--budget', '--quiet']
   character(len=*), parameter :: no_flags(0) = [character(len=18) ::]
   character(len=*), parameter :: study_valued(1) = [character(len=18) :: '--csv']
@@ -125,6 +125,9 @@ contains
     end do
     if (line%accuracy > 0 .and. line%arithmetic /= '') &
       call problems%add('--accuracy chooses the arithmetic: leave out --arithmetic')
+    if (line%accuracy > 0 .and. line%keep_file /= '') &
+      call problems%add('--accuracy solves a sweep in several ways, --keep keeps one: ' // &
+                        'expected one of both')
     if (line%output_file /= '' .and. line%upper_file /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     call check_files(line, problems)

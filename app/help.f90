@@ -85,6 +85,7 @@ contains
     call text%line('  --accuracy ERROR    take the cheapest way with this relative error, as 1e-3')
     call text%line('  --budget            print the error of every total, by source')
     call text%line('  --threads N         threads (default: one a core); the same bytes for any')
+    call text%line('  --keep FILE         keep positions that are solved; a rerun goes on there')
     call text%line('  --quiet             print no summary')
   end subroutine describe_solve
 

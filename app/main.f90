@@ -10,7 +10,7 @@ program asperity_main
   use asperity_run_accuracy, only: run_accuracy_command
   use asperity_run_generate, only: run_generate_command
   use asperity_run_original, only: run_original_command
-  use asperity_run_solve, only: run_solve_command
+  use asperity_run_solve, only: is_shared, run_solve_command
   use asperity_run_study, only: run_study_command
   implicit none
   type(command_line) :: line
@@ -23,8 +23,7 @@ program asperity_main
     if (image_number() == 1) &
       call write_standard_error(problems%text() // 'Try: asperity --help' // new_line('a'))
     status = 2
-  else if (image_number() > 1 .and. line%command /= 'study') then
-    ! Only a study is shared out.
+  else if (image_number() > 1 .and. .not. is_shared(line)) then
     status = 0
   else
     select case (line%command)

@@ -10,12 +10,16 @@ module asperity_run_solve
   use asperity_effect_report, only: effect_report
   use asperity_effect_solver, only: solve_with_effects
   use asperity_error_budget, only: error_budget, measure_budget
-  use asperity_files, only: write_standard_error, write_standard_output
+  use asperity_files, only: read_whole_file, write_message, write_standard_error, &
+                            write_standard_output
+  use asperity_images, only: image_number
+  use asperity_kept_records, only: checksum, kept_work
   use asperity_kinds, only: real64
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records, original_request
   use asperity_output_files, only: commit_files, stage_file
   use asperity_position_loop, only: use_threads
+  use asperity_position_rounds, only: share_next_sweep
   use asperity_problems, only: problem_list
   use asperity_progress, only: allow_progress
   use asperity_results_csv, only: write_contacts, write_curve, write_positions
@@ -27,12 +31,12 @@ module asperity_run_solve
   implicit none
   private
 
-  public :: run_solve_command
+  public :: is_shared, run_solve_command
 
 contains
 
-  !> Runs the command. All is computed before the first byte is written,
-  !> and files appear when all is written.
+  !> Runs the command. All is computed before the first byte is written, beside the positions that
+  !> are kept, and files appear when all is written. Image 1 writes and complains for all.
   subroutine run_solve_command(line, status)
     type(command_line), intent(in) :: line  !! the user's choices
     integer, intent(out) :: status          !! exit status
@@ -43,6 +47,7 @@ contains
     type(text_buffer) :: summary, contacts, positions, curve
     character(len=:), allocatable :: arithmetic, failure
     type(error_budget) :: budget
+    type(kept_work) :: work
     real(real64) :: bound
     logical :: keep_rows, thesis_sweep, with_effects
 
@@ -55,18 +60,28 @@ contains
     with_effects = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
     if (problems%count() == 0 .and. with_effects) call refuse_precision(line, problems)
     if (problems%count() > 0) then
-      call write_standard_error(problems%text())
+      if (image_number() == 1) call write_standard_error(problems%text())
       status = 2
       return
     end if
     status = 1
-    call write_standard_error(scene_in%notes%text())
-    call allow_progress()
+    if (image_number() == 1) then
+      call write_standard_error(scene_in%notes%text())
+      call allow_progress()
+    end if
     call use_threads(line%threads)
     arithmetic = 'real64'
     if (line%arithmetic /= '') arithmetic = line%arithmetic
     thesis_sweep = is_thesis_sweep(scene_in)
     keep_rows = line%contacts_file /= '' .or. thesis_sweep
+    if (is_shared(line)) then
+      call name_work(line, scene_in, arithmetic, keep_rows, work, failure)
+      if (allocated(failure)) then
+        if (image_number() == 1) call write_message(failure)
+        return
+      end if
+      call share_next_sweep(work)
+    end if
     if (with_effects) then
       call solve_with_effects(scene_in, keep_rows, results, effects, failure)
     else if (line%accuracy > 0.0_real64) then
@@ -74,6 +89,11 @@ contains
                              failure)
     else
       call solve_in_arithmetic(arithmetic, scene_in, solve_method(), keep_rows, results, failure)
+    end if
+    if (image_number() > 1) then
+      ! Image 1 has all results.
+      if (.not. allocated(failure)) status = 0
+      return
     end if
     if (.not. allocated(failure) .and. line%budget) &
       call measure_budget(scene_in, arithmetic, results, budget, failure)
@@ -108,6 +128,51 @@ contains
     if (complained(failure)) return
     status = 0
   end subroutine run_solve_command
+
+  !> Whether all images work on a command, each on a part of its pieces.
+  pure logical function is_shared(line)
+    type(command_line), intent(in) :: line  !! the user's choices
+
+    is_shared = line%command == 'study' .or. &
+                (line%command == 'solve' .and. .not. line%accuracy > 0.0_real64)
+  end function is_shared
+
+  ! What a file of kept positions is for: all files that the scene is made of, and what else the
+  ! results depend on.
+  subroutine name_work(line, scene_in, arithmetic, keep_rows, work, failure)
+    type(command_line), intent(in) :: line
+    type(scene), intent(in) :: scene_in
+    character(len=*), intent(in) :: arithmetic
+    logical, intent(in) :: keep_rows
+    type(kept_work), intent(out) :: work
+    character(len=:), allocatable, intent(out) :: failure
+
+    work%path = line%keep_file
+    work%piece = 'position'
+    work%of_what = 'this scene, arithmetic and list of contacts'
+    work%heading = 'asperity solve, ' // arithmetic // ', contacts ' // &
+                   trim(merge('kept  ', 'summed', keep_rows)) // ', input'
+    if (work%path == '' .or. image_number() > 1) return
+    call add_file(line%input)
+    call add_file(scene_in%upper%file)
+    if (scene_in%lower%file /= scene_in%upper%file) call add_file(scene_in%lower%file)
+
+  contains
+
+    subroutine add_file(path)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: text, why
+
+      if (allocated(failure)) return
+      call read_whole_file(path, text, why)
+      if (.not. allocated(why)) then
+        work%heading = work%heading // ' ' // checksum(text)
+        if (len(text) == 0) why = path // ': cannot be read again, as --keep needs it'
+      end if
+      if (allocated(why)) failure = why
+    end subroutine add_file
+
+  end subroutine name_work
 
   ! Effects and paths are computed in doubles only.
   subroutine refuse_precision(line, problems)

@@ -10,6 +10,7 @@ module asperity_run_study
   use asperity_images, only: image_number
   use asperity_output_files, only: commit_files, stage_file
   use asperity_problems, only: problem_list
+  use asperity_progress, only: allow_progress
   use asperity_study_spec, only: read_study_spec, study_spec
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -42,6 +43,7 @@ contains
       return
     end if
     status = 1
+    if (image_number() == 1) call allow_progress()
     call run_area_study(spec, plan, line%keep_file, study, failure)
     if (allocated(failure)) failure = line%input // ': ' // failure
     if (image_number() > 1) then

@@ -16,7 +16,8 @@ module asperity_kernel_real32
   use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
                                          surface_points
   use asperity_pair_search_row, only: build_row, first_from, summit_row
-  use asperity_position_loop, only: begin_positions, end_positions, is_wanted, position_done, &
+  use asperity_position_loop, only: another_round, begin_positions, end_positions, &
+                                    first_of_round, is_wanted, last_of_round, position_done, &
                                     position_watch, threads_for
   use asperity_problems, only: decimal_text
   use asperity_process, only: has_memory

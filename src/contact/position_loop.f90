@@ -1,19 +1,25 @@
 !> The positions of a scene shared out to threads, with the same result for any number of them.
 !>
-!> Positions know nothing of each other. What a run tells of a failure is what a run with one thread
-!> tells: the first position in order that fails, or with which there are too many contacts.
-!> Positions behind it are left out. Without OpenMP there is one thread.
+!> Threads share a round of positions; a sweep is one round unless it is shared out over images or
+!> kept (`asperity_position_rounds`). Positions know nothing of each other. What a run tells of a
+!> failure is what a run with one thread tells: the first position in order that fails, or with
+!> which there are too many contacts. Positions behind it are left out. Without OpenMP there is one
+!> thread.
 module asperity_position_loop
   use asperity_contact_records, only: most_rows, position_result
-  use asperity_kinds, only: int64
+  use asperity_images, only: image_number
+  use asperity_kinds, only: int64, real64
+  use asperity_position_rounds, only: add_to_round, begin_rounds, is_own, next_round, &
+                                      position_rounds
   use asperity_problems, only: decimal_text
-  use asperity_progress, only: begin_progress, end_progress, step_progress
+  use asperity_progress, only: begin_progress, end_progress, show_progress, step_progress
   !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
 
   public :: position_watch
-  public :: begin_positions, end_positions, is_wanted, position_done, threads_for, use_threads
+  public :: added_numbers, another_round, are_packed, begin_positions, end_positions, first_of_round
+  public :: is_wanted, last_of_round, position_done, threads_for, use_threads
 
   ! Less work than this is done before threads have begun: positions times asperities.
   integer(int64), parameter :: least_work = 30000_int64
@@ -29,6 +35,7 @@ module asperity_position_loop
     integer :: failed = huge(1)                   ! first one that failed
     integer(int64) :: rows = 0_int64              ! contacts kept so far
     character(len=:), allocatable :: failure      ! why
+    type(position_rounds) :: sweep                ! over all images
   end type position_watch
 
 contains
@@ -60,10 +67,39 @@ contains
     integer, intent(in) :: positions            !! of the scene
 
     watch%last = positions
-    call begin_progress(positions)
+    call begin_rounds(watch%sweep, positions)
   end subroutine begin_positions
 
-  !> Whether a position need be solved.
+  !> Whether there is another round of positions to solve; to be asked before each, by one thread.
+  logical function another_round(watch, positions)
+    type(position_watch), intent(inout) :: watch           !! shared by all threads
+    type(position_result), intent(inout) :: positions(:)   !! of the sweep, in order
+    logical :: first
+
+    first = watch%sweep%rounds%last == 0
+    call next_round(watch%sweep, positions, watch%failed, watch%failure, another_round)
+    if (first) then
+      call begin_progress('positions', watch%sweep%rounds%total, watch%sweep%rounds%done)
+    else
+      call show_progress(watch%sweep%rounds%done)
+    end if
+  end function another_round
+
+  !> First position of the round.
+  pure integer function first_of_round(watch)
+    type(position_watch), intent(in) :: watch  !! shared by all threads
+
+    first_of_round = watch%sweep%rounds%first
+  end function first_of_round
+
+  !> Last position of the round.
+  pure integer function last_of_round(watch)
+    type(position_watch), intent(in) :: watch  !! shared by all threads
+
+    last_of_round = watch%sweep%rounds%last
+  end function last_of_round
+
+  !> Whether a position of the round need be solved, and here.
   logical function is_wanted(watch, m)
     type(position_watch), intent(in) :: watch  !! shared by all threads
     integer, intent(in) :: m                   !! position, from 1
@@ -71,21 +107,40 @@ contains
 
     !$omp atomic read
     last = watch%last
-    is_wanted = m <= last
+    is_wanted = m <= last .and. is_own(watch%sweep, m)
   end function is_wanted
 
+  !> Whether results are packed as numbers.
+  pure logical function are_packed(watch)
+    type(position_watch), intent(in) :: watch  !! shared by all threads
+
+    are_packed = watch%sweep%shared
+  end function are_packed
+
+  !> The numbers that went with a position solved elsewhere; none: it was solved here.
+  pure function added_numbers(watch, m) result(numbers)
+    type(position_watch), intent(in) :: watch  !! when all is solved
+    integer, intent(in) :: m                   !! position
+    real(real64), allocatable :: numbers(:)
+
+    allocate (numbers(0))
+    if (.not. allocated(watch%sweep%more)) return
+    if (allocated(watch%sweep%more(m)%numbers)) numbers = watch%sweep%more(m)%numbers
+  end function added_numbers
+
   !> To be called by a thread with each position that it has solved, or could not solve.
-  subroutine position_done(watch, m, rows, failure)
+  subroutine position_done(watch, m, result, failure, more)
     type(position_watch), intent(inout) :: watch               !! shared by all threads
     integer, intent(in) :: m                                   !! position, from 1
-    integer, intent(in) :: rows                                !! contacts that it keeps
+    type(position_result), intent(in) :: result                !! of it
     character(len=:), allocatable, intent(in) :: failure       !! why it could not be solved
+    real(real64), intent(in), optional :: more(:)              !! to go with it, when packed
     integer :: last
 
     !$omp critical (asperity_positions)
     last = watch%last
     watch%highest = max(watch%highest, m)
-    watch%rows = watch%rows + int(rows, int64)
+    watch%rows = watch%rows + int(result%rows_used, int64)
     if (allocated(failure) .and. m < watch%failed) then
       watch%failed = m
       watch%failure = failure
@@ -95,12 +150,19 @@ contains
     if (watch%rows > int(most_rows, int64)) last = min(last, watch%highest)
     !$omp atomic write
     watch%last = last
+    if (watch%sweep%shared .and. .not. allocated(failure)) then
+      if (present(more)) then
+        call add_to_round(watch%sweep, m, result, more)
+      else
+        call add_to_round(watch%sweep, m, result, [real(real64) ::])
+      end if
+    end if
     call step_progress()
     !$omp end critical (asperity_positions)
   end subroutine position_done
 
-  !> To be called when the threads have ended. `failure` tells of the first position at which there
-  !> was one.
+  !> To be called after the last round. `failure` tells of the first position at which there was
+  !> one, or why the images cannot go on together.
   subroutine end_positions(watch, positions, failure)
     type(position_watch), intent(in) :: watch                !! of all threads
     type(position_result), intent(in) :: positions(:)        !! in order
@@ -109,6 +171,8 @@ contains
     integer :: m
 
     call end_progress()
+    if (allocated(watch%sweep%failure)) failure = watch%sweep%failure
+    if (allocated(failure) .or. image_number() > 1) return
     rows = 0_int64
     do m = 1, watch%last
       rows = rows + int(positions(m)%rows_used, int64)

@@ -8,6 +8,7 @@ module asperity_effect_solver
   use asperity_contact_records, only: are_finite, scene_results, solve_method
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_list, only: list_effects
+  use asperity_effect_packet, only: pack_effects, unpack_effects
   use asperity_effect_position, only: run_position
   use asperity_effect_report, only: effect_report
   use asperity_effect_rows, only: name_columns
@@ -15,8 +16,9 @@ module asperity_effect_solver
                                     solve_position
   use asperity_kinds, only: int64, real64
   use asperity_plastic_surface, only: surface_index
-  use asperity_position_loop, only: begin_positions, end_positions, is_wanted, position_done, &
-                                    position_watch, threads_for
+  use asperity_position_loop, only: added_numbers, another_round, are_packed, begin_positions, &
+                                    end_positions, first_of_round, is_wanted, last_of_round, &
+                                    position_done, position_watch, threads_for
   use asperity_scene_values, only: scene
   implicit none
   private
@@ -36,7 +38,7 @@ contains
     type(placed_scene) :: placed
     type(effect_box), allocatable :: effects(:)
     type(position_watch) :: watch
-    integer :: threads
+    integer :: threads, m
 
     call list_effects(scene_in, effects)
     call name_columns(effects, report)
@@ -48,10 +50,16 @@ contains
     ! Effects take long: a few positions are worth a thread each.
     threads = threads_for(placed%positions, huge(1_int64))
     call begin_positions(watch, placed%positions)
-    !$omp parallel num_threads(threads) if(threads > 1)
-    call solve_share(scene_in, placed, keep_rows, results, report, watch)
-    !$omp end parallel
+    do while (another_round(watch, results%positions))
+      !$omp parallel num_threads(threads) if(threads > 1)
+      call solve_share(scene_in, placed, keep_rows, results, report, watch)
+      !$omp end parallel
+    end do
     call end_positions(watch, results%positions, failure)
+    if (allocated(failure) .or. .not. are_packed(watch)) return
+    do m = 1, placed%positions
+      call unpack_effects(added_numbers(watch, m), report%positions(m))
+    end do
   end subroutine solve_with_effects
 
   ! The positions of one thread, which has effects of its own: they remember.
@@ -64,19 +72,25 @@ contains
     type(position_watch), intent(inout) :: watch
     type(effect_box), allocatable :: effects(:)
     character(len=:), allocatable :: failure
+    real(real64), allocatable :: numbers(:)
     integer :: m
 
     allocate (effects(0))
     call list_effects(scene_in, effects)
     !$omp do schedule(dynamic)
-    do m = 1, placed%positions
+    do m = first_of_round(watch), last_of_round(watch)
       if (.not. is_wanted(watch, m)) cycle
       call solve_one(scene_in, placed, m, effects, keep_rows, results, report, failure)
       if (.not. allocated(failure)) then
         if (.not. are_finite(results%positions(m))) &
           failure = 'a result is beyond the range of a double'
       end if
-      call position_done(watch, m, results%positions(m)%rows_used, failure)
+      if (are_packed(watch) .and. .not. allocated(failure)) then
+        call pack_effects(report%positions(m), numbers)
+        call position_done(watch, m, results%positions(m), failure, numbers)
+      else
+        call position_done(watch, m, results%positions(m), failure)
+      end if
     end do
     !$omp end do
   end subroutine solve_share

@@ -21,7 +21,7 @@ module asperity_images
 contains
 
   !> Which of the images this is, from 1.
-  integer function image_number()
+  pure integer function image_number()
     image_number = 1
 #ifdef ASPERITY_COARRAYS
     image_number = this_image()
@@ -29,7 +29,7 @@ contains
   end function image_number
 
   !> How many images there are.
-  integer function image_count()
+  pure integer function image_count()
     image_count = 1
 #ifdef ASPERITY_COARRAYS
     image_count = num_images()

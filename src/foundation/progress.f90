@@ -1,8 +1,8 @@
 !> How far long work has come, as one line on standard error.
 !>
 !> Nothing is shown unless the program has asked for it (`allow_progress`), standard error is a
-!> terminal and the work takes over two seconds. Whoever computes only counts what is done. Threads
-!> take turns in calling this (`asperity_position_loop`).
+!> terminal and the work takes over two seconds. Whoever computes only counts what is done; work
+!> within work counts nothing. Threads take turns in calling this (`asperity_position_loop`).
 module asperity_progress
   use, intrinsic :: iso_c_binding, only: c_int
   use asperity_files, only: standard_error, write_standard_error
@@ -12,14 +12,17 @@ module asperity_progress
   implicit none
   private
 
-  public :: allow_progress, begin_progress, end_progress, progress_text, step_progress
+  public :: allow_progress, begin_progress, end_progress, progress_text, show_progress
+  public :: step_progress
 
   ! Seconds before the first line, and from line to line.
   real(real64), parameter :: patience = 2.0_real64, pause = 0.25_real64
 
   ! What is under way.
   logical :: allowed = .false.
-  integer :: total = 0, done = 0
+  integer :: depth = 0  ! of work within work
+  character(len=:), allocatable :: pieces
+  integer :: total = 0, done = 0, done_before = 0
   integer :: width = 0  ! of the line that is shown; 0: none
   integer(int64) :: began = 0_int64
   real(real64) :: shown = 0.0_real64
@@ -32,53 +35,76 @@ contains
   end subroutine allow_progress
 
   !> Work begins.
-  subroutine begin_progress(positions)
-    integer, intent(in) :: positions  !! to be solved
+  subroutine begin_progress(what, number, before)
+    character(len=*), intent(in) :: what  !! its pieces, for instance `positions`
+    integer, intent(in) :: number         !! of them
+    integer, intent(in) :: before         !! so many were done before
 
-    total = positions
-    done = 0
+    depth = depth + 1
+    if (depth > 1) return
+    pieces = what
+    total = number
+    done = before
+    done_before = before
     width = 0
     shown = patience - pause
     if (allowed) call system_clock(began)
   end subroutine begin_progress
 
-  !> One more position is solved.
+  !> One more piece is done.
   subroutine step_progress()
-    character(len=:), allocatable :: line
-    real(real64) :: seconds
-
-    done = done + 1
-    if (.not. allowed) return
-    seconds = seconds_since(began)
-    if (seconds < shown + pause .or. done >= total) return
-    shown = seconds
-    line = progress_text(done, total, seconds)
-    call write_standard_error(line // repeat(' ', max(0, width - len(line))) // achar(13))
-    width = len(line)
+    if (depth == 1) call tell(done + 1)
   end subroutine step_progress
+
+  !> So many pieces are done by now.
+  subroutine show_progress(by_now)
+    integer, intent(in) :: by_now  !! those done before included
+
+    if (depth == 1) call tell(by_now)
+  end subroutine show_progress
 
   !> Work is at its end: the line goes.
   subroutine end_progress()
+    depth = depth - 1
+    if (depth > 0) return
     if (width > 0) call write_standard_error(repeat(' ', width) // achar(13))
     width = 0
   end subroutine end_progress
 
+  ! Counts, and shows the line when it is time to.
+  subroutine tell(by_now)
+    integer, intent(in) :: by_now
+    character(len=:), allocatable :: line
+    real(real64) :: seconds
+
+    done = by_now
+    if (.not. allowed) return
+    seconds = seconds_since(began)
+    if (seconds < shown + pause .or. done >= total .or. done <= done_before) return
+    shown = seconds
+    line = progress_text(pieces, done, total, done_before, seconds)
+    call write_standard_error(line // repeat(' ', max(0, width - len(line))) // achar(13))
+    width = len(line)
+  end subroutine tell
+
   !> The line: how much is done, how fast, how long it will go on.
-  pure function progress_text(finished, positions, seconds) result(text)
-    integer, intent(in) :: finished         !! positions, at least 1
-    integer, intent(in) :: positions        !! all of them
+  pure function progress_text(what, finished, number, before, seconds) result(text)
+    character(len=*), intent(in) :: what    !! the pieces of the work
+    integer, intent(in) :: finished         !! of them, more than `before`
+    integer, intent(in) :: number           !! all of them
+    integer, intent(in) :: before           !! done before the beginning
     real(real64), intent(in) :: seconds     !! since the beginning, more than 0
     character(len=:), allocatable :: text
     real(real64) :: rate
 
-    rate = real(finished, real64) / seconds
-    text = decimal_text(finished) // ' of ' // decimal_text(positions) // ' positions, '
+    rate = real(finished - before, real64) / seconds
+    text = decimal_text(finished) // ' of ' // decimal_text(number) // ' ' // what // ', '
     if (rate >= 10.0_real64) then
       text = text // decimal_text(nint(min(rate, 1.0e9_real64))) // ' a second, '
     else
       text = text // decimal_text(nint(60.0_real64 * rate)) // ' a minute, '
     end if
-    text = text // duration(real(positions - finished, real64) / rate) // ' left'
+    text = text // duration(real(number - finished, real64) / rate) // ' left'
   end function progress_text
 
   ! A time in words, rounded up.

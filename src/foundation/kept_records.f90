@@ -1,0 +1,205 @@
+!> The file in which long work keeps what is done, so that a rerun goes on from there.
+!>
+!> A line says what work it is, by a checksum of all its input. Then, for every piece of it in
+!> order (a surface, a position), a line with its number, how many numbers follow and their
+!> checksum, and a line with the numbers, bit by bit as 16 hexadecimal digits. Each is appended in
+!> one go; what an end in the middle left of the last one does not meet its checksum and is cut off
+!> by the next run.
+module asperity_kept_records
+  use, intrinsic :: iso_c_binding, only: c_int, c_null_char
+  use asperity_files, only: read_whole_file, write_bytes
+  use asperity_kinds, only: int64, real64
+  use asperity_output_files, only: commit_files, stage_file
+  use asperity_system_calls, only: posix_close, posix_fsync, posix_open, system_error, &
+                                   system_reason
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: checksum, keep_records, kept_work, number_record, resume_records
+
+  !> What is kept, and where.
+  type :: kept_work
+    character(len=:), allocatable :: path      !! the file
+    character(len=:), allocatable :: heading   !! its first line: what work it is
+    character(len=:), allocatable :: piece     !! what a record is, for instance `surface`
+    character(len=:), allocatable :: of_what   !! whose, for a message: `this specification`
+  end type kept_work
+
+  !> The numbers of a piece of work.
+  type :: number_record
+    real(real64), allocatable :: numbers(:)
+  end type number_record
+
+  ! O_RDONLY, and O_WRONLY with O_APPEND, of Linux.
+  integer(c_int), parameter :: read_only = 0_c_int, append = 1025_c_int, no_such_file = 2_c_int
+  integer, parameter :: digits = 16
+
+contains
+
+  !> Reads what a former run kept and makes the file ready for more. `failure` is allocated when the
+  !> file is of other work or cannot be read or written.
+  subroutine resume_records(work, most, records, failure)
+    type(kept_work), intent(in) :: work                       !! the file need not be there
+    integer, intent(in) :: most                               !! so many pieces there are in all
+    type(number_record), allocatable, intent(out) :: records(:)  !! those kept, from the first on
+    character(len=:), allocatable, intent(out) :: failure     !! why not
+    character(len=:), allocatable :: text, heading
+    integer(c_int) :: descriptor, status
+    integer :: used
+
+    allocate (records(0))
+    heading = work%heading // new_line('a')
+    text = ''
+    descriptor = posix_open(work%path // c_null_char, read_only)
+    if (descriptor >= 0) then
+      status = posix_close(descriptor)
+      call read_whole_file(work%path, text, failure)
+    else if (system_error() /= no_such_file) then
+      failure = work%path // ': cannot be opened: ' // system_reason()
+    end if
+    if (allocated(failure)) return
+    used = 0
+    if (len(text) > 0) then
+      used = min(len(heading), len(text))
+      if (text(:used) /= heading(:used)) then
+        failure = work%path // ': holds no ' // work%piece // 's of ' // work%of_what // &
+                  ', expected a file that a run with the same text kept, or none'
+        return
+      end if
+      if (used < len(heading)) used = 0
+    end if
+    if (used > 0) call take_records(text, work%piece, most, used, records)
+    if (used == len(text) .and. used > 0) return
+    ! A new file, or one whose last record is not whole.
+    if (used > 0) heading = text(:used)
+    call stage_file(work%path, heading, failure)
+    if (.not. allocated(failure)) call commit_files(failure)
+  end subroutine resume_records
+
+  !> Appends records. `failure` is allocated when they cannot be kept.
+  subroutine keep_records(work, first, records, failure)
+    type(kept_work), intent(in) :: work                    !! the file, from resume_records
+    integer, intent(in) :: first                           !! number of the first record
+    type(number_record), intent(in) :: records(:)          !! in order
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(text_buffer) :: text
+    character(len=:), allocatable :: body
+    integer(c_int) :: descriptor, status
+    integer :: i
+
+    do i = 1, size(records)
+      body = hexadecimal(records(i)%numbers)
+      call text%append(heading_of(work%piece, first + i - 1, body))
+      call text%append(body // new_line('a'))
+    end do
+    descriptor = posix_open(work%path // c_null_char, append)
+    if (descriptor < 0) then
+      failure = work%path // ': cannot be written: ' // system_reason()
+      return
+    end if
+    call write_bytes(descriptor, text%text(), failure)
+    if (allocated(failure)) failure = work%path // ': cannot be written: ' // failure
+    ! A pipe refuses, and need not.
+    status = posix_fsync(descriptor)
+    status = posix_close(descriptor)
+  end subroutine keep_records
+
+  !> Takes all whole records; `used` is moved behind them.
+  subroutine take_records(text, piece, most, used, records)
+    character(len=*), intent(in) :: text, piece
+    integer, intent(in) :: most
+    integer, intent(inout) :: used
+    type(number_record), allocatable, intent(inout) :: records(:)
+    type(number_record), allocatable :: found(:), larger(:)
+    integer :: length, first, line_end, done
+
+    allocate (found(64))
+    done = 0
+    do while (done < most)
+      line_end = index(text(used + 1:), new_line('a'))
+      if (line_end == 0) exit
+      first = used + line_end + 1
+      length = digits * numbers_told(text(used + 1:used + line_end - 1))
+      if (length < 0 .or. length > len(text) - first) exit
+      if (text(first + length:first + length) /= new_line('a')) exit
+      if (text(used + 1:used + line_end) /= &
+          heading_of(piece, done + 1, text(first:first + length - 1))) exit
+      if (done == size(found)) then
+        allocate (larger(2 * done))
+        larger(:done) = found
+        call move_alloc(larger, found)
+      end if
+      done = done + 1
+      allocate (found(done)%numbers(length / digits))
+      call from_hexadecimal(text(first:first + length - 1), found(done)%numbers)
+      used = first + length
+    end do
+    deallocate (records)
+    allocate (records(done))
+    records = found(:done)
+  end subroutine take_records
+
+  !> How many numbers the line before a record promises; -1 when it is no such line.
+  pure integer function numbers_told(line) result(number)
+    character(len=*), intent(in) :: line
+    integer :: first, last, status
+
+    number = -1
+    first = index(line, ', numbers ') + len(', numbers ')
+    last = index(line, ', checksum ') - 1
+    if (first <= len(', numbers ') .or. last < first .or. last > first + 7) return
+    read (line(first:last), '(i8)', iostat=status) number
+    if (status /= 0) number = -1
+  end function numbers_told
+
+  !> The line before the numbers of a record.
+  pure function heading_of(piece, record, body) result(line)
+    character(len=*), intent(in) :: piece, body
+    integer, intent(in) :: record
+    character(len=:), allocatable :: line
+    character(len=60) :: text
+
+    write (text, '(" ", i0, ", numbers ", i0, ", checksum ", a8)') record, len(body) / digits, &
+      checksum(body)
+    line = piece // trim(text) // new_line('a')
+  end function heading_of
+
+  pure function hexadecimal(numbers) result(text)
+    real(real64), intent(in) :: numbers(:)
+    character(len=digits * size(numbers)) :: text
+    integer :: i
+
+    do i = 1, size(numbers)
+      write (text(digits * (i - 1) + 1:digits * i), '(z16.16)') transfer(numbers(i), 0_int64)
+    end do
+  end function hexadecimal
+
+  pure subroutine from_hexadecimal(text, numbers)
+    character(len=*), intent(in) :: text
+    real(real64), intent(out) :: numbers(:)
+    integer(int64) :: word
+    integer :: i
+
+    do i = 1, size(numbers)
+      read (text(digits * (i - 1) + 1:digits * i), '(z16)') word
+      numbers(i) = transfer(word, 0.0_real64)
+    end do
+  end subroutine from_hexadecimal
+
+  !> FNV-1a of 32 bits (Fowler, Noll, Vo), as 8 hexadecimal digits.
+  pure function checksum(text) result(word)
+    character(len=*), intent(in) :: text  !! any bytes
+    character(len=8) :: word
+    integer(int64), parameter :: prime = 16777619_int64, low_32 = int(z'FFFFFFFF', int64)
+    integer(int64) :: state
+    integer :: i
+
+    state = 2166136261_int64
+    do i = 1, len(text)
+      state = iand(ieor(state, int(iachar(text(i:i)), int64)) * prime, low_32)
+    end do
+    write (word, '(z8.8)') state
+  end function checksum
+
+end module asperity_kept_records
