@@ -1,10 +1,9 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
   use asperity_arguments, only: argument, argument_list, read_arguments
-  use asperity_decimal, only: decimal_value
   use asperity_input_problems, only: quoted
   use asperity_kinds, only: real64
-  use asperity_numeral, only: nearest_double, read_numeral
+  use asperity_option_values, only: read_accuracy, read_count, read_tables
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions
   use asperity_output_files, only: same_file
@@ -166,7 +165,7 @@ contains
     case ('--lower')
       line%lower_file = value
     case ('--surface')
-      call read_member(value, line%member, problems)
+      call read_count(name, value, 7, 'a number from 1', line%member, problems)
     case ('--carriage-control')
       line%carriage_control = .true.
     case ('--quiet')
@@ -174,41 +173,11 @@ contains
     case ('--budget')
       line%budget = .true.
     case ('--threads')
-      call read_threads(value, line%threads, problems)
+      call read_count(name, value, 4, 'a number from 1 to 9999', line%threads, problems)
     case default
       call read_accuracy(value, line%accuracy, problems)
     end select
   end subroutine take_option
-
-  !> A whole number of threads from 1 to 9999.
-  subroutine read_threads(value, threads, problems)
-    character(len=*), intent(in) :: value
-    integer, intent(inout) :: threads
-    type(problem_list), intent(inout) :: problems
-    integer :: status
-
-    status = 1
-    if (len(value) <= 4 .and. verify(value, '0123456789') == 0) &
-      read (value, '(i4)', iostat=status) threads
-    if (status == 0 .and. threads > 0) return
-    threads = 0
-    call problems%add('--threads: found ' // quoted(value) // ', expected a number from 1 to 9999')
-  end subroutine read_threads
-
-  !> A surface's number in an ensemble.
-  subroutine read_member(value, member, problems)
-    character(len=*), intent(in) :: value
-    integer, intent(inout) :: member
-    type(problem_list), intent(inout) :: problems
-    integer :: status
-
-    status = 1
-    if (len(value) <= 7 .and. verify(value, '0123456789') == 0) &
-      read (value, '(i7)', iostat=status) member
-    if (status == 0 .and. member > 0) return
-    member = 0
-    call problems%add('--surface: found ' // quoted(value) // ', expected a number from 1')
-  end subroutine read_member
 
   !> The path of an output of a member of an ensemble: `%` stands for its number.
   pure function output_place(pattern, member) result(path)
@@ -226,22 +195,6 @@ contains
       end if
     end do
   end function output_place
-
-  !> A relative error between 0 and 1.
-  subroutine read_accuracy(value, accuracy, problems)
-    character(len=*), intent(in) :: value
-    real(real64), intent(inout) :: accuracy
-    type(problem_list), intent(inout) :: problems
-    type(decimal_value) :: decimal
-    logical :: good
-
-    call read_numeral(value, decimal, good)
-    accuracy = nearest_double(decimal)
-    if (good .and. accuracy > 0.0_real64 .and. accuracy < 1.0_real64) return
-    accuracy = 0.0_real64
-    call problems%add('--accuracy: found ' // quoted(value) // &
-                      ', expected a relative error between 0 and 1, for instance 1e-3')
-  end subroutine read_accuracy
 
   !> No output may take the place of another file that was named, in whatever spelling.
   subroutine check_files(line, problems)
@@ -302,36 +255,5 @@ contains
       path = line%keep_file
     end select
   end function output_file
-
-  !> `none`, `all`, or positions separated by commas.
-  subroutine read_tables(list, printed, problems)
-    character(len=*), intent(in) :: list
-    logical, intent(out) :: printed(:)
-    type(problem_list), intent(inout) :: problems
-    integer :: first, last, position, status
-
-    printed = list == 'all'
-    if (list == 'all' .or. list == 'none') return
-    first = 1
-    do while (first <= len(list) + 1)
-      last = first + index(list(first:) // ',', ',') - 2
-      status = 1
-      if (last >= first .and. last - first < 4) then
-        if (verify(list(first:last), '0123456789') == 0) &
-          read (list(first:last), '(i4)', iostat=status) position
-      end if
-      if (status == 0) then
-        if (position < 1 .or. position > size(printed)) status = 1
-      end if
-      if (status == 0) then
-        printed(position) = .true.
-      else
-        call problems%add('--tables: found ' // quoted(list(first:last)) // ' in ' // &
-                          quoted(list) // ', expected none, all, or positions from 1 to ' // &
-                          decimal_text(size(printed)) // ' separated by commas')
-      end if
-      first = last + 2
-    end do
-  end subroutine read_tables
 
 end module asperity_command_line

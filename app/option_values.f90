@@ -1,0 +1,80 @@
+!> The values of options: words in, checked values or problems out.
+module asperity_option_values
+  use asperity_decimal, only: decimal_value
+  use asperity_input_problems, only: quoted
+  use asperity_kinds, only: real64
+  use asperity_numeral, only: nearest_double, read_numeral
+  use asperity_problems, only: decimal_text, problem_list
+  implicit none
+  private
+
+  public :: read_accuracy, read_count, read_tables
+
+contains
+
+  !> A whole number from 1 on, of so many digits at most.
+  subroutine read_count(option, value, digits, expected, number, problems)
+    character(len=*), intent(in) :: option         !! whose value it is
+    character(len=*), intent(in) :: value          !! the word
+    integer, intent(in) :: digits                  !! at most; up to 9
+    character(len=*), intent(in) :: expected       !! what is expected, for a message
+    integer, intent(inout) :: number               !! 0 when the word is no such number
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    integer :: status
+
+    status = 1
+    if (len(value) <= digits .and. verify(value, '0123456789') == 0) &
+      read (value, '(i9)', iostat=status) number
+    if (status == 0 .and. number > 0) return
+    number = 0
+    call problems%add(option // ': found ' // quoted(value) // ', expected ' // expected)
+  end subroutine read_count
+
+  !> A relative error between 0 and 1.
+  subroutine read_accuracy(value, accuracy, problems)
+    character(len=*), intent(in) :: value          !! the word
+    real(real64), intent(inout) :: accuracy        !! 0 when the word is no such number
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    type(decimal_value) :: decimal
+    logical :: good
+
+    call read_numeral(value, decimal, good)
+    accuracy = nearest_double(decimal)
+    if (good .and. accuracy > 0.0_real64 .and. accuracy < 1.0_real64) return
+    accuracy = 0.0_real64
+    call problems%add('--accuracy: found ' // quoted(value) // &
+                      ', expected a relative error between 0 and 1, for instance 1e-3')
+  end subroutine read_accuracy
+
+  !> `none`, `all`, or positions separated by commas.
+  subroutine read_tables(list, printed, problems)
+    character(len=*), intent(in) :: list           !! the word
+    logical, intent(out) :: printed(:)             !! by position
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    integer :: first, last, position, status
+
+    printed = list == 'all'
+    if (list == 'all' .or. list == 'none') return
+    first = 1
+    do while (first <= len(list) + 1)
+      last = first + index(list(first:) // ',', ',') - 2
+      status = 1
+      if (last >= first .and. last - first < 4) then
+        if (verify(list(first:last), '0123456789') == 0) &
+          read (list(first:last), '(i4)', iostat=status) position
+      end if
+      if (status == 0) then
+        if (position < 1 .or. position > size(printed)) status = 1
+      end if
+      if (status == 0) then
+        printed(position) = .true.
+      else
+        call problems%add('--tables: found ' // quoted(list(first:last)) // ' in ' // &
+                          quoted(list) // ', expected none, all, or positions from 1 to ' // &
+                          decimal_text(size(printed)) // ' separated by commas')
+      end if
+      first = last + 2
+    end do
+  end subroutine read_tables
+
+end module asperity_option_values
