@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 import fuzz
+import fuzz_checks
+from fuzz_cases import Case, make_case
 
 ROOT = Path(__file__).resolve().parents[2]
 FOUND = sorted((ROOT / "data/hard/found").glob("*/case.json"))
@@ -28,8 +30,8 @@ def marked(path):
 def test_found_case(path, asperity):
     expected = json.loads(path.read_text(encoding="ascii"))
     files = {name.name: name.read_bytes() for name in path.parent.iterdir() if name != path}
-    case = fuzz.Case({"deck": b"", "s.scene": b"", **files}, expected["arguments"])
-    status, messages, wrong = fuzz.run_and_check(asperity, case)
+    case = Case({"deck": b"", "s.scene": b"", **files}, expected["arguments"])
+    status, messages, wrong = fuzz_checks.run_and_check(asperity, case)
     assert not wrong
     assert status == expected["status"], messages
     assert re.search(expected["message"], messages.decode("utf-8")), messages
@@ -52,8 +54,8 @@ def test_a_fault_is_seen(tmp_path):
                       "printf '\\033[2J\\377 Error termination' >&2; echo > deck; exit 3\n",
                       encoding="ascii")
     wicked.chmod(0o755)
-    case = fuzz.Case({"deck": b"1\n", "s.scene": b""}, ["deck", "--contacts", "c.csv"])
-    _, _, wrong = fuzz.run_and_check(wicked, case)
+    case = Case({"deck": b"1\n", "s.scene": b""}, ["deck", "--contacts", "c.csv"])
+    _, _, wrong = fuzz_checks.run_and_check(wicked, case)
     text = "; ".join(wrong)
     for part in ("status 3", "crash", "does not end its line", "no UTF-8", "not a number",
                  "deck was changed", "left c.csv behind", "left c.csv.1.part behind"):
@@ -61,23 +63,23 @@ def test_a_fault_is_seen(tmp_path):
 
 
 def test_a_bad_table_is_seen():
-    assert fuzz.check_csv("c.csv", b"a,b\n1,NaN\n")
-    assert fuzz.check_csv("c.csv", b"a,b\n1,***\n")
-    assert fuzz.check_csv("c.csv", b"a,b\n1\n")
-    assert fuzz.check_csv("c.csv", b"a,b\n1,2")
-    assert fuzz.check_csv("c.csv", b"")
-    assert not fuzz.check_csv("c.csv", b"a,b\n1,2.0E-003\n")
+    assert fuzz_checks.check_csv("c.csv", b"a,b\n1,NaN\n")
+    assert fuzz_checks.check_csv("c.csv", b"a,b\n1,***\n")
+    assert fuzz_checks.check_csv("c.csv", b"a,b\n1\n")
+    assert fuzz_checks.check_csv("c.csv", b"a,b\n1,2")
+    assert fuzz_checks.check_csv("c.csv", b"")
+    assert not fuzz_checks.check_csv("c.csv", b"a,b\n1,2.0E-003\n")
 
 
 def test_an_endless_run_is_seen(tmp_path):
     folder = tmp_path / "work"
     folder.mkdir()
-    case = fuzz.Case({"deck": b"", "s.scene": b""}, ["30"])
-    outcome = fuzz.run("/bin/sleep", case, folder, patience=0.2)
+    case = Case({"deck": b"", "s.scene": b""}, ["30"])
+    outcome = fuzz_checks.run("/bin/sleep", case, folder, patience=0.2)
     assert outcome[0] == -9
-    assert "status -9" in fuzz.check(case, folder, outcome)
+    assert "status -9" in fuzz_checks.check(case, folder, outcome)
 
 
 def test_same_seed_same_case():
     for seed in range(200):
-        assert fuzz.make_case(seed) == fuzz.make_case(seed)
+        assert make_case(seed) == make_case(seed)

@@ -8,8 +8,9 @@ slow_effects.py runs them.
 import math
 
 import pytest
-from boundary_truth import Contact, evaluate
-from effect_cases import AUTO, BOUNDARY, COUPLED, FLAT, THREE, WAYS, combined, effect_cases
+from boundary_equations import evaluate
+from boundary_patch import Contact
+from effect_cases import AUTO, BOUNDARY, COUPLED, THREE, WAYS, combined, effect_cases
 from effect_laws import keeps_laws, run
 from friction_truth import closed_form
 from make_cases import write_effect_case, surface_writer

@@ -4,7 +4,7 @@
 searches; the program follows the same curves by parameters of its own. `gap` is a pull across a
 gap: the deformation under a constant stress comes from quadrature of its point forces.
 
-Run as a program it prints the values that test/unit/adhesion_suite.f90 holds.
+Run as a program it prints the values that test/unit/adhesion_curves_suite.f90 holds.
 """
 
 from dataclasses import astuple, dataclass

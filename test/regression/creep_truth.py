@@ -9,7 +9,8 @@ follows several spheres under a held load: at each time a bisection for the clos
 integral as a sum over the whole past; it knows neither the compliance nor the memory variable of
 the program. `cycle_work` is Ting (1966): what a sphere gives back after a hold.
 
-Run as a program it prints the values that test/unit/creep_suite.f90 holds.
+Run as a program it prints the values that test/unit/creep_solid_suite.f90 and
+creep_suite.f90 hold.
 """
 
 import math

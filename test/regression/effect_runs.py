@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from boundary_truth import Contact
+from boundary_patch import Contact
 from exact_contact import Truth, read_deck
 from surfaces_csv import solve, write_csv_scene, write_scene
 
@@ -18,6 +18,12 @@ COMBINED = MODULUS / (2 * (1 - RATIO ** 2))
 CAP = 1.27
 # An upper sphere so large that it is a flat for caps below it.
 FLAT = 1.0e6
+# Of the factor load together / load alone: the promises of the project.
+COUPLED_APART, COUPLED_OVERLAPPING = 0.002, 0.02
+# What the last halving of cells may change of a load (boundary_tolerance).
+CELLS = 1e-3
+# A solve of `coupled` calls itself converged at this residual.
+CONVERGED = 1e-10
 
 
 class Sweeps:
@@ -63,6 +69,16 @@ def by_position(rows):
 def total(rows, name):
     """Sum of a column."""
     return column(rows, name).sum()
+
+
+def report(tally, name, errors, bound):
+    """Print the worst and where, count, and hold it against the bound."""
+    errors, bound = np.asarray(errors, float), np.broadcast_to(bound, np.shape(errors))
+    worst = int(np.argmax(errors / bound))
+    tally.add(name, errors.size, int((errors <= bound).sum()))
+    print(f"{name}: {errors.size} compared, worst {errors[worst]:.2e} (number {worst + 1}), "
+          f"allowed {bound[worst]:.0e}")
+    assert (errors <= bound).all(), f"{name}: {errors[worst]:.3e} at number {worst + 1}"
 
 
 @cache

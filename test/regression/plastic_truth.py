@@ -9,7 +9,7 @@ The formulas stand here as they were published, in mpmath with 40 digits:
 - Greenwood and Williamson 1966 (Proc. R. Soc. A 295, 300): critical overlap, plasticity index.
 
 `joined` is what the program makes of the first between x = 1.9 and 6. Run as a program it prints
-the values that test/unit/plasticity_suite.f90 holds.
+the values that test/unit/plastic_curves_suite.f90 holds.
 """
 
 import mpmath

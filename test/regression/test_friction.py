@@ -13,7 +13,7 @@ import pytest
 
 import friction_truth
 from effect_runs import (CAP, COMBINED, DECK, MODULUS, RATIO, Sweeps, by_position, column, place_of,
-                         total)
+                         report, total)
 from surfaces_csv import solve, write_csv_scene
 
 KAPPA = 2 * (1 - RATIO) / (2 - RATIO)  # tangential over normal stiffness (Mindlin 1949)
@@ -50,14 +50,6 @@ def errors_of(row, place, truth, annulus):
                  abs(up - float(truth.vertical)), lateral) / normal
     return forces, abs(float(row["slip_annulus"]) - annulus), (
         float(row["sliding"]) == float(truth.sliding))
-
-
-def report(tally, name, errors, bound):
-    """Print the worst, count, and hold it against the bound."""
-    errors = np.asarray(errors, float)
-    tally.add(name, errors.size, int((errors <= bound).sum()))
-    print(f"{name}: {errors.size} compared, worst {errors.max():.2e}, allowed {bound:.0e}")
-    assert errors.size and (errors <= bound).all(), name
 
 
 def compare(rows, coefficient, tally, name, **more):

@@ -1,29 +1,24 @@
-!> Tests of creep: the solid, its steps, and the effect on contacts that are held.
+!> Tests of creep on contacts that are held.
 !>
-!> Truths are closed forms and what test/regression/creep_truth.py prints: mpmath integrals and
-!> Laplace inversion, and a march of its own for several spheres. They share no code with src.
+!> Truths are closed forms and what test/regression/creep_truth.py prints: mpmath integrals, and a
+!> march of its own for several spheres. They share no code with src.
 module asperity_creep_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome
-  use asperity_contact_law, only: contact_response
-  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_load
   use asperity_creep, only: creep_of
+  use asperity_creep_holds, only: half, held_at, hold_load, rounding, start, three_spheres
+  use asperity_effect_helpers, only: near, pair_of
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction, only: new_interaction
-  use asperity_kernel_real64, only: touching_height
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_auto, effect_coupled, effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
-  use asperity_viscoelastic_solid, only: creep_compliance, hold_times, loaded, relaxation, &
-                                         solid_step, standard_linear_solid, step_over
+  use asperity_viscoelastic_solid, only: hold_times, standard_linear_solid
   implicit none
   private
 
   public :: collect_creep
-
-  type(standard_linear_solid), parameter :: half = standard_linear_solid(0.5_real64, 1.0_real64)
-  ! How far elastic loads may fall in a test.
-  real(real64), parameter :: rounding = 1.0e-9_real64
 
 contains
 
@@ -34,9 +29,6 @@ contains
 
     allocate (suite(0))
     suite = [ &
-      new_unittest('relaxation and compliance: closed forms, Laplace inversion, limits', solids), &
-      new_unittest('steps of a smooth course: second order, against mpmath', steps_converge), &
-      new_unittest('steps from no time to endless time, r from 1e-12 to 1', extreme_steps), &
       new_unittest('held approach: load and pressure relax exactly', held_approach), &
       new_unittest('held load: approach exact in any steps, pressure of second order', held_load), &
       new_unittest('held load on spheres that touch one after the other', held_spheres), &
@@ -45,107 +37,8 @@ contains
       new_unittest('no, instant and endless relaxation', limits), &
       new_unittest('a hold dissipates: no more comes back than was taken', energy), &
       new_unittest('shrinking areas and misuse are refused, rounding is not', refusals), &
-      new_unittest('the estimate bounds the truth; auto below it remembers nothing', estimates), &
-      new_unittest('times of a hold: ends, order, extremes', times_of_hold)]
+      new_unittest('the estimate bounds the truth; auto below it remembers nothing', estimates)]
   end subroutine collect_creep
-
-  subroutine solids(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(standard_linear_solid) :: solid
-    integer :: i
-    ! r, tau, t, J(t) E(0) by inverting its Laplace transform.
-    real(real64), parameter :: truth(4, 4) = reshape([ &
-      0.5_real64, 1.0_real64, 0.7_real64, 1.29531191028128655_real64, &
-      0.9_real64, 150.0_real64, 600.0_real64, 1.1080751419503008_real64, &
-      0.01_real64, 2.0_real64, 30.0_real64, 14.789910333919277_real64, &
-      0.75_real64, 100.0_real64, 0.001_real64, 1.0000024999906250_real64], [4, 4])
-
-    do i = 1, 4
-      solid = standard_linear_solid(truth(1, i), truth(2, i))
-      call near(error, creep_compliance(solid, truth(3, i)), truth(4, i), 1.0e-13_real64, 'J E0')
-      call near(error, relaxation(solid, 0.0_real64), 1.0_real64, epsilon(1.0_real64), 'E(0)')
-      call near(error, creep_compliance(solid, 0.0_real64), 1.0_real64, epsilon(1.0_real64), 'J(0)')
-      call near(error, relaxation(solid, 1.0e300_real64), solid%relaxed_ratio, 1.0e-15_real64, &
-                'relaxed')
-      call near(error, creep_compliance(solid, 1.0e300_real64), 1.0_real64 / solid%relaxed_ratio, &
-                1.0e-15_real64, 'crept')
-    end do
-    call near(error, relaxation(half, log(2.0_real64)), 0.75_real64, 1.0e-15_real64, 'half gone')
-    ! Nearly a fluid: J E0 = 1 + t/tau.
-    solid = standard_linear_solid(1.0e-14_real64, 2.0_real64)
-    call near(error, creep_compliance(solid, 10.0_real64), 6.0_real64, 1.0e-13_real64, 'fluid')
-  end subroutine solids
-
-  ! Elastic load (1 + t)**1.5 up to t = 2.
-  subroutine steps_converge(error)
-    type(error_type), allocatable, intent(out) :: error
-    ! r, tau, load by mpmath.quad.
-    real(real64), parameter :: truth(3, 3) = reshape([ &
-      0.5_real64, 1.0_real64, 3.6448235300786179_real64, &
-      0.2_real64, 0.3_real64, 1.6303432024502850_real64, &
-      0.9_real64, 5.0_real64, 5.0953264259506911_real64], [3, 3])
-    real(real64) :: off(3)
-    integer, parameter :: counts(3) = [20, 200, 400]
-    integer :: i, k
-
-    do i = 1, 3
-      do k = 1, 3
-        off(k) = abs(smooth_course(standard_linear_solid(truth(1, i), truth(2, i)), counts(k)) / &
-                     truth(3, i) - 1.0_real64)
-      end do
-      call check(error, off(1) < 1.0e-3_real64, '20 steps')
-      call check(error, off(2) < 1.0e-5_real64, '200 steps')
-      call near(error, off(2) / off(3), 4.0_real64, 0.01_real64, 'second order')
-    end do
-  end subroutine steps_converge
-
-  real(real64) function smooth_course(solid, steps)
-    type(standard_linear_solid), intent(in) :: solid
-    integer, intent(in) :: steps
-    real(real64) :: memory, before, now, t, last
-    integer :: i
-
-    memory = 0.0_real64
-    before = 1.0_real64
-    last = 0.0_real64
-    call loaded(step_over(solid, 0.0_real64, 0.0_real64), 0.0_real64, before, memory, smooth_course)
-    do i = 1, steps
-      t = 2.0_real64 * i / steps
-      now = (1.0_real64 + t)**1.5_real64
-      call loaded(step_over(solid, last, t), before, now, memory, smooth_course)
-      before = now
-      last = t
-    end do
-  end function smooth_course
-
-  ! Growth against its series in h for short steps and its limits for long ones.
-  subroutine extreme_steps(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(solid_step) :: step
-    real(real64), parameter :: ratios(4) = &
-      [1.0e-12_real64, 0.3_real64, 1.0_real64 - 1.0e-9_real64, 1.0_real64]
-    real(real64), parameter :: tiny_steps(3) = [0.0_real64, 1.0e-300_real64, 1.0e-9_real64]
-    integer :: i, k
-
-    do i = 1, size(ratios)
-      do k = 1, size(tiny_steps)
-        step = step_over(standard_linear_solid(ratios(i), 1.0_real64), 0.0_real64, tiny_steps(k))
-        call check(error, step%growth, (1.0_real64 - ratios(i)) * &
-                   (1.0_real64 - 0.5_real64 * tiny_steps(k)), 4.0e-16_real64, 'short: growth')
-        call check(error, step%decay, 1.0_real64 - tiny_steps(k), 4.0e-16_real64, 'short: decay')
-      end do
-      step = step_over(standard_linear_solid(ratios(i), 1.0e-300_real64), 0.0_real64, &
-                       1.0e300_real64)
-      call check(error, step%growth, 0.0_real64, 0.0_real64, 'endless: growth')
-      call check(error, step%decay, 0.0_real64, 0.0_real64, 'endless: decay')
-      step = step_over(standard_linear_solid(ratios(i), 0.0_real64), 0.0_real64, 1.0_real64)
-      call check(error, step%growth + step%decay, 0.0_real64, 0.0_real64, 'instant relaxation')
-    end do
-    ! r -> 0: the straight line, (1 - exp(-x))/x.
-    step = step_over(standard_linear_solid(1.0e-12_real64, 1.0_real64), 1.0_real64, 3.0_real64)
-    call near(error, step%growth, (1.0_real64 - exp(-2.0_real64)) / 2.0_real64, 2.0e-12_real64, &
-              'straight line')
-  end subroutine extreme_steps
 
   subroutine held_approach(error)
     type(error_type), allocatable, intent(out) :: error
@@ -425,134 +318,5 @@ contains
     call creep_of(half, 0.0_real64, rounding, creep)
     call check(error, creep%estimate(pairs, state), 0.0_real64, 0.0_real64, 'no hold')
   end subroutine estimates
-
-  subroutine times_of_hold(error)
-    type(error_type), allocatable, intent(out) :: error
-    real(real64), allocatable :: times(:)
-    real(real64), parameter :: taus(5) = &
-      [0.0_real64, 1.0e-300_real64, 1.0_real64, 150.0_real64, 1.0e300_real64]
-    integer :: i
-
-    do i = 1, size(taus)
-      call hold_times(600.0_real64, taus(i), 30, times)
-      call check(error, size(times), 30, 'number')
-      call check(error, times(1), 0.0_real64, 0.0_real64, 'first')
-      call check(error, times(30), 600.0_real64, 0.0_real64, 'last')
-      call check(error, all(times(2:) > times(:29)), 'ascending')
-    end do
-    ! A tenth of the relaxation time times equal factors, 1 + 600/15 = 41 in 29 steps.
-    call hold_times(600.0_real64, 150.0_real64, 30, times)
-    call near(error, times(2), 15.0_real64 * (41.0_real64**(1.0_real64 / 29.0_real64) - &
-              1.0_real64), 1.0e-13_real64, 'second')
-    call near(error, (times(30) + 15.0_real64) / (times(29) + 15.0_real64), &
-              41.0_real64**(1.0_real64 / 29.0_real64), 1.0e-13_real64, 'factor')
-    call hold_times(600.0_real64, 150.0_real64, 2, times)
-    call check(error, size(times), 2, 'two')
-    call hold_times(0.0_real64, 150.0_real64, 30, times)
-    call check(error, size(times), 1, 'no hold')
-    call check(error, times(1), 0.0_real64, 0.0_real64, 'no hold: time')
-  end subroutine times_of_hold
-
-  ! Holds a load in so many states, ends with the last.
-  subroutine hold_load(error, solid, pairs, load, hold_time, points, state, coupling)
-    type(error_type), allocatable, intent(inout) :: error
-    type(standard_linear_solid), intent(in) :: solid
-    type(contact_pairs), intent(in) :: pairs
-    real(real64), intent(in) :: load, hold_time
-    integer, intent(in) :: points
-    type(contact_state), intent(out) :: state
-    class(contact_effect), intent(in), optional :: coupling
-    class(contact_effect), allocatable :: creep
-    type(effect_outcome) :: outcome
-    real(real64), allocatable :: times(:)
-    real(real64) :: low, high, middle, pressure
-    integer :: i, try
-
-    call start(solid, pairs, creep)
-    call hold_times(hold_time, solid%relaxation_time, points, times)
-    low = 0.0_real64
-    pressure = 1.0_real64
-    do i = 1, size(times)
-      high = 1.0_real64
-      do try = 1, 60
-        middle = 0.5_real64 * (low + high)
-        call held_at(pairs, creep, middle, times(i), state, outcome, coupling)
-        if (total_load(state) < load) then
-          low = middle
-        else
-          high = middle
-        end if
-      end do
-      call held_at(pairs, creep, high, times(i), state, outcome, coupling)
-      call check(error, .not. allocated(outcome%failure), 'held load')
-      if (allocated(error)) return
-      call creep%keep(pairs, state)
-      call check(error, state%answers(1)%maximum_pressure <= pressure * (1.0_real64 + &
-                 1.0e-14_real64), 'pressure rises')
-      pressure = state%answers(1)%maximum_pressure
-      low = high * (1.0_real64 - 1.0e-14_real64)
-    end do
-  end subroutine hold_load
-
-  ! The effect at work, nothing touched yet.
-  subroutine start(solid, pairs, creep)
-    type(standard_linear_solid), intent(in) :: solid
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_effect), allocatable, intent(out) :: creep
-
-    call creep_of(solid, 1.0_real64, rounding, creep)
-    creep%mode = effect_on
-    call creep%begin(pairs)
-  end subroutine start
-
-  ! A state of a hold.
-  subroutine held_at(pairs, creep, closing, time, state, outcome, coupling)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_effect), intent(in) :: creep
-    real(real64), intent(in) :: closing, time
-    type(contact_state), intent(out) :: state
-    type(effect_outcome), intent(out) :: outcome
-    class(contact_effect), intent(in), optional :: coupling
-    type(effect_outcome) :: coupled
-
-    call start_state(pairs, hertz_law(modulus=1.0_real64), closing, state)
-    state%time = time
-    if (present(coupling)) call coupling%apply(pairs, state, coupled)
-    call creep%apply(pairs, state, outcome)
-  end subroutine held_at
-
-  ! Aligned spheres with combined radii 1, 2 and 0.5.
-  subroutine three_spheres(pairs)
-    type(contact_pairs), intent(out) :: pairs
-
-    allocate (pairs%list(3))
-    pairs%list(1) = pair_of(2.0_real64, 2.0_real64, 0.0_real64)
-    pairs%list(2) = pair_of(4.0_real64, 4.0_real64, 0.0_real64)
-    pairs%list(3) = pair_of(1.0_real64, 1.0_real64, 0.0_real64)
-    pairs%list%gap = [0.0_real64, 0.01_real64, 0.03_real64]
-    pairs%modulus = 1.0_real64
-  end subroutine three_spheres
-
-  function pair_of(upper, lower, d) result(pair)
-    real(real64), intent(in) :: upper, lower, d
-    type(contact_pair) :: pair
-
-    pair%upper_radius = upper
-    pair%lower_radius = lower
-    pair%upper_x = d
-    pair%s = upper + lower
-    pair%d = d
-    pair%radius = upper * lower / pair%s
-    call touching_height(pair%s, d, pair%zc, pair%rest)
-  end function pair_of
-
-  ! A relative tolerance.
-  subroutine near(error, found, expected, tolerance, message)
-    type(error_type), allocatable, intent(inout) :: error
-    real(real64), intent(in) :: found, expected, tolerance
-    character(*), intent(in) :: message
-
-    call check(error, found, expected, tolerance * abs(expected), message)
-  end subroutine near
 
 end module asperity_creep_suite

@@ -6,10 +6,10 @@
 module asperity_friction_suite
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_effect_helpers, only: pair_of
   use asperity_friction, only: add_to_rig, estimate_of_friction, rig_reaction, rub, rubbing, &
                                tangential_stiffness_ratio
   use asperity_hertz_law, only: hertz_law
-  use asperity_kernel_real64, only: touching_height
   use asperity_kinds, only: real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
@@ -28,6 +28,8 @@ module asperity_friction_suite
     real(real64) :: normal, tangential, contact, stick, lateral, vertical
   end type closing_case
 
+  ! From the lower centre to the upper one.
+  real(real64), parameter :: plan(2) = [0.6_real64, 0.8_real64]
   ! Loads and radii of the cases: a few units of the last place, and what the rounding of the height
   ! zc makes of a small penetration in a stick radius.
   real(real64), parameter :: tolerance = 5.0e-14_real64
@@ -89,7 +91,7 @@ contains
 
     do i = 1, size(cases)
       associate (it => cases(i))
-        pair = pair_of(it%upper, it%lower, it%d)
+        pair = pair_of(it%upper, it%lower, it%d, plan)
         kappa = tangential_stiffness_ratio(it%e1, it%nu1, it%e2, it%nu2)
         response = answer(pair, combined(it%e1, it%nu1, it%e2, it%nu2), it%p)
         call rub(pair, it%p, response, kappa, it%mu, rubbed)
@@ -144,7 +146,7 @@ contains
     real(real64), parameter :: p = 0.01_real64, kappa = 0.7_real64
     real(real64) :: sine
 
-    pair = pair_of(1.0_real64, 1.5_real64, 1.5_real64)
+    pair = pair_of(1.0_real64, 1.5_real64, 1.5_real64, plan)
     response = answer(pair, 2.0_real64, p)
     sine = sqrt((1.0_real64 - response%cosine) * (1.0_real64 + response%cosine))
 
@@ -163,7 +165,7 @@ contains
     call near(error, rubbed%tangential_load, other%tangential_load, response%load, 'huge mu: T')
     call near(error, rubbed%stiffness, other%stiffness, other%stiffness, 'huge mu: stiffness')
 
-    pair = pair_of(1.0_real64, 1.5_real64, 0.0_real64)
+    pair = pair_of(1.0_real64, 1.5_real64, 0.0_real64, plan)
     response = answer(pair, 2.0_real64, p)
     call rub(pair, p, response, kappa, 0.0_real64, rubbed)
     call check(error, .not. rubbed%sliding, 'aligned: nothing to slide')
@@ -189,7 +191,7 @@ contains
     real(real64) :: mu, jump
     integer :: i, in_part
 
-    pair = pair_of(1.0_real64, 1.0_real64, 1.4_real64)
+    pair = pair_of(1.0_real64, 1.0_real64, 1.4_real64, plan)
     response = answer(pair, 1.0_real64, p)
     in_part = 0
     jump = 0.0_real64
@@ -220,7 +222,7 @@ contains
     real(real64), parameter :: mu(3) = [0.5_real64, 0.83_real64, 1.5_real64]
     integer :: i
 
-    pair = pair_of(1.0_real64, 1.0_real64, 1.4_real64)
+    pair = pair_of(1.0_real64, 1.0_real64, 1.4_real64, plan)
     do i = 1, size(mu)
       call rub(pair, p, answer(pair, 1.0_real64, p), kappa, mu(i), rubbed)
       call rub(pair, p + h, answer(pair, 1.0_real64, p + h), kappa, mu(i), above)
@@ -242,7 +244,7 @@ contains
     real(real64) :: load, push
 
     ! Centres at (0, 0) below and (0.6, 0.8) d above; equal spheres touch half way.
-    pair = pair_of(1.0_real64, 1.0_real64, 1.0_real64)
+    pair = pair_of(1.0_real64, 1.0_real64, 1.0_real64, plan)
     pair%x = 0.3_real64
     pair%y = 0.4_real64
     call rub(pair, p, answer(pair, 1.0_real64, p), kappa, mu, rubbed)
@@ -286,10 +288,10 @@ contains
 
     law%modulus = 1.0_real64
     allocate (pairs%list(4))
-    pairs%list = [pair_of(1.0_real64, 1.0_real64, 0.1_real64), &
-                  pair_of(1.0_real64, 1.0_real64, 0.5_real64), &
-                  pair_of(1.0_real64, 1.0_real64, 0.9_real64), &
-                  pair_of(1.0_real64, 1.0_real64, 0.2_real64)]
+    pairs%list = [pair_of(1.0_real64, 1.0_real64, 0.1_real64, plan), &
+                  pair_of(1.0_real64, 1.0_real64, 0.5_real64, plan), &
+                  pair_of(1.0_real64, 1.0_real64, 0.9_real64, plan), &
+                  pair_of(1.0_real64, 1.0_real64, 0.2_real64, plan)]
     pairs%list%gap = [0.0_real64, 0.004_real64, 0.01_real64, 0.03_real64]
     do j = 1, size(mu)
       truth = 0.0_real64
@@ -309,21 +311,6 @@ contains
     call near(error, estimate_of_friction(pairs, law, -1.0_real64, kappa, 0.3_real64), &
               0.0_real64, 1.0_real64, 'apart')
   end subroutine estimates
-
-  ! Lower centre at the origin, upper one at a distance in plan, in the direction (0.6, 0.8).
-  function pair_of(upper, lower, d) result(pair)
-    real(real64), intent(in) :: upper, lower, d
-    type(contact_pair) :: pair
-
-    pair%upper_radius = upper
-    pair%lower_radius = lower
-    pair%upper_x = 0.6_real64 * d
-    pair%upper_y = 0.8_real64 * d
-    pair%s = upper + lower
-    pair%d = d
-    pair%radius = upper * lower / pair%s
-    call touching_height(pair%s, d, pair%zc, pair%rest)
-  end function pair_of
 
   function answer(pair, modulus, p) result(response)
     type(contact_pair), intent(in) :: pair

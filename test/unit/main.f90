@@ -1,14 +1,17 @@
 !> Runs every suite of unit tests.
 program unit_tests
   use asperity_testing, only: finish, run_suite, tally_type
+  use asperity_adhesion_curves_suite, only: collect_adhesion_curves
   use asperity_adhesion_suite, only: collect_adhesion
   use asperity_boundary_suite, only: collect_boundary
   use asperity_coupled_suite, only: collect_coupled
+  use asperity_creep_solid_suite, only: collect_creep_solid
   use asperity_creep_suite, only: collect_creep
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
   use asperity_kernel_search_suite, only: collect_kernel_search
   use asperity_philox_suite, only: collect_philox
+  use asperity_plastic_curves_suite, only: collect_plastic_curves
   use asperity_plasticity_suite, only: collect_plasticity
   use asperity_test_pair_search, only: collect_pair_search
   use asperity_study_suite, only: collect_study
@@ -29,8 +32,11 @@ program unit_tests
   call run_suite('cells', collect_boundary, tally)
   call run_suite('coupled contacts', collect_coupled, tally)
   call run_suite('friction', collect_friction, tally)
+  call run_suite('curves of adhesion', collect_adhesion_curves, tally)
   call run_suite('adhesion', collect_adhesion, tally)
+  call run_suite('solid that creeps', collect_creep_solid, tally)
   call run_suite('creep', collect_creep, tally)
+  call run_suite('curves of plastic flow', collect_plastic_curves, tally)
   call run_suite('plastic flow', collect_plasticity, tally)
   call run_suite('generator', collect_philox, tally)
   call run_suite('generation', collect_generation, tally)

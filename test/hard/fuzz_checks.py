@@ -1,0 +1,176 @@
+"""One run of the fuzzer, and all that can be wrong with it."""
+
+import csv
+import math
+import os
+import re
+import signal
+import subprocess
+import tempfile
+import unicodedata
+from pathlib import Path
+
+from fuzz_cases import VALUED
+from fuzz_effects import EFFECTS, broken_laws
+
+# A build without optimisation, or with checks, may take so many times longer.
+SLOWNESS = float(os.environ.get("ASPERITY_SLOWNESS", "1"))
+
+
+class Late(Exception):
+    """A run that did not end."""
+
+
+def late(_signal, _frame):
+    raise Late
+
+
+def run(exe, case, folder, patience=20.0):
+    """Run a case in a folder of its own: status, stdout, stderr, processor seconds, kilobytes."""
+    (folder / "sub").mkdir()
+    for name, data in case.files.items():
+        (folder / name).write_bytes(data)
+    paths = [os.path.join(tempfile.gettempdir(), f"{folder.name}.{name}") for name in "oe"]
+    with open(paths[0], "wb") as out, open(paths[1], "wb") as err:
+        words = [os.fsencode(word) for word in case.arguments]
+        child = subprocess.Popen([os.fsencode(exe)] + words, cwd=folder, stdin=subprocess.DEVNULL,
+                                 stdout=out, stderr=err)
+        old = signal.signal(signal.SIGALRM, late)
+        signal.setitimer(signal.ITIMER_REAL, patience)
+        try:
+            _, status, usage = os.wait4(child.pid, 0)
+        except Late:
+            child.kill()
+            _, status, usage = os.wait4(child.pid, 0)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, old)
+        child.returncode = os.waitstatus_to_exitcode(status)
+    texts = [Path(path).read_bytes() for path in paths]
+    for path in paths:
+        os.unlink(path)
+    return (child.returncode, *texts, usage.ru_utime + usage.ru_stime, usage.ru_maxrss)
+
+
+CRASH = re.compile(rb"Error termination|Fortran runtime|Backtrace|Segmentation|Aborted|"
+                   rb"At line \d+ of file|Floating-point exception|IEEE_|signal [A-Z]|AddressSan")
+NOT_FINITE = re.compile(rb"(?i)(?<![a-z])(?:[-+]?nan|[-+]?inf(?:inity)?)(?![a-z])")
+
+
+DIRECTIONS = ("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e"
+              "\u2066\u2067\u2068\u2069\ufeff")
+
+
+def odd_text(data):
+    """What is wrong with a text that people see; nothing when it is printable UTF-8."""
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        return f"no UTF-8 at byte {error.start}"
+    bad = [letter for letter in text if letter not in "\n\t" and (
+        unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in DIRECTIONS)]
+    return f"control characters {sorted(set(bad))!r}" if bad else ""
+
+
+def check_csv(path, data):
+    """What is wrong with a CSV file that was written."""
+    rows = list(csv.reader(data.decode("ascii").splitlines()))
+    if not data.endswith(b"\n") or not rows:
+        return [f"{path} is not whole"]
+    wrong = [row for row in rows[1:] if len(row) != len(rows[0])]
+    words = [name in EFFECTS for name in rows[0]]
+    for row in rows[1:]:
+        try:
+            if not all(word and cell.isprintable() or math.isfinite(float(cell))
+                       for cell, word in zip(row, words)):
+                wrong.append(row)
+        except ValueError:
+            wrong.append(row)
+    return [f"{path}: {wrong[0]!r}"] if wrong else []
+
+
+def operand(arguments):
+    """The file that a command line reads."""
+    words = iter(arguments[arguments[:1] == ["solve"]:])
+    for word in words:
+        if word in VALUED:
+            next(words, None)
+        elif not word.startswith("-"):
+            return os.path.normpath(word)
+    return ""
+
+
+def may_be_written(case, name):
+    """Whether a file is named as an output and is no input of the run."""
+    words = [word.rpartition("=")[2] for word in case.arguments]
+    read = operand(case.arguments)
+    used = case.files.get(read, b"") if read.endswith(".scene") else b""
+    return name != read and any(word.endswith(name) for word in words) and \
+        name.encode() not in re.findall(rb"['\"]([^'\"]*)['\"]", used)
+
+
+def on_cells(case):
+    """Cells take their time and their room; the budget compares with them, `auto` may use them."""
+    return any("--budget" in str(word) for word in case.arguments) or \
+        any(b"interaction" in text.lower() for text in case.files.values())
+
+
+def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
+    """All that is wrong with a run."""
+    status, out, err, seconds, kilobytes = outcome
+    wrong = []
+    if on_cells(case):
+        most_seconds = max(most_seconds, 30.0)
+        most_kilobytes = max(most_kilobytes, 1_000_000)
+    if status not in (0, 1, 2):
+        wrong.append(f"status {status}")
+    if CRASH.search(err) or CRASH.search(out):
+        wrong.append("crash: " + err[-300:].decode("utf-8", "replace"))
+    if seconds > SLOWNESS * most_seconds:
+        wrong.append(f"took {seconds:.1f} s")
+    if kilobytes > most_kilobytes:
+        wrong.append(f"took {kilobytes // 1000} MB")
+    if status in (1, 2):
+        if not err.strip():
+            wrong.append("no message")
+        if out:
+            wrong.append("text on standard output in spite of a failure")
+    if err and not err.endswith(b"\n"):
+        wrong.append("the last message does not end its line")
+    if len(err) > 1_000_000:
+        wrong.append(f"{len(err)} bytes of messages")
+    if odd_text(err):
+        wrong.append("message: " + odd_text(err))
+    # The first card's words are printed as they stand.
+    words = case.files.get("deck", b"")[:8].lower()
+    if NOT_FINITE.search(out) and b"nan" not in words and b"inf" not in words:
+        wrong.append("not a number in the output: " + repr(NOT_FINITE.search(out)))
+    left = {}
+    for path in folder.rglob("*"):
+        if path.is_file():
+            left[str(path.relative_to(folder))] = path
+    for name, data in case.files.items():
+        path = left.pop(name, None)
+        if path is None or path.read_bytes() != data:
+            if status == 0 and path is not None and may_be_written(case, name):
+                wrong += check_csv(name, path.read_bytes())
+            else:
+                wrong.append(f"the file {name} was changed")
+    for name, path in left.items():
+        if status != 0:
+            wrong.append(f"left {name} behind")
+        elif name.endswith(".part"):
+            wrong.append(f"left {name}")
+        else:
+            wrong += check_csv(name, path.read_bytes())
+            if name == "p.csv":
+                wrong += broken_laws(path.read_bytes())
+    return wrong
+
+
+def run_and_check(exe, case, **limits):
+    """Run a case in a new folder; status and all that is wrong."""
+    with tempfile.TemporaryDirectory(prefix="fuzz") as name:
+        folder = Path(name)
+        outcome = run(exe, case, folder, patience=SLOWNESS * (60.0 if on_cells(case) else 20.0))
+        return outcome[0], outcome[2], check(case, folder, outcome, **limits)

@@ -1,0 +1,237 @@
+"""Faults from outside on the way: pipes, devices, interruptions, files that vanish.
+
+Each is a real one. Files appear whole and all together, or not at all.
+"""
+
+import os
+import shutil
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from outside_runs import DECK, LONG, OUTPUTS, files, is_whole, one_line
+
+pytestmark = pytest.mark.usefixtures("signals_not_ignored")
+
+
+# ---------------------------------------------------------------- pipes and devices
+
+@pytest.mark.parametrize("words", [["t.deck", *LONG], ["t.deck", *LONG, *OUTPUTS]])
+def test_closed_pipe(run, tmp_path, words):
+    """`| head -1`: the reader takes a line and goes."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = run(*words, stdout=writing, capture_output=False, stderr=subprocess.PIPE)
+    os.close(writing)
+    assert done.returncode == 1
+    assert one_line(done) == "standard output: cannot be written: Broken pipe"
+    assert files(tmp_path) == []
+
+
+def test_head(run, asperity, tmp_path):
+    done = subprocess.run(
+        ["bash", "-c", '"$0" "$@" | head -1; echo "${PIPESTATUS[0]}"', asperity, "t.deck", *LONG],
+        cwd=tmp_path, capture_output=True, timeout=60, check=False)
+    assert done.stdout.splitlines()[-1] == b"1"
+    assert one_line(done) == "standard output: cannot be written: Broken pipe"
+
+
+@pytest.mark.parametrize("stream", ["<&-", ">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
+def test_closed_stream(run, asperity, tmp_path, stream):
+    """A stream that is closed from the start: no file is mistaken for it."""
+    (tmp_path / "p.csv").write_text("kept\n", encoding="ascii")
+    done = subprocess.run(
+        ["bash", "-c", f'"$0" t.deck --positions p.csv {stream}', asperity],
+        cwd=tmp_path, capture_output=True, timeout=60, check=False)
+    assert done.returncode == (1 if ">&-" in stream.replace("2>&-", "") else 0)
+    if done.returncode == 0:
+        assert is_whole(tmp_path / "p.csv")
+    else:
+        assert (tmp_path / "p.csv").read_text(encoding="ascii") == "kept\n"
+    assert files(tmp_path) == ["p.csv"]
+    assert (tmp_path / "t.deck").read_bytes() == DECK.read_bytes()
+
+
+def test_pipe_that_does_not_wait(run, asperity, tmp_path):
+    """A reader that is slow, at the end of a pipe that refuses instead of waiting."""
+    expected = run("t.deck", *LONG).stdout
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    with subprocess.Popen([asperity, "t.deck", *LONG], cwd=tmp_path, stdout=writing,
+                          stderr=subprocess.PIPE) as child:
+        os.close(writing)
+        time.sleep(0.2)
+        with os.fdopen(reading, "rb") as pipe:
+            assert pipe.read() == expected
+        child.stderr.read()
+        assert child.wait() == 0
+
+
+def test_devices_stay_devices(run, tmp_path):
+    done = run("t.deck", "--tables", "none", "--contacts", "/dev/null",
+               "--positions", "/dev/stdout")
+    assert done.returncode == 0
+    assert done.stdout.startswith(b"position,x_displacement")
+    assert Path("/dev/null").is_char_device()
+    assert files(tmp_path) == []
+
+
+def test_named_pipe_stays_one(run, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    got = []
+    reader = threading.Thread(target=lambda: got.append((tmp_path / "pipe").read_bytes()))
+    reader.start()
+    done = run("t.deck", "--tables", "none", "--positions", "pipe")
+    reader.join(20)
+    assert done.returncode == 0
+    assert got[0].startswith(b"position,") and got[0].count(b"\n") == 101
+    assert (tmp_path / "pipe").is_fifo() and files(tmp_path) == ["pipe"]
+
+
+@pytest.mark.parametrize("command", [[], ["solve"]])
+def test_deck_from_a_pipe(run, command):
+    """What is read once is enough: a pipe gives its text a single time."""
+    expected = run(*command, "t.deck").stdout
+    done = run(*command, "/dev/stdin", stdin=None, input=DECK.read_bytes())
+    assert done.returncode == 0
+    assert done.stdout.replace(b"/dev/stdin", b"t.deck") == expected
+
+
+def test_endless_input(run):
+    done = run("/dev/zero", timeout=20)
+    assert done.returncode == 2
+    assert one_line(done) == ("/dev/zero:1:1: cannot be read: more than 100000000 bytes, "
+                              "expected a card deck")
+
+
+def test_huge_input(run, tmp_path):
+    with open(tmp_path / "huge.deck", "wb") as huge:
+        huge.truncate(3 * 2 ** 30)
+    done = run("huge.deck", timeout=20)
+    assert done.returncode == 2
+    assert "cannot be read: more than 1000000000 bytes" in one_line(done)
+
+
+# ---------------------------------------------------------------- interruptions
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
+@pytest.mark.parametrize("command", [[], ["solve"]])
+def test_interrupted_while_writing(waiting, tmp_path, command, number):
+    (tmp_path / "p.csv").write_text("kept\n", encoding="ascii")
+    if command:
+        # The summary is short; a pipe that is full holds it up instead.
+        os.mkfifo(tmp_path / "pipe")
+        keeper = os.open(tmp_path / "pipe", os.O_RDWR)
+        words = ["solve", "t.deck", *OUTPUTS, "--curve", "pipe"]
+        os.set_blocking(keeper, False)
+        fill(keeper)
+    else:
+        words = ["t.deck", *LONG, *OUTPUTS]
+    child = waiting(*words)
+    child.send_signal(number)
+    out, err = child.communicate(timeout=20)
+    assert child.returncode == 1
+    assert err.decode().splitlines()[-1] == f"interrupted by signal {number:2}, nothing kept"
+    if command:
+        os.close(keeper)
+        (tmp_path / "pipe").unlink()
+        assert out == b""
+    assert files(tmp_path) == ["p.csv"]
+    assert (tmp_path / "p.csv").read_text(encoding="ascii") == "kept\n"
+
+
+def fill(pipe):
+    try:
+        while True:
+            os.write(pipe, b"x" * 4096)
+    except BlockingIOError:
+        pass
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.002, 0.005, 0.01, 0.03, 0.06, 0.1, 0.2])
+def test_interrupted_at_any_time(asperity, tmp_path, delay):
+    shutil.copy(DECK, tmp_path / "t.deck")
+    with subprocess.Popen([asperity, "t.deck", "--tables", "none", *OUTPUTS], cwd=tmp_path,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+        time.sleep(delay)
+        child.send_signal(signal.SIGINT)
+        child.communicate(timeout=20)
+    # Before its first instruction nobody guards the program.
+    assert child.returncode in (0, 1, -signal.SIGINT)
+    if child.returncode == 0:
+        assert files(tmp_path) == ["c.csv", "p.csv"]
+        assert is_whole(tmp_path / "c.csv") and is_whole(tmp_path / "p.csv")
+    else:
+        assert files(tmp_path) == []
+
+
+def test_ignored_signal_stays_ignored(waiting, asperity, tmp_path):
+    """`nohup`: the work goes on."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        child = waiting("t.deck", *LONG, *OUTPUTS)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    child.send_signal(signal.SIGHUP)
+    child.communicate(timeout=20)
+    assert child.returncode == 0
+    assert files(tmp_path) == ["c.csv", "p.csv"]
+
+
+# ---------------------------------------------------------------- files that vanish
+
+def test_folder_removed_before_the_end(waiting, tmp_path):
+    (tmp_path / "away").mkdir()
+    child = waiting("../t.deck", *LONG, *OUTPUTS, cwd=tmp_path / "away")
+    shutil.rmtree(tmp_path / "away")
+    _, err = child.communicate(timeout=20)
+    assert child.returncode == 1
+    assert err.decode().splitlines()[-1] == "c.csv: cannot be written: No such file or directory"
+    assert files(tmp_path) == []
+
+
+def test_output_becomes_a_folder(waiting, tmp_path):
+    child = waiting("t.deck", *LONG, *OUTPUTS)
+    (tmp_path / "c.csv").mkdir()
+    _, err = child.communicate(timeout=20)
+    assert child.returncode == 1
+    assert err.decode().splitlines()[-1] == "c.csv: cannot be written: Is a directory"
+    assert files(tmp_path) == ["c.csv"] and os.listdir(tmp_path / "c.csv") == []
+
+
+def test_input_removed_while_it_is_read(asperity, tmp_path):
+    """The rest of the deck never comes."""
+    os.mkfifo(tmp_path / "deck")
+    with subprocess.Popen([asperity, "deck", *OUTPUTS], cwd=tmp_path, stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE) as child:
+        with open(tmp_path / "deck", "wb") as pipe:
+            pipe.write(DECK.read_bytes()[:1000])
+            pipe.flush()
+            (tmp_path / "deck").unlink()
+        out, err = child.communicate(timeout=20)
+    assert child.returncode == 2 and out == b""
+    assert b"wrong count of cards" in err
+    assert files(tmp_path) == []
+
+
+def test_input_removed_after_it_was_read(waiting, tmp_path):
+    child = waiting("t.deck", *LONG, *OUTPUTS)
+    (tmp_path / "t.deck").unlink()
+    child.communicate(timeout=20)
+    assert child.returncode == 0
+    assert files(tmp_path) == ["c.csv", "p.csv"]
+
+
+@pytest.mark.parametrize("name", ["none.deck", "folder", "t.deck/x", "loop", "bare"])
+@pytest.mark.parametrize("command", [[], ["solve"], ["accuracy"]])
+def test_input_that_cannot_be_read(run, tmp_path, command, name):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "loop").symlink_to("loop")
+    (tmp_path / "bare").symlink_to("nowhere")
+    done = run(*command, name)
+    assert done.returncode == 2 and done.stdout == b""
+    assert one_line(done).startswith(f"{name}:1:1: cannot be ")

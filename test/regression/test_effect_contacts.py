@@ -1,0 +1,184 @@
+"""Interaction in scenes of a few contacts and of many caps, against truths made apart.
+
+The truth of `boundary` is boundary_truth.py; that of `coupled` is the same, and its own equations
+evaluated in coupled_truth.py.
+"""
+
+import numpy as np
+import pytest
+
+from boundary_equations import evaluate
+from boundary_truth import sneddon
+from coupled_truth import leftover
+from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, FLAT, MODULUS, RATIO,
+                         column, random_caps, report, total, write_caps)
+from surfaces_csv import solve, write_csv_scene
+
+# Of the closing, where the upper sphere is as large as a flat: a few ulps of its radius.
+ROUNDING = 4e-10
+
+
+def one_pair(folder, penetration, **effects):
+    """Two spheres of the thesis one above the other, first touch at zero."""
+    top = [(0.0, 0.0, 0.5, CAP)]
+    return write_csv_scene(folder, top, [(0.0, 0.0, -0.5, CAP)], modulus=(MODULUS, MODULUS),
+                           ratio=(RATIO, RATIO), effects=effects,
+                           loading={"control": "approach", "value": -float(penetration)})
+
+
+@pytest.mark.parametrize("circle", (0.01, 0.03, 0.0937))
+def test_one_aligned_pair_on_cells(circle, asperity, tmp_path, tally):
+    """Hertz, and closer to the sphere's own closed form (Sneddon 1965); the last is the size of the
+    thesis' contacts."""
+    penetration, load = sneddon(CAP, circle)
+    run = solve(asperity, one_pair(tmp_path, penetration, interaction="boundary"))
+    assert run.status == 0, run.stderr
+    found = float(run.positions[0]["load"])
+    hertz = 4 / 3 * COMBINED * np.sqrt(CAP / 2) * penetration ** 1.5
+    report(tally, "effects: one pair, boundary against Hertz", [abs(found / hertz - 1)], 1e-3)
+    report(tally, "effects: one pair, boundary against Sneddon",
+           [abs(found / (load * COMBINED) - 1)], 5e-4)
+    assert float(run.positions[0]["factor"]) == pytest.approx(1.0, abs=1e-6)
+    assert float(run.contacts[0]["area"]) == pytest.approx(np.pi * circle ** 2, rel=0.05)
+    alone = solve(asperity, one_pair(tmp_path, penetration, interaction="coupled"))
+    assert float(alone.positions[0]["load"]) == pytest.approx(hertz, rel=1e-12)
+    assert alone.positions[0]["factor"] == "1.0000000000000000E+000"
+
+
+def closing_of(run):
+    return float(run.curve[-1]["decrease"])
+
+
+def test_two_contacts_far_apart(asperity, tmp_path, tally):
+    """Each is lowered by P/(pi E r) and terms that are smaller by 1/r**2; what is left after those
+    is of the next order."""
+    distances, differences = (1.0, 2.0, 4.0, 8.0), []
+    radius = CAP * FLAT / (CAP + FLAT)
+    for distance in distances:
+        caps = write_caps(tmp_path, [(-distance / 2, 0), (distance / 2, 0)], [1.0, 1.0],
+                          loading={"control": "load", "value": 300.0},
+                          effects={"interaction": "coupled"})
+        run = solve(asperity, caps.scene, curve=True)
+        depth = float(run.contacts[0]["penetration"])
+        circle2 = float(run.contacts[0]["area"]) / np.pi
+        assert depth == pytest.approx((150 / (4 / 3 * COMBINED * np.sqrt(radius))) ** (2 / 3),
+                                      rel=1e-9)
+        first = 150 / (np.pi * COMBINED * distance)
+        # On the tilted surface each moves aside, which raises its gap and widens the distance.
+        aside = radius * first / distance
+        apart = distance + 2 * aside
+        # Mean of a Hertz field over the other's circle with a punch's weight.
+        second = (150 / (np.pi * COMBINED * apart)
+                  * (1 + (circle2 / 3 + circle2 / 5) / (2 * apart ** 2))
+                  + aside ** 2 / (2 * radius))
+        lowered = closing_of(run) - depth
+        differences.append((abs(lowered / first - 1), abs(lowered / second - 1)))
+        report(tally, "effects: lowering of two contacts far apart", [differences[-1][1]],
+               (np.sqrt(circle2) / distance) ** 4 + ROUNDING / first)
+    print("two contacts, off first order and off second:", *(f"{a:.1e} {b:.1e};"
+                                                             for a, b in differences))
+    for near, far in zip(differences, differences[1:]):
+        assert near[0] > 3 * far[0]
+
+
+def test_deep_contact_opens_a_shallow_one(asperity, tmp_path, tally):
+    """A cap that touched alone stands free beside one that is pressed deep; a little higher, it
+    touches. Against cells, and the truth of the cells."""
+    for height, is_open in ((0.9895, True), (0.9925, False), (0.9995, False)):
+        caps = write_caps(tmp_path, [(0, 0), (0.3, 0)], [1.0, height],
+                          loading={"control": "approach", "value": 2.0 - 0.012},
+                          effects={"interaction": "coupled"})
+        runs = {"coupled": solve(asperity, caps.scene, curve=True)}
+        write_caps(tmp_path, [(0, 0), (0.3, 0)], [1.0, height],
+                   loading={"control": "approach", "value": 2.0 - 0.012},
+                   effects={"interaction": "boundary"})
+        runs["boundary"] = solve(asperity, caps.scene, curve=True)
+        closing = closing_of(runs["coupled"])
+        found = evaluate(caps.contacts(closing), COMBINED, ("4",))
+        assert (found["loads"][1] == 0.0) == is_open and found["loads_alone"][1] > 1.0
+        for mode, run in runs.items():
+            assert int(run.positions[0]["contacts"]) == sum(v > 0 for v in found["loads"]), mode
+            report(tally, f"effects: factor beside a deep contact, {mode}",
+                   [abs(float(run.positions[0]["factor"]) - found["factor"])], COUPLED_APART)
+
+
+@pytest.mark.parametrize("mode", ("coupled", "boundary", "auto"))
+def test_position_without_contact(mode, asperity, tmp_path):
+    upper, lower = [(0.0, 0.0, 0.5, CAP)], [(0.0, 0.0, 0.5, CAP)]
+    run = solve(asperity, write_csv_scene(
+        tmp_path, upper, lower, motion={"x_first": 0.0, "x_step": 50.0, "positions": 2},
+        loading={"control": "limit"}, limit={"criterion": "load", "value": 300.0},
+        effects={"interaction": mode, "friction": "on", "friction_coefficient": 0.2}))
+    assert run.status == 0, run.stderr
+    assert "no contact at 1 position" in run.stdout
+    empty = run.positions[1]
+    assert empty["contacts"] == "0" and float(empty["load"]) == 0.0
+    assert empty["interaction"] == empty["friction"] == "off"
+    assert {float(empty[name]) for name in ("alone_load", "cells", "rig_force_x")} == {0.0}
+    assert [row["position"] for row in run.contacts] == ["1"]
+
+
+# Caps on a plane pressed to a load.
+
+def check_caps(run, caps, load, tally, name):
+    """A surface of caps pressed to a load: the sum, its equations, and the open contacts."""
+    assert run.status == 0, run.stderr
+    report(tally, f"effects: {name}, load",
+           [abs(total(run.contacts, "load") / load - 1)], CONVERGED)
+    row = run.positions[0]
+    assert float(row["interaction_residual"]) <= CONVERGED
+    closing, gaps = closing_of(run), caps.gaps()
+    shut = column(run.contacts, "lower").astype(int) - 1
+    assert len(set(shut)) == len(shut) == int(row["contacts"])
+    opened = np.setdiff1d(np.flatnonzero(gaps < closing), shut)
+    radius = CAP * FLAT / (CAP + FLAT)
+    rest, closed = leftover(caps.places[shut], radius, (closing - gaps)[shut],
+                            column(run.contacts, "penetration"),
+                            np.sqrt(column(run.contacts, "area") / np.pi),
+                            column(run.contacts, "vertical_load"), COMBINED,
+                            caps.places[opened], (closing - gaps)[opened])
+    print(f"{name}: {len(shut)} contacts, {len(opened)} opened, "
+          f"{row['overlapping_circles']} pairs of circles overlap, {row['interaction_iterations']} "
+          f"iterations, open ones stay {-closed:.1e} apart")
+    # Where circles overlap the quadrature is coarse: that holds the worst, not the many.
+    report(tally, f"effects: {name}, equations", np.abs(rest), 1e-3)
+    assert np.median(np.abs(rest)) < 1e-5
+    assert closed < 1e-3
+    return opened
+
+
+@pytest.mark.parametrize("seed", (7, 8, 9))
+def test_hundreds_of_caps(seed, asperity, tmp_path, tally):
+    """Caps of 1.27 cm anywhere on the plane, many as good as on top of each other."""
+    caps = write_caps(tmp_path, *random_caps(400, 3.4, 4.5, seed),
+                      loading={"control": "load", "value": 4000.0},
+                      effects={"interaction": "coupled"})
+    run = solve(asperity, caps.scene, curve=True)
+    assert len(check_caps(run, caps, 4000.0, tally, "400 caps")) > 50
+
+
+def test_two_thousand_caps(asperity, tmp_path, tally):
+    """7.6 x 10 cm pressed to 20 kN."""
+    caps = write_caps(tmp_path, *random_caps(2000, 7.6, 10.0, 7),
+                      loading={"control": "load", "value": 2.0e4},
+                      effects={"interaction": "coupled"})
+    run = solve(asperity, caps.scene, curve=True)
+    assert len(check_caps(run, caps, 2.0e4, tally, "2000 caps")) > 500
+
+
+def test_some_caps_against_the_truth(asperity, tmp_path, tally):
+    """The sum of loads that the truth of the cells finds at the closing the program found."""
+    places, heights = random_caps(8, 1.2, 1.2, 3)
+    found, closing = None, None
+    for mode, bound in (("coupled", 0.002), ("boundary", 2 * CELLS)):
+        caps = write_caps(tmp_path, places, heights, loading={"control": "load", "value": 2000.0},
+                          effects={"interaction": mode})
+        run = solve(asperity, caps.scene, curve=True)
+        assert run.status == 0, run.stderr
+        if closing != closing_of(run):
+            closing = closing_of(run)
+            found = evaluate(caps.contacts(closing), COMBINED, ("4",))
+        assert sum(v > 0 for v in found["loads"]) == len(run.contacts) < len(found["loads"])
+        report(tally, f"effects: load of 8 caps, {mode}", [abs(found["together"] / 2000.0 - 1)],
+               bound)
+        assert found["factor"] < 0.6
