@@ -1,5 +1,8 @@
 !> Root, power, sine and cosine of short hexadecimal numbers, in integers throughout.
 submodule(asperity_hex32) asperity_hex32_functions
+  use asperity_hex32_arithmetic, only: fraction_digits, int64_bits
+  use asperity_hex32_conversions, only: limb_bits, limb_mask
+  use asperity_kinds, only: int32, int64
   implicit none
 
   !> Limbs below the point of a fixed-point number; limb 0 stands above it.
@@ -233,8 +236,7 @@ contains
   !> 1 - a for a in [0, 1].
   pure function one_minus(a) result(c)
     integer(int64), intent(in) :: a(0:places)
-    integer(int64) :: c(0:places)
-    integer(int64) :: borrow
+    integer(int64) :: c(0:places), borrow
     integer :: i
 
     c(:) = one() - a
@@ -248,8 +250,7 @@ contains
   !> Product of two fixed-point numbers, the smaller limbs dropped.
   pure function times(a, b) result(c)
     integer(int64), intent(in) :: a(0:places), b(0:places)
-    integer(int64) :: c(0:places)
-    integer(int64) :: carry
+    integer(int64) :: c(0:places), carry
     integer :: i, k
 
     carry = 0_int64
@@ -269,8 +270,7 @@ contains
     integer(int64), intent(in) :: a(0:places)
     !> below 2**30
     integer(int64), intent(in) :: n
-    integer(int64) :: c(0:places)
-    integer(int64) :: rest
+    integer(int64) :: c(0:places), rest
     integer :: i
 
     rest = 0_int64

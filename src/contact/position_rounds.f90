@@ -135,6 +135,7 @@ contains
     type(number_record), allocatable :: records(:)
     integer :: m
 
+    allocate (records(0))
     if (.not. sweep%kept .or. image_number() > 1) return
     call resume_records(sweep%work, sweep%rounds%total, records, failure)
     if (allocated(failure)) return

@@ -7,13 +7,12 @@
 !> same numbers, so that the equations stay symmetric.
 module asperity_boundary_far
   use asperity_boundary_patches, only: cell_set, near, patch
+  use asperity_chebyshev_basis, only: chebyshev_nodes, lagrange_at_cells
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: far_coupling, couple_far_patches, add_far_displacement, far_memory
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
   ! Nodes in each direction that can be chosen.
   integer, parameter :: orders(4) = [3, 5, 8, 12]
@@ -104,11 +103,13 @@ contains
         do c = 1, size(orders)
           k = far%basis(c, i)
           if (k < 0) cycle
-          call fill_basis(orders(c), p(i)%columns, (p(i)%origin_x + p(i)%left * p(i)%cell) / &
-                          p(i)%shape%reach, p(i)%cell / p(i)%shape%reach, far%values(k + 1:))
+          call lagrange_at_cells(orders(c), p(i)%columns, &
+                                 (p(i)%origin_x + p(i)%left * p(i)%cell) / p(i)%shape%reach, &
+                                 p(i)%cell / p(i)%shape%reach, far%values(k + 1:))
           k = k + orders(c) * p(i)%columns
-          call fill_basis(orders(c), p(i)%rows, (p(i)%origin_y + p(i)%bottom * p(i)%cell) / &
-                          p(i)%shape%reach, p(i)%cell / p(i)%shape%reach, far%values(k + 1:))
+          call lagrange_at_cells(orders(c), p(i)%rows, &
+                                 (p(i)%origin_y + p(i)%bottom * p(i)%cell) / p(i)%shape%reach, &
+                                 p(i)%cell / p(i)%shape%reach, far%values(k + 1:))
         end do
       end do
     end associate
@@ -141,7 +142,7 @@ contains
     real(real64) :: node(n), x, y, spread, r2
     integer :: i, j, k, l, at
 
-    node = nodes_of(n)
+    node = chebyshev_nodes(n)
     spread = (p%cell**2 + q%cell**2) / 24.0_real64
     at = 0
     do l = 1, n
@@ -158,51 +159,6 @@ contains
       end do
     end do
   end subroutine fill_kernel
-
-  pure function nodes_of(n) result(node)
-    integer, intent(in) :: n
-    real(real64) :: node(n)
-    integer :: k
-
-    do k = 1, n
-      node(k) = cos((k - 0.5_real64) * pi / n)
-    end do
-  end function nodes_of
-
-  ! Lagrange's polynomials at the centres of a line of cells, written as sums of Chebyshev's.
-  pure subroutine fill_basis(n, cells, edge, step, values)
-    integer, intent(in) :: n, cells
-    real(real64), intent(in) :: edge, step  ! of the line of cells, over the patch's radius
-    real(real64), intent(inout) :: values(:)
-    real(real64) :: node(n), z, t(0:n), s(0:n)
-    integer :: i, k, l
-
-    node = nodes_of(n)
-    do i = 1, cells
-      z = edge + (i - 0.5_real64) * step
-      t = chebyshev(n, z)
-      do k = 1, n
-        s = chebyshev(n, node(k))
-        values((i - 1) * n + k) = 1.0_real64 / n
-        do l = 1, n - 1
-          values((i - 1) * n + k) = values((i - 1) * n + k) + 2.0_real64 / n * s(l) * t(l)
-        end do
-      end do
-    end do
-  end subroutine fill_basis
-
-  pure function chebyshev(n, z) result(t)
-    integer, intent(in) :: n
-    real(real64), intent(in) :: z
-    real(real64) :: t(0:n)
-    integer :: l
-
-    t(0) = 1.0_real64
-    t(1) = z
-    do l = 2, n
-      t(l) = 2.0_real64 * z * t(l - 1) - t(l - 2)
-    end do
-  end function chebyshev
 
   !> Adds to every cell the displacement times pi E that far forces cause.
   subroutine add_far_displacement(far, cells, force, displacement)

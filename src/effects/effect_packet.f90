@@ -23,7 +23,9 @@ contains
     integer :: i, at, words, values(2)
 
     words = words_of_outcome()
-    values = shape(at_position%contact_values)
+    ! A list of contacts that is not kept has no columns.
+    values = 0
+    if (allocated(at_position%contact_values)) values = shape(at_position%contact_values)
     allocate (numbers(of_head + size(at_position%outcomes) * (words + of_outcome) + &
                       product(values) + size(at_position%state_values)))
     numbers(:of_head) = real([size(at_position%outcomes), values, &
@@ -33,7 +35,8 @@ contains
       call pack_outcome(at_position%outcomes(i), numbers(at + 1:at + words + of_outcome))
       at = at + words + of_outcome
     end do
-    numbers(at + 1:at + product(values)) = reshape(at_position%contact_values, [product(values)])
+    if (product(values) > 0) numbers(at + 1:at + product(values)) = &
+      reshape(at_position%contact_values, [product(values)])
     numbers(at + product(values) + 1:) = at_position%state_values
   end subroutine pack_effects
 

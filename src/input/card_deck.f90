@@ -1,9 +1,9 @@
 !> The original program's card deck: cards in, checked values or a list of problems out.
 module asperity_card_deck
-  use asperity_card_fields, only: read_f_field, read_i_field
+  use asperity_card_fields, only: read_i_field
+  use asperity_card_reader, only: card_length, card_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_files, only: read_whole_file
-  use asperity_input_problems, only: input_problems
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list
   implicit none
@@ -37,15 +37,6 @@ module asperity_card_deck
     type(problem_list) :: notes                 !! oddities that are no errors
   end type card_deck
 
-  !> The cards of a file, and what is found wrong with them.
-  type :: card_reader
-    character(len=:), allocatable :: text
-    integer, allocatable :: first(:), last(:)   ! of every line, line end excluded
-    type(input_problems) :: problems
-  end type card_reader
-
-  ! Columns of a card, and those before its sequence number.
-  integer, parameter :: card_length = 80, text_length = 72
   ! Cards before the first asperity.
   integer, parameter :: header_cards = 4
 
@@ -74,18 +65,14 @@ contains
     type(card_deck), intent(out) :: deck           !! its values
     type(problem_list), intent(out) :: problems    !! all that is wrong
     type(card_reader) :: reader
-    integer :: bad_byte
     logical :: complete
 
-    call reader%problems%start(path)
-    reader%text = text
-    call find_lines(reader)
-    bad_byte = binary_byte(text)
+    call reader%start(path, text)
     if (verify(text, ' ' // achar(9) // achar(10) // achar(13)) == 0) then
       call reader%problems%add_at(1, 1, 'the deck is empty: found no text, ' // &
                                    'expected at least six cards')
-    else if (bad_byte > 0) then
-      call report_binary(reader, bad_byte)
+    else if (reader%bad_byte() > 0) then
+      call reader%complain_of_byte(reader%bad_byte())
     else
       call read_header(reader, deck, complete)
       if (complete) then
@@ -104,39 +91,26 @@ contains
     logical, intent(out) :: complete
     character(len=card_length) :: words
 
-    words = card(reader, 1)
+    words = reader%card(1)
     deck%word_no = words(1:4)
     deck%word_yes = words(5:8)
     complete = .true.
-    call require_card(reader, 2, 'NU, RU, ZUMAX, EU, MUU, ELIMTU (the upper model)', complete)
+    call reader%require_card(2, 'NU, RU, ZUMAX, EU, MUU, ELIMTU (the upper model)', complete)
     if (complete) call read_model(reader, 2, 'U', deck%upper)
-    call require_card(reader, 3, 'NL, RL, ZLMAX, EL, MUL, ELIMTL, WIDTHL (the lower model)', &
-                      complete)
+    call reader%require_card(3, 'NL, RL, ZLMAX, EL, MUL, ELIMTL, WIDTHL (the lower model)', &
+                             complete)
     if (complete) then
       call read_model(reader, 3, 'L', deck%lower)
-      call real_field(reader, 3, 41, 47, 4, 'WIDTHL (width of the lower model)', &
-                      deck%lower_width, positive=.true.)
+      call reader%real_field(3, 41, 47, 4, 'WIDTHL (width of the lower model)', &
+                             deck%lower_width, positive=.true.)
     end if
-    call require_card(reader, 4, 'THETAU, THETAL, XDISPL, YDISPL (angles, displacement)', complete)
+    call reader%require_card(4, 'THETAU, THETAL, XDISPL, YDISPL (angles, displacement)', complete)
     if (.not. complete) return
-    call real_field(reader, 4, 1, 8, 4, 'THETAU (angle of the upper model)', deck%upper%angle)
-    call real_field(reader, 4, 9, 16, 4, 'THETAL (angle of the lower model)', deck%lower%angle)
-    call real_field(reader, 4, 17, 23, 3, 'XDISPL (x displacement)', deck%x_displacement)
-    call real_field(reader, 4, 24, 30, 3, 'YDISPL (y displacement)', deck%y_displacement)
+    call reader%real_field(4, 1, 8, 4, 'THETAU (angle of the upper model)', deck%upper%angle)
+    call reader%real_field(4, 9, 16, 4, 'THETAL (angle of the lower model)', deck%lower%angle)
+    call reader%real_field(4, 17, 23, 3, 'XDISPL (x displacement)', deck%x_displacement)
+    call reader%real_field(4, 24, 30, 3, 'YDISPL (y displacement)', deck%y_displacement)
   end subroutine read_header
-
-  !> Adds a problem when the deck ends before card `line`, which holds `names`.
-  subroutine require_card(reader, line, names, complete)
-    type(card_reader), intent(inout) :: reader
-    integer, intent(in) :: line
-    character(len=*), intent(in) :: names
-    logical, intent(inout) :: complete
-
-    if (line <= size(reader%first)) return
-    complete = .false.
-    call reader%problems%add_at(line, 1, 'card ' // decimal_text(line) // &
-         ' is missing: found the end of the deck, expected ' // names)
-  end subroutine require_card
 
   !> Card 2 or 3: one model's numbers.
   subroutine read_model(reader, line, letter, model)
@@ -149,31 +123,31 @@ contains
     integer :: bad_at
     real(real64) :: ratio
 
-    columns = card(reader, line)
+    columns = reader%card(line)
     name = 'N' // letter // ' (number of asperities)'
     call read_i_field(columns(1:5), model%number, bad_at)
     if (bad_at > 0) then
-      call complain(reader, line, bad_at, name, columns(1:5), 'a whole number in columns 1-5')
+      call reader%complain(line, bad_at, name, columns(1:5), 'a whole number in columns 1-5')
       model%number = 0
     else if (model%number < 1) then
-      call complain(reader, line, 1, name, columns(1:5), 'at least 1')
+      call reader%complain(line, 1, name, columns(1:5), 'at least 1')
     end if
     name = 'R' // letter // ' (summit radius)'
-    call real_field(reader, line, 6, 10, 3, name, model%radius, positive=.true.)
+    call reader%real_field(line, 6, 10, 3, name, model%radius, positive=.true.)
     name = 'Z' // letter // 'MAX (greatest height)'
-    call real_field(reader, line, 11, 15, 3, name, model%height_max)
+    call reader%real_field(line, 11, 15, 3, name, model%height_max)
     if (model%height_max%digits < 0) &
-      call complain(reader, line, 11, name, columns(11:15), 'no negative number')
+      call reader%complain(line, 11, name, columns(11:15), 'no negative number')
     call check_height(reader, line, 11, 15, name, model, model%height_max)
     name = 'E' // letter // ' (elastic modulus)'
-    call real_field(reader, line, 16, 25, 0, name, model%elastic_modulus, positive=.true.)
+    call reader%real_field(line, 16, 25, 0, name, model%elastic_modulus, positive=.true.)
     name = 'MU' // letter // ' (Poisson''s ratio)'
-    call real_field(reader, line, 26, 30, 3, name, model%poisson_ratio)
+    call reader%real_field(line, 26, 30, 3, name, model%poisson_ratio)
     ratio = decimal_to_real64(model%poisson_ratio)
     if (ratio <= -1.0_real64 .or. ratio > 0.5_real64) &
-      call complain(reader, line, 26, name, columns(26:30), 'more than -1 and at most 0.5')
-    call real_field(reader, line, 31, 40, 0, 'ELIMT' // letter // ' (allowed stress)', &
-                    model%stress_max)
+      call reader%complain(line, 26, name, columns(26:30), 'more than -1 and at most 0.5')
+    call reader%real_field(line, 31, 40, 0, 'ELIMT' // letter // ' (allowed stress)', &
+                           model%stress_max)
   end subroutine read_model
 
   !> The coordinate cards of both models, and their count. Where NU or NL is not to be trusted, its
@@ -183,7 +157,7 @@ contains
     type(card_deck), intent(inout) :: deck
     integer :: cards, upper, lower
 
-    cards = max(0, last_card(reader) - header_cards)
+    cards = max(0, reader%last_card() - header_cards)
     upper = min(deck%upper%number, cards)
     lower = min(deck%lower%number, cards - upper)
     if (deck%upper%number < 1 .and. deck%lower%number < 1) then
@@ -214,9 +188,9 @@ contains
     allocate (model%x(number), model%y(number), model%z(number))
     do i = 1, number
       line = before + i
-      call real_field(reader, line, 1, 6, 3, label(i, 'x'), model%x(i))
-      call real_field(reader, line, 7, 12, 3, label(i, 'y'), model%y(i))
-      call real_field(reader, line, 13, 19, 4, label(i, 'height'), model%z(i))
+      call reader%real_field(line, 1, 6, 3, label(i, 'x'), model%x(i))
+      call reader%real_field(line, 7, 12, 3, label(i, 'y'), model%y(i))
+      call reader%real_field(line, 13, 19, 4, label(i, 'height'), model%z(i))
       call check_height(reader, line, 13, 19, label(i, 'height'), model, model%z(i))
     end do
 
@@ -250,44 +224,15 @@ contains
       call reader%problems%add_at(header_cards + cards + 1, 1, count)
       return
     end if
-    do line = header_cards + expected + 1, size(reader%first)
-      columns = card(reader, line)
-      if (.not. has_text(columns)) cycle
+    do line = header_cards + expected + 1, reader%lines()
+      if (.not. reader%has_text(line)) cycle
+      columns = reader%card(line)
       call reader%problems%add_at(line, verify(columns, ' ' // achar(9)), &
            'text after the last card: found ''' // trim(columns) // &
            ''', expected the end: ' // count)
       exit
     end do
   end subroutine check_count
-
-  !> Reads columns `from:to` under F format; adds a problem when that is no finite number,
-  !> or, with `positive`, not above zero.
-  subroutine real_field(reader, line, from, to, decimals, name, value, positive)
-    type(card_reader), intent(inout) :: reader
-    integer, intent(in) :: line, from, to, decimals
-    character(len=*), intent(in) :: name
-    type(decimal_value), intent(out) :: value
-    logical, intent(in), optional :: positive
-    character(len=card_length) :: columns
-    character(len=:), allocatable :: format
-    integer :: bad_at
-
-    columns = card(reader, line)
-    format = 'F' // decimal_text(to - from + 1) // '.' // decimal_text(decimals)
-    call read_f_field(columns(from:to), decimals, value, bad_at)
-    if (bad_at > 0) then
-      call complain(reader, line, from + bad_at - 1, name, columns(from:to), &
-                    'a number in columns ' // decimal_text(from) // '-' // decimal_text(to) // &
-                    ' (' // format // ')')
-      value = decimal_value()
-    else if (abs(decimal_to_real64(value)) > huge(1.0_real64)) then
-      call complain(reader, line, from, name, columns(from:to), 'a finite number')
-      value = decimal_value()
-    else if (present(positive)) then
-      if (positive .and. value%digits <= 0) &
-        call complain(reader, line, from, name, columns(from:to), 'more than zero')
-    end if
-  end subroutine real_field
 
   !> A sphere does not stand higher than its diameter.
   subroutine check_height(reader, line, from, to, name, model, height)
@@ -298,21 +243,11 @@ contains
     type(decimal_value), intent(in) :: height
     character(len=card_length) :: columns
 
-    columns = card(reader, line)
+    columns = reader%card(line)
     if (model%radius%digits <= 0) return
     if (decimal_to_real64(height) >= 2 * decimal_to_real64(model%radius)) &
-      call complain(reader, line, from, name, columns(from:to), 'less than twice the radius')
+      call reader%complain(line, from, name, columns(from:to), 'less than twice the radius')
   end subroutine check_height
-
-  !> `FILE:LINE:COLUMN: NAME: found '...', expected ...`.
-  subroutine complain(reader, line, column, name, found, expected)
-    type(card_reader), intent(inout) :: reader
-    integer, intent(in) :: line, column
-    character(len=*), intent(in) :: name, found, expected
-
-    call reader%problems%add_at(line, column, &
-                                name // ': found ''' // found // ''', expected ' // expected)
-  end subroutine complain
 
   !> Names the asperities that stand higher than the stated maximum: the thesis' deck has some.
   subroutine note_heights(path, model, name, notes)
@@ -341,90 +276,5 @@ contains
                    ' asperities are higher (up to ' // trim(adjustl(numeral)) // &
                    ' in) than the stated maximum:' // which)
   end subroutine note_heights
-
-  !> Splits the text; a carriage return before a line feed belongs to the line end.
-  subroutine find_lines(reader)
-    type(card_reader), intent(inout) :: reader
-    integer :: i, lines, start
-
-    lines = 0
-    do i = 1, len(reader%text)
-      if (reader%text(i:i) == achar(10)) lines = lines + 1
-    end do
-    if (len(reader%text) > 0) then
-      if (reader%text(len(reader%text):) /= achar(10)) lines = lines + 1
-    end if
-    allocate (reader%first(lines), reader%last(lines))
-    start = 1
-    do i = 1, lines
-      reader%first(i) = start
-      reader%last(i) = index(reader%text(start:), achar(10)) + start - 2
-      if (reader%last(i) < start - 1) reader%last(i) = len(reader%text)
-      start = reader%last(i) + 2
-      if (reader%last(i) >= reader%first(i)) then
-        if (reader%text(reader%last(i):reader%last(i)) == achar(13)) &
-          reader%last(i) = reader%last(i) - 1
-      end if
-    end do
-  end subroutine find_lines
-
-  !> The 80 columns of a card; a card that is not there is blank.
-  pure function card(reader, line) result(columns)
-    type(card_reader), intent(in) :: reader
-    integer, intent(in) :: line
-    character(len=card_length) :: columns
-
-    columns = ''
-    if (line > size(reader%first)) return
-    columns = reader%text(reader%first(line):reader%last(line))
-  end function card
-
-  !> Whether a card holds more than blanks and a sequence number.
-  pure logical function has_text(columns)
-    character(len=card_length), intent(in) :: columns
-
-    has_text = verify(columns(:text_length), ' ' // achar(9)) > 0
-  end function has_text
-
-  !> The last line that is a card. Blank lines at the end are none: they must not stand in for cards
-  !> that are missing.
-  pure integer function last_card(reader)
-    type(card_reader), intent(in) :: reader
-
-    do last_card = size(reader%first), 1, -1
-      if (has_text(card(reader, last_card))) return
-    end do
-  end function last_card
-
-  !> Place of the first byte that no text has; 0 when there is none. A carriage return is text only
-  !> where a line ends.
-  pure integer function binary_byte(text)
-    character(len=*), intent(in) :: text
-    integer :: i
-
-    do i = 1, len(text)
-      if (iachar(text(i:i)) >= 32 .and. iachar(text(i:i)) /= 127) cycle
-      if (any(iachar(text(i:i)) == [9, 10])) cycle
-      if (iachar(text(i:i)) == 13) then
-        if (i == len(text)) cycle
-        if (text(i + 1:i + 1) == achar(10)) cycle
-      end if
-      binary_byte = i
-      return
-    end do
-    binary_byte = 0
-  end function binary_byte
-
-  !> Tells where the text stops being text.
-  subroutine report_binary(reader, place)
-    type(card_reader), intent(inout) :: reader
-    integer, intent(in) :: place
-    integer :: line
-
-    line = max(1, count(reader%first <= place))
-    call reader%problems%add_at(line, place - reader%first(line) + 1, &
-         'not a text file: found byte ' // decimal_text(iachar(reader%text(place:place))) // &
-         ', expected a card deck')
-  end subroutine report_binary
 
 end module asperity_card_deck

@@ -6,43 +6,24 @@
 module asperity_scene_fields
   use asperity_decimal, only: decimal_value
   use asperity_input_problems, only: input_problems, lower_case, quoted
-  use asperity_namelist_text, only: namelist_text, parse_namelist
-  use asperity_numeral, only: nearest_double, read_numeral, read_whole_number
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64
+  use asperity_namelist_text, only: namelist_entry
+  use asperity_number_ranges, only: above_zero, any_number, expected_numbers, in_range, &
+                                    not_negative, poisson_range, share, share_or_all
+  use asperity_numeral, only: read_numeral, read_whole_number
   use asperity_problems, only: decimal_text
-  use asperity_scene_names, only: name_table, or_comma, place_in, scene_table
+  use asperity_scene_names, only: name_table, or_comma, place_in
+  use asperity_scene_places, only: scene_places
   implicit none
   private
 
   public :: scene_fields, read_fields
   public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
 
-  !> Any finite number.
-  integer, parameter :: any_number = 1
-  !> More than 0.
-  integer, parameter :: above_zero = 2
-  !> More than 0 and less than 1.
-  integer, parameter :: share = 3
-  !> More than -1 and at most 0.5.
-  integer, parameter :: poisson_range = 4
-  !> 0 or more.
-  integer, parameter :: not_negative = 5
-  !> More than 0 and at most 1.
-  integer, parameter :: share_or_all = 6
-
-  ! What the messages say of them.
-  character(len=*), parameter :: expected_numbers(6) = [character(len=50) :: &
-    'a finite number within the range of a double', 'a number more than 0', &
-    'a number more than 0 and less than 1', 'a number more than -1 and at most 0.5', &
-    'a number of 0 or more', 'a number more than 0 and at most 1']
-
   !> The text of a scene, sorted into the groups and names that are known.
   type :: scene_fields
     private
-    type(namelist_text) :: list
-    type(name_table) :: table
-    integer, allocatable :: group_at(:)  ! number in the list; 0 when it does not stand there
-    integer, allocatable :: entry_at(:)  ! the same for the names
+    type(scene_places) :: places              ! where they stand
     type(input_problems), public :: problems  !! what is wrong with the scene
   contains
     !> Whether a group stands in the scene.
@@ -77,61 +58,9 @@ contains
     character(len=*), intent(in) :: text       !! the whole scene
     type(scene_fields), intent(out) :: fields  !! its values and problems
     type(name_table), intent(in), optional :: table  !! what is known; the scene's by default
-    integer, allocatable :: known(:)
-    integer :: i, at
-    character(len=:), allocatable :: name
 
-    if (present(table)) then
-      fields%table = table
-    else
-      fields%table = scene_table()
-    end if
-    allocate (fields%group_at(size(fields%table%groups)), source=0)
-    allocate (fields%entry_at(size(fields%table%names)), source=0)
     call fields%problems%start(file)
-    call parse_namelist(text, fields%list, fields%problems)
-    ! The known group of each group of the text; negative when it stands there again.
-    allocate (known(fields%list%group_count))
-    known = 0
-    do i = 1, size(known)
-      associate (group => fields%list%groups(i))
-        if (group%last < group%first) cycle
-        name = fields%list%name_text(group%first, group%last)
-        known(i) = place_in(fields%table%groups, name)
-        if (known(i) == 0) then
-          call fields%problems%add_at_byte(text, group%first - 1, 'unknown group: found ' // &
-                                           quoted('&' // name) // ', expected ' // &
-                                           fields%table%group_names())
-        else if (fields%group_at(known(i)) > 0) then
-          call fields%problems%add_at_byte(text, group%first - 1, 'group &' // name // &
-                                           ' stands twice, expected once')
-          known(i) = -known(i)
-        else
-          fields%group_at(known(i)) = i
-        end if
-      end associate
-    end do
-    do i = 1, fields%list%entry_count
-      associate (entry => fields%list%entries(i))
-        if (known(entry%group) == 0) cycle
-        name = fields%list%name_text(entry%first, entry%last)
-        at = fields%table%number_of(fields%table%groups(abs(known(entry%group))), name)
-        if (at == 0) then
-          call fields%problems%add_at_byte(text, entry%first, 'unknown name in &' // &
-               trim(fields%table%groups(abs(known(entry%group)))) // ': found ' // &
-               quoted(name) // ', expected ' // &
-               fields%table%names_of(fields%table%groups(abs(known(entry%group)))))
-        else if (known(entry%group) > 0) then
-          if (fields%entry_at(at) > 0) then
-            call fields%problems%add_at_byte(text, entry%first, name // ' stands twice in &' // &
-                                             trim(fields%table%names(at)%group) // &
-                                             ', expected once')
-          else
-            fields%entry_at(at) = i
-          end if
-        end if
-      end associate
-    end do
+    call fields%places%sort(text, fields%problems, table)
   end subroutine read_fields
 
   !> Whether a group stands in the scene.
@@ -139,7 +68,7 @@ contains
     class(scene_fields), intent(in) :: self  !! the scene's text
     character(len=*), intent(in) :: group    !! a known group
 
-    has_group = self%group_at(place_in(self%table%groups, group)) > 0
+    has_group = self%places%has_group(group)
   end function has_group
 
   !> Whether a name stands in the scene, be its values good or not.
@@ -148,7 +77,7 @@ contains
     character(len=*), intent(in) :: group    !! a known group
     character(len=*), intent(in) :: name     !! a known name of it
 
-    has = self%entry_at(self%table%number_of(group, name)) > 0
+    has = self%places%has(group, name)
   end function has
 
   !> How many values stand at a name, repeated ones counted; 0 when it does not stand there.
@@ -160,8 +89,8 @@ contains
 
     value_count = 0
     if (.not. self%has(group, name)) return
-    associate (entry => self%list%entries(self%entry_at(self%table%number_of(group, name))))
-      there = sum(int(self%list%values(entry%first_value:entry%last_value)%repeats, int64))
+    associate (entry => self%places%entry_of(group, name))
+      there = sum(int(self%places%list%values(entry%first_value:entry%last_value)%repeats, int64))
     end associate
     value_count = int(min(there, int(huge(1), int64)))
   end function value_count
@@ -195,13 +124,13 @@ contains
 
     if (.not. has_count(self, group, name, size(values))) return
     used = 0
-    associate (entry => self%list%entries(self%entry_at(self%table%number_of(group, name))))
+    associate (entry => self%places%entry_of(group, name))
       do i = entry%first_value, entry%last_value
-        call read_numeral(self%list%value_text(i), value, good)
-        good = good .and. .not. self%list%values(i)%is_quoted
+        call read_numeral(self%places%list%value_text(i), value, good)
+        good = good .and. .not. self%places%list%values(i)%is_quoted
         if (good) good = in_range(value, range)
         if (.not. good) call complain_of_value(self, name, i, trim(expected_numbers(range)))
-        repeats = self%list%values(i)%repeats
+        repeats = self%places%list%values(i)%repeats
         values(used + 1:used + repeats) = value
         used = used + repeats
       end do
@@ -230,14 +159,16 @@ contains
     integer, intent(in) :: least                !! smallest number allowed
     integer, intent(in) :: most                 !! largest number allowed
     integer, intent(inout) :: value             !! the number
+    type(namelist_entry) :: entry
     integer :: i, found
     logical :: good
 
     if (.not. has_count(self, group, name, 1)) return
-    i = self%list%entries(self%entry_at(self%table%number_of(group, name)))%first_value
-    call read_whole_number(self%list%value_text(i), found, good)
+    entry = self%places%entry_of(group, name)
+    i = entry%first_value
+    call read_whole_number(self%places%list%value_text(i), found, good)
     if (good .and. found >= least .and. found <= most .and. &
-        .not. self%list%values(i)%is_quoted) then
+        .not. self%places%list%values(i)%is_quoted) then
       value = found
     else
       call complain_of_value(self, name, i, 'a whole number from ' // decimal_text(least) // &
@@ -251,12 +182,15 @@ contains
     character(len=*), intent(in) :: group                  !! a known group
     character(len=*), intent(in) :: name                   !! a known name of it
     character(len=:), allocatable, intent(inout) :: text   !! the text
+    type(namelist_entry) :: entry
     integer :: i
 
     if (.not. has_count(self, group, name, 1)) return
-    i = self%list%entries(self%entry_at(self%table%number_of(group, name)))%first_value
-    if (self%list%values(i)%is_quoted .and. len_trim(self%list%value_text(i)) > 0) then
-      text = trim(self%list%value_text(i))
+    entry = self%places%entry_of(group, name)
+    i = entry%first_value
+    if (self%places%list%values(i)%is_quoted .and. &
+        len_trim(self%places%list%value_text(i)) > 0) then
+      text = trim(self%places%list%value_text(i))
     else
       call complain_of_value(self, name, i, 'a text between quotes')
     end if
@@ -270,15 +204,17 @@ contains
     character(len=*), intent(in) :: words(:)    !! the words
     integer, intent(inout) :: number            !! which of them; 0 when refused
     character(len=:), allocatable :: word, expected
+    type(namelist_entry) :: entry
     integer :: i, found
 
     if (.not. self%has(group, name)) return
     number = 0
     if (.not. has_count(self, group, name, 1)) return
-    i = self%list%entries(self%entry_at(self%table%number_of(group, name)))%first_value
+    entry = self%places%entry_of(group, name)
+    i = entry%first_value
     found = 0
-    word = trim(lower_case(self%list%value_text(i)))
-    if (self%list%values(i)%is_quoted) found = place_in(words, word)
+    word = trim(lower_case(self%places%list%value_text(i)))
+    if (self%places%list%values(i)%is_quoted) found = place_in(words, word)
     if (found > 0) then
       number = found
       return
@@ -295,13 +231,8 @@ contains
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
-    integer :: byte
 
-    byte = 1
-    if (self%group_at(1) > 0) byte = self%list%groups(self%group_at(1))%first - 1
-    if (self%has_group(group)) &
-      byte = self%list%groups(self%group_at(place_in(self%table%groups, group)))%first - 1
-    call self%problems%add_at_byte(self%list%text, byte, message)
+    call self%problems%add_at_byte(self%places%list%text, self%places%group_byte(group), message)
   end subroutine complain_of_group
 
   !> Tells a problem at a name that stands in the scene.
@@ -310,10 +241,10 @@ contains
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
-    integer :: byte
+    type(namelist_entry) :: entry
 
-    byte = self%list%entries(self%entry_at(self%table%number_of(group, name)))%first
-    call self%problems%add_at_byte(self%list%text, byte, name // ': ' // message)
+    entry = self%places%entry_of(group, name)
+    call self%problems%add_at_byte(self%places%list%text, entry%first, name // ': ' // message)
   end subroutine complain_of
 
   !> Whether a name stands in the scene with so many values; another count is told.
@@ -326,9 +257,9 @@ contains
 
     has_count = .false.
     if (.not. self%has(group, name)) return
-    associate (entry => self%list%entries(self%entry_at(self%table%number_of(group, name))))
+    associate (entry => self%places%entry_of(group, name))
       if (entry%is_broken) return
-      there = sum(int(self%list%values(entry%first_value:entry%last_value)%repeats, int64))
+      there = sum(int(self%places%list%values(entry%first_value:entry%last_value)%repeats, int64))
     end associate
     has_count = there == int(wanted, int64)
     if (has_count) return
@@ -344,37 +275,14 @@ contains
     integer :: first
     character(len=:), allocatable :: found
 
-    first = self%list%values(i)%first
-    found = quoted(self%list%value_text(i))
-    if (self%list%values(i)%is_quoted) then
+    first = self%places%list%values(i)%first
+    found = quoted(self%places%list%value_text(i))
+    if (self%places%list%values(i)%is_quoted) then
       first = first - 1
       found = 'the text ' // found
     end if
-    call self%problems%add_at_byte(self%list%text, first, name // ': found ' // found // &
-                                   ', expected ' // expected)
+    call self%problems%add_at_byte(self%places%list%text, first, &
+                                   name // ': found ' // found // ', expected ' // expected)
   end subroutine complain_of_value
-
-  !> Whether a number is in a range.
-  pure logical function in_range(value, range)
-    type(decimal_value), intent(in) :: value
-    integer, intent(in) :: range
-    real(real64) :: number
-
-    number = nearest_double(value)
-    select case (range)
-    case (above_zero)
-      in_range = value%digits > 0_int64
-    case (share)
-      in_range = value%digits > 0_int64 .and. number < 1.0_real64
-    case (share_or_all)
-      in_range = value%digits > 0_int64 .and. number <= 1.0_real64
-    case (poisson_range)
-      in_range = number > -1.0_real64 .and. number <= 0.5_real64
-    case (not_negative)
-      in_range = value%digits >= 0_int64
-    case default
-      in_range = .true.
-    end select
-  end function in_range
 
 end module asperity_scene_fields

@@ -5,6 +5,7 @@
 !> table of the thesis does; FORMAT 12 of its listing leaves the second one blank.
 module asperity_report
   use asperity_kinds, only: real64
+  use asperity_line_printer, only: apply_carriage_control, fixed_field, letters, new_page, skip
   use asperity_original_records, only: approach_row, contact_record, individual_difference_row, &
                                        model_record, original_positions, original_records, &
                                        points_row, position_record, slope_row, total_area_row, &
@@ -13,7 +14,7 @@ module asperity_report
   implicit none
   private
 
-  public :: write_report, fixed_field
+  public :: write_report
 
   ! Lines of a contact table before the next page begins (F2MAX).
   integer, parameter :: lines_a_page = 21
@@ -291,81 +292,5 @@ contains
     end subroutine number_row
 
   end subroutine variance_table
-
-  !> A number under `Fw.d`: rounded to nearest, ties away from zero; an exact zero is `0.0` (`0.`
-  !> when d is 0) with its point where the other numbers have theirs; asterisks when it is too long.
-  pure function fixed_field(value, width, decimals) result(field)
-    real(real64), intent(in) :: value      !! the number
-    integer, intent(in) :: width           !! w
-    integer, intent(in) :: decimals        !! d
-    character(len=width) :: field          !! the w columns
-    character(len=20) :: format
-
-    if (abs(value) > 0.0_real64) then
-      write (format, '("(rc, f", i0, ".", i0, ")")') width, decimals
-      write (field, format) value
-    else
-      field = ''
-      field(width - decimals - 1:min(width, width - decimals + 1)) = '0.0'
-    end if
-  end function fixed_field
-
-  !> A form: carriage control `1`, then the slashes of a FORMAT that begins with `1H1`.
-  subroutine new_page(lines, slashes)
-    type(text_buffer), intent(inout) :: lines
-    integer, intent(in) :: slashes
-
-    call lines%line('1')
-    call skip(lines, slashes - 1)
-  end subroutine new_page
-
-  !> Empty lines.
-  subroutine skip(lines, number)
-    type(text_buffer), intent(inout) :: lines
-    integer, intent(in) :: number
-    integer :: i
-
-    do i = 1, number
-      call lines%line('')
-    end do
-  end subroutine skip
-
-  !> Turns column one into what it does on a page.
-  subroutine apply_carriage_control(text, buffer)
-    character(len=*), intent(in) :: text
-    type(text_buffer), intent(inout) :: buffer
-    integer :: first, last
-
-    first = 1
-    do while (first <= len(text))
-      last = first + index(text(first:), new_line('a')) - 2
-      if (last >= first) then
-        select case (text(first:first))
-        case ('1')
-          call buffer%append(achar(12))
-        case ('0')
-          call buffer%line('')
-        case default
-          continue
-        end select
-      end if
-      call buffer%line(text(min(first + 1, last + 1):last))
-      first = last + 2
-    end do
-  end subroutine apply_carriage_control
-
-  !> A, B ... Z, AA, AB ...: the letter behind a table's number.
-  pure function letters(number) result(name)
-    integer, intent(in) :: number          !! from 1
-    character(len=:), allocatable :: name  !! its letters
-    integer :: rest
-
-    name = ''
-    rest = number
-    do while (rest > 0)
-      name = achar(iachar('A') + modulo(rest - 1, 26)) // name
-      rest = (rest - 1) / 26
-    end do
-  end function letters
 
 end module asperity_report

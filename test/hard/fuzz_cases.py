@@ -114,7 +114,7 @@ OPTIONS = ["--arithmetic", "--tables", "--contacts", "--positions", "--carriage-
            "--accuracy", "--threads", "--budget", "--quiet", "--csv", "--version", "--help", "-h",
            "--", "-", "--nothing", "-x", "--contacts=", "--=", "=", "--budget=1"]
 VALUED = ("--arithmetic", "--tables", "--contacts", "--positions", "--curve", "--accuracy",
-          "--threads", "--csv")
+          "--threads", "--csv", "--keep")
 COMMANDS = ["solve", "solve", "accuracy", "generate", "study", "Solve", ""]
 INPUTS = ["deck", "s.scene", "u.csv", "sub", "none.deck", "/dev/null", "/dev/zero", "", "deck/x",
           "./deck", "-", "\udcff.deck", "a\nb", "\x1b]0;x\x07", "x" * 5000, "/dev/full", "*"]
@@ -183,8 +183,25 @@ def effects_case(rng, files, seed):
     return Case(files, arguments, f"effects, seed {seed}")
 
 
+# What a run may find where it is to keep positions.
+KEPT = [b"", b"asperity", b"asperity solve, real64, contacts kept, input\n", b"x,y\n1,2\n",
+        b"asperity solve, real64, contacts summed, input 00000000 00000000\nposition 1, numbers 9\n"]
+
+
 def make_case(seed):
     """The case of a seed."""
+    case = first_of_case(seed)
+    # Draws of its own: a seed stays what it was.
+    rng = random.Random(f"keep {seed}")
+    if case.arguments[:2] == ["solve", "s.scene"] and rng.random() < 0.2:
+        case.arguments += ["--keep", "kept"]
+        if rng.random() < 0.3:
+            case.files["kept"] = rng.choice(KEPT)
+    return case
+
+
+def first_of_case(seed):
+    """The case of a seed, nothing kept."""
     rng = random.Random(seed)
     files = {"u.csv": SURFACES[0], "l.csv": SURFACES[1], "own.csv": rng.choice(SURFACES[2:]),
              "small.deck": DECKS[0], "deck": rng.choice(DECKS), "s.scene": rng.choice(SCENES)}

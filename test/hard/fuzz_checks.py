@@ -115,6 +115,18 @@ def on_cells(case):
         any(b"interaction" in text.lower() for text in case.files.values())
 
 
+def check_kept(case, left):
+    """Kept positions stay, whatever becomes of the run; a file of other work stays as it was."""
+    if "kept" not in left or not case.arguments[-2:] == ["--keep", "kept"]:
+        return []
+    data, before = left["kept"].read_bytes(), case.files.get("kept")
+    if data != before and not data.startswith(before[:20] if before else b"asperity solve, "):
+        return [f"kept: {data[:80]!r}"]
+    if data != before:
+        del left["kept"]
+    return []
+
+
 def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
     """All that is wrong with a run."""
     status, out, err, seconds, kilobytes = outcome
@@ -149,8 +161,11 @@ def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
     for path in folder.rglob("*"):
         if path.is_file():
             left[str(path.relative_to(folder))] = path
+    wrong += check_kept(case, left)
     for name, data in case.files.items():
         path = left.pop(name, None)
+        if name == "kept" and path is None:
+            continue  # checked
         if path is None or path.read_bytes() != data:
             if status == 0 and path is not None and may_be_written(case, name):
                 wrong += check_csv(name, path.read_bytes())

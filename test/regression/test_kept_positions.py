@@ -32,7 +32,8 @@ def rough(rng, n, lowest=0.03):
 def run(command, scene, folder, *options):
     """Status, standard output, standard error and the files of a run, by name."""
     folder.mkdir()
-    words = [word for name in OUTPUTS for word in (f"--{name}", f"{name}.csv")]
+    words = [word for name in OUTPUTS for word in (f"--{name}", f"{name}.csv")
+             if name != "contacts" or "without a list" not in scene.name]
     done = subprocess.run([*command, "solve", scene, "--threads", "1", *words, *options],
                           cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=100)
     files = {name: (folder / f"{name}.csv").read_bytes() for name in OUTPUTS
@@ -44,6 +45,7 @@ SCENES = {
     "thesis": {},
     "curve": {"loading": {"control": "load", "value": 400.0, "points": 5}},
     "effects": {"effects": {"interaction": "auto", "friction": "on", "friction_coefficient": 0.2}},
+    "effects without a list": {"effects": {"interaction": "coupled", "plasticity": "auto"}},
     "path": {"loading": {"control": "load", "value": (50.0, 400.0, 100.0)},
              "effects": {"plasticity": "on", "plastic_yield_stress": 8000.0}},
 }
@@ -224,9 +226,9 @@ def test_images_leave_the_same_bytes(name, asperity, root, tmp_path, tally):
     kept = run(IMAGES, scene, tmp_path / "kept", "--keep", "../several.keep")
     assert one[0] == several[0] == kept[0] == 0
     assert several[1] == kept[1] == one[1] and several[3] == kept[3] == one[3]
-    assert len(one[3]) == 3
+    assert len(one[3]) >= 2
     assert (tmp_path / "several.keep").read_bytes() == (tmp_path / "one.keep").read_bytes()
-    tally.add("files of several images", 2 * len(OUTPUTS) + 1, 2 * len(OUTPUTS) + 1)
+    tally.add("files of several images", 2 * len(one[3]) + 1, 2 * len(one[3]) + 1)
 
 
 @several_images

@@ -3,7 +3,7 @@
 !> Every expected field is worked out by hand. Ties are numbers that a double holds exactly.
 module asperity_test_report_fields
   use asperity_kinds, only: real64
-  use asperity_report, only: fixed_field
+  use asperity_line_printer, only: fixed_field
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private

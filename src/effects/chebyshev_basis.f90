@@ -1,0 +1,65 @@
+!> Interpolation from Chebyshev nodes to a line of cells.
+!>
+!> The nodes are the roots of the Chebyshev polynomial whose degree is their number (Trefethen,
+!> Approximation Theory and Approximation Practice, 2013).
+module asperity_chebyshev_basis
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: chebyshev_nodes, lagrange_at_cells
+
+  real(real64), parameter :: pi = acos(-1.0_real64)
+
+contains
+
+  !> Places of the nodes, in (-1, 1), falling.
+  pure function chebyshev_nodes(n) result(node)
+    integer, intent(in) :: n   !! number of nodes
+    real(real64) :: node(n)    !! their places
+    integer :: k
+
+    do k = 1, n
+      node(k) = cos((k - 0.5_real64) * pi / n)
+    end do
+  end function chebyshev_nodes
+
+  !> Lagrange's polynomials at the centres of a line of cells, written as sums of Chebyshev's.
+  pure subroutine lagrange_at_cells(n, cells, edge, step, values)
+    integer, intent(in) :: n                  !! number of nodes
+    integer, intent(in) :: cells              !! number of cells
+    real(real64), intent(in) :: edge          !! where the line begins, over the patch's radius
+    real(real64), intent(in) :: step          !! length of a cell, over the patch's radius
+    real(real64), intent(inout) :: values(:)  !! the first n * cells: n of the first cell, ...
+    real(real64) :: node(n), z, t(0:n), s(0:n)
+    integer :: i, k, l
+
+    node = chebyshev_nodes(n)
+    do i = 1, cells
+      z = edge + (i - 0.5_real64) * step
+      t = chebyshev(n, z)
+      do k = 1, n
+        s = chebyshev(n, node(k))
+        values((i - 1) * n + k) = 1.0_real64 / n
+        do l = 1, n - 1
+          values((i - 1) * n + k) = values((i - 1) * n + k) + 2.0_real64 / n * s(l) * t(l)
+        end do
+      end do
+    end do
+  end subroutine lagrange_at_cells
+
+  ! Chebyshev's polynomials of degree 0 to n.
+  pure function chebyshev(n, z) result(t)
+    integer, intent(in) :: n
+    real(real64), intent(in) :: z
+    real(real64) :: t(0:n)
+    integer :: l
+
+    t(0) = 1.0_real64
+    t(1) = z
+    do l = 2, n
+      t(l) = 2.0_real64 * z * t(l - 1) - t(l - 2)
+    end do
+  end function chebyshev
+
+end module asperity_chebyshev_basis

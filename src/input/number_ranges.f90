@@ -1,0 +1,56 @@
+!> The ranges a number of a scene may have to lie in, and what a message says of them.
+module asperity_number_ranges
+  use asperity_decimal, only: decimal_value
+  use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: nearest_double
+  implicit none
+  private
+
+  public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
+  public :: expected_numbers, in_range
+
+  !> Any finite number.
+  integer, parameter :: any_number = 1
+  !> More than 0.
+  integer, parameter :: above_zero = 2
+  !> More than 0 and less than 1.
+  integer, parameter :: share = 3
+  !> More than -1 and at most 0.5.
+  integer, parameter :: poisson_range = 4
+  !> 0 or more.
+  integer, parameter :: not_negative = 5
+  !> More than 0 and at most 1.
+  integer, parameter :: share_or_all = 6
+
+  !> What the messages say of them: `expected_numbers(above_zero)`.
+  character(len=*), parameter :: expected_numbers(6) = [character(len=50) :: &
+    'a finite number within the range of a double', 'a number more than 0', &
+    'a number more than 0 and less than 1', 'a number more than -1 and at most 0.5', &
+    'a number of 0 or more', 'a number more than 0 and at most 1']
+
+contains
+
+  !> Whether a number is in a range.
+  pure logical function in_range(value, range)
+    type(decimal_value), intent(in) :: value  !! the number
+    integer, intent(in) :: range              !! `any_number` or another range
+    real(real64) :: number
+
+    number = nearest_double(value)
+    select case (range)
+    case (above_zero)
+      in_range = value%digits > 0_int64
+    case (share)
+      in_range = value%digits > 0_int64 .and. number < 1.0_real64
+    case (share_or_all)
+      in_range = value%digits > 0_int64 .and. number <= 1.0_real64
+    case (poisson_range)
+      in_range = number > -1.0_real64 .and. number <= 0.5_real64
+    case (not_negative)
+      in_range = value%digits >= 0_int64
+    case default
+      in_range = .true.
+    end select
+  end function in_range
+
+end module asperity_number_ranges
