@@ -79,6 +79,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(number_record), allocatable :: records(:)
 
+    allocate (records(0))
     call resume_records(kept, size(numbers, 2), records, failure)
     if (allocated(failure)) return
     do done = 0, size(records) - 1
