@@ -42,10 +42,10 @@ docs: ## API pages in docs/api
 	@PATH="$$PWD/.venv/bin:$$PATH" ford -q ford.md
 	@echo docs/api/index.html
 
-bench: ## time, memory and what accuracy costs in time (SAVE=1 keeps the result)
-	@bash .ci/setup build bench
+bench: ## time, memory, what accuracy costs (SAVE=1 keeps the result, MOST=1e7 goes further)
+	@bash .ci/setup build bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save)
-	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save)
+	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST))
 
 figures: ## draw the pictures in docs/figures anew
 	@bash .ci/setup build figures

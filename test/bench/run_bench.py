@@ -76,24 +76,33 @@ def wall_time(path, arithmetic):
     return seconds
 
 
-def peak_memory(path, arithmetic, runs=5):
-    """MiB resident at most, read from the running process until it has gone.
+def peak_of(process, pause=0.0):
+    """Bytes resident at most of a process just started, read until it has gone; 0 where the system
+    does not tell.
 
     Not ru_maxrss: what the kernel reports there includes the parent's pages before exec.
     """
     peak = 0
+    status = Path(f"/proc/{process.pid}/status")
+    while process.poll() is None:
+        try:
+            found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
+        except OSError:
+            found = None
+        if found:
+            peak = max(peak, 1024 * int(found.group(1)))
+        if pause:
+            time.sleep(pause)
+    return peak
+
+
+def peak_memory(path, arithmetic, runs=5):
+    """MiB resident at most."""
+    peak = 0
     for _ in range(runs):
         with tempfile.TemporaryFile() as report:
-            process = start(path, arithmetic, report)
-            status = Path(f"/proc/{process.pid}/status")
-            while process.poll() is None:
-                try:
-                    found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
-                except OSError:
-                    found = None
-                if found:
-                    peak = max(peak, int(found.group(1)))
-    return peak / 1024
+            peak = max(peak, peak_of(start(path, arithmetic, report)))
+    return peak / 2**20
 
 
 def measure(path, runs):

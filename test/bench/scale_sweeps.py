@@ -1,0 +1,131 @@
+"""Sweeps of many positions: one and two threads, one and two images. Time of the whole process.
+
+Beside each ratio stands that of the machine at the time: twice the time of one run over the time of
+two such runs at once. Where that is not near 2 the cores are busy, or share what the work needs.
+"""
+
+import tempfile
+from pathlib import Path
+
+from search_files import ROOT
+from whole_runs import (Failed, Work, images_build, same_output, surfaces, take_turns, write_csv,
+                        write_scene)
+
+STUDY = "data/examples/study/thesis.spec"
+# The deck's own sweep goes 10 cm.
+SWEEP = 10.0
+ENSEMBLE = "ensemble = 50"
+
+
+def thesis_sweep(folder, positions):
+    """The thesis scene at so many positions."""
+    path = folder / f"sweep.{positions}.scene"
+    step = SWEEP / positions
+    write_scene(path, f"deck = '{ROOT / 'data' / 'thesis.deck'}'",
+                f"x_first = {step!r}, x_step = {step!r}, positions = {positions}")
+    return path
+
+
+def csv_sweep(folder, n, positions, loading):
+    """N on N asperities from CSV at so many positions."""
+    path = folder / f"csv.{len(list(folder.iterdir()))}.scene"
+    if not (folder / "upper.csv").exists():
+        for name, surface in zip(("upper", "lower"), surfaces(n)):
+            write_csv(folder / f"{name}.csv", surface)
+    write_scene(path, "upper = 'upper.csv', lower = 'lower.csv', radius = 2*1.27",
+                f"x_step = 0.1, positions = {positions}", loading)
+    return path
+
+
+HEAD = f"{'':<46}{'one s':>8}{'two s':>8}{'ratio':>8}{'machine':>9}"
+
+
+def row(title, one, two, at_once):
+    return (f"{title:<46}{one.least:>8.3f}{two.least:>8.3f}{one.least / two.least:>8.2f}"
+            f"{2.0 * one.least / at_once.least:>9.2f}")
+
+
+class Threads:
+    """A sweep on one thread and on two, and two runs of one thread at once; one position tells what
+    is not shared."""
+
+    def __init__(self, title, asperity, many, one, *options):
+        def work(scene, threads, copies=1):
+            return Work(asperity, "solve", scene, *options, "--threads", threads, copies=copies)
+
+        self.title = title
+        self.single, self.double = work(many, 1), work(many, 2)
+        self.at_once, self.start = work(many, 1, copies=2), work(one, 1)
+
+    def works(self):
+        return [self.single, self.double, self.at_once, self.start]
+
+    def lines(self):
+        same_output(self.single, self.double, self.at_once)
+        one, two, start = self.single.least, self.double.least, self.start.least
+        yield row(self.title, self.single, self.double, self.at_once) + f"{start:>10.3f}"
+        if start > 0.2 * one:
+            yield (f"  reading the files and one position take {start / one:.0%} of it; without"
+                   f" them the ratio is {(one - start) / max(two - start, 1e-9):.2f}")
+
+
+def threads_part(asperity, n, positions, rounds):
+    """The lines of the thesis sweep, and of sweeps of N on N asperities."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        thesis = [thesis_sweep(folder, number) for number in (positions, 1)]
+        sweeps = [Threads(f"thesis scene, {positions} positions, real128", asperity, *thesis,
+                          "--arithmetic", "real128")]
+        for control, value, number in (("limit", "", 300), ("load", f", value = {n}.", 30)):
+            files = [csv_sweep(folder, n, some, f"control = '{control}'{value}")
+                     for some in (number, 1)]
+            sweeps.append(Threads(f"{n} on {n}, {number} positions, {control} control", asperity,
+                                  *files))
+        take_turns([work for sweep in sweeps for work in sweep.works()], rounds)
+        rows = [line for sweep in sweeps for line in sweep.lines()]
+    return "\n".join([
+        "threads: one and two, whole process (machine: what two runs of one thread at once gain;",
+        " start: the same with one position)", f"{HEAD}{'start s':>10}", *rows])
+
+
+def larger_study(folder, times):
+    """The study of the examples with a larger ensemble, and its size."""
+    number = times * int(ENSEMBLE.split()[-1])
+    text = (ROOT / STUDY).read_text(encoding="ascii")
+    if ENSEMBLE not in text:
+        raise SystemExit(f"bench: no '{ENSEMBLE}' in {STUDY}")
+    path = folder / "study.spec"
+    path.write_text(text.replace(ENSEMBLE, f"ensemble = {number}"), encoding="ascii")
+    return path, number
+
+
+def images_part(asperity, positions, times, rounds):
+    """The lines of studies and of a sweep; two images must print what one prints."""
+    start, missing = images_build()
+    if missing:
+        return f"images: {missing}"
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        study, ensemble = larger_study(folder, times)
+        sweep = thesis_sweep(folder, positions)
+        jobs = {
+            "nothing (--version)": ["--version"],
+            "study of the examples": ["study", STUDY],
+            f"the same, ensemble of {ensemble}": ["study", study],
+            f"thesis scene, {positions} positions, real128":
+                ["solve", sweep, "--arithmetic", "real128", "--threads", 1]}
+        rows = [images_row(title, asperity, start, words, rounds) for title, words in jobs.items()]
+    return "\n".join([
+        "images: the release build alone and two images over MPI, one thread each, whole process",
+        HEAD, *rows, "(the first row is what starting and ending two images takes)"])
+
+
+def images_row(title, asperity, start, words, rounds):
+    one, two = Work(asperity, *words), Work(*start(2), *words)
+    at_once = Work(asperity, *words, copies=2)
+    try:
+        take_turns([one, two, at_once], rounds)
+        same_output(one, two, at_once)
+    except Failed as failure:
+        return f"{title:<46}  left out: {failure}"
+    return row(title, one, two, at_once)
