@@ -4,9 +4,11 @@
 !> `most` are left out before anything is sorted. Then each bucket is sorted for itself, where it
 !> stays in the nearest memory.
 module asperity_pair_search_order
+  use, intrinsic :: iso_c_binding, only: c_loc
   use asperity_cell_grid, only: cell_grid
   use asperity_cell_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
+  use asperity_large_pages, only: prefer_large_pages
   use asperity_pair_search_blocks, only: found_pair, found_pairs
   implicit none
   private
@@ -26,7 +28,8 @@ contains
     type(cell_grid), intent(in) :: upper                   !! the upper surface
     type(cell_grid), intent(in) :: lower                   !! the lower surface
     integer, intent(in) :: most                            !! keep so many; huge: all
-    type(found_pair), allocatable, intent(out) :: list(:)  !! ascending gap, descending touch
+    !> ascending gap, descending touch
+    type(found_pair), allocatable, target, intent(out) :: list(:)
     logical, intent(out) :: failed                         !! no memory, or over 2**31 pairs
     type(found_pair), allocatable :: shorter(:)
     integer, allocatable :: ends(:)
@@ -49,6 +52,8 @@ contains
     allocate (list(kept), stat=status)
     failed = status /= 0
     if (failed) return
+    if (kept > 0) &
+      call prefer_large_pages(c_loc(list(1)), size(list, kind=int64) * storage_size(list) / 8)
     call fill_buckets(found, first, scale, ends, list)
     deallocate (found%block)
     found%blocks = 0
