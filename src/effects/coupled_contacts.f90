@@ -20,9 +20,9 @@ module asperity_coupled_contacts
   use asperity_coupled_field, only: spread_field
   use asperity_coupled_open, only: settle_open
   use asperity_coupled_start, only: start_at_closing, start_at_load
-  use asperity_coupled_state, only: compare, gather, go_back, look_at_waiting, mark_place, &
-                                    prepare, solve_state
-  use asperity_coupled_step, only: propose, take
+  use asperity_coupled_state, only: compare, gather, go_back, look_at_waiting, many, &
+                                    mark_place, prepare, solve_state
+  use asperity_coupled_step, only: propose, push_worst, take
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -35,17 +35,21 @@ module asperity_coupled_contacts
   real(real64), parameter :: tolerance_many = 5.0e-12_real64
   integer, parameter :: most_iterations = 120, most_with_load = 100, most_trials = 100
   integer, parameter :: most_cautious = 400, most_started_again = 500
-  ! Below this residual the matrix of an earlier step serves.
+  ! Below this residual the matrix of an earlier step serves, and a rough field no longer.
   real(real64), parameter :: rough = 1.0e-2_real64
   ! From this residual on the contacts that wait are worth a look.
   real(real64), parameter :: look_from = 0.1_real64
   ! Below this residual full steps are taken; after one that failed, so many careful ones.
-  real(real64), parameter :: full_from = 5.0e-2_real64
-  integer, parameter :: careful_steps = 3
+  ! Of many contacts few fail: more is dared.
+  real(real64), parameter :: full_from = 5.0e-2_real64, full_from_many = 0.2_real64
+  real(real64), parameter :: full_gain = 0.7_real64, full_gain_many = 1.0_real64
+  integer, parameter :: careful_few = 3, careful_many = 2
+  ! After so many iterations without gain the worst contact is pushed, until it is worse by so much.
+  integer, parameter :: long_stalled = 8
+  real(real64), parameter :: passed = 30.0_real64
+  integer, parameter :: steps_past = 10
   ! So many iterations are allowed whatever the work.
   integer, parameter :: least_bounded = 60
-  ! So many contacts get a better first guess, and no second look.
-  integer, parameter :: many = 64
   ! Work allowed: pairs of loaded contacts times iterations.
   real(real64), parameter :: most_work = 4.0e8_real64
   ! Larger than any residual; may be doubled.
@@ -233,7 +237,7 @@ contains
     real(real64), allocatable :: step(:), off(:), shift_x(:), shift_y(:)
     real(real64) :: residual, norm, norm_before, best
     integer :: i, k, n, most, stalled, halvings, careful
-    logical :: woken, looked, same, done, full
+    logical :: woken, looked, same, done, full, was_full, pushed
 
     n = size(pairs%list)
     most = most_iterations
@@ -259,37 +263,54 @@ contains
         halvings = halvings + 1
         call go_back(state, merge(1.0_real64, 0.5_real64, full))
         full = .false.
-        careful = careful_steps
+        careful = merge(careful_many, careful_few, n > many)
         call forget(memory)
         cycle
       end if
       if (careful > 0) careful = careful - 1
-      if (.not. norm <= 0.7_real64 * norm_before .and. full) careful = careful_steps
+      if (full .and. .not. norm <= merge(full_gain_many, full_gain, n > many) * norm_before) &
+        careful = merge(careful_many, careful_few, n > many)
       halvings = 0
       norm_before = norm
       ending%residual = residual
       stalled = stalled + 1
       if (residual < 0.5_real64 * best) stalled = 0
       best = min(best, residual)
+      pushed = stalled >= long_stalled .and. residual <= rough .and. n > many
+      if (pushed .and. residual > passed * best) then
+        stalled = 0
+        best = residual
+        pushed = .false.
+        careful = steps_past
+      end if
       done = .false.
       if (ending%iterations >= most) exit
       if (state%work > most_work .and. ending%iterations >= least_bounded) exit
       done = residual <= merge(tolerance_many, tolerance, n > many) .or. &
              (residual <= tolerance_rounded .and. stalled >= 2)
+      done = done .and. .not. state%field%roughly
       if (done .or. (residual <= look_from .and. .not. looked)) then
         looked = .true.
         call look_at_waiting(pairs, state, woken)
         if (done .and. .not. woken) exit
         if (woken) then
           norm_before = unknown
-          best = unknown
+          if (residual > rough) best = unknown
         end if
       end if
-      full = careful == 0 .and. residual <= full_from .and. .not. cautious
+      was_full = full
+      full = careful == 0 .and. residual <= merge(full_from_many, full_from, n > many) .and. &
+             .not. (cautious .or. pushed)
       call propose(pairs, state, off, shift_x, shift_y, residual, .not. full, step)
-      if (same .and. residual < 0.1_real64 .and. .not. full) then
+      if (full .neqv. was_full) call forget(memory)
+      if (same .and. residual < 0.1_real64 .and. (n > many .or. .not. full)) then
         call accelerate(memory, step)
       else
+        call forget(memory)
+      end if
+      if (pushed) then
+        call push_worst(state, off, 2.0_real64**min(stalled - long_stalled + 1, 6), step)
+        norm_before = unknown
         call forget(memory)
       end if
       call mark_place(state)
@@ -299,7 +320,7 @@ contains
       i = state%order(k)
       state%p(i) = min(state%p(i) + off(k), 0.0_real64)
     end do
-    ending%converged = ending%residual <= tolerance_rounded
+    ending%converged = ending%residual <= tolerance_rounded .and. .not. state%field%roughly
     if (ending%converged .and. .not. done) then
       call look_at_waiting(pairs, state, woken)
       ending%converged = .not. woken

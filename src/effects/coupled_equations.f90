@@ -66,16 +66,16 @@ contains
   !> Takes the image of the last direction.
   pure subroutine add_image(space, image)
     type(krylov_space), intent(inout) :: space  !! gets one direction more
-    real(real64), intent(inout) :: image(:)     !! matrix times direction; overwritten
+    real(real64), contiguous, intent(inout) :: image(:)  !! matrix times direction; overwritten
     real(real64) :: before, size_left
     integer :: i, k
 
     k = space%used + 1
     do i = 1, k
-      space%triangle(i, k) = dot_product(space%basis(:, i), image)
+      space%triangle(i, k) = product_of(space%basis(:, i), image)
       image = image - space%triangle(i, k) * space%basis(:, i)
     end do
-    size_left = norm2(image)
+    size_left = sqrt(product_of(image, image))
     if (size_left > 0.0_real64) space%basis(:, k + 1) = image / size_left
     do i = 1, k - 1
       before = space%triangle(i, k)
@@ -97,6 +97,23 @@ contains
     space%done = abs(space%rhs(k + 1)) <= space%aim .or. k + 1 == size(space%basis, 2) .or. &
                  .not. size_left > 1.0e-14_real64 * before
   end subroutine add_image
+
+  ! A product of vectors in four parts, always in this order: it can become vectors.
+  pure function product_of(one, other) result(added)
+    real(real64), contiguous, intent(in) :: one(:), other(:)
+    real(real64) :: added, four(4)
+    integer :: i, n
+
+    four = 0.0_real64
+    n = size(one) - modulo(size(one), 4)
+    do i = 1, n, 4
+      four = four + one(i:i + 3) * other(i:i + 3)
+    end do
+    added = (four(1) + four(2)) + (four(3) + four(4))
+    do i = n + 1, size(one)
+      added = added + one(i) * other(i)
+    end do
+  end function product_of
 
   !> The solution in the space.
   pure subroutine end_of_space(space, solution, left)
@@ -135,20 +152,20 @@ contains
     solution = 0.0_real64
     residual = rhs
     direction = residual / diagonal
-    size_now = dot_product(residual, direction)
+    size_now = product_of(residual, direction)
     first = size_now
     do iteration = 1, 4 * size(rhs) + 20
       if (.not. size_now > tolerance**2 * first) exit
       call multiply(compliance, direction, image)
       image = image + diagonal * direction
-      curvature = dot_product(direction, image)
+      curvature = product_of(direction, image)
       definite = curvature > 0.0_real64
       if (.not. definite) return
       solution = solution + (size_now / curvature) * direction
       residual = residual - (size_now / curvature) * image
       size_before = size_now
       image = residual / diagonal
-      size_now = dot_product(residual, image)
+      size_now = product_of(residual, image)
       direction = image + (size_now / size_before) * direction
     end do
   end subroutine solve_equations

@@ -13,6 +13,11 @@ module asperity_coupled_far
   !> Sums of radii from which on the series serves: its first term left out is 3e-12 of the
   !> penetration there, which is less than the closed form loses by rounding.
   real(real64), parameter :: far_from = 9.0_real64
+  ! Means over a flat row and one of Hertz, to the third term: sum and difference of the two ways.
+  real(real64), parameter :: even(5) = &
+    [2.0_real64 / 15, 3.0_real64 / 56, 3.0_real64 / 70, 5.0_real64 / 168, 1.0_real64 / 14]
+  real(real64), parameter :: uneven(4) = &
+    [1.0_real64 / 30, 3.0_real64 / 140, 5.0_real64 / 336, 1.0_real64 / 84]
 
   !> One contact and what it feels.
   type :: far_contact
@@ -73,8 +78,8 @@ contains
     real(real64), contiguous, intent(inout) :: tilt_x(:)      !! gets more
     real(real64), contiguous, intent(inout) :: tilt_y(:)      !! gets more
     real(real64), contiguous, intent(out) :: is_far(:)        !! 1; 0 where not: nothing felt
-    real(real64) :: dx, dy, rr, w, root, slope, limit, b, b2, b4, b6, a2, t1, t2, t3, x0, y0
-    real(real64) :: one_load
+    real(real64) :: dx, dy, rr, w, root, slope, limit, b, b2, a2, x0, y0, one_load
+    real(real64) :: sum2, diff2, squares, products, mean, odd
     real(real64), dimension(size(x)) :: back, back_x, back_y
     integer :: i
 
@@ -83,8 +88,6 @@ contains
     one_load = one%load
     b = one%circle
     b2 = b * b
-    b4 = b2 * b2
-    b6 = b2 * b4
     do i = 1, size(x)
       dx = x(i) - x0
       dy = y(i) - y0
@@ -93,22 +96,22 @@ contains
       is_far(i) = merge(1.0_real64, 0.0_real64, rr > limit)
       w = 1.0_real64 / max(rr, limit)
       root = is_far(i) * sqrt(w)
+      ! The one who feels is a flat punch, its source has Hertz' weight: terms in the sum and in the
+      ! difference of the squared radii, of which the last changes its sign for the other one.
       a2 = circle(i) * circle(i)
-      ! The one who feels is a flat punch, its source has Hertz' weight.
-      t1 = a2 / 6 + b2 / 10
-      t2 = a2 * (a2 * 0.075_real64 + b2 * 0.15_real64) + b4 * (9.0_real64 / 280)
-      t3 = a2 * (a2 * (a2 / 22.4_real64 + b2 * 0.1875_real64) + b4 * (15.0_real64 / 112)) + &
-           b6 / 67.2_real64
-      lift(i) = lift(i) + one_load * root * (1.0_real64 + w * (t1 + w * (t2 + w * t3)))
-      t1 = b2 / 6 + a2 / 10
-      t2 = b2 * (b2 * 0.075_real64 + a2 * 0.15_real64) + a2 * a2 * (9.0_real64 / 280)
-      t3 = b2 * (b2 * (b2 / 22.4_real64 + a2 * 0.1875_real64) + a2 * a2 * (15.0_real64 / 112)) + &
-           a2 * a2 * a2 / 67.2_real64
-      back(i) = load(i) * root * (1.0_real64 + w * (t1 + w * (t2 + w * t3)))
+      sum2 = a2 + b2
+      diff2 = a2 - b2
+      squares = sum2 * sum2
+      products = a2 * b2
+      mean = 1.0_real64 + w * (even(1) * sum2 + w * (even(2) * squares + even(3) * products + &
+             w * sum2 * (even(4) * squares + even(5) * products)))
+      odd = w * diff2 * (uneven(1) + w * (uneven(2) * sum2 + &
+            w * (uneven(3) * squares + uneven(4) * products)))
+      lift(i) = lift(i) + one_load * (root * (mean + odd))
+      back(i) = load(i) * (root * (mean - odd))
       ! For the slope both have Hertz' weight.
-      t1 = 0.3_real64 * (a2 + b2)
-      t2 = (9.0_real64 / 56) * (a2 * a2 + b4) + 0.45_real64 * a2 * b2
-      slope = root * w * (1.0_real64 + w * (t1 + w * t2))
+      slope = root * w * (1.0_real64 + w * (0.3_real64 * sum2 + &
+              w * ((9.0_real64 / 56) * squares + (9.0_real64 / 70) * products)))
       dx = slope * dx
       dy = slope * dy
       tilt_x(i) = tilt_x(i) - one_load * dx

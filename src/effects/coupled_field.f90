@@ -6,6 +6,9 @@ module asperity_coupled_field
   use asperity_coupled_equations, only: comply
   use asperity_coupled_far, only: far_contact, feel_source, share_field
   use asperity_coupled_middle, only: middle_pairs
+  use asperity_coupled_near, only: list_near
+  use asperity_coupled_rough, only: feel_roughly, rough_contacts, rough_lift, rough_tilt, &
+                                    set_out_roughly
   use asperity_kinds, only: real32, real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
   implicit none
@@ -50,6 +53,7 @@ module asperity_coupled_field
     type(near_pair), allocatable :: near(:)   !! they
     type(middle_pairs) :: middle              !! neighbours neither near nor far
     logical :: only_open = .false.            !! those with load are not asked what they feel
+    logical :: roughly = .false.              !! single precision will do
     logical :: keep_compliance = .false.      !! the matrix below still serves
     real(real32), allocatable :: compliance(:, :)  !! between the loaded, zero on the diagonal
   end type contact_field
@@ -92,10 +96,14 @@ contains
     field%bend_xy(1:n) = 0.0_real64
     field%bend_yy(1:n) = 0.0_real64
     field%strongest(1:n) = 0.0_real64
-    if (.not. field%keep_compliance) call fill_compliance(field, 1.0_real64 / (pi * modulus))
-    call add_far(field, 1.0_real64 / (pi * modulus))
-    call field%middle%add(field%x, field%y, field%circle, field%load, 1.0_real64 / (pi * modulus), &
-                          field%lift, field%tilt_x, field%tilt_y)
+    if (field%roughly) then
+      call add_roughly(field, 1.0_real64 / (pi * modulus))
+    else
+      if (.not. field%keep_compliance) call fill_compliance(field, 1.0_real64 / (pi * modulus))
+      call add_far(field, 1.0_real64 / (pi * modulus))
+      call field%middle%add(field%x, field%y, field%circle, field%load, &
+                            1.0_real64 / (pi * modulus), field%lift, field%tilt_x, field%tilt_y)
+    end if
     do k = 1, field%near_pairs
       call add_near(field, k, 1.0_real64 / modulus)
     end do
@@ -107,6 +115,7 @@ contains
     real(real64), intent(in) :: scale
     real(real64) :: is_far(field%count)
     real(real64) :: load(field%loaded)
+    integer :: near(field%count), number
     type(far_contact) :: one
     integer :: j, m, n
 
@@ -117,39 +126,79 @@ contains
     field%middle%count = 0
     do j = 1, m
       one = far_contact(field%x(j), field%y(j), field%circle(j), load(j))
-      is_far(:m) = 1.0_real64
-      if (.not. field%only_open) &
+      if (.not. field%only_open) then
         call share_field(one, field%x(:j - 1), field%y(:j - 1), field%circle(:j - 1), &
                          load(:j - 1), field%lift(:j - 1), field%tilt_x(:j - 1), &
                          field%tilt_y(:j - 1), is_far(:j - 1))
-      field%lift(j) = field%lift(j) + one%lift
-      field%tilt_x(j) = field%tilt_x(j) + one%tilt_x
-      field%tilt_y(j) = field%tilt_y(j) + one%tilt_y
+        field%lift(j) = field%lift(j) + one%lift
+        field%tilt_x(j) = field%tilt_x(j) + one%tilt_x
+        field%tilt_y(j) = field%tilt_y(j) + one%tilt_y
+        call list_near(is_far(:j - 1), near, number)
+        call keep_near(field, j, near(:number), 0)
+      end if
+      if (m == n) cycle
       call feel_source(one, field%x(m + 1:n), field%y(m + 1:n), field%lift(m + 1:n), &
                        field%tilt_x(m + 1:n), field%tilt_y(m + 1:n), is_far(m + 1:n))
-      call list_near(field, j, is_far)
+      call list_near(is_far(m + 1:n), near, number)
+      call keep_near(field, j, near(:number), m)
     end do
   end subroutine add_far
 
-  ! Lists the neighbours of one contact: the near, and those between near and far.
-  pure subroutine list_near(field, j, is_far)
+  ! The far part and the compliances in single precision, and who is near.
+  pure subroutine add_roughly(field, scale)
     type(contact_field), intent(inout) :: field
-    integer, intent(in) :: j
-    real(real64), intent(in) :: is_far(:)
-    type(near_pair), allocatable :: longer(:)
-    integer :: i, k
+    real(real64), intent(in) :: scale
+    type(rough_contacts) :: rough
+    integer :: near(field%count), number
+    real(real32) :: stiff
+    integer :: first, j, m, n
 
-    call field%middle%make_room(size(is_far))
+    m = field%loaded
+    n = field%count
+    field%near_pairs = 0
+    field%middle%count = 0
+    call set_out_roughly(field%x(:n), field%y(:n), field%circle(:n), field%load(:m), rough)
+    first = 1
+    if (field%only_open) first = m + 1
+    stiff = real(scale / rough%length, real32)
+    do j = 1, m
+      call feel_roughly(rough%x(j), rough%y(j), rough%circle(j), rough%load(j), &
+                        real(near_to, real32), rough%x(first:), rough%y(first:), &
+                        rough%circle(first:), rough%lift(first:), rough%tilt_x(first:), &
+                        rough%tilt_y(first:), rough%is_far(first:), rough%compliance(first:))
+      if (.not. field%only_open) then
+        field%compliance(:, j) = stiff * rough%compliance(:m)
+        field%compliance(j, j) = 0.0_real32
+        call list_near(rough%is_far(:j - 1), near, number)
+        call keep_near(field, j, near(:number), 0)
+      end if
+      call list_near(rough%is_far(m + 1:n), near, number)
+      call keep_near(field, j, near(:number), m)
+    end do
+    field%lift(first:n) = scale * rough_lift(rough) * rough%lift(first:)
+    field%tilt_x(first:n) = scale * rough_tilt(rough) * rough%tilt_x(first:)
+    field%tilt_y(first:n) = scale * rough_tilt(rough) * rough%tilt_y(first:)
+  end subroutine add_roughly
+
+  ! Keeps the neighbours of one contact: the near, and those between near and far, which there are
+  ! none of where it goes roughly.
+  pure subroutine keep_near(field, j, near, before)
+    type(contact_field), intent(inout) :: field
+    integer, intent(in) :: j, near(:), before  ! near counts from the contact after `before`
+    type(near_pair), allocatable :: longer(:)
+    integer :: i, k, l
+
+    call field%middle%make_room(size(near))
     k = field%near_pairs
-    if (k + size(is_far) > size(field%near)) then
-      allocate (longer(2 * (k + size(is_far))))
+    if (k + size(near) > size(field%near)) then
+      allocate (longer(2 * (k + size(near))))
       longer(:k) = field%near(:k)
       call move_alloc(longer, field%near)
     end if
-    do i = 1, size(is_far)
-      if (is_far(i) > 0.5_real64) cycle
+    do l = 1, size(near)
+      i = near(l) + before
       if ((field%x(i) - field%x(j))**2 + (field%y(i) - field%y(j))**2 > &
-          (near_to * (field%circle(i) + field%circle(j)))**2) then
+          (near_to * (field%circle(i) + field%circle(j)))**2 .and. .not. field%roughly) then
         field%middle%count = field%middle%count + 1
         field%middle%first(field%middle%count) = i
         field%middle%second(field%middle%count) = j
@@ -160,7 +209,7 @@ contains
       end if
     end do
     field%near_pairs = k
-  end subroutine list_near
+  end subroutine keep_near
 
   ! Compliances of all pairs as those of points; add_near mends the near ones.
   pure subroutine fill_compliance(field, scale)

@@ -19,6 +19,7 @@ module asperity_coupled_state
     integer :: awake = 0
     logical, allocatable :: is_awake(:)            !! followed, by pair
     integer, allocatable :: order(:)               !! pairs; loaded ones first, then open ones
+    integer, allocatable :: row(:)                 !! all pairs, those beside each other in runs
     real(real64), allocatable :: p(:)              !! penetration, by pair
     real(real64), allocatable :: shift_x(:)        !! of the circle, by pair
     real(real64), allocatable :: shift_y(:)        !! of the circle, by pair
@@ -30,6 +31,12 @@ module asperity_coupled_state
     real(real64) :: work = 0.0_real64              !! pairs of loaded contacts looked at
     type(contact_field) :: field                   !! by place in the order
   end type solve_state
+
+  !> More contacts than these are looked at in part, and first in single precision.
+  integer, parameter, public :: many = 64
+
+  ! What a rough field may be off by, as a share of the largest penetration.
+  real(real64), parameter :: rough_error = 3.0e-4_real64
 
   !> Open contacts that lie deeper than this share of the largest penetration wait.
   real(real64), parameter, public :: margin = 0.1_real64
@@ -49,27 +56,68 @@ contains
     allocate (state%shift_y(n), source=0.0_real64)
     allocate (state%marked(n, 3), source=0.0_real64)
     allocate (state%law(n))
+    call row_by_place(pairs, state%row)
     call make_room(state%field, n)
   end subroutine prepare
 
+  ! Cells of a few contacts each, up one column of cells and down the next. Few stay as they are.
+  pure subroutine row_by_place(pairs, row)
+    type(contact_pairs), intent(in) :: pairs
+    integer, allocatable, intent(out) :: row(:)
+    integer, parameter :: a_cell = 4
+    integer, allocatable :: cell(:), place(:)
+    real(real64) :: low_x, low_y, wide, high
+    integer :: i, cells, column, n, step
+
+    n = size(pairs%list)
+    row = [(i, i=1, n)]
+    if (n <= many) return
+    low_x = minval(pairs%list%x)
+    low_y = minval(pairs%list%y)
+    wide = maxval(pairs%list%x) - low_x
+    high = maxval(pairs%list%y) - low_y
+    cells = int(sqrt(real(n, real64) / a_cell)) + 1
+    if (.not. (wide > 0.0_real64 .or. high > 0.0_real64)) return
+    allocate (cell(n), place(0:cells**2))
+    place = 0
+    do i = 1, n
+      column = 0
+      if (wide > 0.0_real64) &
+        column = min(int(cells * ((pairs%list(i)%x - low_x) / wide)), cells - 1)
+      step = 0
+      if (high > 0.0_real64) step = min(int(cells * ((pairs%list(i)%y - low_y) / high)), cells - 1)
+      if (modulo(column, 2) == 1) step = cells - 1 - step
+      cell(i) = column * cells + step
+      place(cell(i) + 1) = place(cell(i) + 1) + 1
+    end do
+    do i = 1, cells**2
+      place(i) = place(i) + place(i - 1)
+    end do
+    do i = 1, n
+      place(cell(i)) = place(cell(i)) + 1
+      row(place(cell(i))) = i
+    end do
+  end subroutine row_by_place
+
   !> Sets out the contacts that are awake, those with load first.
-  pure subroutine gather(pairs, law, state, roughly, same)
+  pure subroutine gather(pairs, law, state, keep, same)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     type(solve_state), intent(inout) :: state
-    logical, intent(in) :: roughly  ! the matrix of the last step will do for the same contacts
-    logical, intent(out) :: same    ! as many and the same carry load as the last time
+    logical, intent(in) :: keep   ! the matrix of the last step will do for the same contacts
+    logical, intent(out) :: same  ! as many and the same carry load as the last time
     type(contact_response) :: response
     integer :: i, k, n
     real(real64) :: p
 
     if (.not. allocated(state%is_awake)) then
       allocate (state%is_awake(size(pairs%list)))
-      state%is_awake = state%p > -margin * maxval(state%p) .or. size(pairs%list) <= 64
+      state%is_awake = state%p > -margin * maxval(state%p) .or. size(pairs%list) <= many
     end if
     n = 0
     same = .true.
-    do i = 1, size(pairs%list)
+    do k = 1, size(pairs%list)
+      i = state%row(k)
       if (.not. (state%is_awake(i) .and. state%p(i) > 0.0_real64)) cycle
       n = n + 1
       same = same .and. state%order(n) == i
@@ -77,7 +125,8 @@ contains
     end do
     same = same .and. state%field%loaded == n
     state%field%loaded = n
-    do i = 1, size(pairs%list)
+    do k = 1, size(pairs%list)
+      i = state%row(k)
       if (.not. state%is_awake(i) .or. state%p(i) > 0.0_real64) cycle
       n = n + 1
       state%order(n) = i
@@ -99,7 +148,8 @@ contains
         call soften(pairs, i, p, k, state)
     end do
     n = state%field%loaded
-    state%field%keep_compliance = roughly .and. same
+    state%field%keep_compliance = keep .and. same
+    state%field%roughly = n > many .and. .not. keep
     if (size(state%field%compliance, 1) == n) return
     deallocate (state%field%compliance)
     allocate (state%field%compliance(n, n))
@@ -165,9 +215,9 @@ contains
     type(solve_state), intent(inout) :: state
     logical, intent(out) :: woken
     type(contact_field) :: all
-    real(real64) :: deepest, aside
+    real(real64) :: deepest, aside, touching
     integer, allocatable :: order(:)
-    integer :: i, k, m, n
+    integer :: i, k, l, m, n
 
     woken = .false.
     if (state%awake == size(pairs%list)) return
@@ -178,6 +228,9 @@ contains
     all%loaded = m
     all%keep_compliance = .true.
     all%only_open = .true.
+    all%roughly = n > many
+    ! Who is as good as touching is woken too, and then looked at exactly.
+    touching = merge(-rough_error * maxval(state%p), 0.0_real64, all%roughly)
     all%x(:m) = state%field%x(:m)
     all%radius(:m) = state%field%radius(:m)
     all%y(:m) = state%field%y(:m)
@@ -185,7 +238,8 @@ contains
     all%load(:m) = state%field%load(:m)
     deepest = maxval(state%p)
     k = m
-    do i = 1, n
+    do l = 1, n
+      i = state%row(l)
       if (state%is_awake(i)) cycle
       if (pairs%list(i)%gap >= state%closing) then
         state%p(i) = state%closing - pairs%list(i)%gap
@@ -206,7 +260,7 @@ contains
       state%p(i) = state%closing - pairs%list(i)%gap - all%lift(k)
       ! Its place aside is nearer by no more than this.
       aside = 0.5_real64 * pairs%list(i)%radius * (all%tilt_x(k)**2 + all%tilt_y(k)**2)
-      if (state%p(i) + aside > 0.0_real64) woken = .true.
+      if (state%p(i) + aside > touching) woken = .true.
     end do
     if (.not. woken) return
     do i = 1, n
@@ -215,7 +269,7 @@ contains
     do k = m + 1, all%count
       i = order(k)
       aside = 0.5_real64 * pairs%list(i)%radius * (all%tilt_x(k)**2 + all%tilt_y(k)**2)
-      if (state%p(i) + aside > 0.0_real64) state%is_awake(i) = .true.
+      if (state%p(i) + aside > touching) state%is_awake(i) = .true.
     end do
   end subroutine look_at_waiting
 

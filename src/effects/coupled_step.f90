@@ -8,12 +8,15 @@ module asperity_coupled_step
   use asperity_coupled_equations, only: solve_equations
   use asperity_coupled_shift, only: moved_by
   use asperity_coupled_newton, only: full_step
-  use asperity_coupled_state, only: solve_state
+  use asperity_coupled_state, only: many, solve_state
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: propose, take
+  public :: propose, push_worst, take
+
+  ! From this residual on a full step is taken as it is: it is near the solution.
+  real(real64), parameter :: small = 1.0e-3_real64
 
 contains
 
@@ -29,10 +32,12 @@ contains
     real(real64), allocatable, intent(out) :: step(:)  !! the step
     real(real64), allocatable :: diagonal(:), change(:)
     real(real64) :: grown, weight, closing_step, accuracy
+    logical, allocatable :: is_wild(:)
     integer :: i, k, m
 
     m = state%field%loaded
-    allocate (diagonal(m), change(m), step(3 * m + 1))
+    allocate (diagonal(m), change(m), is_wild(m), step(3 * m + 1))
+    is_wild = .true.
     weight = weight_of_shift(state)
     do k = 1, m
       ! A wider circle means the neighbours' field over a wider one: d(radius)/dp = R/(2 radius).
@@ -44,22 +49,66 @@ contains
       diagonal(k) = (1.0_real64 + max(grown, -0.7_real64)) / state%stiffness(k)
     end do
     if (.not. careful) then
-      accuracy = max(1.0e-5_real64, min(1.0e-2_real64, 0.3_real64 * residual))
+      accuracy = max(1.0e-3_real64, min(1.0e-2_real64, 0.3_real64 * residual))
       call full_step(state, off, shift_x, shift_y, diagonal, weight, accuracy, step)
-      return
+      if (size(pairs%list) <= many) return
+      call find_wild(state, weight, step, is_wild)
+      if (.not. any(is_wild) .or. residual < small) return
     end if
     call simple_step(state, off, diagonal, residual, change, closing_step)
     do k = 1, m
+      if (.not. is_wild(k)) cycle
       i = state%order(k)
       step(k) = change(k) / state%stiffness(k)
       ! Neighbours move the other way: twice the bend.
       call moved_by(state%law(k), 2 * state%field%bend_xx(k), 2 * state%field%bend_xy(k), &
                     2 * state%field%bend_yy(k), shift_x(k) - state%shift_x(i), &
                     shift_y(k) - state%shift_y(i), step(m + k), step(2 * m + k))
+      step(m + k) = weight * step(m + k)
+      step(2 * m + k) = weight * step(2 * m + k)
     end do
-    step(m + 1:3 * m) = weight * step(m + 1:3 * m)
-    step(3 * m + 1) = closing_step
+    if (careful) step(3 * m + 1) = closing_step
   end subroutine propose
+
+  ! Contacts that a full step throws about, and who is near to them: there its matrix is as good as
+  ! singular, as two circles trade places.
+  pure subroutine find_wild(state, weight, step, is_wild)
+    type(solve_state), intent(in) :: state
+    real(real64), intent(in) :: weight, step(:)
+    logical, intent(out) :: is_wild(:)
+    real(real64), parameter :: most_of_deepest = 0.1_real64, most_of_own = 0.3_real64
+    logical :: is_first(size(is_wild))
+    real(real64) :: deepest, own
+    integer :: k, m
+
+    m = size(is_wild)
+    deepest = maxval(state%p)
+    do k = 1, m
+      own = state%p(state%order(k))
+      is_first(k) = abs(step(k)) > most_of_deepest * deepest + most_of_own * own .or. &
+                    hypot(step(m + k), step(2 * m + k)) > weight * state%field%circle(k)
+    end do
+    call with_neighbours(state, is_first, is_wild)
+  end subroutine find_wild
+
+  ! Some contacts and those with load that are near to them.
+  pure subroutine with_neighbours(state, some, more)
+    type(solve_state), intent(in) :: state
+    logical, intent(in) :: some(:)
+    logical, intent(out) :: more(:)
+    integer :: i, j, k
+
+    more = some
+    if (.not. any(some)) return
+    do k = 1, state%field%near_pairs
+      i = state%field%near(k)%first
+      j = state%field%near(k)%second
+      if (i > size(some)) cycle
+      if (.not. (some(i) .or. some(j))) cycle
+      more(i) = .true.
+      more(j) = .true.
+    end do
+  end subroutine with_neighbours
 
   ! Loads alone: symmetric, made definite.
   pure subroutine simple_step(state, off, diagonal, residual, change, closing_step)
@@ -91,6 +140,30 @@ contains
     closing_step = min(closing_step, state%most_closing - state%closing)
     change = change + closing_step * reply
   end subroutine simple_step
+
+  !> Lets the contact that is worst off go farther than a careful step says.
+  !>
+  !> Beside a fold, where two solutions have met and vanished, careful steps creep through a narrow
+  !> pass.
+  pure subroutine push_worst(state, off, factor, step)
+    type(solve_state), intent(in) :: state    !! where it stands
+    real(real64), intent(in) :: off(:)        !! what the penetrations are off
+    real(real64), intent(in) :: factor        !! how much farther at most
+    real(real64), intent(inout) :: step(:)    !! a careful step
+    real(real64) :: own, share
+    integer :: k, m
+
+    m = state%field%loaded
+    if (m == 0) return
+    k = maxloc(abs(off(:m)), dim=1)
+    own = state%p(state%order(k))
+    share = factor
+    if (abs(step(k)) * factor > 0.1_real64 * own) &
+      share = max(1.0_real64, 0.1_real64 * own / abs(step(k)))
+    step(k) = share * step(k)
+    step(m + k) = share * step(m + k)
+    step(2 * m + k) = share * step(2 * m + k)
+  end subroutine push_worst
 
   !> Takes a step.
   pure subroutine take(state, step, off)

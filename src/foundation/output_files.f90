@@ -186,16 +186,16 @@ contains
   !> procedure may do is done here: no allocation, no Fortran output.
   subroutine end_at_signal(number) bind(c)
     integer(c_int), value :: number
-    character(kind=c_char, len=39) :: message
+    character(kind=c_char, len=44) :: message
     integer(c_size_t) :: written
 
     ! The names are being given: a moment, and all is done.
     if (committing) return
     call discard_files()
-    message = 'interrupted by signal   , nothing kept'
+    message = 'interrupted by signal   , no output written'
     if (number > 9) message(23:23) = achar(iachar('0') + number / 10)
     message(24:24) = achar(iachar('0') + mod(number, 10))
-    message(39:39) = achar(10)
+    message(44:44) = achar(10)
     written = posix_write(standard_error, message, int(len(message), c_size_t))
     call posix_exit_now(1_c_int)
   end subroutine end_at_signal

@@ -135,7 +135,7 @@ def test_interrupted_while_writing(waiting, tmp_path, command, number):
     child.send_signal(number)
     out, err = child.communicate(timeout=20)
     assert child.returncode == 1
-    assert err.decode().splitlines()[-1] == f"interrupted by signal {number:2}, nothing kept"
+    assert err.decode().splitlines()[-1] == f"interrupted by signal {number:2}, no output written"
     if command:
         os.close(keeper)
         (tmp_path / "pipe").unlink()

@@ -139,8 +139,8 @@ def test_progress_on_a_terminal(asperity, endless, tmp_path):
     lines = [line.strip().decode() for line in said.split(b"\r")]
     assert re.fullmatch(r"\d+ of 200000 positions, \d+ a (second|minute), \d+ (s|min|h) left",
                         lines[0])
-    assert lines[-2].endswith("interrupted by signal  2, nothing kept") or \
-        lines[-1].endswith("interrupted by signal  2, nothing kept")
+    assert lines[-2].endswith("interrupted by signal  2, no output written") or \
+        lines[-1].endswith("interrupted by signal  2, no output written")
     assert child.returncode == 1 and out == b""
     assert kept.read_text() == "kept\n"
     assert not list(tmp_path.glob(".asperity*"))
@@ -154,4 +154,4 @@ def test_no_progress_elsewhere(asperity, endless):
     child.terminate()
     out, err = child.communicate(timeout=20)
     assert (child.returncode, out) == (1, b"")
-    assert err == b"interrupted by signal 15, nothing kept\n"
+    assert err == b"interrupted by signal 15, no output written\n"

@@ -10,6 +10,7 @@ program unit_tests
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
   use asperity_kernel_search_suite, only: collect_kernel_search
+  use asperity_packet_suite, only: collect_packets
   use asperity_philox_suite, only: collect_philox
   use asperity_plastic_curves_suite, only: collect_plastic_curves
   use asperity_plasticity_suite, only: collect_plasticity
@@ -43,5 +44,6 @@ program unit_tests
   call run_suite('pair search', collect_pair_search, tally)
   call run_suite('search of the solver', collect_kernel_search, tally)
   call run_suite('representative area', collect_study, tally)
+  call run_suite('packets', collect_packets, tally)
   call finish(tally)
 end program unit_tests
