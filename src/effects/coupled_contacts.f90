@@ -10,7 +10,9 @@
 !> and places that make the complementary energy least (Johnson 1985, section 5.9).
 !>
 !> Newton's method on the contacts that touch, open ones joining and leaving between its steps.
-!> Its matrix, the derivative of M V by V, is the compliance between flat punches: symmetric.
+!> Its matrix, the derivative of M V by V, is the compliance between flat punches: symmetric. Of
+!> many contacts, the field is found in single precision while the residual is large; penetrations
+!> of open ones that are far from touching stay as exact as that.
 module asperity_coupled_contacts
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs

@@ -1,16 +1,16 @@
 !> The far field in single precision, and the compliances beside it: for steps that are rough.
 !>
-!> Two terms of the series of coupled_far serve from four sums of radii on: 1e-3 of the pair there,
-!> 1e-5 of all. Lengths count in one that is large, loads in the largest: nothing overflows.
+!> Two terms of the series of coupled_far serve from four sums of radii on: a lift is off by some
+!> 1e-5 of the largest penetration. Lengths count in one that is large, loads in the largest: nothing overflows.
 module asperity_coupled_rough
   use asperity_kinds, only: real32, real64
   implicit none
   private
 
+  public :: rough_contacts, set_out_roughly, feel_roughly, rough_lift, rough_tilt
+
   ! Squared distances below this count as this: nothing is divided by zero.
   real(real32), parameter :: least = 1.0e-20_real32
-
-  public :: rough_contacts, set_out_roughly, feel_roughly, rough_lift, rough_tilt
 
   !> Contacts in plan, and what they feel.
   type :: rough_contacts
