@@ -1,7 +1,8 @@
 !> The far field in single precision, and the compliances beside it: for steps that are rough.
 !>
 !> Two terms of the series of coupled_far serve from four sums of radii on: a lift is off by some
-!> 1e-5 of the largest penetration. Lengths count in one that is large, loads in the largest: nothing overflows.
+!> 1e-5 of the largest penetration. Lengths count in one that is large, loads in the largest:
+!> nothing overflows.
 module asperity_coupled_rough
   use asperity_kinds, only: real32, real64
   implicit none

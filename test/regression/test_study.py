@@ -248,7 +248,8 @@ def test_progress(asperity, tmp_path):
     (tmp_path / "a.spec").write_text(text, encoding="ascii")
     terminal, other = os.openpty()
     run = subprocess.Popen([asperity, "study", "a.spec"], cwd=tmp_path, stderr=other,
-                           stdout=subprocess.DEVNULL)
+                           stdout=subprocess.DEVNULL,
+                           preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     os.close(other)
     line = os.read(terminal, 1000).decode().split("\r")[0].rstrip()
     run.send_signal(signal.SIGINT)
