@@ -45,6 +45,7 @@ docs: ## API pages in docs/api
 bench: ## time, memory, what accuracy costs (SAVE=1 keeps the result, MOST=1e7 goes further)
 	@bash .ci/setup build bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save)
+	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save)
 	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST))
 
 figures: ## draw the pictures in docs/figures anew

@@ -38,18 +38,22 @@ contains
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did in it
     character(len=:), allocatable, intent(out) :: failure   !! why not
     type(load_bracket) :: bracket
-    real(real64) :: load, nothing
+    real(real64), allocatable :: found(:, :)
+    real(real64) :: load, nothing, asked
     integer :: try
 
     bracket%high = minval(pairs%list%gap + pairs%list%zc)
-    if (target > 0.0_real64) call ask_effects(pairs, effects, target, closing, failure)
+    if (target > 0.0_real64) call ask_effects(pairs, effects, target, closing, found, failure)
     if (allocated(failure)) return
+    asked = closing
     if (target > 0.0_real64 .and. pairs%target > 0.0_real64) &
       closing = max(closing, 1.0e-3_real64 * pairs%closing * (target / pairs%target)**two_thirds)
     closing = min(max(closing, 0.0_real64), bracket%high * (1.0_real64 - epsilon(1.0_real64)))
     nothing = bracket%high * least_closing
+    if (abs(closing - asked) > 0.0_real64 .and. allocated(found)) deallocate (found)
     do try = 1, most_tries
-      call simulate(pairs, effects, closing, 0.0_real64, state, outcomes)
+      call simulate(pairs, effects, closing, 0.0_real64, state, outcomes, found)
+      if (allocated(found)) deallocate (found)
       call first_failure(effects, outcomes, failure)
       if (allocated(failure)) return
       load = total_load(state)
@@ -75,18 +79,19 @@ contains
   end subroutine close_to_load
 
   ! Where the effects that know it say that the load is reached.
-  subroutine ask_effects(pairs, effects, target, closing, failure)
+  subroutine ask_effects(pairs, effects, target, closing, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target
     real(real64), intent(inout) :: closing
+    real(real64), allocatable, intent(inout) :: found(:, :)
     character(len=:), allocatable, intent(inout) :: failure
     integer :: i
 
     do i = 1, size(effects)
       if (.not. associated(effects(i)%effect%closing_at_load)) cycle
       call effects(i)%effect%closing_at_load(pairs, hertz_law(modulus=pairs%modulus), target, &
-                                             closing, failure)
+                                             closing, found, failure)
       if (allocated(failure)) return
     end do
   end subroutine ask_effects

@@ -120,7 +120,7 @@ module asperity_contact_effect
 
     !> Changes a closing to that at which the contacts with this effect alone carry a load; leaves
     !> it where the effect is not called for.
-    subroutine find_closing(self, pairs, law, target, closing, failure)
+    subroutine find_closing(self, pairs, law, target, closing, found, failure)
       import :: contact_effect, contact_law, contact_pairs, real64
       implicit none
       class(contact_effect), intent(in) :: self                 !! the effect
@@ -128,6 +128,8 @@ module asperity_contact_effect
       class(contact_law), intent(in) :: law                     !! of every contact
       real(real64), intent(in) :: target                        !! sum of the normal forces
       real(real64), intent(inout) :: closing                    !! past first touch
+      !> what the effect wants to know again when it acts there (pair, quantity); else as it was
+      real(real64), allocatable, intent(inout) :: found(:, :)
       character(len=:), allocatable, intent(inout) :: failure   !! why the load cannot be reached
     end subroutine find_closing
   end interface

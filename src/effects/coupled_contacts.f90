@@ -60,25 +60,36 @@ module asperity_coupled_contacts
 contains
 
   !> Penetrations at a given closing.
-  pure subroutine solve_coupled(pairs, law, closing, penetration, ending, start)
+  pure recursive subroutine solve_coupled(pairs, law, closing, penetration, ending, start)
     type(contact_pairs), intent(in) :: pairs         !! those that may touch, ascending gap
     class(contact_law), intent(in) :: law            !! of each contact
     real(real64), intent(in) :: closing              !! past first touch of all; below every zc
     real(real64), intent(out) :: penetration(:)      !! a pair; not positive where it is open
     type(solve_ending), intent(out) :: ending        !! residual over the largest penetration
-    real(real64), intent(in), optional :: start(:)   !! penetrations near the solution
+    !> near the solution, from solve_coupled_load: penetration and shift along x and y of every pair
+    real(real64), intent(in), optional :: start(:, :)
     type(solve_state) :: state
 
     call prepare(pairs, state)
     state%closing = closing
     if (present(start)) then
-      state%p = start
+      state%near = .true.
+      state%p = start(:, 1)
+      state%shift_x = start(:, 2)
+      state%shift_y = start(:, 3)
     else
       call start_at_closing(pairs, law, closing, state%p)
       call refine_start(pairs, law, state%target, closing, state%closing, state%p)
     end if
     call iterate(pairs, law, state, .false., ending)
-    if (.not. ending%converged) call start_again(pairs, law, closing, state, ending)
+    if (.not. ending%converged) then
+      ! From a start that was none, from the beginning.
+      if (present(start)) then
+        call solve_coupled(pairs, law, closing, penetration, ending)
+        return
+      end if
+      call start_again(pairs, law, closing, state, ending)
+    end if
     penetration = state%p
   end subroutine solve_coupled
 
@@ -108,7 +119,7 @@ contains
 
   !> Closing and penetrations at which the loads normal to the contacts have a given sum.
   pure subroutine solve_coupled_load(pairs, law, target, closing, penetration, ending, &
-                                     most_closing, start, failure)
+                                     most_closing, failure, solution)
     type(contact_pairs), intent(in) :: pairs         !! those that may touch, ascending gap
     class(contact_law), intent(in) :: law            !! of each contact
     real(real64), intent(in) :: target               !! sum of the loads, more than 0
@@ -116,13 +127,15 @@ contains
     real(real64), intent(out) :: penetration(:)      !! a pair; not positive where it is open
     type(solve_ending), intent(out) :: ending        !! residual over the largest penetration
     real(real64), intent(in), optional :: most_closing  !! not to be passed
-    real(real64), intent(in), optional :: start(:)   !! penetrations near the solution
     character(:), allocatable, intent(out), optional :: failure  !! why the load is not reached
+    !> penetration and shift along x and y of every pair, for solve_coupled at this closing
+    real(real64), intent(out), optional :: solution(:, :)
     type(solve_state) :: state
     character(:), allocatable :: reason
 
     closing = 0.0_real64
     penetration = 0.0_real64
+    if (present(solution)) solution = 0.0_real64
     if (size(pairs%list) == 0) then
       reason = 'no contact can carry the load'
     else if (.not. target > 0.0_real64) then
@@ -132,14 +145,14 @@ contains
       state%target = target
       if (present(most_closing)) state%most_closing = most_closing
       call start_at_load(pairs, law, target, state%most_closing, state%closing, state%p)
-      if (present(start)) then
-        state%p = start
-      else
-        call refine_start(pairs, law, target, state%most_closing, state%closing, state%p)
-      end if
+      call refine_start(pairs, law, target, state%most_closing, state%closing, state%p)
       call iterate(pairs, law, state, .false., ending)
       closing = state%closing
       penetration = state%p
+      if (present(solution)) then
+        solution(:, 2) = state%shift_x
+        solution(:, 3) = state%shift_y
+      end if
       if (.not. ending%converged .and. closing < state%most_closing .and. &
           state%work < most_work) &
         call search(pairs, law, target, state%most_closing, closing, penetration, ending)
@@ -148,6 +161,7 @@ contains
         if (closing < state%most_closing) reason = 'the iteration did not converge'
       end if
     end if
+    if (present(solution)) solution(:, 1) = penetration
     if (present(failure) .and. allocated(reason)) failure = reason
   end subroutine solve_coupled_load
 
@@ -255,7 +269,7 @@ contains
     full = .false.
     do
       ending%iterations = ending%iterations + 1
-      call gather(pairs, law, state, best < rough, same)
+      call gather(pairs, law, state, best < rough .or. state%near, same)
       call spread_field(state%field, pairs%modulus)
       call settle_open(pairs, state)
       call compare(pairs, state, off, shift_x, shift_y, residual, norm)

@@ -28,6 +28,7 @@ module asperity_coupled_state
     type(shift_law), allocatable :: law(:)         !! of the shifts, by place in the order
     real(real64), allocatable :: marked(:, :)      !! p, shift_x, shift_y where it last stood well
     real(real64) :: marked_closing = 0.0_real64    !! closing there
+    logical :: near = .false.                      !! it begins near the solution
     real(real64) :: work = 0.0_real64              !! pairs of loaded contacts looked at
     type(contact_field) :: field                   !! by place in the order
   end type solve_state

@@ -15,19 +15,24 @@ module asperity_effect_sequence
 contains
 
   !> The contacts at a closing with the effects called for.
-  subroutine simulate(pairs, effects, closing, time, state, outcomes)
+  subroutine simulate(pairs, effects, closing, time, state, outcomes, found)
     type(contact_pairs), intent(in) :: pairs                        !! the position
     type(effect_box), intent(in) :: effects(:)                      !! in the order they act
     real(real64), intent(in) :: closing                             !! past first touch
     real(real64), intent(in) :: time                                !! since the end of loading
     type(contact_state), intent(out) :: state                       !! with the effects
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)   !! what each did
+    !> what a search for the closing has found (pair, quantity); not allocated: nothing
+    real(real64), allocatable, intent(in), optional :: found(:, :)
     real(real64) :: before
     integer :: i
 
     allocate (outcomes(size(effects)))
     call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
     state%time = time
+    if (present(found)) then
+      if (allocated(found)) state%found = found
+    end if
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => outcomes(i))
         before = total_vertical_load(state)

@@ -119,7 +119,12 @@ contains
     type(effect_outcome), intent(inout) :: outcome
 
     outcome%simulated = 'coupled'
-    call solve_coupled(pairs, state%law, state%closing, state%penetration, outcome%ending)
+    if (allocated(state%found)) then
+      call solve_coupled(pairs, state%law, state%closing, state%penetration, outcome%ending, &
+                         state%found)
+    else
+      call solve_coupled(pairs, state%law, state%closing, state%penetration, outcome%ending)
+    end if
     if (.not. outcome%ending%converged) then
       outcome%failure = not_converged(outcome%ending)
       return
@@ -271,22 +276,26 @@ contains
   end subroutine mend_one
 
   ! Where the coupled contacts carry a load. `auto` that has no call for it leaves the closing.
-  subroutine closing_of_coupled(self, pairs, law, target, closing, failure)
+  subroutine closing_of_coupled(self, pairs, law, target, closing, found, failure)
     class(contact_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     real(real64), intent(in) :: target
     real(real64), intent(inout) :: closing
+    real(real64), allocatable, intent(inout) :: found(:, :)
     character(len=:), allocatable, intent(inout) :: failure
     type(solve_ending) :: ending
-    real(real64) :: penetration(size(pairs%list)), before
+    real(real64) :: penetration(size(pairs%list)), solution(size(pairs%list), 3), before
 
     if (self%mode == effect_auto) then
       if (.not. estimate_of_interaction(pairs, law, closing) > self%tolerance) return
     end if
     before = closing
-    call solve_coupled_load(pairs, law, target, closing, penetration, ending)
-    if (ending%converged) return
+    call solve_coupled_load(pairs, law, target, closing, penetration, ending, solution=solution)
+    if (ending%converged) then
+      found = solution
+      return
+    end if
     ! Few contacts: the search by closings alone may still find it, as on steep slopes.
     closing = before
     if (size(pairs%list) > few) failure = 'interaction: ' // not_converged(ending)
