@@ -193,14 +193,17 @@ def ratio_lines(results):
 
 
 def exponent_lines(results):
-    sizes = [n for n in results if n >= 10_000]
-    if len(sizes) < 2:
-        return
-    for title, name, part in (("whole", OURS, total), ("later", OURS, later),
-                              ("first", FIRST, total)):
-        seconds = [part(results[n][0][name]) for n in sizes]
-        slope = np.polyfit(np.log(sizes), np.log(seconds), 1)[0]
-        yield f"cost exponent from {sizes[0]} to {sizes[-1]}, {title}: {slope:.3f}"
+    large = [n for n in results if n >= 10_000]
+    # To a million, and to the end where that is farther.
+    for most in sorted({min(1_000_000, max(large, default=0)), max(large, default=0)}):
+        sizes = [n for n in large if n <= most]
+        if len(sizes) < 2:
+            continue
+        for title, name, part in (("whole", OURS, total), ("later", OURS, later),
+                                  ("first", FIRST, total)):
+            seconds = [part(results[n][0][name]) for n in sizes]
+            slope = np.polyfit(np.log(sizes), np.log(seconds), 1)[0]
+            yield f"cost exponent from {sizes[0]} to {sizes[-1]}, {title}: {slope:.3f}"
 
 
 def memory_lines(results):
