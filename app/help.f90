@@ -2,12 +2,11 @@
 module asperity_help
   use asperity_files, only: write_message, write_standard_output
   use asperity_text_buffer, only: text_buffer
+  use asperity_version, only: version
   implicit none
   private
 
   public :: show_help, show_next_steps, show_version
-
-  character(len=*), parameter :: version = '0.1.0'
 
 contains
 

@@ -28,6 +28,7 @@ module asperity_run_solve
   use asperity_solver, only: solve_in_arithmetic
   use asperity_summary, only: write_choice, write_corrected_table, write_summary
   use asperity_text_buffer, only: text_buffer
+  use asperity_version, only: version
   implicit none
   private
 
@@ -150,7 +151,7 @@ contains
     work%path = line%keep_file
     work%piece = 'position'
     work%of_what = 'this scene, arithmetic and list of contacts'
-    work%heading = 'asperity solve, ' // arithmetic // ', contacts ' // &
+    work%heading = 'asperity ' // version // ' solve, ' // arithmetic // ', contacts ' // &
                    trim(merge('kept  ', 'summed', keep_rows)) // ', input'
     if (work%path == '' .or. image_number() > 1) return
     call add_file(line%input)

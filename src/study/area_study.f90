@@ -14,6 +14,7 @@ module asperity_area_study
   use asperity_process, only: has_memory
   use asperity_progress, only: begin_progress, end_progress, show_progress
   use asperity_study_spec, only: study_spec
+  use asperity_version, only: version
   implicit none
   private
 
@@ -47,8 +48,8 @@ contains
     allocate (numbers(many, members), source=0.0_real64)
     rounds = image_rounds(total=members, most_each=most_each)
     if (kept_file /= '' .and. image_number() == 1) then
-      kept = kept_work(kept_file, 'asperity study, specification ' // checksum(spec%text), &
-                       'surface', 'this specification')
+      kept = kept_work(kept_file, 'asperity ' // version // ' study, specification ' // &
+                       checksum(spec%text), 'surface', 'this specification')
       call resume_surfaces(kept, numbers, rounds%done, failure)
     end if
     call agree(rounds, failure)

@@ -120,7 +120,7 @@ def check_kept(case, left):
     if "kept" not in left or not case.arguments[-2:] == ["--keep", "kept"]:
         return []
     data, before = left["kept"].read_bytes(), case.files.get("kept")
-    if data != before and not data.startswith(before[:20] if before else b"asperity solve, "):
+    if data != before and not data.startswith(before[:20] if before else b"asperity 0."):
         return [f"kept: {data[:80]!r}"]
     if data != before:
         del left["kept"]
