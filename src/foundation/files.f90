@@ -62,7 +62,7 @@ contains
         if (got <= 0_c_size_t) exit
         used = used + int(got)
       end do
-      text = text(:used)
+      if (used <= longest) text = text(:used)
     end if
     if (known > int(longest, c_long) .or. used > longest) then
       text = ' '
