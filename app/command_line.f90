@@ -12,7 +12,7 @@ module asperity_command_line
   implicit none
   private
 
-  public :: command_line, output_place, parse_command_line, refuse_input
+  public :: command_line, is_shared, output_place, parse_command_line, refuse_input
 
   !> What the user asked for.
   type :: command_line
@@ -178,6 +178,14 @@ contains
       call read_accuracy(value, line%accuracy, problems)
     end select
   end subroutine take_option
+
+  !> Whether all images work on a command, each on a part of its pieces.
+  pure logical function is_shared(line)
+    type(command_line), intent(in) :: line  !! the user's choices
+
+    is_shared = line%command == 'study' .or. &
+                (line%command == 'solve' .and. .not. line%accuracy > 0.0_real64)
+  end function is_shared
 
   !> The path of an output of a member of an ensemble: `%` stands for its number.
   pure function output_place(pattern, member) result(path)

@@ -1,6 +1,6 @@
 !> The program: reads the command line, runs the command, prints what went wrong, stops.
 program asperity_main
-  use asperity_command_line, only: command_line, parse_command_line
+  use asperity_command_line, only: command_line, is_shared, parse_command_line
   use asperity_files, only: write_standard_error
   use asperity_help, only: show_help, show_next_steps, show_version
   use asperity_images, only: image_number, wait_for_images
@@ -10,7 +10,7 @@ program asperity_main
   use asperity_run_accuracy, only: run_accuracy_command
   use asperity_run_generate, only: run_generate_command
   use asperity_run_original, only: run_original_command
-  use asperity_run_solve, only: is_shared, run_solve_command
+  use asperity_run_solve, only: run_solve_command
   use asperity_run_study, only: run_study_command
   implicit none
   type(command_line) :: line

@@ -3,7 +3,7 @@ module asperity_run_solve
   use asperity_accuracy_choice, only: solve_to_accuracy
   use asperity_budget_table, only: write_budget
   use asperity_complaints, only: complained
-  use asperity_command_line, only: command_line, refuse_input
+  use asperity_command_line, only: command_line, is_shared, refuse_input
   use asperity_contact_records, only: scene_results, solve_method
   use asperity_corrected_table, only: correct_table
   use asperity_card_deck, only: card_deck
@@ -32,7 +32,7 @@ module asperity_run_solve
   implicit none
   private
 
-  public :: is_shared, run_solve_command
+  public :: run_solve_command
 
 contains
 
@@ -130,14 +130,6 @@ contains
     status = 0
   end subroutine run_solve_command
 
-  !> Whether all images work on a command, each on a part of its pieces.
-  pure logical function is_shared(line)
-    type(command_line), intent(in) :: line  !! the user's choices
-
-    is_shared = line%command == 'study' .or. &
-                (line%command == 'solve' .and. .not. line%accuracy > 0.0_real64)
-  end function is_shared
-
   ! What a file of kept positions is for: all files that the scene is made of, and what else the
   ! results depend on.
   subroutine name_work(line, scene_in, arithmetic, keep_rows, work, failure)
@@ -153,7 +145,8 @@ contains
     work%of_what = 'this scene, arithmetic and list of contacts'
     work%heading = 'asperity ' // version // ' solve, ' // arithmetic // ', contacts ' // &
                    trim(merge('kept  ', 'summed', keep_rows)) // ', input'
-    if (work%path == '' .or. image_number() > 1) return
+    if (work%path == '') return
+    ! Every image reads them: what fails on one fails on all, and nobody waits for the others.
     call add_file(line%input)
     call add_file(scene_in%upper%file)
     if (scene_in%lower%file /= scene_in%upper%file) call add_file(scene_in%lower%file)

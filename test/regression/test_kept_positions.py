@@ -257,6 +257,17 @@ def test_images_and_bad_input(tmp_path):
 
 
 @several_images
+@pytest.mark.parametrize("place, message", [("no/where", b"no/where: cannot be"),
+                                            ("../other", b"holds no positions of this scene")])
+def test_images_and_a_kept_file_that_is_refused(place, message, root, tmp_path):
+    """What image 1 alone finds out ends all of them."""
+    (tmp_path / "other").write_text("something else\n")
+    done = run(IMAGES, root / "data" / "thesis.deck", tmp_path / "a", "--keep", place)
+    assert done[0] != 0 and done[2].count(message) == 1 and not done[3]
+    assert (tmp_path / "other").read_text() == "something else\n"
+
+
+@several_images
 def test_images_killed_and_continued(asperity, tmp_path):
     """One image of the run is lost: the others end, what is kept is continued by one image."""
     scene = long_scene(tmp_path)
