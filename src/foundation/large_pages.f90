@@ -5,6 +5,7 @@
 module asperity_large_pages
   use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_null_ptr, c_ptr, c_size_t
   use asperity_kinds, only: int64
+  use asperity_system_calls, only: linux_madvise
   implicit none
   private
 
@@ -15,16 +16,6 @@ module asperity_large_pages
   ! The system's smallest page, and MADV_HUGEPAGE of Linux.
   integer(c_intptr_t), parameter :: page = 4096_c_intptr_t
   integer(c_int), parameter :: large_pages = 14_c_int
-
-  interface
-    integer(c_int) function posix_madvise_of(place, bytes, advice) bind(c, name='madvise')
-      import :: c_int, c_ptr, c_size_t
-      implicit none
-      type(c_ptr), value :: place
-      integer(c_size_t), value :: bytes
-      integer(c_int), value :: advice
-    end function posix_madvise_of
-  end interface
 
 contains
 
@@ -41,7 +32,7 @@ contains
     ! Whole pages of the array alone.
     first = (first + page - 1_c_intptr_t) / page * page
     last = last / page * page
-    status = posix_madvise_of(transfer(first, c_null_ptr), int(last - first, c_size_t), large_pages)
+    status = linux_madvise(transfer(first, c_null_ptr), int(last - first, c_size_t), large_pages)
     ! What the system says changes nothing.
     if (status /= 0) return
   end subroutine prefer_large_pages
