@@ -61,7 +61,8 @@ def ranges(numbers):
 
 def main(least, folder="build"):
     runs = runs_by_line(ROOT / folder)
-    listed = {path.resolve() for path in ROOT.glob("src/*/*") if path.suffix in (".f90", ".F90")}
+    listed = {path.resolve() for path in (ROOT / "src").rglob("*")
+              if path.suffix in (".f90", ".F90")}
     all_lines = all_run = 0
     print(f"{'file':<40} {'lines':>6} {'run':>6} {'%':>6}  not run")
     for path, lines in runs.items():

@@ -6,6 +6,7 @@
 !> displacement is exact there.
 module asperity_interaction
   use asperity_boundary_solver, only: boundary_outcome, solve_boundary
+  use asperity_constants, only: pi
   use asperity_contact_clusters, only: cluster_of_each
   use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
   use asperity_contact_law, only: contact_law, contact_response
@@ -22,8 +23,6 @@ module asperity_interaction
   private
 
   public :: new_interaction
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
   !> How far `coupled` may be off where contact circles overlap, as a share of the total load: at
   !> most 0.02 at the positions of the thesis, against cells.

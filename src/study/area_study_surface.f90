@@ -4,6 +4,7 @@
 !> contacts of sections side by side add up to those of the whole.
 module asperity_area_study_surface
   use asperity_area_study_plan, only: section_places, section_square, study_plan
+  use asperity_constants, only: pi
   use asperity_contact_records, only: contact_row, scene_results, solve_method
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
@@ -22,8 +23,6 @@ module asperity_area_study_surface
   !> The studied numbers of a surface before those of its sections: asperities of the upper and of
   !> the lower surface in the studied region, on an area.
   integer, parameter, public :: leading_numbers = 2
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
 contains
 

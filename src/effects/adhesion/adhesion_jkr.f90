@@ -11,13 +11,13 @@
 !> (4/3 t**6 - 2 t**3): one curve for all contacts. It can be followed at a given overlap down to
 !> 4 t**3 = 1, where it turns back. The load is least before, at 4 t**3 = 3.
 module asperity_adhesion_jkr
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: answer_jkr, snap_off_jkr, pull_off_jkr
 
-  real(real64), parameter :: pi = acos(-1.0_real64)
   ! Where the curve turns back, 4 t**3 = 1, and t**4 - t there.
   real(real64), parameter :: last_t = 0.62996052494743658238_real64
   real(real64), parameter :: last_overlap = -0.75_real64 * last_t

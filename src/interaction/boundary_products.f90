@@ -6,13 +6,12 @@ module asperity_boundary_products
   use asperity_boundary_far, only: add_far_displacement, couple_far_patches, far_coupling
   use asperity_boundary_influence, only: influence_table
   use asperity_boundary_patches, only: build_cells, cell_set, near, patch
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: half_space, prepare_half_space, displace, expected_work, table_reach
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
   !> Cells and all that is needed to find their displacement.
   type :: half_space

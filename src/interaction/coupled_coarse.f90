@@ -3,6 +3,7 @@
 !> The matrix of the compliances is made once, in single precision; Newton's method then finds who
 !> touches at the cost of some products with it.
 module asperity_coupled_coarse
+  use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_equations, only: add_image, begin, comply, end_of_space, krylov_space, &
@@ -19,7 +20,6 @@ module asperity_coupled_coarse
   ! What the first guess may be wrong by, as a share of the largest penetration.
   real(real64), parameter :: margin = 0.3_real64
   real(real64), parameter :: accuracy = 0.1_real64, good_enough = 3.0e-2_real64
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
 contains
 

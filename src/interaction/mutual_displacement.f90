@@ -11,6 +11,7 @@
 !> (Sneddon, Mixed Boundary Value Problems, 1966). So pi E times a mean is that root averaged over
 !> tau = t1 + t2, with closed antiderivatives, and holds for circles that overlap as well.
 module asperity_mutual_displacement
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
@@ -42,7 +43,6 @@ module asperity_mutual_displacement
     real(real64) :: slope_sixth = 0.0_real64   !! d/dr of the sixth
   end type antiderivatives
 
-  real(real64), parameter :: pi = acos(-1.0_real64)
   ! Below this ratio of radii the differences of the closed forms lose digits; the smaller circle
   ! is then sampled at three points, whose error is below the sixth power of the ratio.
   real(real64), parameter :: small_ratio = 0.04_real64

@@ -5,6 +5,7 @@
 !> that ends at the residual overlap. Loading again goes up the same curve, then on with the loading
 !> curve. The geometry of an inclined contact is that of the elastic one.
 module asperity_plastic_law
+  use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair
   use asperity_hertz_law, only: hertz_law
@@ -15,8 +16,6 @@ module asperity_plastic_law
   private
 
   public :: plastic_law, plastic_past, past_of_contact
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
   ! The onset in critical overlaps. The margin is for the rounding of penetrations: a contact at the
   ! limit of its scene has not flowed. The load is off by less than 1e-14 there.

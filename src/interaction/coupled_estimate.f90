@@ -1,5 +1,6 @@
 !> How much interaction may lower the load: a bound from contacts each solved alone.
 module asperity_coupled_estimate
+  use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
@@ -9,7 +10,6 @@ module asperity_coupled_estimate
 
   public :: estimate_of_interaction
 
-  real(real64), parameter :: pi = acos(-1.0_real64)
   ! Sums of radii from which on the bound of the field serves in place of the field: 2 % above it.
   real(real64), parameter :: bound_from = 5.0_real64
 

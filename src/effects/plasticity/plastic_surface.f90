@@ -1,6 +1,7 @@
 !> The plasticity index of the surfaces of a scene: whether their summits flow under any load worth
 !> speaking of (Greenwood and Williamson 1966, Proc. R. Soc. A 295, 300).
 module asperity_plastic_surface
+  use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: int64, real64
   use asperity_plastic_curves, only: departure, plasticity_index
@@ -10,8 +11,6 @@ module asperity_plastic_surface
   private
 
   public :: surface_index, height_deviation
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
 contains
 

@@ -4,6 +4,7 @@
 !> load = 4/3 E sqrt(R) W**1.5, contact radius = sqrt(R W), maximum pressure = 2 E sqrt(W/R)/pi
 !> (Hertz 1882; Johnson, Contact Mechanics, 1985, section 4.2).
 module asperity_hertz_law
+  use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair
   use asperity_kernel_real64, only: stable_overlap
@@ -12,8 +13,6 @@ module asperity_hertz_law
   private
 
   public :: hertz_law
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
   !> The law of Hertz.
   type, extends(contact_law) :: hertz_law

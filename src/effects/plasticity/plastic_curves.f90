@@ -5,14 +5,13 @@
 !> to Hertz at x = 1.9. Unloading: Etsion, Kligerman and Kadin 2005 (Int. J. Solids Struct. 42,
 !> 3716), joined there too. docs/effects/plasticity.md says how.
 module asperity_plastic_curves
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: plastic_scale, set_scale, constraint_factor, loading_curve, unloading_shape
   public :: loading_work, plasticity_index, departure
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
   !> Overlap at which the load leaves that of Hertz (Jackson and Green 2005).
   real(real64), parameter :: departure = 1.9_real64

@@ -1,13 +1,12 @@
 !> Forces on cells to start from.
 module asperity_boundary_start
   use asperity_boundary_patches, only: cell_set, patch
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: start_forces, refine_forces
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
 contains
 

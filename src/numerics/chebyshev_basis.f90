@@ -3,13 +3,12 @@
 !> The nodes are the roots of the Chebyshev polynomial whose degree is their number (Trefethen,
 !> Approximation Theory and Approximation Practice, 2013).
 module asperity_chebyshev_basis
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: chebyshev_nodes, lagrange_at_cells
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
 contains
 

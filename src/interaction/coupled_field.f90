@@ -3,6 +3,7 @@
 !> Near neighbours take the closed forms of mutual_displacement, far ones a short series, those
 !> between a longer one.
 module asperity_coupled_field
+  use asperity_constants, only: pi
   use asperity_coupled_equations, only: comply
   use asperity_coupled_far, only: far_contact, feel_source, share_field
   use asperity_coupled_middle, only: middle_pairs
@@ -58,7 +59,6 @@ module asperity_coupled_field
     real(real32), allocatable :: compliance(:, :)  !! between the loaded, zero on the diagonal
   end type contact_field
 
-  real(real64), parameter :: pi = acos(-1.0_real64)
   ! Sums of radii up to which the closed forms serve.
   real(real64), parameter :: near_to = 4.0_real64
 

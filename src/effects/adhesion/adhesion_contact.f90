@@ -15,6 +15,7 @@
 module asperity_adhesion_contact
   use asperity_adhesion_jkr, only: answer_jkr, pull_off_jkr, snap_off_jkr
   use asperity_adhesion_maugis, only: follow_maugis, maugis_answer, maugis_curve, new_maugis
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
@@ -32,7 +33,6 @@ module asperity_adhesion_contact
   !> Derjaguin, Muller and Toporov.
   integer, parameter :: model_dmt = 3
 
-  real(real64), parameter :: pi = acos(-1.0_real64)
   ! Johnson and Greenwood's borders of the Tabor parameter.
   real(real64), parameter :: least_of_jkr = 5.0_real64, most_of_dmt = 0.1_real64
   ! Range of the constant stress over z0, w/(sigma0 z0): 9 sqrt(3)/16.

@@ -1,5 +1,6 @@
 !> Turns the contacts of a state with effects into records, in the units of the scene.
 module asperity_effect_rows
+  use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
@@ -13,8 +14,6 @@ module asperity_effect_rows
   private
 
   public :: add_state, name_columns
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
 contains
 

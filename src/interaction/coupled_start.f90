@@ -1,5 +1,6 @@
 !> First guess for coupled contacts, and the bound that tells whether coupling matters.
 module asperity_coupled_start
+  use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
@@ -8,7 +9,6 @@ module asperity_coupled_start
 
   public :: start_at_closing, start_at_load
 
-  real(real64), parameter :: pi = acos(-1.0_real64)
   integer, parameter :: most_sampled = 48
 
 contains

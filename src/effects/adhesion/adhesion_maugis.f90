@@ -18,13 +18,13 @@
 !> For a large lambda the curve becomes that of Johnson, Kendall and Roberts, for a small one that
 !> of Derjaguin, Muller and Toporov.
 module asperity_adhesion_maugis
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: maugis_curve, maugis_answer, new_maugis, follow_maugis
 
-  real(real64), parameter :: pi = acos(-1.0_real64)
   ! A point of the curve is found in this many turns: each halves what is left at least.
   integer, parameter :: most_turns = 200
 

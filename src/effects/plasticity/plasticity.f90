@@ -3,6 +3,7 @@
 !> It gives every contact the law of Hertz up to its onset, of Jackson and Green past it, and
 !> remembers through the states of a position how far each was pressed.
 module asperity_plasticity
+  use asperity_constants, only: pi
   use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
@@ -18,8 +19,6 @@ module asperity_plasticity
   private
 
   public :: new_plasticity, plasticity_of, tell_plasticity
-
-  real(real64), parameter :: pi = acos(-1.0_real64)
 
   !> Plastic flow.
   type, extends(contact_effect) :: plasticity_effect
