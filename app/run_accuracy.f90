@@ -9,7 +9,6 @@ module asperity_run_accuracy
   use asperity_kinds, only: real64
   use asperity_model_rungs, only: model_rung, run_model_rungs
   use asperity_output_files, only: commit_files, stage_file
-  use asperity_position_loop, only: use_threads
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
@@ -54,8 +53,6 @@ contains
     end if
     status = 1
     if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
-    ! Times are those of one thread.
-    call use_threads(1)
     call run_accuracy_study(scene_in, deck, seconds_a_row, rows, failure)
     if (.not. allocated(failure)) &
       call run_model_rungs(scene_in, seconds_a_row, rungs, left_out, failure)

@@ -10,7 +10,7 @@ module asperity_run_study
   use asperity_images, only: image_number
   use asperity_output_files, only: commit_files, stage_file
   use asperity_problems, only: problem_list
-  use asperity_progress, only: allow_progress
+  use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -28,6 +28,7 @@ contains
     type(study_spec) :: spec
     type(study_plan) :: plan
     type(area_study) :: study
+    type(run_options) :: options
     type(problem_list) :: problems
     type(text_buffer) :: table, csv
     character(len=:), allocatable :: failure
@@ -43,8 +44,10 @@ contains
       return
     end if
     status = 1
-    if (image_number() == 1) call allow_progress()
-    call run_area_study(spec, plan, line%keep_file, study, failure)
+    options%progress = image_number() == 1
+    options%all_images = .true.
+    options%keep_file = line%keep_file
+    call run_area_study(spec, plan, options, study, failure)
     if (allocated(failure)) failure = line%input // ': ' // failure
     if (image_number() > 1) then
       if (.not. allocated(failure)) status = 0

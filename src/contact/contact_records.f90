@@ -3,10 +3,11 @@
 !> Numbers are doubles in the units of the scene, whatever arithmetic computed them.
 module asperity_contact_records
   use asperity_kinds, only: real64
+  use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
-  public :: contact_row, position_result, scene_results, solve_method, state_row
+  public :: contact_row, effect_record, position_result, solve_method, state_row
   public :: by_events, by_marching, overlap_stable, overlap_original
   public :: add_rows, are_finite, cut_rows, most_rows, room_of_a_state
 
@@ -66,6 +67,17 @@ module asperity_contact_records
     integer :: last_row = 0                      !! ... last_row) of the position
   end type state_row
 
+  !> What one effect did to one state. Words are in whole multiples of 8 letters: a record travels
+  !> as words of 64 bits.
+  type :: effect_record
+    character(len=16) :: simulated = 'off'    !! how: coupled, boundary, on; `off`: left out
+    character(len=40) :: why = ''             !! in a few words, where the effect had a choice
+    real(real64) :: estimate = 0.0_real64     !! estimated share of the total vertical load
+    real(real64) :: influence = 0.0_real64    !! measured share, where simulated; with its sign
+    type(solve_ending) :: ending              !! how its solve ended
+    logical :: influence_known = .false.      !! the effect measured it like with like
+  end type effect_record
+
   !> One position: its states in the order of closing; the last one is the end.
   type :: position_result
     real(real64) :: x_displacement = 0.0_real64        !! of the upper surface
@@ -76,12 +88,11 @@ module asperity_contact_records
     type(state_row), allocatable :: states(:)          !! at least one
     type(contact_row), allocatable :: rows(:)          !! contacts of all states kept
     integer :: rows_used = 0                           !! so many of them are filled
+    !> What each effect of the scene did to the last state; not allocated: the scene has none.
+    type(effect_record), allocatable :: effects(:)
+    real(real64), allocatable :: contact_values(:, :)  !! what they tell (row, column)
+    real(real64), allocatable :: state_values(:)       !! what they tell of the last state (column)
   end type position_result
-
-  !> All positions of a scene.
-  type :: scene_results
-    type(position_result), allocatable :: positions(:)  !! in order
-  end type scene_results
 
 contains
 

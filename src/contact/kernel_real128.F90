@@ -2,9 +2,9 @@
 !> The present-day solver's kernel in IEEE arithmetic of kind real128.
 module asperity_kernel_real128
   use asperity_cell_reach, only: pair_reach, squared_reach
-  use asperity_contact_records, only: add_rows, are_finite, by_events, by_marching, contact_row, &
+  use asperity_contact_records, only: add_rows, by_events, by_marching, contact_row, &
                                       cut_rows, most_rows, overlap_stable, position_result, &
-                                      room_of_a_state, scene_results, solve_method, state_row
+                                      solve_method, state_row
   use asperity_contact_pairs, only: contact_pairs
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64, real128
@@ -16,11 +16,8 @@ module asperity_kernel_real128
   use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
                                          surface_points
   use asperity_pair_search_row, only: build_row, first_from, summit_row
-  use asperity_position_loop, only: another_round, begin_positions, end_positions, &
-                                    first_of_round, is_wanted, last_of_round, position_done, &
-                                    position_watch, threads_for
+  use asperity_position_solver, only: position_solver
   use asperity_problems, only: decimal_text
-  use asperity_process, only: has_memory
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, scene, &

@@ -6,10 +6,10 @@
 module asperity_contact_effect
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_records, only: effect_record
   use asperity_contact_state, only: contact_state
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_off
-  use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
@@ -28,14 +28,8 @@ module asperity_contact_effect
     real(real64) :: otherwise = 0.0_real64    !! ... this
   end type column_name
 
-  !> What one effect did to one state.
-  type :: effect_outcome
-    character(len=16) :: simulated = 'off'        !! how: coupled, boundary, on; `off`: left out
-    character(len=40) :: why = ''                 !! in a few words, where the effect had a choice
-    real(real64) :: estimate = 0.0_real64         !! estimated share of the total vertical load
-    real(real64) :: influence = 0.0_real64        !! measured share, where simulated; with its sign
-    logical :: influence_known = .false.          !! the effect measured it like with like
-    type(solve_ending) :: ending                  !! how its solve ended
+  !> What one effect did to one state, and what it tells of it.
+  type, extends(effect_record) :: effect_outcome
     character(len=:), allocatable :: failure      !! why it could not be simulated
     real(real64), allocatable :: of_contacts(:, :)  !! (pair, column), in the unit of the pairs
     real(real64), allocatable :: of_state(:)        !! (column), in the unit of the pairs

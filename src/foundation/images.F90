@@ -4,17 +4,17 @@
 !> ASPERITY_COARRAYS defined, there are as many as the run was started with. Nothing else in the
 !> project holds a coarray statement.
 module asperity_images
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64
   implicit none
   private
 
-  public :: image_number, image_count, gather_numbers, take_from_first, wait_for_images
+  public :: image_number, image_count, gather_words, take_from_first, wait_for_images
 
 #ifdef ASPERITY_COARRAYS
   ! What an image shows the others.
-  real(real64), allocatable :: shown(:)[:]
+  integer(int64), allocatable :: shown(:)[:]
 #else
-  real(real64), allocatable :: shown_alone(:)
+  integer(int64), allocatable :: shown_alone(:)
 #endif
   character(len=*), parameter :: lost = 'an image of the run is lost'
 
@@ -36,33 +36,33 @@ contains
 #endif
   end function image_count
 
-  !> Brings the numbers of all images to image 1, in their order; on the others `all_numbers` is 0.
-  !> Every image must call it with as many numbers.
-  subroutine gather_numbers(own, all_numbers, failure)
-    real(real64), intent(in) :: own(:)                     !! of this image
-    real(real64), intent(out) :: all_numbers(:, :)         !! a column an image
+  !> Brings the words of all images to image 1, in their order; on the others `all_words` is 0.
+  !> Every image must call it with as many words.
+  subroutine gather_words(own, all_words, failure)
+    integer(int64), intent(in) :: own(:)                     !! of this image
+    integer(int64), intent(out) :: all_words(:, :)         !! a column an image
     character(len=:), allocatable, intent(out) :: failure  !! an image is lost
     integer :: i, status
 
-    all_numbers = 0.0_real64
+    all_words = 0_int64
     call show(own, status)
     if (status == 0 .and. image_number() == 1) then
       do i = 1, image_count()
-        call look(i, all_numbers(:, i))
+        call look(i, all_words(:, i))
       end do
     end if
     call hide(status)
     if (status /= 0) failure = lost
-  end subroutine gather_numbers
+  end subroutine gather_words
 
-  !> Brings the numbers of image 1 to all. Every image must call it with as many numbers.
-  subroutine take_from_first(numbers, failure)
-    real(real64), intent(inout) :: numbers(:)              !! of image 1, in the end
+  !> Brings the words of image 1 to all. Every image must call it with as many words.
+  subroutine take_from_first(words, failure)
+    integer(int64), intent(inout) :: words(:)              !! of image 1, in the end
     character(len=:), allocatable, intent(out) :: failure  !! an image is lost
     integer :: status
 
-    call show(numbers, status)
-    if (status == 0) call look(1, numbers)
+    call show(words, status)
+    if (status == 0) call look(1, words)
     call hide(status)
     if (status /= 0) failure = lost
   end subroutine take_from_first
@@ -81,27 +81,27 @@ contains
 #ifdef ASPERITY_COARRAYS
 
   ! Lets the others look, once all have come here.
-  subroutine show(numbers, status)
-    real(real64), intent(in) :: numbers(:)
+  subroutine show(words, status)
+    integer(int64), intent(in) :: words(:)
     integer, intent(out) :: status
 
     ! Made anew only when it must grow: that is what takes time over MPI.
     status = 0
     if (allocated(shown)) then
-      if (size(shown) < size(numbers)) deallocate (shown, stat=status)
+      if (size(shown) < size(words)) deallocate (shown, stat=status)
     end if
-    if (status == 0 .and. .not. allocated(shown)) allocate (shown(size(numbers))[*], stat=status)
+    if (status == 0 .and. .not. allocated(shown)) allocate (shown(size(words))[*], stat=status)
     if (status /= 0) return
-    shown(:size(numbers)) = numbers
+    shown(:size(words)) = words
     sync all (stat=status)
   end subroutine show
 
   ! What an image shows.
-  subroutine look(image, numbers)
+  subroutine look(image, words)
     integer, intent(in) :: image
-    real(real64), intent(inout) :: numbers(:)
+    integer(int64), intent(inout) :: words(:)
 
-    numbers = shown(:size(numbers))[image]
+    words = shown(:size(words))[image]
   end subroutine look
 
   ! Waits until all have looked.
@@ -113,26 +113,26 @@ contains
 
 #else
 
-  subroutine show(numbers, status)
-    real(real64), intent(in) :: numbers(:)
+  subroutine show(words, status)
+    integer(int64), intent(in) :: words(:)
     integer, intent(out) :: status
 
     if (allocated(shown_alone)) deallocate (shown_alone)
-    allocate (shown_alone(size(numbers)), stat=status)
-    if (status == 0) shown_alone = numbers
+    allocate (shown_alone(size(words)), stat=status)
+    if (status == 0) shown_alone = words
   end subroutine show
 
-  subroutine look(image, numbers)
+  subroutine look(image, words)
     integer, intent(in) :: image
-    real(real64), intent(inout) :: numbers(:)
+    integer(int64), intent(inout) :: words(:)
 
-    if (image == 1) numbers = shown_alone
+    if (image == 1) words = shown_alone
   end subroutine look
 
   subroutine hide(status)
     integer, intent(inout) :: status
 
-    if (status == 0) shown_alone = [real(real64) ::]
+    if (status == 0) shown_alone = [integer(int64) ::]
   end subroutine hide
 
 #endif

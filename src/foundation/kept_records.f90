@@ -1,14 +1,14 @@
 !> The file in which long work keeps what is done, so that a rerun goes on from there.
 !>
 !> A line says what work it is, by a checksum of all its input. Then, for every piece of it in
-!> order (a surface, a position), a line with its number, how many numbers follow and their
-!> checksum, and a line with the numbers, bit by bit as 16 hexadecimal digits. Each is appended in
+!> order (a surface, a position), a line with its number, how many words of 64 bits follow and their
+!> checksum, and a line with these, 16 hexadecimal digits each. Each is appended in
 !> one go; what an end in the middle left of the last one does not meet its checksum and is cut off
 !> by the next run.
 module asperity_kept_records
   use, intrinsic :: iso_c_binding, only: c_int, c_null_char
   use asperity_files, only: read_whole_file, write_bytes
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: int64
   use asperity_output_files, only: commit_files, stage_file
   use asperity_system_calls, only: posix_close, posix_fsync, posix_open, system_error, &
                                    system_reason
@@ -16,7 +16,7 @@ module asperity_kept_records
   implicit none
   private
 
-  public :: checksum, keep_records, kept_work, number_record, resume_records
+  public :: checksum, keep_records, kept_work, word_record, resume_records
 
   !> What is kept, and where.
   type :: kept_work
@@ -26,10 +26,10 @@ module asperity_kept_records
     character(len=:), allocatable :: of_what   !! whose, for a message: `this specification`
   end type kept_work
 
-  !> The numbers of a piece of work.
-  type :: number_record
-    real(real64), allocatable :: numbers(:)
-  end type number_record
+  !> The result of a piece of work, in words of 64 bits; not allocated: none.
+  type :: word_record
+    integer(int64), allocatable :: words(:)
+  end type word_record
 
   ! O_RDONLY, and O_WRONLY with O_APPEND, of Linux.
   integer(c_int), parameter :: read_only = 0_c_int, append = 1025_c_int, no_such_file = 2_c_int
@@ -42,7 +42,7 @@ contains
   subroutine resume_records(work, most, records, failure)
     type(kept_work), intent(in) :: work                       !! the file need not be there
     integer, intent(in) :: most                               !! so many pieces there are in all
-    type(number_record), allocatable, intent(out) :: records(:)  !! those kept, from the first on
+    type(word_record), allocatable, intent(out) :: records(:)  !! those kept, from the first on
     character(len=:), allocatable, intent(out) :: failure     !! why not
     character(len=:), allocatable :: text, heading
     integer(c_int) :: descriptor, status
@@ -81,7 +81,7 @@ contains
   subroutine keep_records(work, first, records, failure)
     type(kept_work), intent(in) :: work                    !! the file, from resume_records
     integer, intent(in) :: first                           !! number of the first record
-    type(number_record), intent(in) :: records(:)          !! in order
+    type(word_record), intent(in) :: records(:)          !! in order
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(text_buffer) :: text
     character(len=:), allocatable :: body
@@ -89,7 +89,7 @@ contains
     integer :: i
 
     do i = 1, size(records)
-      body = hexadecimal(records(i)%numbers)
+      body = hexadecimal(records(i)%words)
       call text%append(heading_of(work%piece, first + i - 1, body))
       call text%append(body // new_line('a'))
     end do
@@ -110,8 +110,8 @@ contains
     character(len=*), intent(in) :: text, piece
     integer, intent(in) :: most
     integer, intent(inout) :: used
-    type(number_record), allocatable, intent(inout) :: records(:)
-    type(number_record), allocatable :: found(:), larger(:)
+    type(word_record), allocatable, intent(inout) :: records(:)
+    type(word_record), allocatable :: found(:), larger(:)
     integer :: length, first, line_end, done
 
     allocate (found(64))
@@ -120,7 +120,7 @@ contains
       line_end = index(text(used + 1:), new_line('a'))
       if (line_end == 0) exit
       first = used + line_end + 1
-      length = digits * numbers_told(text(used + 1:used + line_end - 1))
+      length = digits * words_told(text(used + 1:used + line_end - 1))
       if (length < 0 .or. length > len(text) - first) exit
       if (text(first + length:first + length) /= new_line('a')) exit
       if (text(used + 1:used + line_end) /= &
@@ -131,8 +131,8 @@ contains
         call move_alloc(larger, found)
       end if
       done = done + 1
-      allocate (found(done)%numbers(length / digits))
-      call from_hexadecimal(text(first:first + length - 1), found(done)%numbers)
+      allocate (found(done)%words(length / digits))
+      call from_hexadecimal(text(first:first + length - 1), found(done)%words)
       used = first + length
     end do
     deallocate (records)
@@ -140,50 +140,48 @@ contains
     records = found(:done)
   end subroutine take_records
 
-  !> How many numbers the line before a record promises; -1 when it is no such line.
-  pure integer function numbers_told(line) result(number)
+  !> How many words the line before a record promises; -1 when it is no such line.
+  pure integer function words_told(line) result(number)
     character(len=*), intent(in) :: line
     integer :: first, last, status
 
     number = -1
-    first = index(line, ', numbers ') + len(', numbers ')
+    first = index(line, ', words ') + len(', words ')
     last = index(line, ', checksum ') - 1
-    if (first <= len(', numbers ') .or. last < first .or. last > first + 7) return
+    if (first <= len(', words ') .or. last < first .or. last > first + 7) return
     read (line(first:last), '(i8)', iostat=status) number
     if (status /= 0) number = -1
-  end function numbers_told
+  end function words_told
 
-  !> The line before the numbers of a record.
+  !> The line before the words of a record.
   pure function heading_of(piece, record, body) result(line)
     character(len=*), intent(in) :: piece, body
     integer, intent(in) :: record
     character(len=:), allocatable :: line
     character(len=60) :: text
 
-    write (text, '(" ", i0, ", numbers ", i0, ", checksum ", a8)') record, len(body) / digits, &
+    write (text, '(" ", i0, ", words ", i0, ", checksum ", a8)') record, len(body) / digits, &
       checksum(body)
     line = piece // trim(text) // new_line('a')
   end function heading_of
 
-  pure function hexadecimal(numbers) result(text)
-    real(real64), intent(in) :: numbers(:)
-    character(len=digits * size(numbers)) :: text
+  pure function hexadecimal(words) result(text)
+    integer(int64), intent(in) :: words(:)
+    character(len=digits * size(words)) :: text
     integer :: i
 
-    do i = 1, size(numbers)
-      write (text(digits * (i - 1) + 1:digits * i), '(z16.16)') transfer(numbers(i), 0_int64)
+    do i = 1, size(words)
+      write (text(digits * (i - 1) + 1:digits * i), '(z16.16)') words(i)
     end do
   end function hexadecimal
 
-  pure subroutine from_hexadecimal(text, numbers)
+  pure subroutine from_hexadecimal(text, words)
     character(len=*), intent(in) :: text
-    real(real64), intent(out) :: numbers(:)
-    integer(int64) :: word
+    integer(int64), intent(out) :: words(:)
     integer :: i
 
-    do i = 1, size(numbers)
-      read (text(digits * (i - 1) + 1:digits * i), '(z16)') word
-      numbers(i) = transfer(word, 0.0_real64)
+    do i = 1, size(words)
+      read (text(digits * (i - 1) + 1:digits * i), '(z16)') words(i)
     end do
   end subroutine from_hexadecimal
 

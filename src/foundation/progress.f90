@@ -1,8 +1,7 @@
 !> How far long work has come, as one line on standard error.
 !>
-!> Nothing is shown unless the program has asked for it (`allow_progress`), standard error is a
-!> terminal and the work takes over two seconds. Whoever computes only counts what is done; work
-!> within work counts nothing. Threads take turns in calling this (`asperity_position_loop`).
+!> Nothing is shown unless the caller wants it, standard error is a terminal and the work takes over
+!> two seconds. A line belongs to whoever does the work; its threads take turns in calling it.
 module asperity_progress
   use, intrinsic :: iso_c_binding, only: c_int
   use asperity_files, only: standard_error, write_standard_error
@@ -12,80 +11,78 @@ module asperity_progress
   implicit none
   private
 
-  public :: allow_progress, begin_progress, end_progress, progress_text, show_progress
-  public :: step_progress
+  public :: progress_line, progress_text
 
   ! Seconds before the first line, and from line to line.
   real(real64), parameter :: patience = 2.0_real64, pause = 0.25_real64
 
-  ! What is under way.
-  logical :: allowed = .false.
-  integer :: depth = 0  ! of work within work
-  character(len=:), allocatable :: pieces
-  integer :: total = 0, done = 0, done_before = 0
-  integer :: width = 0  ! of the line that is shown; 0: none
-  integer(int64) :: began = 0_int64
-  real(real64) :: shown = 0.0_real64
+  !> The line of some work under way.
+  type :: progress_line
+    private
+    logical :: wanted = .false.
+    character(len=:), allocatable :: pieces
+    integer :: total = 0, done = 0, done_before = 0
+    integer :: width = 0  ! of the line that is shown; 0: none
+    integer(int64) :: began = 0_int64
+    real(real64) :: shown = 0.0_real64
+  contains
+    procedure :: begin => progress_begin    !! work begins
+    procedure :: step => progress_step      !! one more piece is done
+    procedure :: reach => progress_reach    !! so many pieces are done
+    procedure :: finish => progress_finish  !! the line goes
+  end type progress_line
 
 contains
 
-  !> From now on long work is shown, if standard error is a terminal.
-  subroutine allow_progress()
-    allowed = posix_isatty(int(standard_error, c_int)) == 1_c_int
-  end subroutine allow_progress
-
   !> Work begins.
-  subroutine begin_progress(what, number, before)
-    character(len=*), intent(in) :: what  !! its pieces, for instance `positions`
-    integer, intent(in) :: number         !! of them
-    integer, intent(in) :: before         !! so many were done before
+  subroutine progress_begin(self, wanted, what, number, before)
+    class(progress_line), intent(out) :: self  !! nothing is shown yet
+    logical, intent(in) :: wanted              !! show it, if standard error is a terminal
+    character(len=*), intent(in) :: what       !! its pieces, for instance `positions`
+    integer, intent(in) :: number              !! of them
+    integer, intent(in) :: before              !! so many were done before
 
-    depth = depth + 1
-    if (depth > 1) return
-    pieces = what
-    total = number
-    done = before
-    done_before = before
-    width = 0
-    shown = patience - pause
-    if (allowed) call system_clock(began)
-  end subroutine begin_progress
+    if (wanted) self%wanted = posix_isatty(int(standard_error, c_int)) == 1_c_int
+    self%pieces = what
+    self%total = number
+    self%done = before
+    self%done_before = before
+    self%shown = patience - pause
+    if (self%wanted) call system_clock(self%began)
+  end subroutine progress_begin
 
   !> One more piece is done.
-  subroutine step_progress()
-    if (depth == 1) call tell(done + 1)
-  end subroutine step_progress
+  subroutine progress_step(self)
+    class(progress_line), intent(inout) :: self  !! begun
 
-  !> So many pieces are done by now.
-  subroutine show_progress(by_now)
-    integer, intent(in) :: by_now  !! those done before included
+    call self%reach(self%done + 1)
+  end subroutine progress_step
 
-    if (depth == 1) call tell(by_now)
-  end subroutine show_progress
-
-  !> Work is at its end: the line goes.
-  subroutine end_progress()
-    depth = depth - 1
-    if (depth > 0) return
-    if (width > 0) call write_standard_error(repeat(' ', width) // achar(13))
-    width = 0
-  end subroutine end_progress
-
-  ! Counts, and shows the line when it is time to.
-  subroutine tell(by_now)
-    integer, intent(in) :: by_now
+  !> So many pieces are done by now. Shows the line when it is time to.
+  subroutine progress_reach(self, by_now)
+    class(progress_line), intent(inout) :: self  !! begun
+    integer, intent(in) :: by_now                !! those done before included
     character(len=:), allocatable :: line
     real(real64) :: seconds
 
-    done = by_now
-    if (.not. allowed) return
-    seconds = seconds_since(began)
-    if (seconds < shown + pause .or. done >= total .or. done <= done_before) return
-    shown = seconds
-    line = progress_text(pieces, done, total, done_before, seconds)
-    call write_standard_error(line // repeat(' ', max(0, width - len(line))) // achar(13))
-    width = len(line)
-  end subroutine tell
+    self%done = by_now
+    if (.not. self%wanted) return
+    seconds = seconds_since(self%began)
+    if (seconds < self%shown + pause .or. self%done >= self%total .or. &
+        self%done <= self%done_before) return
+    self%shown = seconds
+    line = progress_text(self%pieces, self%done, self%total, self%done_before, seconds)
+    call write_standard_error(line // repeat(' ', max(0, self%width - len(line))) // achar(13))
+    self%width = len(line)
+  end subroutine progress_reach
+
+  !> Work is at its end: the line goes.
+  subroutine progress_finish(self)
+    class(progress_line), intent(inout) :: self  !! begun
+
+    if (self%width > 0) call write_standard_error(repeat(' ', self%width) // achar(13))
+    self%width = 0
+  end subroutine progress_finish
 
   !> The line: how much is done, how fast, how long it will go on.
   pure function progress_text(what, finished, number, before, seconds) result(text)

@@ -1,9 +1,9 @@
 !> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
 module asperity_effects_summary
-  use asperity_effect_report, only: effect_report
   use asperity_kinds, only: real64
   use asperity_position_lists, only: positions_text
   use asperity_problems, only: decimal_text
+  use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: effect_auto, effect_words
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -16,16 +16,17 @@ module asperity_effects_summary
 contains
 
   !> `interaction auto, friction on`.
-  pure function effects_in_words(report) result(text)
-    type(effect_report), intent(in) :: report  !! what the effects did; no positions: none
+  pure function effects_in_words(results) result(text)
+    type(scene_results), intent(in) :: results  !! solved
     character(len=:), allocatable :: text
     integer :: e
 
     text = ''
-    if (allocated(report%positions)) then
-      do e = 1, size(report%names)
+    if (allocated(results%effects)) then
+      do e = 1, size(results%effects%names)
         if (e > 1) text = text // ', '
-        text = text // trim(report%names(e)) // ' ' // trim(effect_words(report%modes(e)))
+        text = text // trim(results%effects%names(e)) // ' ' // &
+               trim(effect_words(results%effects%modes(e)))
       end do
     end if
     if (text == '') text = 'none'
@@ -33,21 +34,22 @@ contains
 
   !> One paragraph an effect: at how many positions it was estimated and simulated, its measured
   !> influence, the largest estimate left out, how the solves ended.
-  subroutine write_effects(report, buffer)
-    type(effect_report), intent(in) :: report   !! what the effects did
+  subroutine write_effects(results, buffer)
+    type(scene_results), intent(in) :: results  !! solved
     type(text_buffer), intent(inout) :: buffer  !! the text
     integer :: e
 
-    if (.not. allocated(report%positions)) return
+    if (.not. allocated(results%effects)) return
     call buffer%line('')
     call buffer%line('Effects, as shares of the vertical load without them')
-    do e = 1, size(report%names)
-      call write_effect(report, e, buffer)
+    do e = 1, size(results%effects%names)
+      call write_effect(results, results%effects, e, buffer)
     end do
   end subroutine write_effects
 
-  subroutine write_effect(report, e, buffer)
-    type(effect_report), intent(in) :: report
+  subroutine write_effect(results, header, e, buffer)
+    type(scene_results), intent(in) :: results
+    type(effect_header), intent(in) :: header
     integer, intent(in) :: e
     type(text_buffer), intent(inout) :: buffer
     logical, allocatable :: simulated(:), so(:)
@@ -56,13 +58,13 @@ contains
     integer :: first, m, number, simulated_at
     character(len=10) :: digits
 
-    number = size(report%positions)
+    number = size(results%positions)
     allocate (simulated(number), so(number), influence(number), left_out(number), residual(number))
     influence = 0.0_real64
     left_out = -1.0_real64
     residual = 0.0_real64
     do m = 1, number
-      associate (outcome => report%positions(m)%outcomes(e))
+      associate (outcome => results%positions(m)%effects(e))
         simulated(m) = outcome%simulated /= 'off'
         if (simulated(m)) then
           influence(m) = outcome%influence
@@ -73,17 +75,17 @@ contains
       end associate
     end do
     simulated_at = count(simulated)
-    head = trim(report%names(e))
-    word = trim(effect_words(report%modes(e)))
-    if (report%modes(e) == effect_auto) then
-      call paragraph(head, word // ', tolerance ' // percent(report%tolerance) // &
+    head = trim(header%names(e))
+    word = trim(effect_words(header%modes(e)))
+    if (header%modes(e) == effect_auto) then
+      call paragraph(head, word // ', tolerance ' // percent(header%tolerance) // &
                      ': estimated at ' // counted(number) // ', simulated at ' // &
                      decimal_text(simulated_at), buffer)
     else
       call paragraph(head, word // ': simulated at ' // counted(simulated_at), buffer)
     end if
-    if (report%names(e) == 'plasticity' .and. .not. report%plasticity_index < 0.0_real64) then
-      write (digits, '(g10.3)') report%plasticity_index
+    if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
+      write (digits, '(g10.3)') header%plasticity_index
       call paragraph('', 'plasticity index of the surfaces ' // trim(adjustl(digits)), buffer)
     end if
 
@@ -91,8 +93,8 @@ contains
     so = .not. simulated
     do while (.not. all(so))
       first = findloc(so, .false., 1)
-      word = trim(report%positions(first)%outcomes(e)%simulated)
-      why = trim(report%positions(first)%outcomes(e)%why)
+      word = trim(results%positions(first)%effects(e)%simulated)
+      why = trim(results%positions(first)%effects(e)%why)
       call one_way(word, why)
     end do
     if (simulated_at > 0) then
@@ -104,7 +106,7 @@ contains
       call paragraph('', 'converged everywhere, largest residual ' // trim(adjustl(digits)) // &
                      at_position(first), buffer)
     end if
-    if (simulated_at < number .and. report%modes(e) == effect_auto) then
+    if (simulated_at < number .and. header%modes(e) == effect_auto) then
       first = maxloc(left_out, 1)
       call paragraph('', 'largest estimate left out ' // percent(left_out(first)) // &
                      at_position(first), buffer)
@@ -119,10 +121,10 @@ contains
 
       do i = 1, size(so)
         this_way(i) = .not. so(i)
-        if (this_way(i)) this_way(i) = report%positions(i)%outcomes(e)%simulated == word
+        if (this_way(i)) this_way(i) = results%positions(i)%effects(e)%simulated == word
       end do
       so = so .or. this_way
-      if (report%modes(e) /= effect_auto) return
+      if (header%modes(e) /= effect_auto) return
       if (why == '') then
         call paragraph('', word // ' at ' // positions_text(this_way), buffer)
       else

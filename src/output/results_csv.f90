@@ -1,9 +1,9 @@
 !> The present-day solver's contacts, positions and curves as CSV.
 module asperity_results_csv
-  use asperity_contact_records, only: contact_row, scene_results, state_row
-  use asperity_effect_report, only: effect_report, effects_at_position
+  use asperity_contact_records, only: contact_row, position_result, state_row
   use asperity_csv, only: csv_line
   use asperity_kinds, only: real64
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -13,9 +13,8 @@ module asperity_results_csv
 contains
 
   !> One line a contact, over every state of every position.
-  subroutine write_contacts(results, report, buffer)
+  subroutine write_contacts(results, buffer)
     type(scene_results), intent(in) :: results  !! solved positions, with their rows
-    type(effect_report), intent(in) :: report   !! what effects did; no positions: no effects
     type(text_buffer), intent(inout) :: buffer  !! the text
     type(csv_line) :: line
     type(contact_row) :: row
@@ -24,7 +23,7 @@ contains
     call buffer%line('position,x_displacement,y_displacement,step,approach,area_no,x,y,' // &
                      'upper,lower,area,projected_area,slope,load,average_pressure,' // &
                      'maximum_pressure,limit_exceeded,vertical_load,penetration,overlap' // &
-                     effect_header(report, 'contacts'))
+                     added_header(results, 'contacts'))
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
         do step = 1, size(position%states)
@@ -50,8 +49,7 @@ contains
             call line%put(row%vertical_load)
             call line%put(row%penetration)
             call line%put(row%overlap)
-            if (allocated(report%positions)) &
-              call put_numbers(report%positions(m)%contact_values(i, :), line)
+            if (allocated(results%effects)) call put_numbers(position%contact_values(i, :), line)
             call line%finish(buffer)
           end do
         end do
@@ -60,9 +58,8 @@ contains
   end subroutine write_contacts
 
   !> One line a position: its last state.
-  subroutine write_positions(results, report, buffer)
+  subroutine write_positions(results, buffer)
     type(scene_results), intent(in) :: results  !! solved positions
-    type(effect_report), intent(in) :: report   !! what effects did; no positions: no effects
     type(text_buffer), intent(inout) :: buffer  !! the text
     type(csv_line) :: line
     type(state_row) :: last
@@ -70,10 +67,10 @@ contains
 
     call buffer%line('position,x_displacement,y_displacement,steps,approach,contacts,load,' // &
                      'area,projected_area,limit_reached,vertical_load,overlapping_circles' // &
-                     effect_header(report, 'positions'))
+                     added_header(results, 'positions'))
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
-        last = position%states(size(position%states))
+        last = last_state(position)
         call line%put(m)
         call line%put(position%x_displacement)
         call line%put(position%y_displacement)
@@ -86,7 +83,7 @@ contains
         call line%put(position%limit_reached)
         call line%put(last%vertical_load)
         call line%put(position%overlapping_circles)
-        if (allocated(report%positions)) call put_effects(report%positions(m), line)
+        if (allocated(results%effects)) call put_effects(position, line)
         call line%finish(buffer)
       end associate
     end do
@@ -95,44 +92,46 @@ contains
   ! What the effects add to a header. A position tells of every effect how it was simulated (off:
   ! left out), the share of the vertical load that was estimated and that measured, and how its
   ! solve ended.
-  function effect_header(report, of_what) result(header)
-    type(effect_report), intent(in) :: report
+  function added_header(results, of_what) result(header)
+    type(scene_results), intent(in) :: results
     character(len=*), intent(in) :: of_what
     character(len=:), allocatable :: header, name
     integer :: i
 
     header = ''
-    if (.not. allocated(report%positions)) return
-    if (of_what == 'contacts') then
-      do i = 1, size(report%contact_columns)
-        header = header // ',' // trim(report%contact_columns(i))
+    if (.not. allocated(results%effects)) return
+    associate (effects => results%effects)
+      if (of_what == 'contacts') then
+        do i = 1, size(effects%contact_columns)
+          header = header // ',' // trim(effects%contact_columns(i))
+        end do
+        return
+      end if
+      do i = 1, size(effects%names)
+        name = trim(effects%names(i))
+        header = header // ',' // name // ',' // name // '_estimate,' // name // '_influence,' // &
+                 name // '_residual,' // name // '_iterations'
       end do
-      return
-    end if
-    do i = 1, size(report%names)
-      name = trim(report%names(i))
-      header = header // ',' // name // ',' // name // '_estimate,' // name // '_influence,' // &
-               name // '_residual,' // name // '_iterations'
-    end do
-    do i = 1, size(report%state_columns)
-      header = header // ',' // trim(report%state_columns(i))
-    end do
-  end function effect_header
+      do i = 1, size(effects%state_columns)
+        header = header // ',' // trim(effects%state_columns(i))
+      end do
+    end associate
+  end function added_header
 
   ! What the effects did at a position.
-  subroutine put_effects(at, line)
-    type(effects_at_position), intent(in) :: at
+  subroutine put_effects(position, line)
+    type(position_result), intent(in) :: position
     type(csv_line), intent(inout) :: line
     integer :: i
 
-    do i = 1, size(at%outcomes)
-      call line%put(at%outcomes(i)%simulated)
-      call line%put(at%outcomes(i)%estimate)
-      call line%put(at%outcomes(i)%influence)
-      call line%put(at%outcomes(i)%ending%residual)
-      call line%put(at%outcomes(i)%ending%iterations)
+    do i = 1, size(position%effects)
+      call line%put(position%effects(i)%simulated)
+      call line%put(position%effects(i)%estimate)
+      call line%put(position%effects(i)%influence)
+      call line%put(position%effects(i)%ending%residual)
+      call line%put(position%effects(i)%ending%iterations)
     end do
-    call put_numbers(at%state_values, line)
+    call put_numbers(position%state_values, line)
   end subroutine put_effects
 
   subroutine put_numbers(numbers, line)

@@ -1,8 +1,7 @@
 !> What `asperity solve` prints: a short readable summary.
 module asperity_summary
-  use asperity_contact_records, only: scene_results, state_row
+  use asperity_contact_records, only: state_row
   use asperity_corrected_table, only: corrected_table, stage_names
-  use asperity_effect_report, only: effect_report
   use asperity_effects_summary, only: effects_in_words, write_effects
   use asperity_kinds, only: real64
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
@@ -10,6 +9,7 @@ module asperity_summary
                                        total_load_row
   use asperity_position_lists, only: positions_listed
   use asperity_problems, only: decimal_text
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -20,11 +20,9 @@ module asperity_summary
 contains
 
   !> The scene, how it was solved, and the totals over its positions.
-  subroutine write_summary(scene_in, how, results, report, buffer)
+  subroutine write_summary(scene_in, results, buffer)
     type(scene), intent(in) :: scene_in         !! what was solved
-    character(len=*), intent(in) :: how         !! arithmetic and method, in words
     type(scene_results), intent(in) :: results  !! its results
-    type(effect_report), intent(in) :: report   !! what the effects did
     type(text_buffer), intent(inout) :: buffer  !! the text
     real(real64), allocatable :: values(:, :)
     type(state_row) :: last
@@ -35,7 +33,7 @@ contains
     without = 0
     at_limit = 0
     do m = 1, number
-      last = results%positions(m)%states(size(results%positions(m)%states))
+      last = last_state(results%positions(m))
       values(m, :) = [last%load, last%vertical_load, last%area, last%projected_area, &
                       last%approach, real(last%contacts, real64)]
       if (last%contacts == 0) without = without + 1
@@ -44,7 +42,8 @@ contains
     call buffer%line(scene_in%file // ': ' // decimal_text(size(scene_in%upper%x)) // &
                      ' upper and ' // decimal_text(size(scene_in%lower%x)) // &
                      ' lower asperities, ' // counted(number, 'position'))
-    call buffer%line('solved in ' // how // ', effects: ' // effects_in_words(report))
+    call buffer%line('solved in ' // trim(results%arithmetic) // ', exact events, effects: ' // &
+                     effects_in_words(results))
     call buffer%line('control: ' // trim(control_words(scene_in%loading%control)) // &
                      limit_text(scene_in))
     call buffer%line('')
@@ -65,7 +64,7 @@ contains
     if (without > 0) call buffer%line('no contact at ' // counted(without, 'position'))
     if (any(results%positions%overlapping_circles > 0)) &
       call buffer%line(overlap_text(results%positions%overlapping_circles))
-    call write_effects(report, buffer)
+    call write_effects(results, buffer)
 
   contains
 
@@ -176,17 +175,16 @@ contains
   end subroutine write_corrected_table
 
   !> Which way of computing was chosen for the accuracy asked for.
-  subroutine write_choice(accuracy, how, bound, buffer)
+  subroutine write_choice(accuracy, results, buffer)
     real(real64), intent(in) :: accuracy        !! asked for, relative
-    character(len=*), intent(in) :: how         !! the way taken, in words
-    real(real64), intent(in) :: bound           !! its error bound, relative
+    type(scene_results), intent(in) :: results  !! the way taken and its error bound
     type(text_buffer), intent(inout) :: buffer  !! the text
     character(len=9) :: asked, promised
 
     write (asked, '(es9.1e3)') accuracy
-    write (promised, '(es9.1e3)') bound
-    call buffer%line('accuracy' // asked // ' asked for: ' // how // &
-                     ' is the cheapest way that has it, error bound' // promised)
+    write (promised, '(es9.1e3)') results%error_bound
+    call buffer%line('accuracy' // asked // ' asked for: ' // trim(results%arithmetic) // &
+                     ', exact events is the cheapest way that has it, error bound' // promised)
   end subroutine write_choice
 
   !> A number with so many decimals, right-justified.

@@ -6,7 +6,6 @@ module asperity_effect_position
   use asperity_contact_records, only: most_rows, position_result
   use asperity_contact_state, only: contact_state, start_state, total_load
   use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, to_closing, to_load
-  use asperity_effect_report, only: effects_at_position
   use asperity_effect_rows, only: add_state
   use asperity_effect_sequence, only: all_left_out, first_failure, simulate
   use asperity_hertz_law, only: hertz_law
@@ -22,14 +21,12 @@ contains
   !> Computes all states of a position that has pairs. `simulated` is false when `auto` left all
   !> effects out and the position has nothing that the solver without effects does not know;
   !> `too_far` is true when pairs that were not listed may touch.
-  subroutine run_position(scene_in, pairs, effects, keep_rows, result, at, simulated, too_far, &
-                          failure)
+  subroutine run_position(scene_in, pairs, effects, keep_rows, result, simulated, too_far, failure)
     type(scene), intent(in) :: scene_in                    !! checked values
     type(contact_pairs), intent(in) :: pairs               !! at least one
     type(effect_box), intent(inout) :: effects(:)          !! of the scene; they remember
     logical, intent(in) :: keep_rows                       !! keep the contacts of every state
-    type(position_result), intent(out) :: result           !! the states
-    type(effects_at_position), intent(out) :: at           !! what the effects did
+    type(position_result), intent(out) :: result           !! the states, what the effects did
     logical, intent(out) :: simulated                      !! an effect was
     logical, intent(out) :: too_far                        !! to be done again with all pairs
     character(len=:), allocatable, intent(out) :: failure  !! why not
@@ -54,25 +51,25 @@ contains
     if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, hold)
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
-    call walk(scene_in, pairs, effects, steps, keep_rows, result, at, state, outcomes, simulated, &
+    call walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, simulated, &
               too_far, failure)
     if (allocated(failure) .or. too_far) return
-    if (.not. are_numbers(at)) failure = 'what an effect tells is beyond the range of a double'
+    if (.not. are_numbers(result)) failure = 'what an effect tells is beyond the range of a double'
   end subroutine run_position
 
   ! Whether all that the effects tell are numbers.
-  pure logical function are_numbers(at)
-    type(effects_at_position), intent(in) :: at
+  pure logical function are_numbers(result)
+    type(position_result), intent(in) :: result
 
     are_numbers = .true.
-    if (allocated(at%state_values)) are_numbers = all(abs(at%state_values) <= huge(1.0_real64))
-    if (allocated(at%contact_values)) are_numbers = are_numbers .and. &
-                                                    all(abs(at%contact_values) <= huge(1.0_real64))
+    if (allocated(result%state_values)) are_numbers = all(abs(result%state_values) <= huge(1.0_real64))
+    if (allocated(result%contact_values)) &
+      are_numbers = are_numbers .and. all(abs(result%contact_values) <= huge(1.0_real64))
   end function are_numbers
 
   ! Goes from state to state. A state that is known already, from the search for a load, is not
   ! simulated again.
-  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, at, state, outcomes, &
+  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, &
                   simulated, too_far, failure)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
@@ -80,7 +77,6 @@ contains
     type(path_step), intent(in) :: steps(:)
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
-    type(effects_at_position), intent(inout) :: at
     type(contact_state), intent(inout) :: state
     type(effect_outcome), allocatable, intent(inout) :: outcomes(:)
     logical, intent(inout) :: simulated
@@ -113,7 +109,7 @@ contains
       if (allocated(failure)) return
       simulated = simulated .or. .not. all_left_out(outcomes)
       call keep(pairs, state, effects)
-      call add_state(scene_in, pairs, effects, state, outcomes, i, keep_rows, result, at)
+      call add_state(scene_in, pairs, effects, state, outcomes, i, keep_rows, result)
       ! What follows may remember this state and answer otherwise.
       if (allocated(outcomes)) deallocate (outcomes)
       if (steps(i)%kind /= as_before) held = total_load(state)

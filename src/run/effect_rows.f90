@@ -6,9 +6,9 @@ module asperity_effect_rows
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
   use asperity_contact_state, only: contact_state, total_vertical_load
   use asperity_contact_law, only: contact_response
-  use asperity_effect_report, only: effect_report, effects_at_position
   use asperity_kinds, only: real64
   use asperity_overlapping_circles, only: count_overlapping
+  use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, scene
   implicit none
   private
@@ -18,46 +18,33 @@ module asperity_effect_rows
 contains
 
   !> The header of what the effects tell.
-  subroutine name_columns(effects, report)
+  subroutine name_columns(effects, header)
     type(effect_box), intent(in) :: effects(:)     !! of the scene
-    type(effect_report), intent(inout) :: report   !! gets names and columns
-    integer :: i, k, of_contact, of_state
+    type(effect_header), intent(inout) :: header   !! gets names and columns
+    integer :: i
 
-    allocate (report%names(size(effects)), report%modes(size(effects)))
-    of_contact = 0
-    of_state = 0
+    allocate (header%names(size(effects)), header%modes(size(effects)), &
+              header%contact_columns(0), header%state_columns(0))
     do i = 1, size(effects)
-      of_contact = of_contact + size(effects(i)%effect%contact_columns)
-      of_state = of_state + size(effects(i)%effect%state_columns)
-    end do
-    allocate (report%contact_columns(of_contact), report%state_columns(of_state))
-    of_contact = 0
-    of_state = 0
-    do i = 1, size(effects)
-      report%names(i) = effects(i)%effect%name
-      report%modes(i) = effects(i)%effect%mode
-      do k = 1, size(effects(i)%effect%contact_columns)
-        of_contact = of_contact + 1
-        report%contact_columns(of_contact) = effects(i)%effect%contact_columns(k)%text
-      end do
-      do k = 1, size(effects(i)%effect%state_columns)
-        of_state = of_state + 1
-        report%state_columns(of_state) = effects(i)%effect%state_columns(k)%text
-      end do
+      associate (effect => effects(i)%effect)
+        header%names(i) = effect%name
+        header%modes(i) = effect%mode
+        header%contact_columns = [header%contact_columns, effect%contact_columns%text]
+        header%state_columns = [header%state_columns, effect%state_columns%text]
+      end associate
     end do
   end subroutine name_columns
 
   !> Adds a state to its position: totals, and the rows of its contacts when they are kept.
-  subroutine add_state(scene_in, pairs, effects, state, outcomes, number, keep_rows, result, at)
+  subroutine add_state(scene_in, pairs, effects, state, outcomes, number, keep_rows, result)
     type(scene), intent(in) :: scene_in                !! what is solved
     type(contact_pairs), intent(in) :: pairs           !! the position
     type(effect_box), intent(in) :: effects(:)         !! of the scene
     type(contact_state), intent(in) :: state           !! its contacts, effects applied
-    type(effect_outcome), allocatable, intent(inout) :: outcomes(:)  !! of each effect; kept
+    type(effect_outcome), intent(in) :: outcomes(:)    !! of each effect
     integer, intent(in) :: number                      !! place among the states
     logical, intent(in) :: keep_rows                   !! keep the contacts
     type(position_result), intent(inout) :: result     !! gets the state
-    type(effects_at_position), intent(inout) :: at     !! gets what the effects did
     type(contact_row), allocatable :: rows(:)
     type(contact_response) :: answer
     type(state_row) :: totals
@@ -88,17 +75,17 @@ contains
     totals%projected_area = in_scene_units(pairs, totals%projected_area, 0, 2)
     if (keep_rows) then
       call add_rows(result, rows(:totals%contacts), totals)
-      call add_contact_values(pairs, effects, state, outcomes, result%rows_used, at)
+      call add_contact_values(pairs, effects, state, outcomes, result)
     end if
     result%states(number) = totals
     if (number < size(result%states)) return
     result%overlapping_circles = count_overlapping(pairs%list%x, pairs%list%y, &
                                                    state%answers%contact_radius)
-    call set_state_values(pairs, effects, state, outcomes, at)
+    call set_state_values(pairs, effects, state, outcomes, result)
+    allocate (result%effects(size(outcomes)))
     do i = 1, size(outcomes)
-      if (allocated(outcomes(i)%of_contacts)) deallocate (outcomes(i)%of_contacts)
+      result%effects(i) = outcomes(i)%effect_record
     end do
-    call move_alloc(outcomes, at%outcomes)
   end subroutine add_state
 
   ! Whether a pair counts: it has a contact circle or a load, or is just at first touch.
@@ -164,13 +151,12 @@ contains
   end function is_at_limit
 
   ! What the effects tell of the contacts of a state, below those of the states before.
-  subroutine add_contact_values(pairs, effects, state, outcomes, rows, at)
+  subroutine add_contact_values(pairs, effects, state, outcomes, result)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     type(contact_state), intent(in) :: state
     type(effect_outcome), intent(in) :: outcomes(:)
-    integer, intent(in) :: rows
-    type(effects_at_position), intent(inout) :: at
+    type(position_result), intent(inout) :: result
     real(real64), allocatable :: values(:, :)
     real(real64) :: value
     integer :: before, column, columns, e, i, k, row
@@ -180,10 +166,10 @@ contains
       columns = columns + size(effects(e)%effect%contact_columns)
     end do
     before = 0
-    if (allocated(at%contact_values)) before = size(at%contact_values, 1)
-    allocate (values(rows, columns))
+    if (allocated(result%contact_values)) before = size(result%contact_values, 1)
+    allocate (values(result%rows_used, columns))
     values = 0.0_real64
-    if (before > 0) values(:before, :) = at%contact_values
+    if (before > 0) values(:before, :) = result%contact_values
     column = 0
     do e = 1, size(effects)
       do k = 1, size(effects(e)%effect%contact_columns)
@@ -201,16 +187,16 @@ contains
         end do
       end do
     end do
-    call move_alloc(values, at%contact_values)
+    call move_alloc(values, result%contact_values)
   end subroutine add_contact_values
 
   ! What the effects tell of the last state.
-  subroutine set_state_values(pairs, effects, state, outcomes, at)
+  subroutine set_state_values(pairs, effects, state, outcomes, result)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     type(contact_state), intent(in) :: state
     type(effect_outcome), intent(in) :: outcomes(:)
-    type(effects_at_position), intent(inout) :: at
+    type(position_result), intent(inout) :: result
     real(real64) :: value
     integer :: column, columns, e, k
 
@@ -218,8 +204,8 @@ contains
     do e = 1, size(effects)
       columns = columns + size(effects(e)%effect%state_columns)
     end do
-    allocate (at%state_values(columns))
-    at%state_values = 0.0_real64
+    allocate (result%state_values(columns))
+    result%state_values = 0.0_real64
     column = 0
     do e = 1, size(effects)
       do k = 1, size(effects(e)%effect%state_columns)
@@ -229,7 +215,7 @@ contains
         else
           value = left_out(effects(e)%effect%state_columns(k), total_vertical_load(state))
         end if
-        at%state_values(column) = in_units_of(effects(e)%effect%state_columns(k), pairs, value)
+        result%state_values(column) = in_units_of(effects(e)%effect%state_columns(k), pairs, value)
       end do
     end do
   end subroutine set_state_values

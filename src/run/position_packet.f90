@@ -1,100 +1,134 @@
-!> The result of a position as numbers, to be sent to another image or kept in a file.
+!> The result of a position as words of 64 bits, to be sent to another image or kept in a file.
 !>
-!> Every number is a double, so that the result that comes back is the one that went, bit for bit.
+!> Numbers are copied bit by bit, so that the result that comes back is the one that went. The words
+!> are read by the version of the program that wrote them, and by no other.
 module asperity_position_packet
-  use asperity_contact_records, only: contact_row, position_result, state_row
-  use asperity_kinds, only: real64
+  use asperity_contact_records, only: effect_record, position_result, state_row
+  use asperity_kinds, only: int64, real64
   implicit none
   private
 
   public :: pack_position, unpack_position
 
-  ! Numbers of a position without its states, of a state, of a contact.
-  integer, parameter :: of_head = 7, of_state = 10, of_row = 15
+  ! Words of a position without its lists, of a state, a contact and an effect.
+  integer, parameter :: of_head = 11, of_state = 10, of_row = 13, of_effect = 13
+  ! One word, as the form of what is copied.
+  integer(int64), parameter :: word(1) = 0_int64
 
 contains
 
-  !> The numbers of a result, with those that somebody adds.
-  pure subroutine pack_position(result, more, numbers)
-    type(position_result), intent(in) :: result               !! a position that is solved
-    real(real64), intent(in) :: more(:)                       !! what comes behind
-    real(real64), allocatable, intent(out) :: numbers(:)      !! both
-    integer :: i, at, states
+  !> The words of a result.
+  pure subroutine pack_position(result, words)
+    type(position_result), intent(in) :: result             !! a position that is solved
+    integer(int64), allocatable, intent(out) :: words(:)    !! never none
+    integer :: i, values(2), effects, told
 
-    states = size(result%states)
-    allocate (numbers(of_head + of_state * states + of_row * result%rows_used + size(more)))
-    numbers(:of_head) = [result%x_displacement, result%y_displacement, &
-                         merge(1.0_real64, 0.0_real64, result%limit_reached), &
-                         real(result%overlapping_circles, real64), result%first_step_pressure, &
-                         real(states, real64), real(result%rows_used, real64)]
-    at = of_head
-    do i = 1, states
-      associate (state => result%states(i))
-        numbers(at + 1:at + of_state) = &
-          [state%approach, state%closing, state%time, real(state%contacts, real64), state%load, &
-           state%vertical_load, state%area, state%projected_area, &
-           real(state%first_row, real64), real(state%last_row, real64)]
-      end associate
-      at = at + of_state
-    end do
-    do i = 1, result%rows_used
-      associate (row => result%rows(i))
-        numbers(at + 1:at + of_row) = &
-          [real(row%area_no, real64), real(row%upper, real64), real(row%lower, real64), &
-           merge(1.0_real64, 0.0_real64, row%limit_exceeded), row%x, row%y, row%penetration, &
-           row%overlap, row%area, row%projected_area, row%slope, row%load, row%vertical_load, &
-           row%average_pressure, row%maximum_pressure]
-      end associate
-      at = at + of_row
-    end do
-    numbers(at + 1:) = more
+    effects = -1
+    told = 0
+    values = 0
+    if (allocated(result%effects)) then
+      effects = size(result%effects)
+      told = size(result%state_values)
+      ! A list of contacts that is not kept has no columns.
+      if (allocated(result%contact_values)) values = shape(result%contact_values)
+    end if
+    words = [transfer([result%x_displacement, result%y_displacement, &
+                       result%first_step_pressure], word), &
+             int([merge(1, 0, result%limit_reached), result%overlapping_circles, &
+                  size(result%states), result%rows_used, effects, told, values], int64), &
+             [(words_of_state(result%states(i)), i = 1, size(result%states))]]
+    ! A contact has no gaps between its components: 4 halves of a word, then 11 words.
+    if (result%rows_used > 0) words = [words, transfer(result%rows(:result%rows_used), word)]
+    if (effects < 0) return
+    words = [words, [(words_of_effect(result%effects(i)), i = 1, effects)], &
+             transfer(result%state_values, word)]
+    if (product(values) > 0) words = [words, transfer(pack(result%contact_values, .true.), word)]
   end subroutine pack_position
 
-  !> The result in such numbers; `used` of them are its own.
-  pure subroutine unpack_position(numbers, result, used)
-    real(real64), intent(in) :: numbers(:)         !! from pack_position
+  !> The result in such words.
+  pure subroutine unpack_position(words, result)
+    integer(int64), intent(in) :: words(:)         !! from pack_position
     type(position_result), intent(out) :: result   !! the position
-    integer, intent(out) :: used                   !! what was added begins behind them
-    integer :: i
+    integer :: at, i, states, effects, told, values(2)
 
-    result%x_displacement = numbers(1)
-    result%y_displacement = numbers(2)
-    result%limit_reached = nint(numbers(3)) == 1
-    result%overlapping_circles = nint(numbers(4))
-    result%first_step_pressure = numbers(5)
-    result%rows_used = nint(numbers(7))
-    allocate (result%states(nint(numbers(6))), result%rows(result%rows_used))
-    used = of_head
-    do i = 1, size(result%states)
-      result%states(i) = state_of(numbers(used + 1:used + of_state))
-      used = used + of_state
+    result%x_displacement = transfer(words(1), result%x_displacement)
+    result%y_displacement = transfer(words(2), result%y_displacement)
+    result%first_step_pressure = transfer(words(3), result%first_step_pressure)
+    result%limit_reached = words(4) == 1_int64
+    result%overlapping_circles = int(words(5))
+    states = int(words(6))
+    result%rows_used = int(words(7))
+    effects = int(words(8))
+    told = int(words(9))
+    values = int(words(10:11))
+    allocate (result%states(states), result%rows(result%rows_used))
+    at = of_head
+    do i = 1, states
+      result%states(i) = state_of(words(at + 1:at + of_state))
+      at = at + of_state
     end do
-    do i = 1, result%rows_used
-      result%rows(i) = row_of(numbers(used + 1:used + of_row))
-      used = used + of_row
+    result%rows = transfer(words(at + 1:at + of_row * result%rows_used), result%rows, &
+                           result%rows_used)
+    at = at + of_row * result%rows_used
+    if (effects < 0) return
+    allocate (result%effects(effects), result%state_values(told), &
+              result%contact_values(values(1), values(2)))
+    do i = 1, effects
+      result%effects(i) = effect_of(words(at + 1:at + of_effect))
+      at = at + of_effect
     end do
+    result%state_values = transfer(words(at + 1:at + told), result%state_values, told)
+    at = at + told
+    result%contact_values = reshape(transfer(words(at + 1:at + product(values)), &
+                                             result%state_values, product(values)), values)
   end subroutine unpack_position
 
-  pure function state_of(numbers) result(state)
-    real(real64), intent(in) :: numbers(of_state)
-    type(state_row) :: state
+  pure function words_of_state(state) result(words)
+    type(state_row), intent(in) :: state
+    integer(int64) :: words(of_state)
 
-    state = state_row(approach=numbers(1), closing=numbers(2), time=numbers(3), &
-                      contacts=nint(numbers(4)), load=numbers(5), vertical_load=numbers(6), &
-                      area=numbers(7), projected_area=numbers(8), first_row=nint(numbers(9)), &
-                      last_row=nint(numbers(10)))
+    words = [transfer([state%approach, state%closing, state%time, state%load, &
+                       state%vertical_load, state%area, state%projected_area], word), &
+             int([state%contacts, state%first_row, state%last_row], int64)]
+  end function words_of_state
+
+  pure function state_of(words) result(state)
+    integer(int64), intent(in) :: words(of_state)
+    type(state_row) :: state
+    real(real64) :: numbers(7)
+
+    numbers = transfer(words(:7), numbers)
+    state = state_row(approach=numbers(1), closing=numbers(2), time=numbers(3), load=numbers(4), &
+                      vertical_load=numbers(5), area=numbers(6), projected_area=numbers(7), &
+                      contacts=int(words(8)), first_row=int(words(9)), last_row=int(words(10)))
   end function state_of
 
-  pure function row_of(numbers) result(row)
-    real(real64), intent(in) :: numbers(of_row)
-    type(contact_row) :: row
+  pure function words_of_effect(effect) result(words)
+    type(effect_record), intent(in) :: effect
+    integer(int64) :: words(of_effect)
 
-    row = contact_row(area_no=nint(numbers(1)), upper=nint(numbers(2)), lower=nint(numbers(3)), &
-                      limit_exceeded=nint(numbers(4)) == 1, x=numbers(5), y=numbers(6), &
-                      penetration=numbers(7), overlap=numbers(8), area=numbers(9), &
-                      projected_area=numbers(10), slope=numbers(11), load=numbers(12), &
-                      vertical_load=numbers(13), average_pressure=numbers(14), &
-                      maximum_pressure=numbers(15))
-  end function row_of
+    words = [transfer(effect%simulated // effect%why, word), &
+             transfer([effect%estimate, effect%influence, effect%ending%residual], word), &
+             int([merge(1, 0, effect%influence_known), merge(1, 0, effect%ending%converged), &
+                  effect%ending%iterations], int64)]
+  end function words_of_effect
+
+  pure function effect_of(words) result(effect)
+    integer(int64), intent(in) :: words(of_effect)
+    type(effect_record) :: effect
+    character(len=len(effect%simulated) + len(effect%why)) :: text
+    real(real64) :: numbers(3)
+
+    text = transfer(words(:7), text)
+    numbers = transfer(words(8:10), numbers)
+    effect%simulated = text(:len(effect%simulated))
+    effect%why = text(len(effect%simulated) + 1:)
+    effect%estimate = numbers(1)
+    effect%influence = numbers(2)
+    effect%ending%residual = numbers(3)
+    effect%influence_known = words(11) == 1_int64
+    effect%ending%converged = words(12) == 1_int64
+    effect%ending%iterations = int(words(13))
+  end function effect_of
 
 end module asperity_position_packet

@@ -4,19 +4,17 @@
 !> the stable one; and the original program itself where the input is a deck. Errors are measured
 !> against exact events with the stable overlap in real128.
 module asperity_accuracy_study
+  use asperity_arithmetics, only: solver_in
   use asperity_card_deck, only: card_deck
   use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
-                                      scene_results, solve_method, state_row
+                                      solve_method, state_row
   use asperity_kinds, only: int64, real64
   use asperity_decimal, only: decimal_value
   use asperity_original, only: arithmetic_names, run_in_arithmetic
   use asperity_original_records, only: original_positions, original_records, original_request
+  use asperity_position_solver, only: position_solver
+  use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene
-  use asperity_solver, only: solve_in_arithmetic
-  use asperity_timed_sweep_ibm370, only: timed_ibm370 => run_timed
-  use asperity_timed_sweep_real128, only: timed_real128 => run_timed
-  use asperity_timed_sweep_real32, only: timed_real32 => run_timed
-  use asperity_timed_sweep_real64, only: timed_real64 => run_timed
   use asperity_timing, only: timing_samples
   implicit none
   private
@@ -47,6 +45,9 @@ module asperity_accuracy_study
   ! Two rows cost the same, or err the same, when they differ by less than this factor. It is wide
   ! on purpose: the front must not depend on the clock's mood.
   real(real64), parameter :: same_time = 1.5_real64, same_error = 1.1_real64
+
+  ! So often at least every row is run.
+  integer, parameter :: least_passes = 3
 
   !> One way of computing: its cost and its errors.
   type :: accuracy_row
@@ -79,8 +80,8 @@ contains
     integer :: a, k, overlap
 
     do k = 1, size(steps)
-      call solve_in_arithmetic('real128', scene_in, solve_method(step=steps(k)), .false., &
-                               reference(k), failure)
+      row = accuracy_row(arithmetic='real128', way=way_events)
+      call run_row(row, scene_in, k, 0.0_real64, reference(k), timing, failure)
       if (allocated(failure)) return
     end do
     allocate (rows(0))
@@ -125,7 +126,7 @@ contains
 
   end subroutine run_accuracy_study
 
-  !> Runs one row of the present-day kernel.
+  !> Runs one row of the present-day kernel, again and again on the clock, on one thread.
   subroutine run_row(row, scene_in, k, least_seconds, results, timing, failure)
     type(accuracy_row), intent(in) :: row
     type(scene), intent(in) :: scene_in
@@ -134,21 +135,26 @@ contains
     type(scene_results), intent(out) :: results
     type(timing_samples), intent(out) :: timing
     character(len=:), allocatable, intent(out) :: failure
+    class(position_solver), allocatable :: solver
     type(solve_method) :: method
+    integer(int64) :: from, until, rate
+    integer :: m
 
     method%path = merge(by_events, by_marching, row%way == way_events)
     method%overlap = row%overlap
     method%step = steps(k)
-    select case (row%arithmetic)
-    case ('ibm370')
-      call timed_ibm370(scene_in, method, least_seconds, results, timing, failure)
-    case ('real32')
-      call timed_real32(scene_in, method, least_seconds, results, timing, failure)
-    case ('real64')
-      call timed_real64(scene_in, method, least_seconds, results, timing, failure)
-    case default
-      call timed_real128(scene_in, method, least_seconds, results, timing, failure)
-    end select
+    call solver_in(trim(row%arithmetic), scene_in, method, solver, failure)
+    if (allocated(failure)) return
+    allocate (results%positions(solver%positions))
+    do while (timing%passes() < least_passes .or. timing%total() < least_seconds)
+      call system_clock(from, rate)
+      do m = 1, solver%positions
+        call solver%solve(m, .false., results%positions(m), failure)
+        if (allocated(failure)) return
+      end do
+      call system_clock(until)
+      call timing%add(real(until - from, real64) / real(rate, real64), solver%positions)
+    end do
   end subroutine run_row
 
   !> Runs the original program as a row: timed without its contact rows, measured with them.
@@ -166,7 +172,7 @@ contains
     integer :: m
 
     request%approach_step = decimal_value(1_int64, step_powers(usual_step))
-    do while (timing%total() < least_seconds .or. timing%passes() < 3)
+    do while (timing%total() < least_seconds .or. timing%passes() < least_passes)
       call system_clock(from, rate)
       call run_in_arithmetic(row%arithmetic, deck, request, records, failure)
       call system_clock(until)

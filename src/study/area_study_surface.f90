@@ -5,15 +5,16 @@
 module asperity_area_study_surface
   use asperity_area_study_plan, only: section_places, section_square, study_plan
   use asperity_constants, only: pi
-  use asperity_contact_records, only: contact_row, scene_results, solve_method
+  use asperity_contact_records, only: contact_row
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                         surface_plan
   use asperity_greenwood_integrals, only: area_per_area, contacts_per_area, load_per_area, &
                                           quantities, vertical_per_area
   use asperity_kinds, only: real64
+  use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_approach, criterion_none, scene, scene_surface
-  use asperity_solver, only: solve_in_arithmetic
+  use asperity_solve, only: solve
   use asperity_study_spec, only: against_plane, study_spec
   implicit none
   private
@@ -69,7 +70,7 @@ contains
       pressed%loading%control = control_approach
       pressed%loading%value = plan%separation
       pressed%limit%criterion = criterion_none
-      call solve_in_arithmetic('real64', pressed, solve_method(), .true., results, failure)
+      call solve(pressed, results, failure)
       if (allocated(failure)) return
       call move_alloc(results%positions(1)%rows, contacts)
     end if

@@ -4,11 +4,11 @@
 !> in real128), overshoot (exact events instead of marching), the contacts left out of the averages
 !> and the wrong divisor, and the loads normal to the contacts (their vertical parts instead).
 module asperity_corrected_table
-  use asperity_contact_records, only: scene_results
   use asperity_kinds, only: real64
   use asperity_original_records, only: approach_row, individual_difference_row, original_records, &
                                        points_row, slope_row, total_area_row, &
                                        total_difference_row, total_load_row
+  use asperity_scene_results, only: scene_results
   implicit none
   private
 

@@ -1,10 +1,12 @@
 !> How much of each total's error comes from the arithmetic, from the step and from the model.
 module asperity_error_budget
-  use asperity_contact_records, only: scene_results, solve_method, state_row
+  use asperity_contact_records, only: solve_method, state_row
   use asperity_kinds, only: real64
   use asperity_model_budget, only: measure_model, model_budget
+  use asperity_run_options, only: run_options
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_solver, only: solve_in_arithmetic
+  use asperity_solve, only: solve_in_arithmetic
   implicit none
   private
 
@@ -32,22 +34,27 @@ contains
   !> are computed in doubles only: with them the arithmetic is that of the scene without, at the
   !> deepest of a path.
   !> `failure` is allocated when the arithmetics cannot be run.
-  subroutine measure_budget(scene_in, arithmetic, results, budget, failure)
+  subroutine measure_budget(scene_in, options, results, budget, failure)
     type(scene), intent(in) :: scene_in                    !! what was solved
-    character(len=*), intent(in) :: arithmetic             !! in which arithmetic
+    type(run_options), intent(in) :: options               !! threads and progress of the runs
     type(scene_results), intent(in) :: results             !! its results, by exact events
     type(error_budget), intent(out) :: budget              !! plus-or-minus of the totals
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(scene_results) :: reference, plain
     real(real64) :: have(4), want(4)
+    type(run_options) :: beside
     integer :: m
 
-    call solve_in_arithmetic('real128', scene_in, solve_method(), .false., reference, failure)
+    beside = run_options(keep_contacts=.false., threads=options%threads, &
+                         progress=options%progress)
+    beside%arithmetic = 'real128'
+    call solve_in_arithmetic(scene_in, solve_method(), beside, reference, failure)
     if (allocated(failure)) return
-    budget%by_reference = arithmetic == 'real128'
+    budget%by_reference = results%arithmetic == 'real128'
     budget%without_effects = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
     if (budget%without_effects) then
-      call solve_in_arithmetic(arithmetic, scene_in, solve_method(), .false., plain, failure)
+      beside%arithmetic = results%arithmetic
+      call solve_in_arithmetic(scene_in, solve_method(), beside, plain, failure)
       if (allocated(failure)) return
     end if
     budget%lines%name = [character(len=14) :: 'total load', 'vertical load', 'contact area', &
@@ -60,7 +67,7 @@ contains
       ! The reference itself is handed over as doubles.
       budget%lines%arithmetic = max(budget%lines%arithmetic, abs(have - want) + 0.5 * spacing(want))
     end do
-    call measure_model(scene_in, results, budget%model)
+    call measure_model(scene_in, beside, results, budget%model)
   end subroutine measure_budget
 
   !> Load, vertical load, area and approach of the last state.
@@ -70,7 +77,7 @@ contains
     real(real64) :: row(4)
     type(state_row) :: last
 
-    last = results%positions(m)%states(size(results%positions(m)%states))
+    last = last_state(results%positions(m))
     row = [last%load, last%vertical_load, last%area, last%approach]
   end function totals
 

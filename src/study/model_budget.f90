@@ -4,11 +4,12 @@
 !> At a given load the error is in the approach instead: the scene's way is closed on to the load
 !> at which `boundary` would carry the one given.
 module asperity_model_budget
-  use asperity_contact_records, only: scene_results
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: real64
   use asperity_model_run, only: model_run, run_model, too_many_for_cells
   use asperity_numeral, only: read_numeral
+  use asperity_run_options, only: run_options
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: control_approach, control_load, effect_boundary, effect_off, &
                                    scene
   implicit none
@@ -41,12 +42,16 @@ module asperity_model_budget
 contains
 
   !> Measures the model's share. What cannot be measured stays unknown: that is no failure.
-  subroutine measure_model(scene_in, results, model)
+  subroutine measure_model(scene_in, options, results, model)
     type(scene), intent(in) :: scene_in         !! what was solved
+    type(run_options), intent(in) :: options    !! of the runs beside, in doubles
     type(scene_results), intent(in) :: results  !! its results
     type(model_budget), intent(out) :: model    !! what the model leaves out
+    type(run_options) :: doubles
     character(len=:), allocatable :: why
 
+    doubles = options
+    doubles%arithmetic = 'real64'
     model%interaction = scene_in%effects%interaction
     model%cells_are_good_to = decimal_to_real64(scene_in%effects%boundary_tolerance)
     associate (effects => scene_in%effects)
@@ -64,9 +69,9 @@ contains
     if (model%interaction == effect_boundary) then
       call cells_themselves(scene_in, results, model)
     else if (scene_in%loading%control == control_load) then
-      call compare_at_load(scene_in, results, model)
+      call compare_at_load(scene_in, doubles, results, model)
     else
-      call compare_at_approach(scene_in, results, model)
+      call compare_at_approach(scene_in, doubles, results, model)
     end if
   end subroutine measure_model
 
@@ -78,7 +83,7 @@ contains
     integer :: m
 
     do m = 1, size(results%positions)
-      associate (last => results%positions(m)%states(size(results%positions(m)%states)))
+      associate (last => last_state(results%positions(m)))
         model%error(of_load) = max(model%error(of_load), model%cells_are_good_to * last%load)
         model%error(of_vertical_load) = max(model%error(of_vertical_load), &
                                             model%cells_are_good_to * last%vertical_load)
@@ -90,18 +95,19 @@ contains
   end subroutine cells_themselves
 
   ! Where the approach is the same in both ways.
-  subroutine compare_at_approach(scene_in, results, model)
+  subroutine compare_at_approach(scene_in, options, results, model)
     type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
     type(scene_results), intent(in) :: results
     type(model_budget), intent(inout) :: model
     type(model_run) :: used, cells
     real(real64) :: share
     integer :: m
 
-    call run_both(scene_in, used, cells, model%why_not)
+    call run_both(scene_in, options, used, cells, model%why_not)
     if (allocated(model%why_not)) return
     do m = 1, size(results%positions)
-      associate (last => results%positions(m)%states(size(results%positions(m)%states)))
+      associate (last => last_state(results%positions(m)))
         share = abs(used%factor(m) - cells%factor(m))
         if (used%factor(m) > 0.0_real64) share = share / used%factor(m)
         model%error(of_load) = max(model%error(of_load), share * last%load)
@@ -118,8 +124,9 @@ contains
 
   ! The load is the same in both ways. At the approach found, position by position, cells carry
   ! less or more; the largest such share is made up for by closing on.
-  subroutine compare_at_load(scene_in, results, model)
+  subroutine compare_at_load(scene_in, options, results, model)
     type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
     type(scene_results), intent(in) :: results
     type(model_budget), intent(inout) :: model
     type(scene) :: one
@@ -138,17 +145,17 @@ contains
         one%loading%control = control_approach
         one%loading%value = as_decimal(position%states(size(position%states))%approach)
       end associate
-      call run_both(one, used, cells, model%why_not)
+      call run_both(one, options, used, cells, model%why_not)
       if (allocated(model%why_not)) return
       if (cells%factor(1) > 0.0_real64) &
         share = max(share, abs(used%factor(1) - cells%factor(1)) / cells%factor(1))
     end do
     one = scene_in
     one%loading%value = as_decimal(decimal_to_real64(one%loading%value) * (1.0_real64 + share))
-    call run_model(one, model%interaction, used, model%why_not)
+    call run_model(one, model%interaction, options, used, model%why_not)
     if (allocated(model%why_not)) return
     do m = 1, size(results%positions)
-      associate (last => results%positions(m)%states(size(results%positions(m)%states)))
+      associate (last => last_state(results%positions(m)))
         model%error(of_approach) = max(model%error(of_approach), &
                                        abs(used%approach(m) - last%approach))
       end associate
@@ -157,13 +164,15 @@ contains
   end subroutine compare_at_load
 
   ! A scene in its own way and on cells.
-  subroutine run_both(scene_in, used, cells, failure)
+  subroutine run_both(scene_in, options, used, cells, failure)
     type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
     type(model_run), intent(out) :: used, cells
     character(len=:), allocatable, intent(out) :: failure
 
-    call run_model(scene_in, scene_in%effects%interaction, used, failure)
-    if (.not. allocated(failure)) call run_model(scene_in, effect_boundary, cells, failure)
+    call run_model(scene_in, scene_in%effects%interaction, options, used, failure)
+    if (.not. allocated(failure)) &
+      call run_model(scene_in, effect_boundary, options, cells, failure)
   end subroutine run_both
 
   ! A double as a decimal of 17 digits, which gives it back.

@@ -5,13 +5,13 @@
 !> factor, load of the contacts together over load of the same contacts each alone, and the area in
 !> plan.
 module asperity_model_run
-  use asperity_contact_records, only: scene_results, solve_method, state_row
-  use asperity_effect_report, only: effect_report
-  use asperity_effect_solver, only: solve_with_effects
+  use asperity_contact_records, only: state_row
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text
+  use asperity_run_options, only: run_options
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_solver, only: solve_in_arithmetic
+  use asperity_solve, only: solve
   implicit none
   private
 
@@ -32,9 +32,10 @@ module asperity_model_run
 contains
 
   !> Runs a scene with `interaction` set, all its other effects as they are, to the last state only.
-  subroutine run_model(scene_in, interaction, run, failure)
+  subroutine run_model(scene_in, interaction, options, run, failure)
     type(scene), intent(in) :: scene_in                    !! checked values
     integer, intent(in) :: interaction                     !! one of the `effect_` numbers
+    type(run_options), intent(in) :: options               !! in doubles
     type(model_run), intent(out) :: run                    !! all positions
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(scene) :: copy
@@ -42,23 +43,19 @@ contains
     copy = scene_in
     copy%effects%interaction = interaction
     copy%loading%points = 0
-    call solve_model(copy, run, failure)
+    call solve_model(copy, options, run, failure)
   end subroutine run_model
 
   !> Solves a scene as it is.
-  subroutine solve_model(scene_in, run, failure)
+  subroutine solve_model(scene_in, options, run, failure)
     type(scene), intent(in) :: scene_in                    !! checked values
+    type(run_options), intent(in) :: options               !! in doubles
     type(model_run), intent(out) :: run                    !! all positions
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(scene_results) :: results
-    type(effect_report) :: report
 
-    if (scene_in%effects%any_on()) then
-      call solve_with_effects(scene_in, .false., results, report, failure)
-    else
-      call solve_in_arithmetic('real64', scene_in, solve_method(), .false., results, failure)
-    end if
-    if (.not. allocated(failure)) call take_last_states(results, report, run)
+    call solve(scene_in, results, failure, options)
+    if (.not. allocated(failure)) call take_last_states(results, run)
   end subroutine solve_model
 
   !> Why the contacts of a solved scene are too many for cells; empty when they are not.
@@ -72,7 +69,7 @@ contains
     squares = 0.0_real64
     most = 0
     do m = 1, size(results%positions)
-      last = results%positions(m)%states(size(results%positions(m)%states))
+      last = last_state(results%positions(m))
       squares = squares + real(last%contacts, real64)**2
       most = max(most, last%contacts)
     end do
@@ -82,9 +79,8 @@ contains
   end function too_many_for_cells
 
   ! Factor, load, area and approach of every position.
-  subroutine take_last_states(results, report, run)
+  subroutine take_last_states(results, run)
     type(scene_results), intent(in) :: results
-    type(effect_report), intent(in) :: report
     type(model_run), intent(inout) :: run
     type(state_row) :: last
     integer :: m, number
@@ -93,29 +89,29 @@ contains
     allocate (run%factor(number), run%load(number), run%projected_area(number), &
               run%approach(number))
     do m = 1, number
-      last = results%positions(m)%states(size(results%positions(m)%states))
+      last = last_state(results%positions(m))
       run%load(m) = last%load
       run%projected_area(m) = last%projected_area
       run%approach(m) = last%approach
-      run%factor(m) = factor_of(report, m)
+      run%factor(m) = factor_of(results, m)
     end do
   end subroutine take_last_states
 
   ! Load together over load alone; 1 where interaction is off or was left out.
-  pure real(real64) function factor_of(report, m) result(factor)
-    type(effect_report), intent(in) :: report
+  pure real(real64) function factor_of(results, m) result(factor)
+    type(scene_results), intent(in) :: results
     integer, intent(in) :: m
     integer :: column, e
 
     factor = 1.0_real64
-    if (.not. allocated(report%positions)) return
-    do e = 1, size(report%names)
-      if (report%names(e) /= 'interaction') cycle
-      if (report%positions(m)%outcomes(e)%simulated == 'off') return
+    if (.not. allocated(results%effects)) return
+    do e = 1, size(results%effects%names)
+      if (results%effects%names(e) /= 'interaction') cycle
+      if (results%positions(m)%effects(e)%simulated == 'off') return
     end do
-    do column = 1, size(report%state_columns)
-      if (report%state_columns(column) == 'factor') &
-        factor = report%positions(m)%state_values(column)
+    do column = 1, size(results%effects%state_columns)
+      if (results%effects%state_columns(column) == 'factor') &
+        factor = results%positions(m)%state_values(column)
     end do
   end function factor_of
 

@@ -5,14 +5,15 @@
 !> Errors are differences of the factor, load of the contacts together over load of the same
 !> contacts each alone, against that on the finest cells. Other effects are left out.
 module asperity_model_rungs
-  use asperity_contact_records, only: scene_results, solve_method
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kernel_real64, only: place_scene, placed_scene
   use asperity_kinds, only: int64, real64
   use asperity_model_run, only: model_run, solve_model, too_many_for_cells
+  use asperity_run_options, only: run_options
+  use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, &
                                    scene, scene_effects
-  use asperity_solver, only: solve_in_arithmetic
+  use asperity_solve, only: solve
   use asperity_timing, only: timing_samples
   implicit none
   private
@@ -26,6 +27,9 @@ module asperity_model_rungs
   type(decimal_value), parameter :: tolerances(6) = &
     [decimal_value(0_int64, 0), decimal_value(0_int64, 0), decimal_value(1_int64, -2), &
      decimal_value(1_int64, -2), decimal_value(1_int64, -3), decimal_value(1_int64, -4)]
+
+  ! Times are those of one thread.
+  type(run_options), parameter :: one_thread = run_options(threads=1, keep_contacts=.false.)
 
   ! A pass that takes so many times the time to spend is not repeated.
   real(real64), parameter :: long = 3.0_real64
@@ -66,7 +70,7 @@ contains
     bare = scene_in
     bare%effects = none
     bare%loading%points = 0
-    call solve_in_arithmetic('real64', bare, solve_method(), .false., results, failure)
+    call solve(bare, results, failure, one_thread)
     if (allocated(failure)) return
     left_out = too_many_for_cells(results)
     allocate (rungs(size(ladder)))
@@ -113,7 +117,7 @@ contains
       call place_scene(copy, placed, failure)
       if (allocated(failure)) return
       call system_clock(between)
-      call solve_model(copy, run, failure)
+      call solve_model(copy, one_thread, run, failure)
       if (allocated(failure)) return
       call system_clock(until)
       seconds = real((until - between) - (between - from), real64) / real(rate, real64)

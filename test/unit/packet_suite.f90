@@ -1,13 +1,9 @@
-!> Tests of what travels between images and into kept files: text, results and effects as numbers,
-!> and the progress line.
+!> Tests of what travels between images and into kept files: results of positions as words of 64
+!> bits, their checksum, and the progress line.
 module asperity_packet_suite
   use asperity_contact_records, only: contact_row, position_result, state_row
-  use asperity_effect_packet, only: pack_effects, unpack_effects
-  use asperity_effect_report, only: effects_at_position
   use asperity_kept_records, only: checksum
-  use asperity_kinds, only: real64
-  use asperity_letters, only: message_numbers, message_to_numbers, numbers_for, &
-                              numbers_to_message, text_in, text_to_numbers
+  use asperity_kinds, only: int64, real64
   use asperity_position_packet, only: pack_position, unpack_position
   use asperity_progress, only: progress_text
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
@@ -24,54 +20,11 @@ contains
     type(unittest_type), allocatable, intent(out) :: suite(:)
 
     suite = [ &
-      new_unittest('text as numbers: every byte, every length', texts), &
-      new_unittest('messages: none, empty, long', messages), &
       new_unittest('checksum: published vectors', checksums), &
-      new_unittest('a position as numbers', positions), &
-      new_unittest('effects as numbers, with a list of contacts and without', effects), &
+      new_unittest('a position as words', positions), &
+      new_unittest('effects as words, with a list of contacts and without', effects), &
       new_unittest('progress in words', progress)]
   end subroutine collect_packets
-
-  subroutine texts(error)
-    type(error_type), allocatable, intent(out) :: error
-    character(len=256) :: bytes
-    real(real64) :: numbers(50)
-    integer :: i
-
-    do i = 1, len(bytes)
-      bytes(i:i) = achar(i - 1)
-    end do
-    do i = 0, len(bytes)
-      call text_to_numbers(bytes(:i), numbers(:numbers_for(i)))
-      call check(error, text_in(numbers(:numbers_for(i))) == bytes(:i), 'bytes that come back')
-      call check(error, numbers_for(i), (i + 5) / 6, 'numbers of a text')
-      if (allocated(error)) return
-    end do
-  end subroutine texts
-
-  subroutine messages(error)
-    type(error_type), allocatable, intent(out) :: error
-    character(len=:), allocatable :: message, found
-    real(real64) :: numbers(message_numbers)
-
-    allocate (character(len=12) :: found)
-    found(:) = 'known before'
-    call message_to_numbers(message, numbers)
-    call numbers_to_message(numbers, found)
-    call check(error, found, 'known before', 'no message')
-    message = ''
-    call message_to_numbers(message, numbers)
-    call numbers_to_message(numbers, found)
-    call check(error, found, ' ', 'an empty message is one')
-    message = 'position 7: no pair can touch  '
-    call message_to_numbers(message, numbers)
-    call numbers_to_message(numbers, found)
-    call check(error, found, message, 'a message with blanks at its end')
-    message = repeat('0123456789', 60)
-    call message_to_numbers(message, numbers)
-    call numbers_to_message(numbers, found)
-    call check(error, found, message(:510), 'a long message is cut')
-  end subroutine messages
 
   !> FNV-1a of 32 bits: test vectors of its authors, Fowler, Noll and Vo.
   subroutine checksums(error)
@@ -85,8 +38,7 @@ contains
   subroutine positions(error)
     type(error_type), allocatable, intent(out) :: error
     type(position_result) :: sent, found
-    real(real64), allocatable :: numbers(:), again(:)
-    integer :: used
+    integer(int64), allocatable :: words(:), again(:)
 
     sent%x_displacement = 0.1_real64
     sent%y_displacement = -tiny(1.0_real64)
@@ -101,47 +53,48 @@ contains
                                14.0_real64, 15.0_real64)
     ! More room than contacts.
     sent%rows_used = 2
-    call pack_position(sent, [1.5_real64, 2.5_real64], numbers)
-    call unpack_position(numbers, found, used)
-    call check(error, size(numbers), used + 2, 'numbers that were added')
-    call check(error, nint(10.0_real64 * sum(numbers(used + 1:))), 40, 'their sum')
+    call pack_position(sent, words)
+    call unpack_position(words, found)
     call check(error, found%limit_reached .and. found%overlapping_circles == 3, 'flags')
     call check(error, size(found%rows), 2, 'contacts')
     call check(error, found%rows(2)%limit_exceeded .and. found%rows(2)%lower == 4, 'a contact')
     call check(error, found%states(2)%contacts == 4 .and. found%states(2)%last_row == 2, 'a state')
-    call pack_position(found, [1.5_real64, 2.5_real64], again)
-    call check(error, .not. any(abs(again - numbers) > 0.0_real64), 'numbers that come back')
-    call check(error, abs(numbers(2)) > 0.0_real64, 'the smallest number')
+    call pack_position(found, again)
+    call check(error, size(again), size(words), 'how many words come back')
+    if (allocated(error)) return
+    call check(error, all(again == words), 'words that come back')
+    call check(error, found%y_displacement < 0.0_real64, 'the smallest number')
+    call check(error, .not. allocated(found%effects), 'no effects')
   end subroutine positions
 
   subroutine effects(error)
     type(error_type), allocatable, intent(out) :: error
-    type(effects_at_position) :: sent, found
-    real(real64), allocatable :: numbers(:)
+    type(position_result) :: sent, found
+    integer(int64), allocatable :: words(:)
 
-    allocate (sent%outcomes(2), sent%state_values(3))
+    allocate (sent%states(1), sent%rows(0), sent%effects(2), sent%state_values(3))
     sent%state_values = [1.0_real64, 2.0_real64, 3.0_real64]
-    sent%outcomes(1)%simulated = 'coupled+boundary'
-    sent%outcomes(1)%why = 'contact circles overlap'
-    sent%outcomes(1)%influence = -0.2_real64
-    sent%outcomes(1)%influence_known = .true.
-    sent%outcomes(1)%ending%converged = .true.
-    sent%outcomes(1)%ending%iterations = 12
-    call pack_effects(sent, numbers)
-    call unpack_effects(numbers, found)
-    call check(error, found%outcomes(1)%simulated, 'coupled+boundary', 'how')
-    call check(error, found%outcomes(1)%why, sent%outcomes(1)%why, 'why')
-    call check(error, found%outcomes(1)%influence_known .and. &
-               found%outcomes(1)%ending%converged .and. &
-               found%outcomes(1)%ending%iterations == 12, 'how it ended')
-    call check(error, trim(found%outcomes(2)%simulated), 'off', 'the other')
+    sent%effects(1)%simulated = 'coupled+boundary'
+    sent%effects(1)%why = 'contact circles overlap'
+    sent%effects(1)%influence = -0.2_real64
+    sent%effects(1)%influence_known = .true.
+    sent%effects(1)%ending%converged = .true.
+    sent%effects(1)%ending%iterations = 12
+    call pack_position(sent, words)
+    call unpack_position(words, found)
+    call check(error, found%effects(1)%simulated, 'coupled+boundary', 'how')
+    call check(error, found%effects(1)%why, sent%effects(1)%why, 'why')
+    call check(error, found%effects(1)%influence_known .and. &
+               found%effects(1)%ending%converged .and. &
+               found%effects(1)%ending%iterations == 12, 'how it ended')
+    call check(error, trim(found%effects(2)%simulated), 'off', 'the other')
     call check(error, nint(sum(found%state_values)), 6, 'columns of the position')
     call check(error, size(found%contact_values), 0, 'no columns of contacts')
     allocate (sent%contact_values(2, 3))
     sent%contact_values = reshape([1.0_real64, 2.0_real64, 3.0_real64, 4.0_real64, 5.0_real64, &
                                    6.0_real64], [2, 3])
-    call pack_effects(sent, numbers)
-    call unpack_effects(numbers, found)
+    call pack_position(sent, words)
+    call unpack_position(words, found)
     call check(error, all(shape(found%contact_values) == [2, 3]), 'shape of the columns')
     call check(error, nint(found%contact_values(2, 3)), 6, 'the last contact''s last column')
     call check(error, nint(found%contact_values(2, 1)), 2, 'the last contact''s first column')

@@ -1,24 +1,24 @@
-!> The cheapest way of computing that has the accuracy asked for.
+!> How accurate a way of computing is on a scene.
 !>
 !> The ways are the front of the accuracy study, cheapest first: exact events with the stable
 !> overlap, in real64 and in real128. Shorter arithmetics and marching are not on it: they are no
 !> cheaper, or not clearly. Each way's error is bounded from what was solved, not from a table, so
 !> that the promise holds on scenes the study has never seen.
-module asperity_accuracy_choice
-  use asperity_contact_records, only: scene_results, solve_method, state_row
+module asperity_accuracy_bound
+  use asperity_contact_records, only: position_result, state_row
   use asperity_kinds, only: real64
+  use asperity_scene_results, only: last_state
   use asperity_scene_values, only: scene
   use asperity_decimal, only: decimal_to_real64
-  use asperity_solver, only: solve_in_arithmetic
   implicit none
   private
 
-  public :: front_arithmetics, solve_to_accuracy, error_bound, finest_accuracy
+  public :: front_arithmetics, error_bound
 
   !> The front of the accuracy study, cheapest first.
   character(len=7), parameter :: front_arithmetics(2) = [character(len=7) :: 'real64', 'real128']
 
-  !> Results are handed over as doubles: nothing finer can be promised.
+  ! Results are handed over as doubles: nothing finer can be promised.
   real(real64), parameter :: finest_accuracy = 4 * epsilon(1.0_real64)
 
   ! Rounding errors of a position's coordinates and separations, in units of roundoff: placing (3),
@@ -27,40 +27,15 @@ module asperity_accuracy_choice
 
 contains
 
-  !> Solves a scene in the cheapest way whose error bound is within `accuracy`.
-  !> `failure` is allocated when no way is good enough or the scene cannot be solved.
-  subroutine solve_to_accuracy(scene_in, accuracy, keep_rows, results, arithmetic, bound, failure)
-    type(scene), intent(in) :: scene_in                        !! checked values
-    real(real64), intent(in) :: accuracy                       !! relative error allowed
-    logical, intent(in) :: keep_rows                           !! keep the contacts of every state
-    type(scene_results), intent(out) :: results                !! all positions
-    character(len=:), allocatable, intent(out) :: arithmetic   !! the way taken
-    real(real64), intent(out) :: bound                         !! its error bound, relative
-    character(len=:), allocatable, intent(out) :: failure      !! why not
-    character(len=10) :: digits
-    integer :: way
-
-    do way = 1, size(front_arithmetics)
-      arithmetic = trim(front_arithmetics(way))
-      call solve_in_arithmetic(arithmetic, scene_in, solve_method(), keep_rows, results, failure)
-      if (allocated(failure)) return
-      bound = error_bound(arithmetic, scene_in, results)
-      if (bound <= accuracy) return
-    end do
-    write (digits, '(es10.1e3)') bound
-    failure = 'no way of computing has this accuracy; the best one, ' // arithmetic // &
-              ', is good to' // digits
-  end subroutine solve_to_accuracy
-
   !> Bound of the relative error of every total: load, vertical load, area, approach.
   !>
   !> Coordinates are rounded, so penetrations are uncertain by some roundoffs of the coordinates'
   !> size. The total load of independent contacts changes by at most 3/2 of that over the closing,
   !> because load grows at least as the power 3/2 of the closing.
-  function error_bound(arithmetic, scene_in, results) result(bound)
+  function error_bound(arithmetic, scene_in, positions) result(bound)
     character(len=*), intent(in) :: arithmetic      !! a name of `front_arithmetics`
     type(scene), intent(in) :: scene_in             !! what was solved
-    type(scene_results), intent(in) :: results      !! solved positions
+    type(position_result), intent(in) :: positions(:)  !! solved
     real(real64) :: bound
     real(real64) :: roundoff, in_plan, in_height, radius, uncertainty, steepest
     type(state_row) :: last
@@ -75,8 +50,8 @@ contains
                   abs(decimal_to_real64(scene_in%lower_mirror_width)), &
                   displacement(scene_in))
     bound = finest_accuracy
-    do m = 1, size(results%positions)
-      last = results%positions(m)%states(size(results%positions(m)%states))
+    do m = 1, size(positions)
+      last = last_state(positions(m))
       if (.not. last%closing > 0.0_real64) cycle
       ! An error in plan tilts into height by the slope of the contact, d/z of at most
       ! sqrt(2 (RU + RL) H) over the radius' size.
@@ -107,4 +82,4 @@ contains
     end associate
   end function displacement
 
-end module asperity_accuracy_choice
+end module asperity_accuracy_bound

@@ -1,0 +1,33 @@
+!> What a sweep needs of whoever solves its positions: the one interface of the arithmetics and of
+!> the effects.
+module asperity_position_solver
+  use asperity_contact_records, only: position_result
+  use asperity_kinds, only: int64
+  implicit none
+  private
+
+  public :: position_solver
+
+  !> A scene made ready. Positions know nothing of each other, so threads may solve them at once.
+  type, abstract :: position_solver
+    integer :: positions = 0              !! of the scene
+    integer :: states = 1                 !! of a position, as far as that is known
+    integer(int64) :: work = 0_int64      !! asperities that a position looks at, at most
+  contains
+    procedure(solve_one), deferred :: solve  !! one position
+  end type position_solver
+
+  abstract interface
+    !> Solves one position. `failure` is allocated when the end asked for cannot be reached.
+    subroutine solve_one(self, m, keep_rows, result, failure)
+      import :: position_result, position_solver
+      implicit none
+      class(position_solver), intent(in) :: self             !! the scene
+      integer, intent(in) :: m                               !! position, from 1
+      logical, intent(in) :: keep_rows                       !! keep the contacts of every state
+      type(position_result), intent(out) :: result           !! states, ending with the last
+      character(len=:), allocatable, intent(out) :: failure  !! why not
+    end subroutine solve_one
+  end interface
+
+end module asperity_position_solver

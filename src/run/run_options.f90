@@ -1,0 +1,22 @@
+!> How a run is done: all that is not in the scene.
+module asperity_run_options
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: run_options
+
+  !> The choices. As they stand: exact events in doubles, contacts kept, all cores, nothing shown.
+  type :: run_options
+    character(len=7) :: arithmetic = 'real64'      !! ibm370, real32, real64 or real128
+    !> Relative error of every total that is allowed: the cheapest arithmetic that has it is taken.
+    !> 0: none is asked for.
+    real(real64) :: accuracy = 0.0_real64
+    logical :: keep_contacts = .true.              !! keep the contacts of every state
+    integer :: threads = 0                         !! 0: as many as OpenMP gives
+    logical :: progress = .false.                  !! tell how far it is, on a terminal
+    logical :: all_images = .false.                !! all images of the run call, and share the work
+    character(len=:), allocatable :: keep_file     !! positions are kept there as they are solved
+  end type run_options
+
+end module asperity_run_options

@@ -1,0 +1,155 @@
+!> The way from a scene to its results: with its effects, in an arithmetic, or to an accuracy.
+module asperity_solve
+  use asperity_accuracy_bound, only: error_bound, front_arithmetics
+  use asperity_contact_records, only: solve_method
+  use asperity_effect_solver, only: make_effect_solver
+  use asperity_files, only: read_whole_file
+  use asperity_kept_records, only: checksum, kept_work
+  use asperity_arithmetics, only: solver_in
+  use asperity_position_solver, only: position_solver
+  use asperity_run_options, only: run_options
+  use asperity_scene_results, only: scene_results
+  use asperity_scene_values, only: scene
+  use asperity_sweep, only: run_sweep
+  use asperity_version, only: version
+  implicit none
+  private
+
+  public :: solve, solve_in_arithmetic
+
+contains
+
+  !> Solves every position of a scene. `failure` is allocated, with the position, when one cannot be
+  !> solved, or when what is asked for cannot be had.
+  subroutine solve(scene_in, results, failure, options)
+    type(scene), intent(in) :: scene_in                    !! checked values
+    type(scene_results), intent(out) :: results            !! all positions
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(run_options), intent(in), optional :: options     !! absent: those of `run_options()`
+    type(run_options) :: chosen
+
+    if (present(options)) chosen = options
+    if (needs_doubles(scene_in)) then
+      call solve_effects(scene_in, chosen, results, failure)
+    else if (chosen%accuracy > 0) then
+      call solve_to_accuracy(scene_in, chosen, results, failure)
+    else
+      call solve_in_arithmetic(scene_in, solve_method(), chosen, results, failure)
+    end if
+  end subroutine solve
+
+  !> Solves every position without effects, in the arithmetic of the options, by a method: the
+  !> solver proper is `solve_method()`, the others serve the accuracy study.
+  subroutine solve_in_arithmetic(scene_in, method, options, results, failure)
+    type(scene), intent(in) :: scene_in                    !! checked values
+    type(solve_method), intent(in) :: method               !! how to compute
+    type(run_options), intent(in) :: options               !! its arithmetic, and how
+    type(scene_results), intent(out) :: results            !! all positions
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    class(position_solver), allocatable :: solver
+
+    results%arithmetic = options%arithmetic
+    call solver_in(trim(options%arithmetic), scene_in, method, solver, failure)
+    if (.not. allocated(failure)) call sweep(scene_in, options, solver, results, failure)
+  end subroutine solve_in_arithmetic
+
+  ! With the effects of the scene, in doubles.
+  subroutine solve_effects(scene_in, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    class(position_solver), allocatable :: solver
+
+    if (options%arithmetic /= 'real64' .or. options%accuracy > 0) then
+      failure = 'effects and paths of several values are computed in real64 only'
+      return
+    end if
+    results%arithmetic = options%arithmetic
+    allocate (results%effects)
+    call make_effect_solver(scene_in, solver, results%effects, failure)
+    if (.not. allocated(failure)) call sweep(scene_in, options, solver, results, failure)
+  end subroutine solve_effects
+
+  ! In the cheapest arithmetic whose error bound is within the accuracy asked for.
+  subroutine solve_to_accuracy(scene_in, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    type(run_options) :: way
+    character(len=10) :: digits
+    integer :: i
+
+    way = options
+    do i = 1, size(front_arithmetics)
+      way%arithmetic = front_arithmetics(i)
+      call solve_in_arithmetic(scene_in, solve_method(), way, results, failure)
+      if (allocated(failure)) return
+      results%error_bound = error_bound(trim(way%arithmetic), scene_in, results%positions)
+      if (results%error_bound <= options%accuracy) return
+    end do
+    write (digits, '(es10.1e3)') results%error_bound
+    failure = 'no way of computing has this accuracy; the best one, ' // trim(way%arithmetic) // &
+              ', is good to' // digits
+  end subroutine solve_to_accuracy
+
+  ! The sweep, with the file in which its positions are kept.
+  subroutine sweep(scene_in, options, solver, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    class(position_solver), intent(in) :: solver
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    type(kept_work) :: kept
+
+    call name_work(scene_in, options, kept, failure)
+    if (.not. allocated(failure)) &
+      call run_sweep(solver, options, kept, results%positions, failure)
+  end subroutine sweep
+
+  ! What a file of kept positions is for: all files that the scene is made of, and what else the
+  ! results depend on. Every image reads them: what fails on one fails on all, and nobody waits.
+  subroutine name_work(scene_in, options, kept, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(kept_work), intent(out) :: kept
+    character(len=:), allocatable, intent(out) :: failure
+
+    kept%path = ''
+    if (allocated(options%keep_file)) kept%path = options%keep_file
+    if (kept%path == '') return
+    kept%piece = 'position'
+    kept%of_what = 'this scene, arithmetic and list of contacts'
+    kept%heading = 'asperity ' // version // ' solve, ' // trim(options%arithmetic) // &
+                   ', contacts ' // trim(merge('kept  ', 'summed', options%keep_contacts)) // &
+                   ', input'
+    call add_file(scene_in%file)
+    call add_file(scene_in%upper%file)
+    if (scene_in%lower%file /= scene_in%upper%file) call add_file(scene_in%lower%file)
+
+  contains
+
+    subroutine add_file(path)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: text, why
+
+      if (allocated(failure)) return
+      call read_whole_file(path, text, why)
+      if (.not. allocated(why)) then
+        kept%heading = kept%heading // ' ' // checksum(text)
+        if (len(text) == 0) why = path // ': cannot be read again, as --keep needs it'
+      end if
+      if (allocated(why)) failure = why
+    end subroutine add_file
+
+  end subroutine name_work
+
+  ! Effects and paths of several values are computed in doubles only.
+  pure logical function needs_doubles(scene_in)
+    type(scene), intent(in) :: scene_in
+
+    needs_doubles = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
+  end function needs_doubles
+
+end module asperity_solve

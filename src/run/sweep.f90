@@ -1,0 +1,170 @@
+!> The one way through a sweep: its positions are shared out to images and threads, and kept in a
+!> file as they are solved, with the same result however many there are.
+!>
+!> What a run tells of a failure is what a run with one thread tells: the first position in order
+!> that fails, or with which there are too many contacts. Positions behind it are left out. Without
+!> OpenMP there is one thread.
+module asperity_sweep
+  use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
+  use asperity_images, only: image_number
+  use asperity_kept_records, only: kept_work
+  use asperity_kinds, only: int64
+  use asperity_position_packet, only: pack_position, unpack_position
+  use asperity_position_solver, only: position_solver
+  use asperity_problems, only: decimal_text
+  use asperity_process, only: has_memory
+  use asperity_progress, only: progress_line
+  use asperity_run_options, only: run_options
+  use asperity_shared_work, only: add_failure, add_piece, begin_round, begin_work, end_round, &
+                                  gather_round, is_own, shared_work
+  !$ use omp_lib, only: omp_get_max_threads
+  implicit none
+  private
+
+  public :: run_sweep
+
+  ! Less work than this is done before threads have begun: positions times asperities.
+  integer(int64), parameter :: least_work = 30000_int64
+
+  ! What the threads know of each other's positions.
+  type :: sweep_watch
+    integer :: last = 0            ! no position behind it is wanted
+    integer :: highest = 0         ! of those solved
+    integer(int64) :: rows = 0_int64  ! contacts kept so far
+    type(progress_line) :: progress
+    type(shared_work) :: work
+  end type sweep_watch
+
+contains
+
+  !> Solves every position. On image 1 `positions` has all of them then, in order; on others their
+  !> own. `failure` is allocated, with the position, when one cannot be solved, or why the images
+  !> cannot go on together.
+  subroutine run_sweep(solver, options, kept, positions, failure)
+    class(position_solver), intent(in) :: solver           !! the scene
+    type(run_options), intent(in) :: options               !! how
+    type(kept_work), intent(in) :: kept                    !! where positions are kept
+    type(position_result), allocatable, intent(out) :: positions(:)
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(sweep_watch) :: watch
+    integer(int64) :: states
+    integer :: m, threads
+    logical :: going_on
+
+    states = int(solver%positions, int64) * int(max(1, solver%states), int64)
+    if (.not. has_memory(states * int(room_of_a_state, int64))) then
+      failure = 'not enough memory for ' // decimal_text(solver%positions) // ' positions'
+      return
+    end if
+    allocate (positions(solver%positions))
+    threads = threads_for(solver, options)
+    watch%last = solver%positions
+    call begin_work(watch%work, solver%positions, options%all_images, kept)
+    do m = 1, watch%work%done * merge(1, 0, image_number() == 1)
+      call unpack_position(watch%work%records(m)%words, positions(m))
+    end do
+    call watch%progress%begin(options%progress, 'positions', solver%positions, watch%work%done)
+    do
+      call begin_round(watch%work, going_on)
+      if (.not. going_on) exit
+      !$omp parallel do schedule(dynamic) num_threads(threads) if(threads > 1)
+      do m = watch%work%first, watch%work%last
+        if (is_wanted(watch, m)) call solve_one(solver, m, options, positions(m), watch)
+      end do
+      !$omp end parallel do
+      call gather_round(watch%work)
+      if (image_number() == 1) call take_round(watch, positions)
+      call end_round(watch%work)
+      call watch%progress%reach(watch%work%done)
+    end do
+    call watch%progress%finish()
+    if (allocated(watch%work%ending)) failure = watch%work%ending
+  end subroutine run_sweep
+
+  ! Threads for the positions, at least one.
+  integer function threads_for(solver, options) result(threads)
+    class(position_solver), intent(in) :: solver
+    type(run_options), intent(in) :: options
+
+    threads = 1
+    if (options%threads > 0) then
+      threads = options%threads
+    else
+      !$ if (solver%work >= least_work / solver%positions) threads = omp_get_max_threads()
+    end if
+    threads = max(1, min(threads, solver%positions))
+  end function threads_for
+
+  ! Whether a position of the round need be solved, and here.
+  logical function is_wanted(watch, m)
+    type(sweep_watch), intent(in) :: watch
+    integer, intent(in) :: m
+    integer :: last
+
+    !$omp atomic read
+    last = watch%last
+    is_wanted = m <= last .and. is_own(watch%work, m)
+  end function is_wanted
+
+  ! One position, by one thread.
+  subroutine solve_one(solver, m, options, position, watch)
+    class(position_solver), intent(in) :: solver
+    integer, intent(in) :: m
+    type(run_options), intent(in) :: options
+    type(position_result), intent(inout) :: position
+    type(sweep_watch), intent(inout) :: watch
+    character(len=:), allocatable :: failure
+    integer(int64), allocatable :: words(:)
+    integer :: last
+
+    call solver%solve(m, options%keep_contacts, position, failure)
+    if (.not. allocated(failure)) then
+      if (.not. are_finite(position)) failure = 'a result is beyond the range of a double'
+    end if
+    if (watch%work%packed .and. .not. allocated(failure)) call pack_position(position, words)
+    !$omp critical (asperity_positions)
+    last = watch%last
+    watch%highest = max(watch%highest, m)
+    watch%rows = watch%rows + int(position%rows_used, int64)
+    if (allocated(failure)) then
+      call add_failure(watch%work, m, failure)
+      last = min(last, m)
+    else if (watch%work%packed) then
+      call add_piece(watch%work, m, words)
+    end if
+    ! One up to the highest is too much. All before it are still solved.
+    if (watch%rows > int(most_rows, int64)) last = min(last, watch%highest)
+    !$omp atomic write
+    watch%last = last
+    call watch%progress%step()
+    !$omp end critical (asperity_positions)
+  end subroutine solve_one
+
+  ! What other images have solved comes to image 1, which looks whether the sweep can go on.
+  subroutine take_round(watch, positions)
+    type(sweep_watch), intent(inout) :: watch
+    type(position_result), intent(inout) :: positions(:)
+    integer(int64) :: rows
+    integer :: m
+
+    if (allocated(watch%work%ending)) return
+    associate (work => watch%work)
+      do m = work%first, merge(work%last, 0, work%packed)
+        if (is_own(work, m) .or. .not. allocated(work%records(m)%words)) cycle
+        call unpack_position(work%records(m)%words, positions(m))
+      end do
+      rows = 0_int64
+      do m = 1, min(work%last, work%failed)
+        rows = rows + int(positions(m)%rows_used, int64)
+        if (m == work%failed) work%ending = work%failure
+        if (rows > int(most_rows, int64)) &
+          work%ending = 'more than ' // decimal_text(most_rows) // ' contacts to keep: ' // &
+                        'expected fewer positions or points, or no list of contacts'
+        if (.not. allocated(work%ending)) cycle
+        work%ending = 'position ' // decimal_text(m) // ': ' // work%ending
+        return
+      end do
+    end associate
+  end subroutine take_round
+
+end module asperity_sweep
