@@ -11,16 +11,6 @@ CONTACT_COLUMNS = {
 }
 TOTAL_COLUMNS = {"area": (46, 54), "projected_area": (54, 62), "load": (62, 74)}
 ASPERITY_COLUMNS = {"index": (30, 35), "x": (38, 47), "y": (47, 56), "height": (56, 66)}
-MODEL_COLUMNS = {
-    "number": (34, 39), "summit_radius": (39, 46), "maximum_height": (46, 53),
-    "elastic_modulus": (53, 64), "poissons_ratio": (64, 71), "maximum_stress": (71, 81),
-}
-VARIANCE_ROWS = {
-    "total_load": ("TOTAL LOAD", 0), "total_contact_area": ("TOTAL CONTACT AREA", 0),
-    "contact_points": ("NUMBER OF CONTACT", 1), "approach": ("APPROACH  ", 0),
-    "slope": ("SLOPE OF CONTACT", 1), "total_area_difference": ("JECTED CONTACT AREA", 0),
-    "individual_area_difference": ("JECTED INDIVIDUAL", 1),
-}
 
 
 class NotFound(AssertionError):
@@ -53,30 +43,6 @@ class Report:
     def asperities(self, title):
         rows = [line for line in self.table(title) if re.match(r"\s{30,35}\d+\s+\d", line)]
         return [cut(line, ASPERITY_COLUMNS) for line in rows]
-
-    def models(self):
-        lines = self.table("TABLE V")
-        rows = [cut(line, MODEL_COLUMNS) for line in lines if line.strip().startswith("MODEL")]
-        if len(rows) != 2:
-            raise NotFound(f"Table V has {len(rows)} models, expected 2")
-        angles = re.findall(r"THETA[UL]=\s*([-0-9.]+)\s*RADIANS", "\n".join(lines))
-        if len(angles) != 2:
-            raise NotFound("Table V has no two angles")
-        for row, name, angle in zip(rows, ("upper", "lower"), angles):
-            row["model"], row["theta"] = name, angle
-        return rows
-
-    def variance(self):
-        lines = self.table("TABLE VI")
-        rows = []
-        for quantity, (label, below) in VARIANCE_ROWS.items():
-            places = [i for i, line in enumerate(lines) if line[24:].startswith(label)]
-            if len(places) != 1:
-                raise NotFound(f"Table VI has {len(places)} rows '{label}'")
-            line = lines[places[0] + below].ljust(79)
-            rows.append({"quantity": quantity, "maximum": line[49:58].strip(),
-                         "minimum": line[58:68].strip(), "average": line[68:79].strip()})
-        return rows
 
     def contacts(self, title):
         rows = []
