@@ -3,24 +3,31 @@
 !> An effect estimates, from what is cheap, how much it would change the total vertical load of a
 !> state; when it is called for it changes the state. It knows its own numbers and nothing of the
 !> others. What only it knows it hands over as named columns, so that writers need not know it.
+!>
+!> `estimate` and `apply` must be written for each; the other procedures have a default, which does
+!> nothing. An effect that remembers overrides `begin` and `keep`; one that acts while load or
+!> approach is held sets `acts_in_time` and overrides `held_share`; one whose columns depend on what
+!> later effects do, `finish`; one that knows a short way to a load, `closing_at_load`.
 module asperity_contact_effect
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: effect_record
   use asperity_contact_state, only: contact_state
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_off
+  use asperity_scene_values, only: effect_off, scene_effects
   implicit none
   private
 
-  public :: contact_effect, effect_box, effect_outcome, column_name, set_columns
+  public :: contact_effect, effect_box, effect_outcome
+  public :: column_name, column, plain, length, force, moment
 
-  !> Length of the name of a column.
-  integer, parameter, private :: name_length = 20
+  !> The unit of a column is the modulus to the first power and the length to the second: a plain
+  !> number, a length, a force, a moment or an energy.
+  integer, parameter :: plain(2) = [0, 0], length(2) = [0, 1], force(2) = [1, 2], moment(2) = [1, 3]
 
-  !> The name of a column of a CSV file.
+  !> The name of a column of a CSV file, and its unit.
   type :: column_name
-    character(len=name_length) :: text = ''   !! as in the header
+    character(len=20) :: text = ''            !! its name, as in the header
     integer :: modulus_power = 0              !! its unit holds the modulus to this power
     integer :: length_power = 0               !! and the length to this
     !> What it is where `auto` left the effect out: this times the vertical load, plus ...
@@ -41,22 +48,18 @@ module asperity_contact_effect
     integer :: mode = effect_off                        !! as in &effects
     real(real64) :: tolerance = 0.0_real64              !! share of the load that may be left out
     real(real64) :: load_tolerance = 1.0e-11_real64     !! how near a load asked for is met
-    !> Where a load is reached; not associated: it knows no short way.
-    procedure(find_closing), pointer :: closing_at_load => null()
-    !> What is left of a load at a time, as a share of that at the same closing without this
-    !> effect, when all contacts together are held at one load; associated: it acts in time.
-    procedure(share_at_time), pointer :: held_share => null()
-    !> Tells its columns again, when the effects after it have changed the state.
-    procedure(apply_effect), pointer :: finish => null()
-    !> Forgets the position before; not associated: it remembers nothing.
-    procedure(begin_position), pointer :: begin => null()
-    !> Keeps what the next state of the position needs to know of this one.
-    procedure(keep_state), pointer :: keep => null()
+    logical :: acts_in_time = .false.                   !! acts while load or approach is held
     type(column_name), allocatable :: contact_columns(:)  !! what it tells of a contact
     type(column_name), allocatable :: state_columns(:)    !! what it tells of a position
   contains
     procedure(estimate_influence), deferred :: estimate  !! what it would change, cheaply
     procedure(apply_effect), deferred :: apply           !! changes the state
+    procedure :: begin            !! forgets the position before
+    procedure :: keep             !! remembers a state for those that follow
+    procedure :: finish           !! tells its columns anew, after all effects
+    procedure :: held_share       !! what it leaves of a load that is held
+    procedure :: closing_at_load  !! where a load is reached
+    procedure, non_overridable :: call_as  !! name, mode and tolerance
   end type contact_effect
 
   !> One effect of a list.
@@ -85,62 +88,93 @@ module asperity_contact_effect
       type(contact_state), intent(inout) :: state     !! without, then with this effect
       type(effect_outcome), intent(inout) :: outcome  !! what it did
     end subroutine apply_effect
-
-    !> A share that depends on time alone.
-    function share_at_time(self, time) result(share)
-      import :: contact_effect, real64
-      implicit none
-      class(contact_effect), intent(in) :: self  !! the effect
-      real(real64), intent(in) :: time           !! since the end of loading
-      real(real64) :: share
-    end function share_at_time
-
-    !> Begins a position at which nothing has touched yet.
-    subroutine begin_position(self, pairs)
-      import :: contact_effect, contact_pairs
-      implicit none
-      class(contact_effect), intent(inout) :: self  !! the effect
-      type(contact_pairs), intent(in) :: pairs      !! the position
-    end subroutine begin_position
-
-    !> Keeps a state as the past of those that follow.
-    subroutine keep_state(self, pairs, state)
-      import :: contact_effect, contact_pairs, contact_state
-      implicit none
-      class(contact_effect), intent(inout) :: self  !! the effect
-      type(contact_pairs), intent(in) :: pairs      !! the position
-      type(contact_state), intent(in) :: state      !! all effects applied
-    end subroutine keep_state
-
-    !> Changes a closing to that at which the contacts with this effect alone carry a load; leaves
-    !> it where the effect is not called for.
-    subroutine find_closing(self, pairs, law, target, closing, found, failure)
-      import :: contact_effect, contact_law, contact_pairs, real64
-      implicit none
-      class(contact_effect), intent(in) :: self                 !! the effect
-      type(contact_pairs), intent(in) :: pairs                  !! the position
-      class(contact_law), intent(in) :: law                     !! of every contact
-      real(real64), intent(in) :: target                        !! sum of the normal forces
-      real(real64), intent(inout) :: closing                    !! past first touch
-      !> what the effect wants to know again when it acts there (pair, quantity); else as it was
-      real(real64), allocatable, intent(inout) :: found(:, :)
-      character(len=:), allocatable, intent(inout) :: failure   !! why the load cannot be reached
-    end subroutine find_closing
   end interface
 
 contains
 
-  !> The names of columns, in one go; `of_what` is a power of the modulus and one of the length
-  !> for each.
-  pure subroutine set_columns(columns, names, of_what)
-    type(column_name), allocatable, intent(out) :: columns(:)  !! one a name
-    character(len=*), intent(in) :: names(:)                   !! as in the header
-    integer, intent(in) :: of_what(:, :)                       !! (2, name)
+  !> A column: its name, its unit, and what it is where `auto` left the effect out.
+  pure type(column_name) function column(name, unit, of_load, otherwise)
+    character(len=*), intent(in) :: name              !! as in the header
+    integer, intent(in) :: unit(2)                    !! `plain`, `length`, `force` or `moment`
+    real(real64), intent(in), optional :: of_load     !! times the vertical load; 0 without it
+    real(real64), intent(in), optional :: otherwise   !! plus this; 0 without it
 
-    allocate (columns(size(names)))
-    columns%text = names
-    columns%modulus_power = of_what(1, :)
-    columns%length_power = of_what(2, :)
-  end subroutine set_columns
+    column%text = name
+    column%modulus_power = unit(1)
+    column%length_power = unit(2)
+    if (present(of_load)) column%of_load = of_load
+    if (present(otherwise)) column%otherwise = otherwise
+  end function column
+
+  !> Name, mode and tolerance, as the scene has them.
+  subroutine call_as(self, name, effects)
+    class(contact_effect), intent(inout) :: self  !! the effect
+    character(len=*), intent(in) :: name          !! as in &effects
+    type(scene_effects), intent(in) :: effects    !! of the scene
+
+    self%name = name
+    self%mode = effects%mode(name)
+    self%tolerance = effects%number('tolerance')
+  end subroutine call_as
+
+  !> Begins a position at which nothing has touched yet. Here: there is nothing to forget.
+  subroutine begin(self, pairs)
+    class(contact_effect), intent(inout) :: self  !! the effect
+    type(contact_pairs), intent(in) :: pairs      !! the position
+
+    associate (unused => self, unused_too => pairs)
+    end associate
+  end subroutine begin
+
+  !> Keeps a state as the past of those that follow. Here: nothing is remembered.
+  subroutine keep(self, pairs, state)
+    class(contact_effect), intent(inout) :: self  !! the effect
+    type(contact_pairs), intent(in) :: pairs      !! the position
+    type(contact_state), intent(in) :: state      !! all effects applied
+
+    associate (unused => self, unused_too => pairs, unused_also => state)
+    end associate
+  end subroutine keep
+
+  !> Tells the columns anew, when the effects after it have changed the state. Here: they stand.
+  subroutine finish(self, pairs, state, outcome)
+    class(contact_effect), intent(in) :: self       !! the effect
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(in) :: state        !! all effects applied
+    type(effect_outcome), intent(inout) :: outcome  !! what it did
+
+    associate (unused => self, unused_too => pairs, unused_also => state, as_it_is => outcome)
+    end associate
+  end subroutine finish
+
+  !> What is left of a load at a time, as a share of that at the same closing without this effect,
+  !> when all contacts together are held at one load. Here: all of it.
+  function held_share(self, time) result(share)
+    class(contact_effect), intent(in) :: self  !! the effect
+    real(real64), intent(in) :: time           !! since the end of loading
+    real(real64) :: share
+
+    associate (unused => self, unused_too => time)
+    end associate
+    share = 1.0_real64
+  end function held_share
+
+  !> Changes a closing to that at which the contacts with this effect alone carry a load; leaves it
+  !> where the effect is not called for. Here: no way is known, it stays.
+  subroutine closing_at_load(self, pairs, law, target, closing, found, failure)
+    class(contact_effect), intent(in) :: self                 !! the effect
+    type(contact_pairs), intent(in) :: pairs                  !! the position
+    class(contact_law), intent(in) :: law                     !! of every contact
+    real(real64), intent(in) :: target                        !! sum of the normal forces
+    real(real64), intent(inout) :: closing                    !! past first touch
+    !> what the effect wants to know again when it acts there (pair, quantity); else as it was
+    real(real64), allocatable, intent(inout) :: found(:, :)
+    character(len=:), allocatable, intent(inout) :: failure   !! why the load cannot be reached
+
+    associate (unused => self, unused_too => pairs, unused_also => law, load => target, &
+               as_it_is => closing)
+      if (allocated(found) .or. allocated(failure)) return
+    end associate
+  end subroutine closing_at_load
 
 end module asperity_contact_effect

@@ -5,6 +5,25 @@ module asperity_effect_combinations
 
   public :: why_not_together
 
+  ! Two effects that are not computed together.
+  type :: refused_pair
+    character(len=11) :: one, other  ! as in &effects
+    character(len=72) :: why
+    character(len=8) :: way = ''     ! only where `one` is simulated in this way; blank: in any
+  end type refused_pair
+
+  type(refused_pair), parameter :: refused(*) = [ &
+    refused_pair('adhesion', 'plasticity', 'the theories of adhesion are elastic'), &
+    refused_pair('adhesion', 'creep', 'the theory of creep knows no attraction'), &
+    refused_pair('adhesion', 'interaction', &
+                 'neighbours are lowered by pressures of Hertz, not by those of adhesion'), &
+    refused_pair('adhesion', 'friction', &
+                 'shear changes adhesion, and Coulomb''s law knows no attraction'), &
+    refused_pair('creep', 'plasticity', 'creep here is that of an elastic contact'), &
+    refused_pair('creep', 'friction', 'slip and creep together have no closed theory'), &
+    refused_pair('interaction', 'plasticity', &
+                 'cells are elastic: plasticity goes with interaction = ''coupled''', 'boundary')]
+
 contains
 
   !> Why two effects are not computed together; empty when they are.
@@ -14,40 +33,23 @@ contains
     character(len=*), intent(in) :: second      !! another one
     character(len=*), intent(in) :: second_way  !! how it is simulated
     character(len=:), allocatable :: why
+    integer :: i
 
     why = ''
-    if (are('adhesion', 'plasticity')) then
-      why = 'the theories of adhesion are elastic'
-    else if (are('adhesion', 'creep')) then
-      why = 'the theory of creep knows no attraction'
-    else if (are('adhesion', 'interaction')) then
-      why = 'neighbours are lowered by pressures of Hertz, not by those of adhesion'
-    else if (are('adhesion', 'friction')) then
-      why = 'shear changes adhesion, and Coulomb''s law knows no attraction'
-    else if (are('creep', 'plasticity')) then
-      why = 'creep here is that of an elastic contact'
-    else if (are('creep', 'friction')) then
-      why = 'slip and creep together have no closed theory'
-    else if (are('plasticity', 'interaction') .and. &
-             (on_cells(first, first_way) .or. on_cells(second, second_way))) then
-      why = 'cells are elastic: plasticity goes with interaction = ''coupled'''
-    end if
-    if (why /= '') why = first // ' and ' // second // ' do not go together: ' // why
-
-  contains
-
-    pure logical function are(one, other)
-      character(len=*), intent(in) :: one, other
-
-      are = (first == one .and. second == other) .or. (first == other .and. second == one)
-    end function are
-
-    pure logical function on_cells(name, way)
-      character(len=*), intent(in) :: name, way
-
-      on_cells = name == 'interaction' .and. way == 'boundary'
-    end function on_cells
-
+    do i = 1, size(refused)
+      if (meets(refused(i), first, first_way, second) .or. &
+          meets(refused(i), second, second_way, first)) &
+        why = first // ' and ' // second // ' do not go together: ' // trim(refused(i)%why)
+    end do
   end function why_not_together
+
+  ! Whether a refusal is of these two.
+  pure logical function meets(refusal, one, way, other)
+    type(refused_pair), intent(in) :: refusal
+    character(len=*), intent(in) :: one, way, other
+
+    meets = refusal%one == one .and. refusal%other == other .and. &
+            (refusal%way == '' .or. refusal%way == way)
+  end function meets
 
 end module asperity_effect_combinations

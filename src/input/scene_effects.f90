@@ -2,19 +2,17 @@
 module asperity_scene_effects
   use asperity_decimal, only: decimal_value
   use asperity_effect_combinations, only: why_not_together
+  use asperity_effect_names, only: effect_number, effect_numbers, known_effect, known_effects, &
+                                   needed_for, one_word, place_of_number, whole_number
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: nearest_double
-  use asperity_scene_fields, only: above_zero, not_negative, scene_fields, share, share_or_all
-  use asperity_scene_values, only: control_approach, criterion_none, effect_auto, &
-                                   effect_boundary, effect_coupled, effect_off, &
-                                   effect_on, effect_words, hold_words, scene, scene_effects
+  use asperity_scene_fields, only: scene_fields
+  use asperity_scene_values, only: control_approach, criterion_none, effect_auto, effect_off, &
+                                   effect_on, effect_words, scene, scene_effects
   implicit none
   private
 
   public :: read_effects
-
-  ! States of a hold are bounded, as those of a curve.
-  integer, parameter :: most_hold_points = 100000
 
 contains
 
@@ -24,62 +22,103 @@ contains
   subroutine read_effects(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(inout) :: checked        !! with material and limit; gets the effects
-    integer, parameter :: interactions(4) = &
-      [effect_off, effect_auto, effect_coupled, effect_boundary]
-    integer, parameter :: switches(3) = [effect_off, effect_on, effect_auto]
+    integer :: i
 
     associate (effects => checked%effects)
-      call take_effect(fields, 'interaction', interactions, effects%interaction)
-      call take_effect(fields, 'friction', switches, effects%friction)
-      call take_effect(fields, 'plasticity', switches, effects%plasticity)
-      call take_effect(fields, 'adhesion', switches, effects%adhesion)
-      call take_effect(fields, 'creep', switches, effects%creep)
-      call take('tolerance', share, effects%tolerance)
-      call take('boundary_tolerance', share, effects%boundary_tolerance)
-      call take('friction_coefficient', not_negative, effects%friction_coefficient)
-      call take('plastic_yield_stress', above_zero, effects%plastic_yield_stress)
-      call take('work_of_adhesion', not_negative, effects%work_of_adhesion)
-      call take('equilibrium_distance', above_zero, effects%equilibrium_distance)
-      call take('relaxation_time', not_negative, effects%relaxation_time)
-      call take('relaxed_modulus_ratio', share_or_all, effects%relaxed_modulus_ratio)
-      call take('hold_time', not_negative, effects%hold_time)
-      call fields%take_word('effects', 'hold', hold_words, effects%hold)
-      call fields%take_whole('effects', 'hold_points', 2, most_hold_points, effects%hold_points)
-
-      call require(fields, effects%friction == effect_on, 'friction_coefficient', &
-                   'friction = ''on''')
-      call require(fields, effects%adhesion == effect_on, 'work_of_adhesion', &
-                   'adhesion = ''on''')
-      call require(fields, effects%adhesion /= effect_off .and. &
-                   effects%work_of_adhesion%digits /= 0_int64, 'equilibrium_distance', &
-                   'adhesion and a work of adhesion')
-      call require(fields, effects%creep == effect_on, 'hold_time', 'creep = ''on''')
-      call require(fields, effects%creep /= effect_off .and. effects%hold_time%digits /= 0_int64, &
-                   'relaxation_time', 'creep and a hold')
-      call require(fields, effects%creep /= effect_off .and. effects%hold_time%digits /= 0_int64, &
-                   'relaxed_modulus_ratio', 'creep and a hold')
-      call require(fields, effects%plasticity /= effect_off .and. &
-                   checked%limit%criterion == criterion_none, 'plastic_yield_stress', &
-                   'plasticity and no limit')
-      if (effects%friction /= effect_off .and. effects%friction_coefficient%digits /= 0_int64 &
-          .and. goes_back(checked)) &
+      do i = 1, size(known_effects)
+        call take_mode(fields, known_effects(i), effects%modes(i))
+      end do
+      do i = 1, size(effect_numbers)
+        call take_number(fields, effect_numbers(i), effects%numbers(i))
+      end do
+      call require_numbers(fields, checked, .false.)
+      call require_numbers(fields, checked, .true.)
+      if (effects%mode('friction') /= effect_off .and. &
+          is_there(effects, 'friction_coefficient') .and. goes_back(checked)) &
         call fields%complain_of('effects', 'friction', 'friction is computed for surfaces ' // &
                                 'that close without going back: found a path in &loading ' // &
                                 'that does, expected friction = ''off''')
-      call check_together(fields, effects)
+      call check_together(fields, effects%modes)
     end associate
-
-  contains
-
-    subroutine take(name, range, value)
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: range
-      type(decimal_value), intent(inout) :: value
-
-      call fields%take_number('effects', name, range, value)
-    end subroutine take
-
   end subroutine read_effects
+
+  ! One of the words that an effect knows.
+  subroutine take_mode(fields, effect, mode)
+    type(scene_fields), intent(inout) :: fields
+    type(known_effect), intent(in) :: effect
+    integer, intent(inout) :: mode
+    integer :: chosen
+
+    chosen = 1
+    associate (ways => pack(effect%ways, effect%ways > 0))
+      call fields%take_word('effects', trim(effect%name), effect_words(ways), chosen)
+      mode = effect_off
+      if (chosen > 0) mode = ways(chosen)
+    end associate
+  end subroutine take_mode
+
+  ! A number, a whole number or a word; what is not there stays as it is.
+  subroutine take_number(fields, number, value)
+    type(scene_fields), intent(inout) :: fields
+    type(effect_number), intent(in) :: number
+    type(decimal_value), intent(inout) :: value
+    integer :: whole
+
+    whole = int(value%digits)
+    select case (number%range)
+    case (one_word)
+      call fields%take_word('effects', trim(number%name), number%words, whole)
+      value = decimal_value(int(whole, int64), 0)
+    case (whole_number)
+      call fields%take_whole('effects', trim(number%name), number%least, number%most, whole)
+      value = decimal_value(int(whole, int64), 0)
+    case default
+      call fields%take_number('effects', trim(number%name), number%range, value)
+    end select
+  end subroutine take_number
+
+  ! Numbers that something else needs: another choice in &effects, or that there is no limit.
+  subroutine require_numbers(fields, checked, without_limit)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(in) :: checked
+    logical, intent(in) :: without_limit
+    integer :: i
+
+    do i = 1, size(effect_numbers)
+      associate (number => effect_numbers(i))
+        if (number%needed_with == '' .or. fields%has('effects', trim(number%name))) cycle
+        if ((number%needed_with == 'no limit') .neqv. without_limit) cycle
+        if (is_needed(checked, number)) &
+          call fields%complain_of_group('effects', 'no ' // trim(number%name) // &
+                 ' in &effects: expected one with ' // needed_for(number))
+      end associate
+    end do
+  end subroutine require_numbers
+
+  ! Whether a scene must have a number.
+  pure logical function is_needed(checked, number)
+    type(scene), intent(in) :: checked
+    type(effect_number), intent(in) :: number
+    integer :: mode
+
+    mode = checked%effects%mode(number%effect)
+    select case (number%needed_with)
+    case ('on')
+      is_needed = mode == effect_on
+    case ('no limit')
+      is_needed = mode /= effect_off .and. checked%limit%criterion == criterion_none
+    case default
+      is_needed = mode /= effect_off .and. is_there(checked%effects, number%needed_with)
+    end select
+  end function is_needed
+
+  ! Whether a number is not 0.
+  pure logical function is_there(effects, name)
+    type(scene_effects), intent(in) :: effects
+    character(len=*), intent(in) :: name
+
+    is_there = effects%numbers(place_of_number(name))%digits /= 0_int64
+  end function is_there
 
   ! Whether the path of loads or approaches goes back anywhere.
   pure logical function goes_back(checked)
@@ -96,51 +135,21 @@ contains
     goes_back = any(closing(2:) < closing(:last - 1))
   end function goes_back
 
-  ! One of the words that an effect knows.
-  subroutine take_effect(fields, name, known, effect)
-    type(scene_fields), intent(inout) :: fields
-    character(len=*), intent(in) :: name
-    integer, intent(in) :: known(:)
-    integer, intent(inout) :: effect
-    integer :: chosen
-
-    chosen = 1
-    call fields%take_word('effects', name, effect_words(known), chosen)
-    effect = effect_off
-    if (chosen > 0) effect = known(chosen)
-  end subroutine take_effect
-
-  ! A number that something needs.
-  subroutine require(fields, is_needed, name, for_what)
-    type(scene_fields), intent(inout) :: fields
-    logical, intent(in) :: is_needed
-    character(len=*), intent(in) :: name, for_what
-
-    if (.not. is_needed .or. fields%has('effects', name)) return
-    call fields%complain_of_group('effects', 'no ' // name // ' in &effects: expected one ' // &
-                                  'with ' // for_what)
-  end subroutine require
-
   ! Effects whose theories do not go together. With `auto` it shows only at a position whether both
   ! are called for.
-  subroutine check_together(fields, effects)
+  subroutine check_together(fields, modes)
     type(scene_fields), intent(inout) :: fields
-    type(scene_effects), intent(in) :: effects
-    character(len=11), parameter :: names(5) = &
-      [character(len=11) :: 'interaction', 'friction', 'plasticity', 'adhesion', 'creep']
-    character(len=8) :: words(5)
+    integer, intent(in) :: modes(:)
     character(len=:), allocatable :: why
-    integer :: i, j, modes(5)
+    integer :: i, j
 
-    modes = [effects%interaction, effects%friction, effects%plasticity, effects%adhesion, &
-             effects%creep]
-    words = effect_words(modes)
-    do i = 1, size(names)
+    do i = 1, size(modes)
       do j = 1, i - 1
         if (any([modes(i), modes(j)] == effect_off) .or. &
             any([modes(i), modes(j)] == effect_auto)) cycle
-        why = why_not_together(trim(names(i)), trim(words(i)), trim(names(j)), trim(words(j)))
-        if (why /= '') call fields%complain_of('effects', trim(names(i)), why // &
+        why = why_not_together(trim(known_effects(i)%name), trim(effect_words(modes(i))), &
+                               trim(known_effects(j)%name), trim(effect_words(modes(j))))
+        if (why /= '') call fields%complain_of('effects', trim(known_effects(i)%name), why // &
                                                ', expected one of them off')
       end do
     end do

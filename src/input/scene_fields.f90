@@ -9,16 +9,16 @@ module asperity_scene_fields
   use asperity_kinds, only: int64
   use asperity_namelist_text, only: namelist_entry
   use asperity_number_ranges, only: above_zero, any_number, expected_numbers, in_range, &
-                                    not_negative, poisson_range, share, share_or_all
+                                    not_negative, poisson_range, share
   use asperity_numeral, only: read_numeral, read_whole_number
   use asperity_problems, only: decimal_text
-  use asperity_scene_names, only: name_table, or_comma, place_in
+  use asperity_scene_names, only: name_table, one_of, place_in
   use asperity_scene_places, only: scene_places
   implicit none
   private
 
   public :: scene_fields, read_fields
-  public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
+  public :: any_number, above_zero, share, poisson_range, not_negative
 
   !> The text of a scene, sorted into the groups and names that are known.
   type :: scene_fields
@@ -203,7 +203,7 @@ contains
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: words(:)    !! the words
     integer, intent(inout) :: number            !! which of them; 0 when refused
-    character(len=:), allocatable :: word, expected
+    character(len=:), allocatable :: word
     type(namelist_entry) :: entry
     integer :: i, found
 
@@ -219,11 +219,7 @@ contains
       number = found
       return
     end if
-    expected = quoted(trim(words(1)))
-    do found = 2, size(words)
-      expected = expected // or_comma(found, size(words)) // quoted(trim(words(found)))
-    end do
-    call complain_of_value(self, name, i, expected)
+    call complain_of_value(self, name, i, one_of(words))
   end subroutine take_word
 
   !> Tells a problem at a group, or at the table's first when that does not stand there.

@@ -1,12 +1,14 @@
 !> The groups and names that a scene knows, and what any such table answers.
 module asperity_scene_names
+  use asperity_effect_names, only: effect_numbers, known_effects
+  use asperity_input_problems, only: quoted
   implicit none
   private
 
-  public :: groups, names, known_name, name_table, scene_table
-  public :: place_in, or_comma
+  public :: known_name, name_table, scene_table
+  public :: place_in, or_comma, one_of
 
-  !> The groups.
+  ! The groups of a scene.
   character(len=*), parameter :: groups(7) = [character(len=8) :: &
     'surfaces', 'material', 'motion', 'tilt', 'loading', 'limit', 'effects']
 
@@ -29,7 +31,7 @@ module asperity_scene_names
     procedure :: names_of
   end type name_table
 
-  !> The names; a new one needs a line here and one in the reader.
+  ! The names of a scene but those of &effects; a new one needs a line here and one in the reader.
   type(known_name), parameter :: names(*) = [ &
     known_name('surfaces', 'deck'), known_name('surfaces', 'upper'), &
     known_name('surfaces', 'lower'), known_name('surfaces', 'radius'), &
@@ -42,29 +44,26 @@ module asperity_scene_names
     known_name('loading', 'control'), known_name('loading', 'value'), &
     known_name('loading', 'points'), &
     known_name('limit', 'criterion'), known_name('limit', 'value'), &
-    known_name('limit', 'hardness'), known_name('limit', 'yield_stress'), &
-    known_name('effects', 'interaction'), known_name('effects', 'friction'), &
-    known_name('effects', 'plasticity'), known_name('effects', 'adhesion'), &
-    known_name('effects', 'creep'), known_name('effects', 'tolerance'), &
-    known_name('effects', 'boundary_tolerance'), &
-    known_name('effects', 'friction_coefficient'), &
-    known_name('effects', 'plastic_yield_stress'), &
-    known_name('effects', 'work_of_adhesion'), &
-    known_name('effects', 'equilibrium_distance'), &
-    known_name('effects', 'relaxation_time'), &
-    known_name('effects', 'relaxed_modulus_ratio'), &
-    known_name('effects', 'hold_time'), known_name('effects', 'hold'), &
-    known_name('effects', 'hold_points')]
+    known_name('limit', 'hardness'), known_name('limit', 'yield_stress')]
 
 contains
 
   !> The table of a scene.
   pure function scene_table() result(table)
     type(name_table) :: table  !! its groups and names
+    integer :: i, own, with_effects
 
-    allocate (table%groups(size(groups)), table%names(size(names)))
+    own = size(names)
+    with_effects = own + size(known_effects)
+    allocate (table%groups(size(groups)), table%names(with_effects + size(effect_numbers)))
     table%groups = groups
-    table%names = names
+    table%names(:own) = names
+    do i = 1, size(known_effects)
+      table%names(own + i) = known_name('effects', known_effects(i)%name)
+    end do
+    do i = 1, size(effect_numbers)
+      table%names(with_effects + i) = known_name('effects', effect_numbers(i)%name)
+    end do
   end function scene_table
 
   !> Number of a name among all known ones; 0 when the group has none such.
@@ -130,5 +129,17 @@ contains
     text = ', '
     if (i == total) text = ' or '
   end function or_comma
+
+  !> `'off', 'on' or 'auto'`.
+  pure function one_of(words) result(text)
+    character(len=*), intent(in) :: words(:)  !! at least one
+    character(len=:), allocatable :: text     !! for a message
+    integer :: i
+
+    text = quoted(trim(words(1)))
+    do i = 2, size(words)
+      text = text // or_comma(i, size(words)) // quoted(trim(words(i)))
+    end do
+  end function one_of
 
 end module asperity_scene_names

@@ -5,7 +5,11 @@
 !> a deck brings cm, N and rad.
 module asperity_scene_values
   use asperity_card_deck, only: card_deck
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_effect_names, only: effect_auto, effect_boundary, effect_coupled, effect_numbers, &
+                                   effect_off, effect_on, effect_words, hold_approach, &
+                                   hold_load, hold_words, known_effects, place_of_effect, &
+                                   place_of_number
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
   implicit none
@@ -42,26 +46,6 @@ module asperity_scene_values
   !> The words of a scene for them; `criterion_none` has none.
   character(len=*), parameter :: criterion_words(4) = &
     [character(len=20) :: 'load', 'pressure', 'greenwood_williamson', 'hardy']
-
-  !> The effect is left out.
-  integer, parameter :: effect_off = 1
-  !> The effect is simulated.
-  integer, parameter :: effect_on = 2
-  !> The effect is simulated where it matters more than the tolerance.
-  integer, parameter :: effect_auto = 3
-  !> Interaction only: contacts lower each other elastically.
-  integer, parameter :: effect_coupled = 4
-  !> Interaction only: the whole surface by boundary elements.
-  integer, parameter :: effect_boundary = 5
-  !> Creep only: the load is held.
-  integer, parameter :: hold_load = 1
-  !> Creep only: the approach is held.
-  integer, parameter :: hold_approach = 2
-  !> The words of a scene for them.
-  character(len=*), parameter :: hold_words(2) = [character(len=8) :: 'load', 'approach']
-  !> The words of a scene for them.
-  character(len=*), parameter :: effect_words(5) = &
-    [character(len=8) :: 'off', 'on', 'auto', 'coupled', 'boundary']
 
   !> Limit load of the thesis, 65*9.8/2.205 = 288.888... N, to 18 digits.
   type(decimal_value), parameter :: thesis_limit_load = decimal_value(288888888888888889_int64, -15)
@@ -111,28 +95,18 @@ module asperity_scene_values
     type(decimal_value) :: yield_stress    !! in shear, for Hardy, more than 0
   end type scene_limit
 
-  !> What is simulated beyond independent elastic contacts.
+  !> What is simulated beyond independent elastic contacts. The names are those of &effects, as
+  !> `asperity_effect_names` lists them.
   type :: scene_effects
-    integer :: interaction = effect_off  !! `effect_off`, `_coupled`, `_boundary` or `_auto`
-    integer :: friction = effect_off     !! `effect_off`, `effect_on` or `effect_auto`
-    integer :: plasticity = effect_off   !! `effect_off`, `effect_on` or `effect_auto`
-    integer :: adhesion = effect_off     !! `effect_off`, `effect_on` or `effect_auto`
-    integer :: creep = effect_off        !! `effect_off`, `effect_on` or `effect_auto`
-    type(decimal_value) :: tolerance = decimal_value(1_int64, -2)  !! share of the load, in (0, 1)
-    !> What the last halving of the cells may change, share of the load, in (0, 1).
-    type(decimal_value) :: boundary_tolerance = decimal_value(1_int64, -3)
-    type(decimal_value) :: friction_coefficient  !! 0 or more
-    type(decimal_value) :: plastic_yield_stress  !! in tension; 0: flow begins at the limit
-    type(decimal_value) :: work_of_adhesion      !! energy of an area, 0 or more
-    type(decimal_value) :: equilibrium_distance  !! of two surfaces that adhere, more than 0
-    type(decimal_value) :: relaxation_time       !! 0 or more, unit of `hold_time`
-    !> Relaxed over instantaneous modulus, more than 0 and at most 1.
-    type(decimal_value) :: relaxed_modulus_ratio = decimal_value(1_int64, 0)
-    type(decimal_value) :: hold_time             !! after loading, 0 or more
-    integer :: hold = hold_load                  !! `hold_load` or `hold_approach`
-    integer :: hold_points = 20                  !! states of the hold, at least 2
+    integer :: modes(size(known_effects)) = effect_off  !! of each effect, an `effect_` number
+    type(decimal_value) :: numbers(size(effect_numbers)) = effect_numbers%default  !! of all
   contains
-    procedure :: any_on => any_effect_on  !! whether one of them is not off
+    procedure :: mode => mode_of_effect      !! how an effect is called for
+    procedure :: number => number_of_effect  !! a number, as a double
+    procedure :: whole => whole_of_effect    !! a whole number, or the place of a word
+    procedure :: call_for => call_for_effect !! sets how an effect is called for
+    procedure :: set => set_number           !! sets a number
+    procedure :: any_on => any_effect_on     !! whether one of them is not off
   end type scene_effects
 
   !> A whole scene, resolved: defaults and the deck's own values are filled in.
@@ -162,12 +136,53 @@ module asperity_scene_values
 
 contains
 
+  !> How a scene calls for an effect.
+  pure integer function mode_of_effect(effects, name) result(mode)
+    class(scene_effects), intent(in) :: effects  !! of a scene
+    character(len=*), intent(in) :: name         !! a known effect
+
+    mode = effects%modes(place_of_effect(name))
+  end function mode_of_effect
+
+  !> A number of an effect, as the nearest double.
+  pure real(real64) function number_of_effect(effects, name) result(number)
+    class(scene_effects), intent(in) :: effects  !! of a scene
+    character(len=*), intent(in) :: name         !! a known number
+
+    number = decimal_to_real64(effects%numbers(place_of_number(name)))
+  end function number_of_effect
+
+  !> A whole number of an effect, or the place of a word among those that are known.
+  pure integer function whole_of_effect(effects, name) result(number)
+    class(scene_effects), intent(in) :: effects  !! of a scene
+    character(len=*), intent(in) :: name         !! a known number
+
+    number = int(effects%numbers(place_of_number(name))%digits)
+  end function whole_of_effect
+
+  !> Sets how a scene calls for an effect.
+  pure subroutine call_for_effect(effects, name, mode)
+    class(scene_effects), intent(inout) :: effects  !! of a scene
+    character(len=*), intent(in) :: name            !! a known effect
+    integer, intent(in) :: mode                     !! one of its `effect_` numbers
+
+    effects%modes(place_of_effect(name)) = mode
+  end subroutine call_for_effect
+
+  !> Sets a number of an effect.
+  pure subroutine set_number(effects, name, value)
+    class(scene_effects), intent(inout) :: effects  !! of a scene
+    character(len=*), intent(in) :: name            !! a known number
+    type(decimal_value), intent(in) :: value        !! in its range
+
+    effects%numbers(place_of_number(name)) = value
+  end subroutine set_number
+
   !> Whether an effect is not off.
   pure logical function any_effect_on(effects)
     class(scene_effects), intent(in) :: effects  !! of a scene
 
-    any_effect_on = any([effects%interaction, effects%friction, effects%plasticity, &
-                         effects%adhesion, effects%creep] /= effect_off)
+    any_effect_on = any(effects%modes /= effect_off)
   end function any_effect_on
 
   !> Whether the scene is a bare deck: the sweep that the original program computes.

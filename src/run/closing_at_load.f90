@@ -31,7 +31,7 @@ contains
   !> the effects can meet it. For no load at all: the largest closing without.
   subroutine close_to_load(pairs, effects, target, closing, state, outcomes, failure)
     type(contact_pairs), intent(in) :: pairs                !! the position
-    type(effect_box), intent(in) :: effects(:)              !! none that acts in time
+    type(effect_box), intent(in) :: effects(:)              !! those that act in time do not here
     real(real64), intent(in) :: target                      !! 0 or more
     real(real64), intent(inout) :: closing                  !! a guess, then the closing
     type(contact_state), intent(out) :: state               !! the last one that was simulated
@@ -52,7 +52,7 @@ contains
     nothing = bracket%high * least_closing
     if (abs(closing - asked) > 0.0_real64 .and. allocated(found)) deallocate (found)
     do try = 1, most_tries
-      call simulate(pairs, effects, closing, 0.0_real64, state, outcomes, found)
+      call simulate(pairs, effects, closing, 0.0_real64, state, outcomes, .true., found)
       if (allocated(found)) deallocate (found)
       call first_failure(effects, outcomes, failure)
       if (allocated(failure)) return
@@ -89,7 +89,6 @@ contains
     integer :: i
 
     do i = 1, size(effects)
-      if (.not. associated(effects(i)%effect%closing_at_load)) cycle
       call effects(i)%effect%closing_at_load(pairs, hertz_law(modulus=pairs%modulus), target, &
                                              closing, found, failure)
       if (allocated(failure)) return
@@ -161,8 +160,10 @@ contains
 
     tolerance = load_tolerance(effects, outcomes)
     do i = 1, size(effects)
-      if (effects(i)%effect%mode == effect_auto) &
-        tolerance = max(tolerance, effects(i)%effect%tolerance, effects(i)%effect%load_tolerance)
+      associate (effect => effects(i)%effect)
+        if (effect%mode /= effect_auto .or. effect%acts_in_time) cycle
+        tolerance = max(tolerance, effect%tolerance, effect%load_tolerance)
+      end associate
     end do
   end function jump_allowed
 

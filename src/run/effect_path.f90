@@ -74,11 +74,11 @@ contains
     real(real64), allocatable :: times(:)
 
     associate (effects => scene_in%effects)
-      call hold_times(decimal_to_real64(effects%hold_time), &
-                      decimal_to_real64(effects%relaxation_time), effects%hold_points, times)
+      call hold_times(effects%number('hold_time'), effects%number('relaxation_time'), &
+                      effects%whole('hold_points'), times)
       allocate (steps(size(times) - 1))
       steps%time = times(2:)
-      steps%kind = merge(as_before, stay, effects%hold == hold_load)
+      steps%kind = merge(as_before, stay, effects%whole('hold') == hold_load)
     end associate
   end subroutine plan_hold
 

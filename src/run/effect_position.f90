@@ -42,8 +42,7 @@ contains
     call begin(pairs, effects)
     closing = pairs%closing
     if (scene_in%loading%control == control_load .and. .not. simulated) then
-      call close_to_load(pairs, loading_only(effects), pairs%target, closing, state, outcomes, &
-                         failure)
+      call close_to_load(pairs, effects, pairs%target, closing, state, outcomes, failure)
       if (allocated(failure)) return
     end if
     call plan_states(scene_in, pairs, closing, steps)
@@ -93,12 +92,10 @@ contains
       case (to_closing)
         closing = steps(i)%value
       case (to_load)
-        call close_to_load(pairs, loading_only(effects), steps(i)%value, closing, state, &
-                           outcomes, failure)
+        call close_to_load(pairs, effects, steps(i)%value, closing, state, outcomes, failure)
       case (as_before)
-        call close_to_load(pairs, loading_only(effects), &
-                           held / share_held(effects, steps(i)%time), closing, state, outcomes, &
-                           failure)
+        call close_to_load(pairs, effects, held / share_held(effects, steps(i)%time), closing, &
+                           state, outcomes, failure)
       case default  ! stay
       end select
       too_far = closing > pairs%complete_to
@@ -117,17 +114,20 @@ contains
     end do
   end subroutine walk
 
-  ! Whether a state is that of a closing and time, with all effects.
+  ! Whether a state is that of a closing and time, with all effects. The search for a load leaves out
+  ! those that act in time.
   pure logical function is_known(state, outcomes, effects, closing, time)
     type(contact_state), intent(in) :: state
     type(effect_outcome), allocatable, intent(in) :: outcomes(:)
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: closing, time
+    integer :: i
 
-    is_known = .false.
-    if (.not. allocated(outcomes)) return
-    is_known = size(outcomes) == size(effects) .and. .not. time > 0.0_real64 .and. &
-               .not. abs(state%closing - closing) > 0.0_real64
+    is_known = allocated(outcomes) .and. .not. time > 0.0_real64
+    do i = 1, size(effects)
+      is_known = is_known .and. .not. effects(i)%effect%acts_in_time
+    end do
+    if (is_known) is_known = .not. abs(state%closing - closing) > 0.0_real64
   end function is_known
 
   ! Nothing has touched yet.
@@ -137,7 +137,7 @@ contains
     integer :: i
 
     do i = 1, size(effects)
-      if (associated(effects(i)%effect%begin)) call effects(i)%effect%begin(pairs)
+      call effects(i)%effect%begin(pairs)
     end do
   end subroutine begin
 
@@ -149,28 +149,9 @@ contains
     integer :: i
 
     do i = 1, size(effects)
-      if (associated(effects(i)%effect%keep)) call effects(i)%effect%keep(pairs, state)
+      call effects(i)%effect%keep(pairs, state)
     end do
   end subroutine keep
-
-  ! The effects that act while loading takes no time.
-  function loading_only(effects) result(list)
-    type(effect_box), intent(in) :: effects(:)
-    type(effect_box), allocatable :: list(:)
-    integer :: i, used
-
-    used = 0
-    do i = 1, size(effects)
-      if (.not. associated(effects(i)%effect%held_share)) used = used + 1
-    end do
-    allocate (list(used))
-    used = 0
-    do i = 1, size(effects)
-      if (associated(effects(i)%effect%held_share)) cycle
-      used = used + 1
-      allocate (list(used)%effect, source=effects(i)%effect)
-    end do
-  end function loading_only
 
   ! Whether an effect that acts in time is called for.
   logical function acts_in_time(pairs, effects, closing)
@@ -182,11 +163,13 @@ contains
 
     acts_in_time = .false.
     do i = 1, size(effects)
-      if (.not. associated(effects(i)%effect%held_share)) cycle
-      acts_in_time = .true.
-      if (effects(i)%effect%mode /= effect_auto) cycle
-      call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
-      acts_in_time = effects(i)%effect%estimate(pairs, state) > effects(i)%effect%tolerance
+      associate (effect => effects(i)%effect)
+        if (.not. effect%acts_in_time .or. acts_in_time) cycle
+        acts_in_time = effect%mode /= effect_auto
+        if (acts_in_time) cycle
+        call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
+        acts_in_time = effect%estimate(pairs, state) > effect%tolerance
+      end associate
     end do
   end function acts_in_time
 
@@ -198,8 +181,7 @@ contains
 
     share = 1.0_real64
     do i = 1, size(effects)
-      if (associated(effects(i)%effect%held_share)) &
-        share = share * effects(i)%effect%held_share(time)
+      share = share * effects(i)%effect%held_share(time)
     end do
   end function share_held
 

@@ -15,18 +15,23 @@ module asperity_effect_sequence
 contains
 
   !> The contacts at a closing with the effects called for.
-  subroutine simulate(pairs, effects, closing, time, state, outcomes, found)
+  subroutine simulate(pairs, effects, closing, time, state, outcomes, loading_only, found)
     type(contact_pairs), intent(in) :: pairs                        !! the position
     type(effect_box), intent(in) :: effects(:)                      !! in the order they act
     real(real64), intent(in) :: closing                             !! past first touch
     real(real64), intent(in) :: time                                !! since the end of loading
     type(contact_state), intent(out) :: state                       !! with the effects
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)   !! what each did
+    !> leave out what acts in time; without it nothing is left out
+    logical, intent(in), optional :: loading_only
     !> what a search for the closing has found (pair, quantity); not allocated: nothing
     real(real64), allocatable, intent(in), optional :: found(:, :)
     real(real64) :: before
+    logical :: without_time
     integer :: i
 
+    without_time = .false.
+    if (present(loading_only)) without_time = loading_only
     allocate (outcomes(size(effects)))
     call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
     state%time = time
@@ -35,6 +40,7 @@ contains
     end if
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => outcomes(i))
+        if (without_time .and. effect%acts_in_time) cycle
         before = total_vertical_load(state)
         if (effect%mode == effect_auto) then
           outcome%estimate = effect%estimate(pairs, state)
@@ -49,7 +55,7 @@ contains
     end do
     call check_together(effects, outcomes)
     do i = 1, size(effects)
-      if (outcomes(i)%simulated == 'off' .or. .not. associated(effects(i)%effect%finish)) cycle
+      if (outcomes(i)%simulated == 'off') cycle
       call effects(i)%effect%finish(pairs, state, outcomes(i))
     end do
   end subroutine simulate

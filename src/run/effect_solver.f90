@@ -6,7 +6,6 @@ module asperity_effect_solver
   use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
-  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_list, only: list_effects
   use asperity_effect_position, only: run_position
   use asperity_effect_rows, only: name_columns
@@ -50,7 +49,7 @@ contains
     call name_columns(new%effects, header)
     new%contact_columns = size(header%contact_columns)
     new%state_columns = size(header%state_columns)
-    header%tolerance = decimal_to_real64(scene_in%effects%tolerance)
+    header%tolerance = scene_in%effects%number('tolerance')
     if (any(header%names == 'plasticity')) header%plasticity_index = surface_index(scene_in)
     call place_scene(scene_in, new%placed, failure)
     if (allocated(failure)) return

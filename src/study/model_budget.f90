@@ -52,10 +52,11 @@ contains
 
     doubles = options
     doubles%arithmetic = 'real64'
-    model%interaction = scene_in%effects%interaction
-    model%cells_are_good_to = decimal_to_real64(scene_in%effects%boundary_tolerance)
+    model%interaction = scene_in%effects%mode('interaction')
+    model%cells_are_good_to = scene_in%effects%number('boundary_tolerance')
     associate (effects => scene_in%effects)
-      if (any([effects%plasticity, effects%adhesion, effects%creep] /= effect_off)) then
+      if (any([effects%mode('plasticity'), effects%mode('adhesion'), effects%mode('creep')] &
+              /= effect_off)) then
         model%why_not = 'cells know elastic contacts only'
       else if (allocated(scene_in%loading%path)) then
         model%why_not = 'it depends on the state of a path'
@@ -170,7 +171,7 @@ contains
     type(model_run), intent(out) :: used, cells
     character(len=:), allocatable, intent(out) :: failure
 
-    call run_model(scene_in, scene_in%effects%interaction, options, used, failure)
+    call run_model(scene_in, scene_in%effects%mode('interaction'), options, used, failure)
     if (.not. allocated(failure)) &
       call run_model(scene_in, effect_boundary, options, cells, failure)
   end subroutine run_both

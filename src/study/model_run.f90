@@ -41,7 +41,7 @@ contains
     type(scene) :: copy
 
     copy = scene_in
-    copy%effects%interaction = interaction
+    call copy%effects%call_for('interaction', interaction)
     copy%loading%points = 0
     call solve_model(copy, options, run, failure)
   end subroutine run_model

@@ -109,9 +109,10 @@ contains
     real(real64) :: seconds
 
     copy = bare
-    copy%effects%interaction = ladder(number)
-    if (ladder(number) == effect_auto) copy%effects%tolerance = tolerances(number)
-    if (ladder(number) == effect_boundary) copy%effects%boundary_tolerance = tolerances(number)
+    call copy%effects%call_for('interaction', ladder(number))
+    if (ladder(number) == effect_auto) call copy%effects%set('tolerance', tolerances(number))
+    if (ladder(number) == effect_boundary) &
+      call copy%effects%set('boundary_tolerance', tolerances(number))
     do
       call system_clock(from, rate)
       call place_scene(copy, placed, failure)

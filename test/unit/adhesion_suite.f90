@@ -3,7 +3,7 @@
 !>
 !> Truths are closed forms, named where they stand, and balances of work.
 module asperity_adhesion_suite
-  use asperity_adhesion, only: adhesion_of
+  use asperity_adhesion, only: new_adhesion
   use asperity_adhesion_cases, only: distance_of, modulus, near, numbers_of, pi, radius, work
   use asperity_adhesion_contact, only: adhering_contact, adhesion_numbers, answer_along_centres, &
                                        central_answer, new_adhering_contact
@@ -12,10 +12,10 @@ module asperity_adhesion_suite
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_load
-  use asperity_effect_helpers, only: pair_of, same, values_of
+  use asperity_effect_helpers, only: act, pair_of, same, set_number, values_of
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_on
+  use asperity_scene_values, only: effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -179,7 +179,7 @@ contains
     integer :: turn, i
 
     pairs = some_pairs(many, 0.0_real64)
-    call adhesion_of(effect_on, work, distance_of(10.0_real64), effect)
+    call adhesion_of(work, distance_of(10.0_real64), effect)
     unit = pi * work * radius
     do turn = 1, 2
       call effect%begin(pairs)
@@ -203,11 +203,9 @@ contains
 
     subroutine step_to(closing)
       real(real64), intent(in) :: closing
-      type(effect_outcome) :: nothing
 
-      outcome = nothing
       call start_state(pairs, hertz_law(modulus=modulus), closing, state)
-      call effect%apply(pairs, state, outcome)
+      call act(effect, pairs, state, outcome)
       call effect%keep(pairs, state)
     end subroutine step_to
 
@@ -223,17 +221,16 @@ contains
     real(real64) :: load
 
     pairs = some_pairs(3, 0.7_real64)
-    call adhesion_of(effect_on, work, distance_of(1.0_real64), effect)
+    call adhesion_of(work, distance_of(1.0_real64), effect)
     call start_state(pairs, hertz_law(modulus=modulus), 0.1_real64, state)
-    call effect%apply(pairs, state, plain)
+    call act(effect, pairs, state, plain)
     load = total_load(state)
-    deallocate (effect)
     ! Modulus unit 16**3, length unit 16**-2.
     pairs%modulus_power = 3
     pairs%length_power = -2
-    call adhesion_of(effect_on, scale(work, 4), scale(distance_of(1.0_real64), -8), effect)
+    call adhesion_of(scale(work, 4), scale(distance_of(1.0_real64), -8), effect)
     call start_state(pairs, hertz_law(modulus=modulus), 0.1_real64, state)
-    call effect%apply(pairs, state, scaled)
+    call act(effect, pairs, state, scaled)
     call check(error, load < 100.0_real64 .and. .not. abs(total_load(state) - load) > 0.0_real64, &
                'load')
     call check(error, .not. any(abs(scaled%of_contacts - plain%of_contacts) > 0.0_real64), &
@@ -256,20 +253,17 @@ contains
 
     pairs = some_pairs(4, 0.7_real64)
     do k = 1, size(tabor)
-      if (allocated(effect)) deallocate (effect)
-      call adhesion_of(effect_on, work, distance_of(tabor(k)), effect)
+      call adhesion_of(work, distance_of(tabor(k)), effect)
       do i = 1, 10
         call start_state(pairs, hertz_law(modulus=modulus), 0.02_real64 * i, state)
         share = effect%estimate(pairs, state)
         before = sum(state%answers%vertical_load)
-        if (allocated(outcome%of_contacts)) deallocate (outcome%of_contacts, outcome%of_state)
-        call effect%apply(pairs, state, outcome)
+        call act(effect, pairs, state, outcome)
         change = (before - sum(state%answers%vertical_load)) / before
         call check(error, change > 0.3_real64 * share .and. change <= share, 'change and estimate')
       end do
     end do
-    deallocate (effect)
-    call adhesion_of(effect_on, 0.0_real64, 1.0_real64, effect)
+    call adhesion_of(0.0_real64, 1.0_real64, effect)
     call start_state(pairs, hertz_law(modulus=modulus), 0.1_real64, state)
     call check(error, .not. effect%estimate(pairs, state) > 0.0_real64, 'none without work')
   end subroutine estimates
@@ -299,6 +293,18 @@ contains
     end do
     total = total * (to - from) / real(panels, real64)
   end function work_between
+
+  ! Adhesion as a scene names it.
+  subroutine adhesion_of(work, distance, effect)
+    real(real64), intent(in) :: work, distance
+    class(contact_effect), allocatable, intent(out) :: effect
+    type(scene) :: scene_in
+
+    call scene_in%effects%call_for('adhesion', effect_on)
+    call set_number(scene_in, 'work_of_adhesion', work)
+    call set_number(scene_in, 'equilibrium_distance', distance)
+    call new_adhesion(scene_in, effect)
+  end subroutine adhesion_of
 
   ! Pairs that all touch at once, with the radius and modulus of the cases.
   function some_pairs(number, d) result(pairs)

@@ -3,22 +3,20 @@ module asperity_creep_holds
   use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_load
-  use asperity_creep, only: creep_of
-  use asperity_effect_helpers, only: pair_of
+  use asperity_creep, only: new_creep
+  use asperity_effect_helpers, only: pair_of, set_number
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_on
+  use asperity_scene_values, only: effect_on, scene
   use asperity_testing, only: check, error_type
   use asperity_viscoelastic_solid, only: hold_times, standard_linear_solid
   implicit none
   private
 
-  public :: half, rounding, hold_load, start, held_at, three_spheres
+  public :: half, hold_load, start, creep_of, held_at, three_spheres
 
   !> A solid that keeps half its modulus.
   type(standard_linear_solid), parameter :: half = standard_linear_solid(0.5_real64, 1.0_real64)
-  !> How far elastic loads may fall in a test.
-  real(real64), parameter :: rounding = 1.0e-9_real64
 
 contains
 
@@ -79,10 +77,26 @@ contains
     !> the effect
     class(contact_effect), allocatable, intent(out) :: creep
 
-    call creep_of(solid, 1.0_real64, rounding, creep)
-    creep%mode = effect_on
+    call creep_of(solid, 1.0_real64, creep)
     call creep%begin(pairs)
   end subroutine start
+
+  !> Creep as a scene names it.
+  subroutine creep_of(solid, hold_time, creep)
+    !> what the bodies are made of
+    type(standard_linear_solid), intent(in) :: solid
+    !> how long the last state is held
+    real(real64), intent(in) :: hold_time
+    !> the effect
+    class(contact_effect), allocatable, intent(out) :: creep
+    type(scene) :: scene_in
+
+    call scene_in%effects%call_for('creep', effect_on)
+    call set_number(scene_in, 'relaxed_modulus_ratio', solid%relaxed_ratio)
+    call set_number(scene_in, 'relaxation_time', solid%relaxation_time)
+    call set_number(scene_in, 'hold_time', hold_time)
+    call new_creep(scene_in, creep)
+  end subroutine creep_of
 
   !> A state of a hold.
   subroutine held_at(pairs, creep, closing, time, state, outcome, coupling)

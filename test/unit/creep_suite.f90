@@ -6,8 +6,7 @@ module asperity_creep_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_load
-  use asperity_creep, only: creep_of
-  use asperity_creep_holds, only: half, held_at, hold_load, rounding, start, three_spheres
+  use asperity_creep_holds, only: creep_of, half, held_at, hold_load, start, three_spheres
   use asperity_effect_helpers, only: near, pair_of
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction, only: new_interaction
@@ -141,7 +140,7 @@ contains
     real(real64) :: share
     integer :: i, k
 
-    scene_in%effects%interaction = effect_coupled
+    call scene_in%effects%call_for('interaction', effect_coupled)
     call new_interaction(scene_in, coupling)
     solid = standard_linear_solid(0.4_real64, 1.0_real64)
     call three_spheres(pairs)
@@ -252,8 +251,7 @@ contains
     type(effect_outcome) :: outcome
 
     call three_spheres(pairs)
-    call creep_of(half, 1.0_real64, rounding, creep)
-    creep%mode = effect_on
+    call creep_of(half, 1.0_real64, creep)
     call held_at(pairs, creep, 0.04_real64, 1.0_real64, state, outcome)
     call fails_with(error, outcome, 'a hold begins')
     call creep%begin(pairs)
@@ -315,7 +313,7 @@ contains
     call creep%keep(pairs, state)
     call held_at(pairs, creep, 0.01_real64, 1.0_real64, state, outcome)
     call check(error, .not. allocated(outcome%failure), 'auto: left out, nothing kept')
-    call creep_of(half, 0.0_real64, rounding, creep)
+    call creep_of(half, 0.0_real64, creep)
     call check(error, creep%estimate(pairs, state), 0.0_real64, 0.0_real64, 'no hold')
   end subroutine estimates
 

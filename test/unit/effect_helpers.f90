@@ -1,18 +1,24 @@
 !> What the suites of effects share: pairs of spheres, a plastic law, and comparisons.
 module asperity_effect_helpers
+  use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_law, only: contact_response
-  use asperity_contact_pairs, only: contact_pair
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_contact_state, only: contact_state
+  use asperity_decimal, only: decimal_value
   use asperity_kernel_real64, only: touching_height
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
+  use asperity_numeral, only: read_numeral
   use asperity_plastic_curves, only: constraint_factor
   use asperity_plastic_law, only: plastic_law
+  use asperity_scene_values, only: scene
   use asperity_testing, only: check, error_type
   implicit none
   private
 
   public :: pair_of, penetration_of, plastic_law_with
   public :: near, same, values_of
+  public :: act, as_decimal, set_number
 
 contains
 
@@ -63,6 +69,45 @@ contains
     law%critical = critical
     law%largest = 0.0_real64
   end function plastic_law_with
+
+  !> One effect on one state, as the solver calls it.
+  subroutine act(effect, pairs, state, outcome)
+    !> the effect
+    class(contact_effect), intent(in) :: effect
+    !> the position
+    type(contact_pairs), intent(in) :: pairs
+    !> without, then with the effect
+    type(contact_state), intent(inout) :: state
+    !> what it did
+    type(effect_outcome), intent(out) :: outcome
+
+    call effect%apply(pairs, state, outcome)
+    call effect%finish(pairs, state, outcome)
+  end subroutine act
+
+  !> Gives a scene a number of an effect.
+  subroutine set_number(scene_in, name, value)
+    !> the scene
+    type(scene), intent(inout) :: scene_in
+    !> as in &effects
+    character(len=*), intent(in) :: name
+    !> the number
+    real(real64), intent(in) :: value
+
+    call scene_in%effects%set(name, as_decimal(value))
+  end subroutine set_number
+
+  !> A double as a decimal of 17 digits, which gives it back.
+  function as_decimal(value) result(number)
+    !> the double
+    real(real64), intent(in) :: value
+    type(decimal_value) :: number
+    character(len=25) :: digits
+    logical :: good
+
+    write (digits, '(es25.16e3)') value
+    call read_numeral(trim(adjustl(digits)), number, good)
+  end function as_decimal
 
   !> Notes a failure unless a number is the expected one within a relative tolerance.
   subroutine near(error, found, expected, tolerance, message)

@@ -6,14 +6,15 @@ module asperity_plasticity_suite
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_vertical_load
-  use asperity_effect_helpers, only: pair_of, penetration_of, plastic_law_with, same
+  use asperity_effect_helpers, only: act, as_decimal, pair_of, penetration_of, plastic_law_with, &
+                                     same, set_number
   use asperity_hertz_law, only: hertz_law
   use asperity_kernel_real64, only: stable_overlap
   use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
-  use asperity_plasticity, only: plasticity_of
-  use asperity_scene_values, only: effect_on
+  use asperity_plasticity, only: new_plasticity
+  use asperity_scene_values, only: criterion_hardy, criterion_load, effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -153,14 +154,13 @@ contains
     integer :: i
 
     call three_pairs(pairs)
-    call plasticity_of(effect_on, 0.42_real64, 0.0_real64, .false., effect)
-    call check(error, associated(effect%begin) .and. associated(effect%keep), 'no memory')
+    call plasticity_of(0.0_real64, criterion_load, effect)
     call effect%begin(pairs)
     do i = 1, size(closing)
       call start_state(pairs, hertz_law(modulus=pairs%modulus), closing(i), state)
       elastic = total_vertical_load(state)
       share = effect%estimate(pairs, state)
-      call effect%apply(pairs, state, outcome)
+      call act(effect, pairs, state, outcome)
       load(i) = total_vertical_load(state)
       call check(error, outcome%simulated, 'on              ', 'how')
       call check(error, share, 1.0_real64 - load(i) / elastic, 1.0e-14_real64, 'estimate')
@@ -193,7 +193,7 @@ contains
 
     call three_pairs(pairs)
     do k = 1, 2
-      call plasticity_of(effect_on, 0.42_real64, 0.0_real64, k == 2, effect)
+      call plasticity_of(0.0_real64, merge(criterion_hardy, criterion_load, k == 2), effect)
       call effect%begin(pairs)
       onset = 0.025_real64
       associate (pair => pairs%list(1))
@@ -203,7 +203,7 @@ contains
       do i = 1, size(hair)
         call start_state(pairs, hertz_law(modulus=pairs%modulus), &
                          onset * (1.0_real64 + hair(i)), state)
-        call effect%apply(pairs, state, outcome)
+        call act(effect, pairs, state, outcome)
         call check(error, outcome%of_contacts(1, 1) > 0.5_real64 .eqv. i == 3, 'a hair off')
         call check(error, total_vertical_load(state), outcome%of_state(1), &
                    1.0e-9_real64 * outcome%of_state(1), 'the load at the onset')
@@ -225,10 +225,10 @@ contains
       call three_pairs(pairs)
       pairs%modulus_power = power
       ! The yield stress in the unit of the scene, so that it is 0.02 in that of the pairs.
-      call plasticity_of(effect_on, 0.42_real64, 0.02_real64 * 16.0_real64**power, .true., effect)
+      call plasticity_of(0.02_real64 * 16.0_real64**power, criterion_hardy, effect)
       call effect%begin(pairs)
       call start_state(pairs, hertz_law(modulus=pairs%modulus), 0.05_real64, state)
-      call effect%apply(pairs, state, outcome)
+      call act(effect, pairs, state, outcome)
       load(power) = total_vertical_load(state)
     end do
     call check(error, load(-1), load(0), 1.0e-15_real64, 'a smaller unit')
@@ -239,10 +239,10 @@ contains
     call check(error, outcome%of_contacts(1, 1) > 0.5_real64, 'the first has flowed')
     ! A yield stress just too large for the first contact.
     critical = outcome%of_contacts(1, 2) / 1.8999_real64
-    call plasticity_of(effect_on, 0.42_real64, 16.0_real64 * sqrt(critical / pairs%list(1)%radius) &
-                       * 2.0_real64 * pairs%modulus / (pi * c), .false., effect)
+    call plasticity_of(16.0_real64 * sqrt(critical / pairs%list(1)%radius) * 2.0_real64 * &
+                       pairs%modulus / (pi * c), criterion_load, effect)
     call effect%begin(pairs)
-    call effect%apply(pairs, state, outcome)
+    call act(effect, pairs, state, outcome)
     call check(error, outcome%of_contacts(1, 1) < 0.5_real64, 'the first has flowed too early')
   end subroutine by_yield_stress
 
@@ -302,6 +302,21 @@ contains
       end do
     end do
   end function work
+
+  ! Plasticity of bodies with Poisson's ratio 0.42, as a scene names it.
+  subroutine plasticity_of(yield_stress, criterion, effect)
+    real(real64), intent(in) :: yield_stress
+    integer, intent(in) :: criterion
+    class(contact_effect), allocatable, intent(out) :: effect
+    type(scene) :: scene_in
+
+    call scene_in%effects%call_for('plasticity', effect_on)
+    call set_number(scene_in, 'plastic_yield_stress', yield_stress)
+    scene_in%upper%poisson_ratio = as_decimal(0.42_real64)
+    scene_in%lower%poisson_ratio = as_decimal(0.42_real64)
+    scene_in%limit%criterion = criterion
+    call new_plasticity(scene_in, effect)
+  end subroutine plasticity_of
 
   subroutine three_pairs(pairs)
     type(contact_pairs), intent(out) :: pairs

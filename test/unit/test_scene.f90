@@ -193,8 +193,8 @@ contains
     call check(error, found%limit%from_thesis, 'the limit is the thesis''')
     ! 65*9.8/2.205 is 2600/9.
     call check_number(error, found%limit%value, 2600 / 9.0_real64, 'limit load')
-    call check(error, found%effects%interaction, effect_off, 'interaction')
-    call check_number(error, found%effects%tolerance, 0.01_real64, 'tolerance')
+    call check(error, found%effects%mode('interaction'), effect_off, 'interaction')
+    call check(error, found%effects%number('tolerance'), 0.01_real64, 0.0_real64, 'tolerance')
     call check(error, found%notes%count(), 1, 'the deck''s eight high asperities are noted')
   end subroutine test_deck_defaults
 
@@ -474,9 +474,9 @@ contains
     call check(error, .not. found%effects%any_on(), 'an effect is on')
     call accept(error, deck // '&effects interaction="Coupled", friction="auto", ' // &
                 'friction_coefficient=0, boundary_tolerance=1e-4 /', found)
-    call check(error, found%effects%interaction, effect_coupled, 'interaction coupled')
-    call check(error, found%effects%friction, effect_auto, 'friction auto')
-    call check(error, decimal_to_real64(found%effects%boundary_tolerance) < 1.001e-4_real64, &
+    call check(error, found%effects%mode('interaction'), effect_coupled, 'interaction coupled')
+    call check(error, found%effects%mode('friction'), effect_auto, 'friction auto')
+    call check(error, found%effects%number('boundary_tolerance') < 1.001e-4_real64, &
                'boundary_tolerance')
     call check(error, found%effects%any_on(), 'no effect is on')
     ! An effect's own numbers may stand there while it is off.

@@ -6,16 +6,15 @@
 module asperity_adhesion
   use asperity_adhesion_contact, only: adhesion_numbers
   use asperity_adhesion_law, only: adhesion_law, new_adhesion_law
-  use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
+  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, plain
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
-  use asperity_decimal, only: decimal_to_real64
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
   implicit none
   private
 
-  public :: new_adhesion, adhesion_of
+  public :: new_adhesion
 
   !> Adhesion with one work of adhesion for all contacts, in the units of the scene.
   type, extends(contact_effect) :: adhesion_effect
@@ -25,6 +24,8 @@ module asperity_adhesion
   contains
     procedure :: estimate
     procedure :: apply
+    procedure :: begin
+    procedure :: keep
   end type adhesion_effect
 
 contains
@@ -33,38 +34,21 @@ contains
   subroutine new_adhesion(scene_in, effect)
     type(scene), intent(in) :: scene_in                        !! checked values
     class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
-    real(real64) :: distance
-
-    distance = 1.0_real64
-    ! Without work of adhesion no distance is needed.
-    if (scene_in%effects%equilibrium_distance%digits /= 0_int64) &
-      distance = decimal_to_real64(scene_in%effects%equilibrium_distance)
-    call adhesion_of(scene_in%effects%adhesion, &
-                     decimal_to_real64(scene_in%effects%work_of_adhesion), distance, effect)
-  end subroutine new_adhesion
-
-  !> Adhesion with explicit numbers.
-  subroutine adhesion_of(mode, work, distance, effect)
-    integer, intent(in) :: mode            !! `effect_off`, `effect_on` or `effect_auto`
-    real(real64), intent(in) :: work       !! of adhesion, in the scene's units, 0 or more
-    real(real64), intent(in) :: distance   !! of equilibrium, in the scene's units, more than 0
-    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
     type(adhesion_effect) :: new
 
-    new%name = 'adhesion'
-    new%mode = mode
-    new%work = work
-    new%distance = distance
-    new%begin => begin_position
-    new%keep => keep_state
-    call set_columns(new%contact_columns, &
-                     [character(len=20) :: 'adhering', 'pull_off_force', 'tabor_parameter'], &
-                     reshape([0, 0, 1, 2, 0, 0], [2, 3]))
-    call set_columns(new%state_columns, &
-                     [character(len=20) :: 'adhering_contacts', 'pulling_contacts', &
-                      'pull_off_sum'], reshape([0, 0, 0, 0, 1, 2], [2, 3]))
+    call new%call_as('adhesion', scene_in%effects)
+    new%work = scene_in%effects%number('work_of_adhesion')
+    new%distance = scene_in%effects%number('equilibrium_distance')
+    new%contact_columns = [ &
+      column('adhering', plain), &           ! 1: it adheres
+      column('pull_off_force', force), &     ! its largest pull
+      column('tabor_parameter', plain)]
+    new%state_columns = [ &
+      column('adhering_contacts', plain), &  ! how many adhere
+      column('pulling_contacts', plain), &   ! how many have a load below 0
+      column('pull_off_sum', force)]         ! of those that adhere
     allocate (effect, source=new)
-  end subroutine adhesion_of
+  end subroutine new_adhesion
 
   !> Sum of the largest pulls of the contacts that adhere, over the total vertical load. Adhesion
   !> takes no more than that from the load of a contact that is pressed.
@@ -120,37 +104,29 @@ contains
     outcome%simulated = 'on'
   end subroutine apply
 
-  ! Nothing adheres where nothing has touched yet.
-  subroutine begin_position(self, pairs)
-    class(contact_effect), intent(inout) :: self
-    type(contact_pairs), intent(in) :: pairs
+  !> Nothing adheres where nothing has touched yet.
+  subroutine begin(self, pairs)
+    class(adhesion_effect), intent(inout) :: self  !! adhesion
+    type(contact_pairs), intent(in) :: pairs       !! the position
 
-    select type (self)
-    type is (adhesion_effect)
-      if (allocated(self%adhered)) deallocate (self%adhered)
-      allocate (self%adhered(size(pairs%list)))
-      self%adhered = .false.
-    end select
-  end subroutine begin_position
+    if (allocated(self%adhered)) deallocate (self%adhered)
+    allocate (self%adhered(size(pairs%list)), source=.false.)
+  end subroutine begin
 
-  ! Remembers which contacts adhere.
-  subroutine keep_state(self, pairs, state)
-    class(contact_effect), intent(inout) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(in) :: state
+  !> Remembers which contacts adhere.
+  subroutine keep(self, pairs, state)
+    class(adhesion_effect), intent(inout) :: self  !! adhesion
+    type(contact_pairs), intent(in) :: pairs       !! the position
+    type(contact_state), intent(in) :: state       !! all effects applied
     type(adhesion_law) :: law
     integer :: i
 
-    select type (self)
-    type is (adhesion_effect)
-      call make_law(self, pairs, law)
-      if (allocated(self%adhered)) deallocate (self%adhered)
-      allocate (self%adhered(size(pairs%list)))
-      do i = 1, size(pairs%list)
-        self%adhered(i) = law%holds(pairs%list(i), i, state%penetration(i))
-      end do
-    end select
-  end subroutine keep_state
+    call make_law(self, pairs, law)
+    call self%begin(pairs)
+    do i = 1, size(pairs%list)
+      self%adhered(i) = law%holds(pairs%list(i), i, state%penetration(i))
+    end do
+  end subroutine keep
 
   ! The law in the units of the pairs, with what the effect remembers.
   subroutine make_law(self, pairs, law)

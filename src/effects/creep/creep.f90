@@ -4,11 +4,10 @@
 !> rising times. In each, the elastic answers become those of a standard linear solid with the
 !> memory of the states before (Lee and Radok 1960). The scene's modulus is the instantaneous one.
 module asperity_creep
-  use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
+  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
-  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
@@ -17,7 +16,7 @@ module asperity_creep
   implicit none
   private
 
-  public :: new_creep, creep_of
+  public :: new_creep
 
   !> What one contact remembers of the last state kept: of its load and of its greatest pressure.
   type :: contact_memory
@@ -37,6 +36,9 @@ module asperity_creep
   contains
     procedure :: estimate
     procedure :: apply
+    procedure :: begin
+    procedure :: keep
+    procedure :: held_share
   end type creep_effect
 
 contains
@@ -46,49 +48,28 @@ contains
     type(scene), intent(in) :: scene_in                        !! checked values
     class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
     real(real64), parameter :: rounding = 1.0e-9_real64
-    type(standard_linear_solid) :: solid
-    real(real64) :: may_fall
-
-    associate (effects => scene_in%effects)
-      solid%relaxed_ratio = decimal_to_real64(effects%relaxed_modulus_ratio)
-      solid%relaxation_time = decimal_to_real64(effects%relaxation_time)
-      ! Cells move the load of a contact by their tolerance, `auto` by its own where it sets in.
-      may_fall = rounding
-      if (any(effects%interaction == [effect_auto, effect_boundary])) &
-        may_fall = decimal_to_real64(effects%boundary_tolerance)
-      if (effects%interaction == effect_auto) &
-        may_fall = max(may_fall, decimal_to_real64(effects%tolerance))
-      call creep_of(solid, decimal_to_real64(effects%hold_time), may_fall, effect)
-      effect%mode = effects%creep
-    end associate
-  end subroutine new_creep
-
-  !> Creep of a given material.
-  subroutine creep_of(solid, hold_time, may_fall, effect)
-    type(standard_linear_solid), intent(in) :: solid           !! of both bodies
-    real(real64), intent(in) :: hold_time                      !! 0 or more, unit of the solid's
-    real(real64), intent(in) :: may_fall  !! how far elastic loads of contacts may fall in a hold
-                                          !! and pass for rounding, as a share of their sum
-    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act; its mode is `off`
     type(creep_effect) :: new
 
-    new%name = 'creep'
-    new%solid = solid
-    new%hold_time = hold_time
-    new%may_fall = may_fall
-    new%begin => forget
-    new%keep => keep
-    new%held_share => share_at
-    call set_columns(new%contact_columns, &
-                     [character(len=20) :: 'elastic_load', 'relaxed_share'], &
-                     reshape([1, 2, 0, 0], [2, 2]))
-    call set_columns(new%state_columns, [character(len=20) :: 'time', 'elastic_load'], &
-                     reshape([0, 0, 1, 2], [2, 2]))
-    new%contact_columns(1)%of_load = 1.0_real64
-    new%contact_columns(2)%otherwise = 1.0_real64
-    new%state_columns(2)%of_load = 1.0_real64
+    associate (effects => scene_in%effects)
+      call new%call_as('creep', effects)
+      new%acts_in_time = .true.
+      new%solid%relaxed_ratio = effects%number('relaxed_modulus_ratio')
+      new%solid%relaxation_time = effects%number('relaxation_time')
+      new%hold_time = effects%number('hold_time')
+      ! Cells move the load of a contact by their tolerance, `auto` by its own where it sets in.
+      new%may_fall = rounding
+      if (any(effects%mode('interaction') == [effect_auto, effect_boundary])) &
+        new%may_fall = effects%number('boundary_tolerance')
+      if (effects%mode('interaction') == effect_auto) new%may_fall = max(new%may_fall, new%tolerance)
+    end associate
+    new%contact_columns = [ &
+      column('elastic_load', force, of_load=1.0_real64), &     ! of an elastic one of this closing
+      column('relaxed_share', plain, otherwise=1.0_real64)]    ! load over that
+    new%state_columns = [ &
+      column('time', plain), &                                 ! since the end of loading
+      column('elastic_load', force, of_load=1.0_real64)]       ! sum of those of the contacts
     allocate (effect, source=new)
-  end subroutine creep_of
+  end subroutine new_creep
 
   !> Share of the load that is gone at the end of a hold of the approach. While a load is held, load
   !> over elastic load is nearer to one. The same for all states of a position, so that `auto` does
@@ -104,19 +85,15 @@ contains
       share = 1.0_real64 - relaxation(self%solid, self%hold_time)
   end function estimate
 
-  ! What is left of a load that is held, over the elastic load of the same closing: one over the
-  ! creep compliance.
-  function share_at(self, time) result(share)
-    class(contact_effect), intent(in) :: self
-    real(real64), intent(in) :: time
+  !> What is left of a load that is held, over the elastic load of the same closing: one over the
+  !> creep compliance.
+  function held_share(self, time) result(share)
+    class(creep_effect), intent(in) :: self  !! creep
+    real(real64), intent(in) :: time         !! since the end of loading
     real(real64) :: share
 
-    share = 1.0_real64
-    select type (self)
-    type is (creep_effect)
-      share = 1.0_real64 / creep_compliance(self%solid, time)
-    end select
-  end function share_at
+    share = 1.0_real64 / creep_compliance(self%solid, time)
+  end function held_share
 
   !> Turns the elastic answers at `state%time` into those after creep. Columns: load that an elastic
   !> contact of this closing carries, load over that; the time, the sum of the elastic loads.
@@ -212,39 +189,33 @@ contains
     end if
   end subroutine next_step
 
-  ! Nothing has touched yet.
-  subroutine forget(self, pairs)
-    class(contact_effect), intent(inout) :: self
-    type(contact_pairs), intent(in) :: pairs
+  !> Nothing has touched yet.
+  subroutine begin(self, pairs)
+    class(creep_effect), intent(inout) :: self  !! creep
+    type(contact_pairs), intent(in) :: pairs    !! the position
 
-    select type (self)
-    class is (creep_effect)
-      if (allocated(self%memory)) deallocate (self%memory)
-      allocate (self%memory(size(pairs%list)))
-      self%time = 0.0_real64
-    end select
-  end subroutine forget
+    if (allocated(self%memory)) deallocate (self%memory)
+    allocate (self%memory(size(pairs%list)))
+    self%time = 0.0_real64
+  end subroutine begin
 
-  ! Remembers a state. Its loads and pressures are those after creep; the elastic ones follow from
-  ! them. Friction, which acts later, leaves both as they are.
+  !> Remembers a state. Its loads and pressures are those after creep; the elastic ones follow from
+  !> them. Friction, which acts later, leaves both as they are.
   subroutine keep(self, pairs, state)
-    class(contact_effect), intent(inout) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(in) :: state
+    class(creep_effect), intent(inout) :: self  !! creep
+    type(contact_pairs), intent(in) :: pairs    !! the position
+    type(contact_state), intent(in) :: state    !! all effects applied
     type(solid_step) :: step
     character(len=:), allocatable :: failure
 
-    select type (self)
-    class is (creep_effect)
-      if (self%mode == effect_auto) then
-        if (.not. self%estimate(pairs, state) > self%tolerance) return
-      end if
-      if (.not. state%time > 0.0_real64) call forget(self, pairs)
-      call next_step(self, size(pairs%list), state%time, step, failure)
-      if (allocated(failure)) return
-      self%time = state%time
-      call remember(step, state%answers, self%memory)
-    end select
+    if (self%mode == effect_auto) then
+      if (.not. self%estimate(pairs, state) > self%tolerance) return
+    end if
+    if (.not. state%time > 0.0_real64) call self%begin(pairs)
+    call next_step(self, size(pairs%list), state%time, step, failure)
+    if (allocated(failure)) return
+    self%time = state%time
+    call remember(step, state%answers, self%memory)
   end subroutine keep
 
   ! What a contact keeps of a step.

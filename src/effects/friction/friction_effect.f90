@@ -1,6 +1,6 @@
 !> Friction on inclined contacts, as an effect that a scene names.
 module asperity_friction_effect
-  use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
+  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, moment, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
@@ -31,24 +31,24 @@ contains
     class(contact_effect), allocatable, intent(out) :: effect       !! ready to act
     type(friction_effect) :: new
 
-    new%name = 'friction'
-    new%mode = scene_in%effects%friction
-    new%coefficient = decimal_to_real64(scene_in%effects%friction_coefficient)
+    call new%call_as('friction', scene_in%effects)
+    new%coefficient = scene_in%effects%number('friction_coefficient')
     new%kappa = tangential_stiffness_ratio( &
       decimal_to_real64(scene_in%upper%elastic_modulus), &
       decimal_to_real64(scene_in%upper%poisson_ratio), &
       decimal_to_real64(scene_in%lower%elastic_modulus), &
       decimal_to_real64(scene_in%lower%poisson_ratio))
-    call set_columns(new%contact_columns, &
-                     [character(len=20) :: 'tangential_load', 'sliding', 'slip_annulus', &
-                      'lateral_x', 'lateral_y'], &
-                     reshape([1, 2, 0, 0, 0, 0, 1, 2, 1, 2], [2, 5]))
-    call set_columns(new%state_columns, &
-                     [character(len=20) :: 'frictionless_load', 'sliding_contacts', &
-                      'rig_force_x', 'rig_force_y', 'rig_moment_x', 'rig_moment_y', &
-                      'rig_moment_z'], &
-                     reshape([1, 2, 0, 0, 1, 2, 1, 2, 1, 3, 1, 3, 1, 3], [2, 7]))
-    new%state_columns(1)%of_load = 1.0_real64
+    new%contact_columns = [ &
+      column('tangential_load', force), &                       ! up the slope
+      column('sliding', plain), &                               ! 1: slips all over
+      column('slip_annulus', plain), &                          ! its width over contact radius
+      column('lateral_x', force), column('lateral_y', force)]   ! on the upper body, in plan
+    new%state_columns = [ &
+      column('frictionless_load', force, of_load=1.0_real64), & ! vertical, without friction
+      column('sliding_contacts', plain), &                      ! how many slip all over
+      column('rig_force_x', force), column('rig_force_y', force), &
+      column('rig_moment_x', moment), column('rig_moment_y', moment), &
+      column('rig_moment_z', moment)]
     allocate (effect, source=new)
   end subroutine new_friction
 

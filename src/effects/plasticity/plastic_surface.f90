@@ -3,7 +3,7 @@
 module asperity_plastic_surface
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure, plasticity_index
   use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_pressure, scene, scene_surface
@@ -51,8 +51,8 @@ contains
     associate (limit => scene_in%limit, effects => scene_in%effects)
       if (limit%criterion == criterion_greenwood_williamson) then
         hardness = decimal_to_real64(limit%hardness)
-      else if (effects%plastic_yield_stress%digits > 0_int64) then
-        hardness = 2.84_real64 * decimal_to_real64(effects%plastic_yield_stress)
+      else if (effects%number('plastic_yield_stress') > 0.0_real64) then
+        hardness = 2.84_real64 * effects%number('plastic_yield_stress')
       else if (limit%criterion == criterion_load) then
         ! (w/R)**1.5 of Hertz.
         load_share = 0.75_real64 * (decimal_to_real64(limit%value) / modulus / radius) / radius

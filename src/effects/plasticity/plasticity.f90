@@ -4,7 +4,8 @@
 !> remembers through the states of a position how far each was pressed.
 module asperity_plasticity
   use asperity_constants, only: pi
-  use asperity_contact_effect, only: contact_effect, effect_outcome, set_columns
+  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, moment, &
+                                     plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
@@ -18,7 +19,7 @@ module asperity_plasticity
   implicit none
   private
 
-  public :: new_plasticity, plasticity_of, tell_plasticity
+  public :: new_plasticity
 
   !> Plastic flow.
   type, extends(contact_effect) :: plasticity_effect
@@ -29,6 +30,9 @@ module asperity_plasticity
   contains
     procedure :: estimate
     procedure :: apply
+    procedure :: begin
+    procedure :: keep
+    procedure :: finish
   end type plasticity_effect
 
 contains
@@ -38,40 +42,24 @@ contains
     type(scene), intent(in) :: scene_in                         !! checked values
     class(contact_effect), allocatable, intent(out) :: effect   !! ready to act
 
-    ! Of equal materials but for Poisson's ratio, the one with the smaller ratio yields first.
-    call plasticity_of(scene_in%effects%plasticity, &
-                       min(decimal_to_real64(scene_in%upper%poisson_ratio), &
-                           decimal_to_real64(scene_in%lower%poisson_ratio)), &
-                       decimal_to_real64(scene_in%effects%plastic_yield_stress), &
-                       scene_in%limit%criterion == criterion_hardy, effect)
-  end subroutine new_plasticity
-
-  !> Plasticity from plain numbers.
-  subroutine plasticity_of(mode, poisson_ratio, yield_stress, limit_is_yield, effect)
-    integer, intent(in) :: mode                  !! one of the `effect_` numbers
-    real(real64), intent(in) :: poisson_ratio    !! of the body that yields first, -1 to 0.5
-    real(real64), intent(in) :: yield_stress     !! in tension, scene's unit; 0: onset by the limit
-    logical, intent(in) :: limit_is_yield        !! the limit tells of first yield below the surface
-    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
     type(plasticity_effect) :: new
 
-    new%name = 'plasticity'
-    new%mode = mode
-    new%constraint = constraint_factor(poisson_ratio)
-    new%yield_stress = yield_stress
-    new%limit_is_yield = limit_is_yield
-    new%begin => forget
-    new%keep => remember
-    new%finish => tell_plasticity
-    call set_columns(new%contact_columns, &
-                     [character(len=20) :: 'plastic', 'largest_overlap', 'residual_overlap'], &
-                     reshape([0, 0, 0, 1, 0, 1], [2, 3]))
-    call set_columns(new%state_columns, &
-                     [character(len=20) :: 'elastic_load', 'contacts_flowing', 'dissipated_work'], &
-                     reshape([1, 2, 0, 0, 1, 3], [2, 3]))
-    new%state_columns(1)%of_load = 1.0_real64
+    call new%call_as('plasticity', scene_in%effects)
+    ! Of equal materials but for Poisson's ratio, the one with the smaller ratio yields first.
+    new%constraint = constraint_factor(min(decimal_to_real64(scene_in%upper%poisson_ratio), &
+                                           decimal_to_real64(scene_in%lower%poisson_ratio)))
+    new%yield_stress = scene_in%effects%number('plastic_yield_stress')
+    new%limit_is_yield = scene_in%limit%criterion == criterion_hardy
+    new%contact_columns = [ &
+      column('plastic', plain), &                           ! 1: has passed its onset
+      column('largest_overlap', length), &                  ! so far
+      column('residual_overlap', length)]                   ! without load
+    new%state_columns = [ &
+      column('elastic_load', force, of_load=1.0_real64), &  ! of Hertz at the same penetrations
+      column('contacts_flowing', plain), &                  ! how many flow now
+      column('dissipated_work', moment)]                    ! lost since first touch
     allocate (effect, source=new)
-  end subroutine plasticity_of
+  end subroutine new_plasticity
 
   !> Change of the total vertical load by flow and by what is left of earlier flow, in full: the law
   !> answers for itself. The others only see less load, so it is not below the truth. In a hold
@@ -111,19 +99,16 @@ contains
     deallocate (state%law)
     allocate (state%law, source=law)
     call answer_all(pairs, state)
-    call tell_plasticity(self, pairs, state, outcome)
     outcome%simulated = 'on'
     outcome%ending%converged = .true.
     outcome%ending%residual = 0.0_real64
   end subroutine apply
 
-  !> Fills the columns from a state: to be called again when later effects have moved the contacts.
-  !> Columns: whether a contact has passed its onset, its largest and residual overlap; the load of
-  !> Hertz at the same penetrations, how many contacts flow now, work lost since first touch.
-  subroutine tell_plasticity(self, pairs, state, outcome)
-    class(contact_effect), intent(in) :: self       !! plasticity; anything else is left alone
+  !> Fills the columns from a state: later effects may have moved the contacts.
+  subroutine finish(self, pairs, state, outcome)
+    class(plasticity_effect), intent(in) :: self    !! plasticity
     type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(inout) :: state     !! with plastic flow; stays as it is
+    type(contact_state), intent(in) :: state        !! with plastic flow
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
     type(plastic_law) :: law
     type(plastic_past) :: past
@@ -131,29 +116,23 @@ contains
     real(real64) :: elastic_load, overlap, work
     integer :: flowing, i
 
-    select type (self)
-    type is (plasticity_effect)
-      call make_law(self, pairs, law)
-      if (allocated(outcome%of_contacts)) deallocate (outcome%of_contacts)
-      if (allocated(outcome%of_state)) deallocate (outcome%of_state)
-      allocate (outcome%of_contacts(size(pairs%list), 3), outcome%of_state(3))
-      elastic_load = 0.0_real64
-      work = 0.0_real64
-      flowing = 0
-      do i = 1, size(pairs%list)
-        call law%elastic%respond(pairs%list(i), i, state%penetration(i), answer)
-        overlap = answer%overlap
-        elastic_load = elastic_load + answer%vertical_load
-        call past_of_contact(law, pairs%list(i), i, max(law%largest(i), overlap), past)
-        outcome%of_contacts(i, 1) = merge(1.0_real64, 0.0_real64, past%flowed)
-        outcome%of_contacts(i, 2) = past%largest
-        outcome%of_contacts(i, 3) = past%residual
-        work = work + past%work_lost
-        if (past%flowed .and. overlap >= law%largest(i)) flowing = flowing + 1
-      end do
-      outcome%of_state = [elastic_load, real(flowing, real64), work]
-    end select
-  end subroutine tell_plasticity
+    call make_law(self, pairs, law)
+    allocate (outcome%of_contacts(size(pairs%list), 3))
+    elastic_load = 0.0_real64
+    work = 0.0_real64
+    flowing = 0
+    do i = 1, size(pairs%list)
+      call law%elastic%respond(pairs%list(i), i, state%penetration(i), answer)
+      overlap = answer%overlap
+      elastic_load = elastic_load + answer%vertical_load
+      call past_of_contact(law, pairs%list(i), i, max(law%largest(i), overlap), past)
+      outcome%of_contacts(i, :) = [merge(1.0_real64, 0.0_real64, past%flowed), past%largest, &
+                                   past%residual]
+      work = work + past%work_lost
+      if (past%flowed .and. overlap >= law%largest(i)) flowing = flowing + 1
+    end do
+    outcome%of_state = [elastic_load, real(flowing, real64), work]
+  end subroutine finish
 
   ! The law of a position, with what was kept of its states so far.
   subroutine make_law(self, pairs, law)
@@ -192,33 +171,26 @@ contains
     critical_overlap = max(critical_overlap, tiny(1.0_real64))
   end function critical_overlap
 
-  ! A position begins: nothing was pressed yet.
-  subroutine forget(self, pairs)
-    class(contact_effect), intent(inout) :: self
-    type(contact_pairs), intent(in) :: pairs
+  !> A position begins: nothing was pressed yet.
+  subroutine begin(self, pairs)
+    class(plasticity_effect), intent(inout) :: self  !! plasticity
+    type(contact_pairs), intent(in) :: pairs         !! the position
 
-    select type (self)
-    type is (plasticity_effect)
-      if (allocated(self%largest)) deallocate (self%largest)
-      allocate (self%largest(size(pairs%list)))
-      self%largest = 0.0_real64
-    end select
-  end subroutine forget
+    if (allocated(self%largest)) deallocate (self%largest)
+    allocate (self%largest(size(pairs%list)), source=0.0_real64)
+  end subroutine begin
 
-  ! Keeps how far every contact was pressed.
-  subroutine remember(self, pairs, state)
-    class(contact_effect), intent(inout) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(in) :: state
+  !> Keeps how far every contact was pressed.
+  subroutine keep(self, pairs, state)
+    class(plasticity_effect), intent(inout) :: self  !! plasticity
+    type(contact_pairs), intent(in) :: pairs         !! the position
+    type(contact_state), intent(in) :: state         !! all effects applied
     integer :: i
 
-    select type (self)
-    type is (plasticity_effect)
-      do i = 1, size(pairs%list)
-        if (.not. state%penetration(i) > 0.0_real64) cycle
-        self%largest(i) = max(self%largest(i), state%answers(i)%overlap)
-      end do
-    end select
-  end subroutine remember
+    do i = 1, size(pairs%list)
+      if (.not. state%penetration(i) > 0.0_real64) cycle
+      self%largest(i) = max(self%largest(i), state%answers(i)%overlap)
+    end do
+  end subroutine keep
 
 end module asperity_plasticity

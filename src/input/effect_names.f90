@@ -1,0 +1,145 @@
+!> The names of group &effects: the effects, how a scene may call for each, and their numbers.
+!>
+!> All that knows them takes them from here: the reader and its messages, the values of a scene,
+!> `asperity solve --help`. The tables of the documents are tested against that help.
+module asperity_effect_names
+  use asperity_decimal, only: decimal_value
+  use asperity_kinds, only: int64
+  use asperity_number_ranges, only: above_zero, not_negative, share, share_or_all
+  implicit none
+  private
+
+  public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
+  public :: hold_load, hold_approach, hold_words
+  public :: known_effect, known_effects, effect_number, effect_numbers
+  public :: one_word, whole_number, place_of_effect, place_of_number, needed_for
+
+  !> The effect is left out.
+  integer, parameter :: effect_off = 1
+  !> The effect is simulated.
+  integer, parameter :: effect_on = 2
+  !> The effect is simulated where it matters more than the tolerance.
+  integer, parameter :: effect_auto = 3
+  !> Interaction only: contacts lower each other elastically.
+  integer, parameter :: effect_coupled = 4
+  !> Interaction only: the whole surface by boundary elements.
+  integer, parameter :: effect_boundary = 5
+  !> The words of a scene for them.
+  character(len=*), parameter :: effect_words(5) = &
+    [character(len=8) :: 'off', 'on', 'auto', 'coupled', 'boundary']
+
+  !> Creep only: the load is held.
+  integer, parameter :: hold_load = 1
+  !> Creep only: the approach is held.
+  integer, parameter :: hold_approach = 2
+  !> The words of a scene for them.
+  character(len=*), parameter :: hold_words(2) = [character(len=8) :: 'load', 'approach']
+
+  !> An effect. A scene that does not name it has it off.
+  type :: known_effect
+    character(len=11) :: name = ''     !! in &effects
+    integer :: ways(4) = 0             !! how it may be called for, `off` first; 0: no more
+    character(len=72) :: meaning = ''  !! what it adds
+  end type known_effect
+
+  integer, parameter :: switch(4) = [effect_off, effect_on, effect_auto, 0]
+
+  !> All effects.
+  type(known_effect), parameter :: known_effects(*) = [ &
+    known_effect('interaction', [effect_off, effect_auto, effect_coupled, effect_boundary], &
+                 'contacts that lower each other through the body they share'), &
+    known_effect('friction', switch, &
+                 'tangential force on inclined contacts, and what the rig must hold'), &
+    known_effect('plasticity', switch, 'flow past the elastic limit, flattening that stays'), &
+    known_effect('adhesion', switch, 'attraction: snap-in, pull-off'), &
+    known_effect('creep', switch, 'relaxation and creep while load or approach is held')]
+
+  !> A number is one of `words`, by its place, and no range.
+  integer, parameter :: one_word = -1
+  !> A number is a whole one from `least` to `most`.
+  integer, parameter :: whole_number = -2
+
+  !> A number of an effect.
+  type :: effect_number
+    character(len=21) :: name = ''         !! in &effects
+    character(len=11) :: effect = ''       !! whose it is; blank: of all under `auto`
+    integer :: range = not_negative        !! of `asperity_number_ranges`, or one of the two above
+    type(decimal_value) :: default         !! when the scene does not have it
+    !> When the scene must have it. `on`: with its effect on; `no limit`: with its effect, on or
+    !> auto, and no limit; the name of a number: with its effect and that number not 0.
+    character(len=21) :: needed_with = ''
+    character(len=18) :: in_words = ''     !! what there is when it is not 0, where others need that
+    character(len=20) :: unit = ''         !! in words; blank: none
+    character(len=72) :: meaning = ''      !! in a line
+    character(len=8) :: words(2) = ''      !! for `one_word`
+    integer :: least = 0                   !! for `whole_number`
+    integer :: most = 0                    !! for `whole_number`
+  end type effect_number
+
+  !> All numbers, in the order in which messages list them.
+  type(effect_number), parameter :: effect_numbers(*) = [ &
+    effect_number('tolerance', '', share, decimal_value(1_int64, -2), &
+                  meaning='share of the load that ''auto'' may leave out'), &
+    effect_number('boundary_tolerance', 'interaction', share, decimal_value(1_int64, -3), &
+                  meaning='share of the load that the last halving of the cells may change'), &
+    effect_number('friction_coefficient', 'friction', not_negative, needed_with='on', &
+                  meaning='tangential over normal load of a contact that slides'), &
+    effect_number('plastic_yield_stress', 'plasticity', above_zero, needed_with='no limit', &
+                  unit='modulus', &
+                  meaning='yield stress in tension; without it flow begins at the limit'), &
+    effect_number('work_of_adhesion', 'adhesion', not_negative, needed_with='on', &
+                  in_words='a work of adhesion', unit='modulus times length', &
+                  meaning='work to part a unit area of the two surfaces'), &
+    effect_number('equilibrium_distance', 'adhesion', above_zero, decimal_value(1_int64, 0), &
+                  needed_with='work_of_adhesion', unit='length', &
+                  meaning='distance of surfaces in contact; the range goes with it'), &
+    effect_number('relaxation_time', 'creep', not_negative, needed_with='hold_time', unit='time', &
+                  meaning='in which all but 1/e of what relaxes is gone'), &
+    effect_number('relaxed_modulus_ratio', 'creep', share_or_all, decimal_value(1_int64, 0), &
+                  needed_with='hold_time', meaning='relaxed over instantaneous modulus'), &
+    effect_number('hold_time', 'creep', not_negative, needed_with='on', in_words='a hold', &
+                  unit='time', meaning='how long load or approach is held after loading'), &
+    effect_number('hold', 'creep', one_word, decimal_value(int(hold_load, int64), 0), &
+                  words=hold_words, meaning='what is held'), &
+    effect_number('hold_points', 'creep', whole_number, decimal_value(20_int64, 0), &
+                  least=2, most=100000, meaning='states of the hold')]
+
+contains
+
+  !> Place of an effect in `known_effects`; 0: there is none of that name.
+  pure integer function place_of_effect(name) result(place)
+    character(len=*), intent(in) :: name  !! as in &effects
+
+    do place = size(known_effects), 1, -1
+      if (known_effects(place)%name == name) exit
+    end do
+  end function place_of_effect
+
+  !> Place of a number in `effect_numbers`; 0: there is none of that name.
+  pure integer function place_of_number(name) result(place)
+    character(len=*), intent(in) :: name  !! as in &effects
+
+    do place = size(effect_numbers), 1, -1
+      if (effect_numbers(place)%name == name) exit
+    end do
+  end function place_of_number
+
+  !> What makes a number necessary: `friction = 'on'`, `creep and a hold`; empty: nothing.
+  pure function needed_for(number) result(text)
+    type(effect_number), intent(in) :: number  !! the number
+    character(len=:), allocatable :: text      !! for a message
+
+    select case (number%needed_with)
+    case ('')
+      text = ''
+    case ('on')
+      text = trim(number%effect) // ' = ''on'''
+    case ('no limit')
+      text = trim(number%effect) // ' and no limit'
+    case default
+      text = trim(number%effect) // ' and ' // &
+             trim(effect_numbers(place_of_number(number%needed_with))%in_words)
+    end select
+  end function needed_for
+
+end module asperity_effect_names
