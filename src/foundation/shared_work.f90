@@ -1,5 +1,6 @@
-!> Work in pieces (positions, surfaces), done in rounds: in each round every image does some, image 1
-!> gathers them and keeps them in a file. A run that ends in the middle loses a round at most.
+!> Work in pieces (positions, surfaces), done in rounds: in each round every image does some, and
+!> image 1 gathers them and keeps them in a file. A run that ends in the middle loses a round at
+!> most.
 !>
 !> The result of a piece travels and is kept as words of 64 bits. Work of one image that is not kept
 !> is one round, and nothing becomes words.

@@ -24,6 +24,7 @@ module asperity_scene_fields
   type :: scene_fields
     private
     type(scene_places) :: places              ! where they stand
+    logical, public :: surfaces_given = .false.  !! as arrays, beside the text
     type(input_problems), public :: problems  !! what is wrong with the scene
   contains
     !> Whether a group stands in the scene.

@@ -15,11 +15,11 @@ module asperity_scene_reader
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
                                    criterion_words, effect_off, scene, scene_loading, &
-                                   scene_motion
+                                   scene_motion, scene_surface
   implicit none
   private
 
-  public :: read_scene, parse_scene
+  public :: read_scene, parse_scene, build_scene
 
   ! Room for results is bounded: a position takes some 400 bytes, a state of a curve 100 in memory
   ! and 200 in a file.
@@ -54,10 +54,38 @@ contains
     type(scene), intent(out) :: checked          !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong, in all files it names
     type(scene_fields) :: fields
-    type(problem_list) :: other_files
 
     checked%file = path
     call read_fields(path, text, fields)
+    call read_groups(path, text, fields, checked, problems)
+  end subroutine parse_scene
+
+  !> Makes a scene of two surfaces in memory. `text` has the groups of a scene but `&surfaces`, for
+  !> instance `&material ... / &loading control = 'load', value = 500. /`.
+  subroutine build_scene(upper, lower, text, checked, problems)
+    type(scene_surface), intent(in) :: upper        !! from take_surface
+    type(scene_surface), intent(in) :: lower        !! from take_surface
+    character(len=*), intent(in) :: text            !! the other groups
+    type(scene), intent(out) :: checked             !! its values, defaults filled in
+    type(problem_list), intent(inout) :: problems   !! all that is wrong
+    type(scene_fields) :: fields
+
+    checked%file = 'scene'
+    checked%upper = upper
+    checked%lower = lower
+    call read_fields(checked%file, text, fields)
+    fields%surfaces_given = .true.
+    call read_groups(checked%file, text, fields, checked, problems)
+  end subroutine build_scene
+
+  !> All groups, in the order in which they need each other.
+  subroutine read_groups(path, text, fields, checked, problems)
+    character(len=*), intent(in) :: path, text
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    type(problem_list), intent(inout) :: problems
+    type(problem_list) :: other_files
+
     if (binary_byte(text) == 0) then
       call read_surfaces(path, fields, checked, other_files)
       call read_material(fields, checked)
@@ -70,7 +98,7 @@ contains
     end if
     call fields%problems%hand_over(problems)
     call add_lines(other_files, problems)
-  end subroutine parse_scene
+  end subroutine read_groups
 
   !> A deck in the place of a scene is the thesis' sweep over it.
   subroutine deck_as_scene(path, text, checked, problems)

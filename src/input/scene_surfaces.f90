@@ -2,9 +2,9 @@
 module asperity_scene_surfaces
   use asperity_decimal, only: decimal_value
   use asperity_input_problems, only: add_lines
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: int64, real64
   use asperity_numeral, only: nearest_double
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: above_zero, scene_fields
   use asperity_scene_values, only: scene, scene_motion, scene_surface
@@ -12,7 +12,7 @@ module asperity_scene_surfaces
   implicit none
   private
 
-  public :: from_csv, read_surfaces
+  public :: from_csv, read_surfaces, take_surface
 
 contains
 
@@ -25,6 +25,12 @@ contains
     character(len=:), allocatable :: deck, upper, lower
     type(scene_motion) :: not_asked_for
 
+    if (fields%surfaces_given) then
+      if (fields%has_group('surfaces')) &
+        call fields%complain_of_group('surfaces', 'found &surfaces beside surfaces that are ' // &
+                                      'given as arrays, expected none')
+      return
+    end if
     if (.not. fields%has_group('surfaces')) then
       call fields%complain_of_group('surfaces', 'no surfaces: found no group &surfaces, ' // &
                                     'expected one with deck, or with upper and lower')
@@ -134,13 +140,44 @@ contains
     if (allocated(table%radius)) call move_alloc(table%radius, surface%radius)
   end subroutine surface_from_csv
 
-  !> Whether the surfaces come from CSV files.
+  !> Whether the surfaces come from CSV files, or are given: they bring neither material nor limit.
   pure logical function from_csv(fields)
     type(scene_fields), intent(in) :: fields  !! the scene's text
 
-    from_csv = .not. fields%has('surfaces', 'deck') .and. &
-               (fields%has('surfaces', 'upper') .or. fields%has('surfaces', 'lower'))
+    from_csv = fields%surfaces_given .or. (.not. fields%has('surfaces', 'deck') .and. &
+               (fields%has('surfaces', 'upper') .or. fields%has('surfaces', 'lower')))
   end function from_csv
+
+  !> A surface from numbers in memory. What is wrong with them is told.
+  subroutine take_surface(which, x, y, height, radius, surface, problems)
+    character(len=*), intent(in) :: which          !! `upper` or `lower`, for the messages
+    real(real64), intent(in) :: x(:), y(:)         !! summits on the reference plane
+    real(real64), intent(in) :: height(:)          !! summits above it, as many
+    real(real64), intent(in) :: radius(:)          !! as many, more than 0; or one for all
+    type(scene_surface), intent(out) :: surface    !! the same
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+
+    surface%file = ''
+    if (any([size(y), size(height)] /= size(x)) .or. all(size(radius) /= [1, size(x)]) .or. &
+        size(x) == 0) then
+      call problems%add(which // ' surface: found ' // decimal_text(size(x)) // ' x, ' // &
+                        decimal_text(size(y)) // ' y, ' // decimal_text(size(height)) // &
+                        ' heights and ' // decimal_text(size(radius)) // ' radii, expected ' // &
+                        'as many of each, or one radius, and at least one asperity')
+      return
+    end if
+    surface%x = x
+    surface%y = y
+    surface%height = height
+    surface%radius = spread(radius(1), 1, size(x))
+    if (size(radius) == size(x)) surface%radius = radius
+    if (.not. all(abs([x, y, height, radius]) <= huge(x))) &
+      call problems%add(which // ' surface: found a number that is not finite')
+    if (.not. all(radius > 0.0_real64)) &
+      call problems%add(which // ' surface: found radius(' // &
+                        decimal_text(findloc(radius > 0.0_real64, .false., 1)) // &
+                        '), expected more than 0')
+  end subroutine take_surface
 
   !> The path of a file that a scene names: as it is, or beside the scene.
   pure function beside(scene_path, name) result(path)

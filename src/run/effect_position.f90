@@ -61,7 +61,8 @@ contains
     type(position_result), intent(in) :: result
 
     are_numbers = .true.
-    if (allocated(result%state_values)) are_numbers = all(abs(result%state_values) <= huge(1.0_real64))
+    if (allocated(result%state_values)) &
+      are_numbers = all(abs(result%state_values) <= huge(1.0_real64))
     if (allocated(result%contact_values)) &
       are_numbers = are_numbers .and. all(abs(result%contact_values) <= huge(1.0_real64))
   end function are_numbers
@@ -114,8 +115,8 @@ contains
     end do
   end subroutine walk
 
-  ! Whether a state is that of a closing and time, with all effects. The search for a load leaves out
-  ! those that act in time.
+  ! Whether a state is that of a closing and time, with all effects. The search for a load leaves
+  ! out those that act in time.
   pure logical function is_known(state, outcomes, effects, closing, time)
     type(contact_state), intent(in) :: state
     type(effect_outcome), allocatable, intent(in) :: outcomes(:)

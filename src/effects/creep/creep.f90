@@ -60,7 +60,8 @@ contains
       new%may_fall = rounding
       if (any(effects%mode('interaction') == [effect_auto, effect_boundary])) &
         new%may_fall = effects%number('boundary_tolerance')
-      if (effects%mode('interaction') == effect_auto) new%may_fall = max(new%may_fall, new%tolerance)
+      if (effects%mode('interaction') == effect_auto) &
+        new%may_fall = max(new%may_fall, new%tolerance)
     end associate
     new%contact_columns = [ &
       column('elastic_load', force, of_load=1.0_real64), &     ! of an elastic one of this closing

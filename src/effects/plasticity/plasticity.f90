@@ -4,8 +4,8 @@
 !> remembers through the states of a position how far each was pressed.
 module asperity_plasticity
   use asperity_constants, only: pi
-  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, moment, &
-                                     plain
+  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, &
+                                     moment, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
