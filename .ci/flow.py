@@ -1,14 +1,15 @@
 """The folders of src and the one direction of flow: a module uses what stands before it.
 
-    python .ci/flow.py           fails on a use against the order, naming file and line
-    python .ci/flow.py --table   the table of folders and the uses between them (CONTRIBUTING.md)
+    python .ci/flow.py           fails on a use against the order, naming file and line, and when
+                                 CONTRIBUTING.md does not have the table
+    python .ci/flow.py --table   the table: each folder and those whose modules it uses
+    python .ci/flow.py --write   puts it into CONTRIBUTING.md
 
 The facade src/asperity.f90, app, example and test see all of src.
 """
 
 import re
 import sys
-from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -16,9 +17,9 @@ ORDER = ("foundation", "numerics", "arithmetic", "input", "original", "surfaces"
          "contact", "summation", "interaction", "effects", "run", "study", "output")
 # The historic wing shares these folders with the present-day wing, and no others.
 SHARED = ("foundation", "arithmetic", "input")
-# Uses against the order that are let pass for a while: (module, module).
-EXCEPTIONS = ()
+BEGIN, END = "<!-- flow: python .ci/flow.py --table -->\n", "<!-- end of flow -->\n"
 USE = re.compile(r"^\s*use\s*(?:,\s*\w+\s*::)?\s*asperity_(\w+)", re.IGNORECASE)
+FACADE = re.compile(r"^\s*use\s+asperity\s*(,|$)", re.IGNORECASE | re.MULTILINE)
 
 
 def modules():
@@ -32,12 +33,12 @@ def folder(path):
 
 
 def uses(files):
-    """Every use of a module by another: (file, line, user, used)."""
-    for user, path in files.items():
+    """Every use of a module by another: (file, line, used)."""
+    for path in files.values():
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             found = USE.match(line)
             if found and found.group(1).lower() in files:
-                yield path, number, user, found.group(1).lower()
+                yield path, number, found.group(1).lower()
 
 
 def against_the_order(files):
@@ -46,9 +47,11 @@ def against_the_order(files):
         if folder(path) not in ORDER:
             yield f"{path.relative_to(ROOT)}: folder {folder(path)} is not in the order"
             return
-    for path, number, user, used in uses(files):
+        if FACADE.search(path.read_text(encoding="utf-8")):
+            yield f"{path.relative_to(ROOT)}: uses the facade, which is for users of the library"
+    for path, number, used in uses(files):
         own, other = folder(path), folder(files[used])
-        if (user, used) in EXCEPTIONS or own == other:
+        if own == other:
             continue
         where = f"{path.relative_to(ROOT)}:{number}"
         if ORDER.index(other) > ORDER.index(own):
@@ -58,28 +61,33 @@ def against_the_order(files):
 
 
 def table(files):
-    """A Markdown table: each folder, its modules and lines, and the uses of each other folder."""
-    counted = Counter((folder(path), folder(files[used])) for path, _, _, used in uses(files))
-    sources = Counter(folder(path) for path in files.values())
-    lines = Counter()
-    for path in (ROOT / "src").rglob("*"):
-        if path.suffix in (".f90", ".F90", ".inc") and path.parent != ROOT / "src":
-            lines[folder(path)] += len(path.read_text(encoding="utf-8").splitlines())
-    yield "| folder | modules | lines | uses (times) |"
-    yield "| --- | ---: | ---: | --- |"
+    """A Markdown table: each folder, and those whose modules it uses."""
+    used_by = {}
+    for path, _, used in uses(files):
+        used_by.setdefault(folder(path), set()).add(folder(files[used]))
+    lines = ["| folder | uses |", "| --- | --- |"]
     for own in ORDER:
-        if sources[own]:
-            used = ", ".join(f"{other} {counted[own, other]}" for other in ORDER
-                             if other != own and counted[own, other])
-            yield f"| `{own}/` | {sources[own]} | {lines[own]} | {used or '-'} |"
+        if any(folder(path) == own for path in files.values()):
+            others = [other for other in ORDER if other in used_by.get(own, ()) and other != own]
+            lines.append(f"| `{own}/` | {', '.join(others) or '-'} |")
+    return "\n".join(lines) + "\n"
 
 
 def main(arguments):
     files = modules()
+    page = ROOT / "CONTRIBUTING.md"
+    before, rest = page.read_text(encoding="utf-8").split(BEGIN)
+    old, after = rest.split(END)
     if arguments == ["--table"]:
-        print("\n".join(table(files)))
+        print(table(files), end="")
+        return 0
+    if arguments == ["--write"]:
+        page.write_text(before + BEGIN + table(files) + END + after, encoding="utf-8")
         return 0
     findings = list(against_the_order(files))
+    if old != table(files):
+        findings.append("CONTRIBUTING.md: its table of uses is not that of the code: "
+                        "python .ci/flow.py --write")
     print("\n".join(findings), end="\n" if findings else "")
     return 1 if findings else 0
 
