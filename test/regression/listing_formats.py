@@ -1,8 +1,8 @@
 """FORMAT statements of the listing: what they print, character by character.
 
-Knows the descriptors that the report uses: nH, nX, Iw, Fw.d, Aw and slashes. Parentheses only group:
-no statement of the report repeats a group. Column one of a record is carriage control: 1 is a form
-feed, blank a new line.
+Knows the descriptors that the report uses: nH, nX, Iw, Fw.d, Aw and slashes. Parentheses only
+group: no statement of the report repeats a group. Column one of a record is carriage control: 1 is
+a form feed, blank a new line.
 """
 
 import re
@@ -74,7 +74,7 @@ def tokens(statement):
         elif text := re.match(r"(\d+)H", statement[at:]):
             first = at + text.end()
             at = first + int(text[1])
-            if at > len(statement):
+            if at >= len(statement):
                 raise BadFormat(f"{text[0]} is longer than the statement")
             yield "H", statement[first:at], 0, 0
             after_text = True
@@ -92,7 +92,7 @@ def tokens(statement):
             raise BadFormat(f"'{statement[at:]}'")
 
 
-def records(statement):
+def lines_of_format(statement):
     """The lines that a FORMAT statement prints."""
     if statement.count("(") != statement.count(")") or statement[0] + statement[-1] != "()":
         raise BadFormat(f"parentheses of {statement}")

@@ -52,7 +52,7 @@ class Comparison:
             blanked = blanked[:field.first] + " " * gap + blanked[field.last:]
         fixed = (found is not None and blanked.rstrip(" ") == line.text.rstrip(" ")
                  and printed == printed.rstrip(" ") and len(printed) <= len(line.text))
-        self.count(LABELS, fixed, f"line {number}: '{found}', thesis '{line.text.rstrip()}'",
+        self.count(LABELS, fixed, f"line {number}: '{found}', thesis '{line.text.rstrip(' ')}'",
                    len(line.text.split()))
         for field, cell in zip(line.fields, cells):
             text = printed[field.first:field.last].ljust(field.last - field.first)

@@ -1,4 +1,4 @@
-"""The printed report against the thesis: every line, every heading, every cell, and nothing else."""
+"""The printed report against the thesis: every line, heading and cell, and nothing else."""
 
 import pytest
 

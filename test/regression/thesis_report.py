@@ -4,14 +4,12 @@ Pages, headings and columns come from the FORMAT and WRITE statements of the lis
 printed tables. Nothing here runs the program.
 """
 
-import csv
 import functools
 from dataclasses import dataclass
-from pathlib import Path
 
-from listing_formats import records
+from digitised_tables import DATA, records
+from listing_formats import lines_of_format
 
-THESIS = Path(__file__).resolve().parents[2] / "reference_output" / "thesis"
 UNSETTLED = "?"
 CONTACT = ("approach", "area_no", "x", "y", "upper", "lower", "area", "projected_area", "slope",
            "load", "average_pressure", "maximum_pressure", "limit_exceeded")
@@ -48,8 +46,7 @@ class Cell:
 
 def digitised(name):
     """A file of the digitised thesis: rows as dictionaries."""
-    with open(THESIS / f"{name}.csv", newline="", encoding="ascii") as file:
-        return list(csv.DictReader(file))
+    return records(DATA / f"{name}.csv")
 
 
 def formats():
@@ -106,7 +103,7 @@ def printed_lines():
 def lines_of(statement, cells):
     """Each line that a WRITE statement prints, and its cells."""
     cells = iter(cells)
-    for line in records(statement):
+    for line in lines_of_format(statement):
         yield line, [next(cells) for _ in line.fields]
 
 

@@ -32,12 +32,15 @@ def approach_error(position):
 
 
 def exact_everywhere(cell):
-    """Cells that every arithmetic must print as the thesis does: displacements and exact zeros."""
+    """Cells that every arithmetic must print as the thesis does: displacements and zeros."""
     return cell.table.endswith("heading") or cell.text in ("0.0", "0.")
 
 
 def tolerance(cell, number):
-    """How far real64 may be from the exact value behind the original's printed number."""
+    """How far real64 may be from the exact value behind the original's printed number.
+
+    `real32` and `real128` are held to the same.
+    """
     row, column = cell.row, cell.column
     if cell.table == "VI":
         return approach_error(100) if row["quantity"] == "approach" else 2.0e-3 * number

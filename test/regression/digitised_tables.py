@@ -1,0 +1,83 @@
+"""The digitised tables of the thesis: their cells, and what a printed number can stand for."""
+
+import csv
+from fractions import Fraction
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+DATA = ROOT / "reference_output" / "thesis"
+DECK = ROOT / "data" / "thesis.deck"
+
+ROWS = {
+    "table_iiia": 37,
+    "table_iiib": 75,
+    "table_v": 2,
+    "table_vi": 7,
+    "table_vii_headings": 3,
+    "table_viia": 30,
+    "table_viib": 49,
+    "table_viic": 124,
+}
+TABLES_VII = ("table_viia", "table_viib", "table_viic")
+LABELS = ("row", "kind", "model", "quantity", "table")
+SUMMED = ("area", "projected_area", "load")
+
+
+def read(path):
+    """Rows of a CSV file, header first."""
+    with open(path, newline="", encoding="ascii") as file:
+        return list(csv.reader(file))
+
+
+def records(path):
+    """Rows of a CSV file as dictionaries."""
+    with open(path, newline="", encoding="ascii") as file:
+        return list(csv.DictReader(file))
+
+
+def legible(cell):
+    return cell not in ("", "?")
+
+
+def interval(cell):
+    """What a printed number can stand for; nothing for an illegible one; an exact zero is exact."""
+    if not legible(cell):
+        return None
+    if cell in ("0.0", "0."):
+        return Fraction(0), Fraction(0)
+    half = Fraction(1, 2 * 10 ** len(cell.partition(".")[2]))
+    return Fraction(cell) - half, Fraction(cell) + half
+
+
+def pressure(record):
+    """Average pressure bounded by both printed pressures."""
+    average = interval(record["average_pressure"])
+    maximum = interval(record["maximum_pressure"])
+    bounds = [b for b in (average, maximum and tuple(m / Fraction(3, 2) for m in maximum)) if b]
+    return max(b[0] for b in bounds), min(b[1] for b in bounds)
+
+
+def loaded(record):
+    return record["kind"] == "contact" and record["average_pressure"] != ""
+
+
+def approaches(table):
+    """The contacts of each approach with the total that closes them."""
+    contacts, groups = [], []
+    for record in records(DATA / f"{table}.csv"):
+        if record["kind"] == "contact":
+            contacts.append(record)
+        else:
+            groups.append((contacts, record))
+            contacts = []
+    assert not contacts, "contacts without a total at the end"
+    return groups
+
+
+def loaded_records():
+    return [
+        (f"{table} row {record['row']}", record)
+        for table in TABLES_VII
+        for record in records(DATA / f"{table}.csv")
+        if loaded(record)
+    ]
