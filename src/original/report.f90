@@ -1,8 +1,7 @@
 !> The printed report of the original program: Tables V, IIIA, IIIB, VII and VI.
 !>
 !> Columns, headings and page breaks are the original's. Column one of every line is the line
-!> printer's carriage control. Touching contacts print `0.0` under both areas, as every printed
-!> table of the thesis does; FORMAT 12 of its listing leaves the second one blank.
+!> printer's carriage control. "Fault n" and "Deviation x" refer to docs/faults.md.
 module asperity_report
   use asperity_kinds, only: real64
   use asperity_line_printer, only: apply_carriage_control, fixed_field, letters, new_page, skip
@@ -28,6 +27,7 @@ module asperity_report
   character(len=*), parameter :: displacement_row = &
     '(22x, "RELATIVE DISPLACEMENT OF UPPER MODEL   X   ", a6, " CM   Y  ", a6, " CM")'
   character(len=*), parameter :: model_row = '(30x, "MODEL", i5, 2a7, a11, a7, a10)'
+  ! Deviation c: FORMAT 20 and its WRITE, as scanned, name THETAU twice; the second is THETAL.
   character(len=*), parameter :: angle_row = &
     '(30x, "THETAU=", a5, 2x, "RADIANS", 10x, "THETAL=", a5, 2x, "RADIANS")'
   character(len=*), parameter :: asperity_row = '(31x, i5, 3x, 2a9, a10)'
@@ -49,6 +49,7 @@ contains
     call input_table(lines, records%upper, records%lower)
     call asperity_table(lines, records%upper, 'IIIA', 'UPPER')
     call asperity_table(lines, records%lower, 'IIIB', 'LOWER')
+    ! Deviation m: tables are lettered in the order of print, not by position.
     number = 0
     do m = 1, original_positions
       if (.not. printed(m)) cycle
@@ -104,8 +105,8 @@ contains
 
   end subroutine input_table
 
-  !> Table III of one model. The listing of the lower model tests the upper model's number before
-  !> it continues on a new page; both tables here test their own.
+  !> Table III of one model. Fault 16, not kept: the listing of the lower model tests the upper
+  !> model's number before it continues on a new page; both tables here test their own.
   subroutine asperity_table(lines, model, number, name)
     type(text_buffer), intent(inout) :: lines
     type(model_record), intent(in) :: model
@@ -187,7 +188,8 @@ contains
 
   end subroutine contact_table
 
-  !> One contact: with load, or touching without.
+  !> One contact: with load, or touching without. Deviation l: a touching contact prints `0.0` under
+  !> both areas, as in every printed table of the thesis; FORMAT 12 leaves the second one blank.
   subroutine contact_line(lines, contact, records)
     type(text_buffer), intent(inout) :: lines
     type(contact_record), intent(in) :: contact

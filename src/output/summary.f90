@@ -1,7 +1,7 @@
 !> What `asperity solve` prints: a short readable summary.
 module asperity_summary
   use asperity_contact_records, only: state_row
-  use asperity_corrected_table, only: corrected_table, stage_names
+  use asperity_corrected_table, only: corrected_table, stage_name
   use asperity_effects_summary, only: effects_in_words, write_effects
   use asperity_kinds, only: real64
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
@@ -147,11 +147,11 @@ contains
       reason = ''
       if (abs(table%historic(row, column)) > after_division_by_zero) then
         reason = 'no contact at its limit: the original divided by zero'
-      else if (before /= after) then
-        do stage = 1, size(stage_names)
+      else if (fixed(table%historic(row, column), places) /= after) then
+        do stage = 1, size(table%change, 3)
           if (abs(table%change(row, column, stage)) < 0.5_real64 * 10.0_real64**(-places)) cycle
           if (reason /= '') reason = reason // ', '
-          reason = reason // trim(name_of(stage, row)) // ' ' // &
+          reason = reason // stage_name(table, stage, row) // ' ' // &
                    signed(table%change(row, column, stage), places)
         end do
         if (reason == '') reason = 'changes below half a printed unit add up'
@@ -160,17 +160,6 @@ contains
         before, after
       call buffer%line(line // reason)
     end subroutine number_line
-
-    !> The average number of points is no wrong divisor but cut to a whole number.
-    function name_of(stage, row) result(name)
-      integer, intent(in) :: stage, row
-      character(len=:), allocatable :: name
-
-      name = trim(stage_names(stage))
-      if (stage == 3 .and. row == points_row) name = 'cut to a whole number'
-      if (stage == 3 .and. (row == slope_row .or. row == individual_difference_row)) &
-        name = 'contacts left out'
-    end function name_of
 
   end subroutine write_corrected_table
 

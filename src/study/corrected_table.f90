@@ -1,8 +1,9 @@
 !> Table VI as it should read, beside what the original prints, with the reason of every change.
 !>
-!> Each number is computed in stages, and each stage removes one fault: rounding (the same program
-!> in real128), overshoot (exact events instead of marching), the contacts left out of the averages
-!> and the wrong divisor, and the loads normal to the contacts (their vertical parts instead).
+!> Each number is computed in stages, and each stage removes faults of docs/faults.md: the start
+!> values of maxima and minima, rounding (the same program in real128), marching (exact events
+!> instead), the contacts left out of the averages and the wrong divisor, and the loads normal to the
+!> contacts (their vertical parts instead).
 module asperity_corrected_table
   use asperity_kinds, only: real64
   use asperity_original_records, only: approach_row, individual_difference_row, original_records, &
@@ -12,24 +13,21 @@ module asperity_corrected_table
   implicit none
   private
 
-  public :: corrected_table, correct_table, stage_names
-  public :: rounding, overshoot, counting, vertical
+  public :: corrected_table, correct_table, stage_name
 
   ! Stages, in the order in which faults are removed.
-  integer, parameter :: rounding = 1   !! faults 2 and 3
-  integer, parameter :: overshoot = 2  !! fault 4, and Fault 7's limit is met exactly
-  integer, parameter :: counting = 3   !! faults 1 and 13
-  integer, parameter :: vertical = 4   !! fault 8
-
-  !> What the stages are called in print.
-  character(len=16), parameter :: stage_names(4) = &
-    [character(len=16) :: 'rounding', 'overshoot', 'wrong divisor', 'vertical load']
+  integer, parameter :: start_value = 1  ! fault 14
+  integer, parameter :: rounding = 2     ! faults 2 and 3
+  integer, parameter :: marching = 3     ! faults 4, 5, 7, 11 and 15
+  integer, parameter :: counting = 4     ! faults 1 and 13
+  integer, parameter :: vertical = 5     ! fault 8
 
   !> Table VI, before and after: rows of the original's table; maximum, minimum, average.
   type :: corrected_table
     real(real64) :: historic(7, 3) = 0.0_real64   !! as the original prints it
-    real(real64) :: change(7, 3, 4) = 0.0_real64  !! by stage; their sum leads to `corrected`
+    real(real64) :: change(7, 3, vertical) = 0.0_real64  !! by stage; their sum leads to `corrected`
     real(real64) :: corrected(7, 3) = 0.0_real64  !! as it should read
+    character(len=:), allocatable :: marching     !! how the marching went wrong on this deck
   end type corrected_table
 
 contains
@@ -41,21 +39,81 @@ contains
     type(original_records), intent(in) :: exact_arithmetic  !! run in real128
     type(scene_results), intent(in) :: results              !! with the rows of the last states
     type(corrected_table) :: table
-    real(real64) :: stage(7, 3, 0:4)
+    real(real64) :: stage(7, 3, 0:vertical)
     integer :: number
 
     stage(:, :, 0) = historic%variance
-    stage(:, :, rounding) = exact_arithmetic%variance
-    stage(:, :, overshoot) = table_of(results, as_original=.true.)
+    stage(:, :, start_value) = without_start_values(historic)
+    stage(:, :, rounding) = without_start_values(exact_arithmetic)
+    stage(:, :, marching) = table_of(results, as_original=.true.)
     stage(:, :, counting) = table_of(results, as_original=.false.)
     stage(:, :, vertical) = stage(:, :, counting)
     stage(total_load_row, :, vertical) = vertical_loads(results)
     table%historic = stage(:, :, 0)
     table%corrected = stage(:, :, vertical)
-    do number = 1, 4
+    do number = 1, vertical
       table%change(:, :, number) = stage(:, :, number) - stage(:, :, number - 1)
     end do
+    table%marching = marching_name(exact_arithmetic)
   end function correct_table
+
+  !> What a stage is called in print, for a row of the table.
+  function stage_name(table, stage, row) result(name)
+    type(corrected_table), intent(in) :: table   !! the deck's
+    integer, intent(in) :: stage                 !! from 1, as in `change`
+    integer, intent(in) :: row                   !! of the table
+    character(len=:), allocatable :: name        !! a few words
+
+    select case (stage)
+    case (start_value)
+      name = 'start value'
+    case (rounding)
+      name = 'rounding'
+    case (marching)
+      name = table%marching
+    case (counting)
+      name = 'wrong divisor'
+      ! The average number of points is cut to a whole number.
+      if (row == points_row) name = 'cut to a whole number'
+      if (row == slope_row .or. row == individual_difference_row) name = 'contacts left out'
+    case default
+      name = 'vertical load'
+    end select
+  end function stage_name
+
+  !> The last step of a position passes the limit, or the approaches run out before it. A
+  !> displacement on the deck moves the surfaces only in the present-day solver.
+  function marching_name(records) result(name)
+    type(original_records), intent(in) :: records
+    character(len=:), allocatable :: name
+
+    associate (first => records%positions(1), next => records%positions(2))
+      name = 'overshoot'
+      if (.not. all(records%positions%limit_reached)) name = name // ' or approaches run out'
+      if (.not. any(records%positions%limit_reached)) name = 'approaches run out'
+      ! What the deck's displacement was before the first step.
+      if (max(abs(2 * first%x_displacement - next%x_displacement), &
+              abs(2 * first%y_displacement - next%y_displacement)) > 1.0e-9_real64) &
+        name = name // ' and displacement of the deck'
+    end associate
+  end function marching_name
+
+  !> The original's table with true maxima and minima where it prints their start values.
+  function without_start_values(records) result(table)
+    type(original_records), intent(in) :: records
+    real(real64) :: table(7, 3)
+
+    table = records%variance
+    associate (positions => records%positions)
+      table(total_load_row, :2) = [maxval(positions%load), minval(positions%load)]
+      table(total_area_row, :2) = [maxval(positions%area), minval(positions%area)]
+      table(points_row, :2) = real([maxval(positions%contacts), minval(positions%contacts)], real64)
+      table(approach_row, :2) = [maxval(positions%approach), minval(positions%approach)]
+    end associate
+    ! A percentage cannot pass its start value. Without a contact at its limit there are no slopes.
+    if (table(slope_row, 1) < table(slope_row, 2)) &
+      table([slope_row, individual_difference_row], :2) = 0.0_real64
+  end function without_start_values
 
   !> Table VI of the present-day results. `as_original` keeps the original's averages: contacts from
   !> the first at its limit on, and the sum over positions divided by their count.

@@ -1,0 +1,194 @@
+"""docs/faults.md: its marks in the code, its figures, and Table VI as it should read."""
+
+import csv
+import re
+import subprocess
+
+import pytest
+
+from decks import random_deck, write_deck
+
+MODULUS = "   400000."  # both of the thesis' deck, F10.0
+
+
+@pytest.fixture(scope="module")
+def page(root):
+    return (root / "docs" / "faults.md").read_text()
+
+
+def row_of(page, name):
+    """The row of a table that begins with a number or letter."""
+    return next(line for line in page.splitlines() if line.startswith(f"| {name} |"))
+
+
+@pytest.mark.parametrize("word, row", [(r"[Ff]aults? (\d+)", r"^\| (\d+) \|"),
+                                       (r"[Dd]eviation ([a-z])\b", r"^\| ([a-z]) \|")])
+def test_every_mark_has_its_row(word, row, root, page):
+    """What the page lists is marked in the historic wing, and nothing else is."""
+    names = re.findall(row, page, re.MULTILINE)
+    assert len(set(names)) == len(names) > 10
+    marks = set()
+    for file in (root / "src" / "original").iterdir():
+        # "Deviation x" and "Fault n" are how a file says what its marks refer to.
+        marks |= set(re.findall(word, file.read_text().replace('"Deviation x"', "")))
+    assert marks == set(names)
+
+
+def test_the_readme_counts_the_faults(root, page):
+    last = re.findall(r"^\| (\d+) \|", page, re.MULTILINE)[-1]
+    words = {"16": "sixteen"}
+    assert f"lists {words[last]}, each" in (root / "README.md").read_text()
+
+
+def run(asperity, folder, deck, *options):
+    """Rows of contacts and positions."""
+    done = subprocess.run([asperity, *options, deck, "--contacts", "c.csv", "--positions", "p.csv"],
+                          cwd=folder, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return [[{name: float(text) for name, text in row.items()}
+             for row in csv.DictReader((folder / name).read_text().splitlines())]
+            for name in ("c.csv", "p.csv")]
+
+
+@pytest.fixture(scope="module")
+def runs(asperity, root, tmp_path_factory):
+    """The thesis' deck: as it printed, without rounding, and by the present-day solver."""
+    folder, deck = tmp_path_factory.mktemp("runs"), root / "data" / "thesis.deck"
+    return {"printed": run(asperity, folder, deck),
+            "exact": run(asperity, folder, deck, "--arithmetic", "real128"),
+            "solved": run(asperity, folder, deck, "solve")}
+
+
+def test_rounding_of_the_approach(runs, page):
+    off = [a["approach"] - b["approach"] for a, b in zip(runs["printed"][1], runs["exact"][1])]
+    assert f"{off[55]:.4f} cm off at position 56 and {off[99]:.4f} cm at position 100" in \
+        row_of(page, 2)
+
+
+def test_rounding_of_the_pressure(runs, page):
+    def key(row):
+        return tuple(int(row[name]) for name in ("position", "step", "upper", "lower"))
+
+    exact = {key(row): row for row in runs["exact"][0]}
+    start = {key(row)[0]: row["approach"] for row in runs["exact"][0] if row["step"] == 1}
+    whole, every = {}, {}
+    for row in runs["printed"][0]:
+        if row["load"] > 0:
+            true = exact[key(row)]
+            error = abs(row["average_pressure"] / true["average_pressure"] - 1)
+            every[key(row)] = error
+            step = start[key(row)[0]] - true["approach"]
+            if row["step"] == 2 and row["area_no"] == 1 and abs(step - 0.001) < 1e-9:
+                whole[key(row)] = error
+    worst, worst_whole = max(every, key=every.get), max(whole, key=whole.get)
+    assert f"up to {whole[worst_whole]:.3%} off (position {worst_whole[0]})".replace("%", " %") \
+        in row_of(page, 3)
+    assert f"{every[worst]:.1%} at most (position {worst[0]})".replace("%", " %") in row_of(page, 3)
+    assert f"{every[56, 2, 10, 2]:.1%} in Table VIIC (764 for 779".replace("%", " %", 1) in \
+        row_of(page, 3)
+    assert round(exact[56, 2, 10, 2]["average_pressure"]) == 779
+
+
+def test_overshoot(runs, page):
+    over = [100 * (a["load"] / b["load"] - 1)
+            for a, b in zip(runs["printed"][1], runs["solved"][1])]
+    assert f"{sum(over) / 100:.1f} % too high on average over the positions and " \
+        f"{max(over):.1f} % at most (position {over.index(max(over)) + 1})" in row_of(page, 4)
+
+
+def last_contacts(runs, name):
+    contacts, positions = runs[name]
+    steps = {row["position"]: row["steps"] for row in positions}
+    return [row for row in contacts if row["step"] == steps[row["position"]]]
+
+
+def test_vertical_parts(runs, page):
+    short = []
+    for position in runs["printed"][1]:
+        rows = [row for row in last_contacts(runs, "printed")
+                if row["position"] == position["position"]]
+        vertical = sum(row["load"] / (1 + row["slope"] ** 2) ** 0.5 for row in rows)
+        short.append(100 * (1 - vertical / position["load"]))
+    assert f"{sum(short) / 100:.1f} % less on average and {max(short):.1f} % at most " \
+        f"(position {short.index(max(short)) + 1})" in row_of(page, 8)
+
+
+def test_contacts_that_count(runs, page):
+    """Averages by the right and the wrong count; none left out; one without load."""
+    rows = last_contacts(runs, "printed")
+    loaded = [row for row in rows if row["load"] > 0]
+    counted = passed = 0
+    for number, row in enumerate(loaded):
+        passed = row["limit_exceeded"] or (passed and number > 0 and
+                                           row["position"] == loaded[number - 1]["position"])
+        counted += bool(passed)
+    assert counted == len(loaded) == len(runs["solved"][0])
+    assert "None is left out on the thesis' deck" in row_of(page, 13)
+    (idle,) = [row for row in rows if not row["load"] > 0]
+    assert f"Of the {len(rows)} contacts counted, one (position {idle['position']:.0f}) has no " \
+        f"load: the average is {len(rows) / 100:.2f} for {len(loaded) / 100:.2f}" in row_of(page, 15)
+    differences = sum(100 * (1 - row["projected_area"] / row["area"]) for row in runs["printed"][1])
+    assert f"It prints {differences / counted:.1f} %; {differences / 100:.1f} % is right" in \
+        row_of(page, 1)
+
+
+def table_of(asperity, deck):
+    """Table VI, corrected: by quantity and column, the words after both numbers."""
+    done = subprocess.run([asperity, "solve", deck], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.partition("Table VI, corrected")[2].splitlines()[1:]
+    assert len(lines) == 21
+    return {(line[2:22].strip(), line[23:30]): (line[33:44].strip(), line[57:]) for line in lines}
+
+
+def edited(root, folder, old, new):
+    text = (root / "data" / "thesis.deck").read_text()
+    assert old in text and len(old) == len(new)
+    path = folder / "edited.deck"
+    path.write_text(text.replace(old, new))
+    return path
+
+
+def test_the_readme_s_corrected_table(asperity, root):
+    done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck"], capture_output=True,
+                          text=True, timeout=120)
+    block = (root / "README.md").read_text().partition("Table VI, corrected")[2].partition("```")[0]
+    lines = [line for line in block.splitlines()[1:] if line.strip() != "..."]
+    assert len(lines) == 4 and all(line + "\n" in done.stdout for line in lines)
+    for word in ("start value", "run out", "displacement", "left out"):
+        assert word not in done.stdout
+
+
+def test_a_start_value_is_no_overshoot(asperity, root, tmp_path, page):
+    """So stiff that no total load is below 10000 N, where the search for the least one starts."""
+    deck = edited(root, tmp_path, MODULUS, "    4.0E10")
+    least = min(row["load"] for row in run(asperity, tmp_path, deck)[1])
+    table = table_of(asperity, deck)
+    historic, reason = table["total load", "minimum"]
+    assert historic == "10000"
+    assert reason.startswith(f"start value {least - 10000:+.1f}, ")
+    assert f"least total load is {least:.0f} N and 10000 N is printed" in row_of(page, 14)
+    assert sum("start value" in reason for _, reason in table.values()) == 1
+    # Nothing but the cut to a whole number, which cuts nothing here.
+    assert table["contact points", "average"] == ("1", "")
+
+
+def test_approaches_that_run_out_are_no_overshoot(asperity, root, tmp_path):
+    """So soft that no contact reaches the limit: start values in place of slopes."""
+    table = table_of(asperity, edited(root, tmp_path, MODULUS, "   150000."))
+    assert table["slope of areas", "minimum"][0] == "100.000"
+    assert table["slope of areas", "minimum"][1].startswith("start value -100.000, approaches run")
+    assert table["individual, %", "minimum"] == ("100.0", "start value -100.0")
+    assert not any("overshoot" in reason for _, reason in table.values())
+
+
+def test_a_displacement_is_no_overshoot(asperity, root, tmp_path):
+    zero = "  0.0000  0.0000  0.000  0.000"
+    table = table_of(asperity, edited(root, tmp_path, zero, "  0.0000  0.0000  1.000  0.000"))
+    assert ", overshoot and displacement of the deck -" in table["total load", "maximum"][1]
+
+
+def test_contacts_left_out(asperity, tmp_path):
+    """A deck on which a contact touches first and carries less than one that touches later."""
+    table = table_of(asperity, write_deck(tmp_path / "random.deck", **random_deck(9)))
+    assert table["individual, %", "maximum"][1].endswith("contacts left out +0.1")
