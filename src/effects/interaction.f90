@@ -7,7 +7,7 @@
 module asperity_interaction
   use asperity_boundary_solver, only: boundary_outcome, solve_boundary
   use asperity_constants, only: pi
-  use asperity_cluster_cells, only: solve_clusters
+  use asperity_cluster_cells, only: lowered_for, solve_clusters
   use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, plain
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
@@ -68,9 +68,9 @@ contains
     type(contact_state), intent(in) :: state       !! contacts that know nothing of each other
     real(real64) :: share
 
-    share = 0.0_real64
-    if (self%tolerance < 1.0_real64) &
-      share = estimate_of_interaction(pairs, state%law, state%closing)
+    associate (unused => self)
+    end associate
+    share = estimate_of_interaction(pairs, state%law, state%closing)
   end function estimate
 
   !> Lets the contacts lower each other.
@@ -113,12 +113,9 @@ contains
     type(effect_outcome), intent(inout) :: outcome
 
     outcome%simulated = 'coupled'
-    if (allocated(state%found)) then
-      call solve_coupled(pairs, state%law, state%closing, state%penetration, outcome%ending, &
-                         state%found)
-    else
-      call solve_coupled(pairs, state%law, state%closing, state%penetration, outcome%ending)
-    end if
+    ! What was not found is not there: an unallocated argument counts as absent.
+    call solve_coupled(pairs, state%law, state%closing, state%penetration, outcome%ending, &
+                       state%found)
     if (.not. outcome%ending%converged) then
       outcome%failure = not_converged(outcome%ending)
       return
@@ -133,7 +130,6 @@ contains
     type(contact_state), intent(inout) :: state
     type(effect_outcome), intent(inout) :: outcome
     type(boundary_outcome) :: cells
-    real(real64) :: share
     integer :: i
 
     outcome%simulated = 'boundary'
@@ -152,13 +148,8 @@ contains
         answer%contact_radius = sqrt(cells%area(i) / pi)
         answer%maximum_pressure = cells%maximum_pressure(i)
         if (.not. cells%alone_load(i) > 0.0_real64) cycle
-        ! As far as neighbours would have to lower it for this load.
-        share = (cells%vertical_load(i) / cells%alone_load(i))**(2.0_real64 / 3.0_real64)
-        if (share > 0.0_real64) then
-          state%penetration(i) = state%penetration(i) * share
-        else
-          state%penetration(i) = -tiny(share)
-        end if
+        state%penetration(i) = lowered_for(cells%vertical_load(i) / cells%alone_load(i), &
+                                           state%penetration(i))
       end associate
     end do
     outcome%of_state(3) = real(cells%cells, real64)

@@ -1,4 +1,5 @@
-!> The names of group &effects: the effects, how a scene may call for each, and their numbers.
+!> The names of group &effects: the effects, how a scene may call for each, their numbers, and which
+!> effects go together.
 !>
 !> All that knows them takes them from here: the reader and its messages, the values of a scene,
 !> `asperity solve --help`. The tables of the documents are tested against that help.
@@ -12,7 +13,7 @@ module asperity_effect_names
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: hold_load, hold_approach, hold_words
   public :: known_effect, known_effects, effect_number, effect_numbers
-  public :: one_word, whole_number, place_of_effect, place_of_number, needed_for
+  public :: one_word, whole_number, needed_for, why_not_together
 
   !> The effect is left out.
   integer, parameter :: effect_off = 1
@@ -104,25 +105,26 @@ module asperity_effect_names
     effect_number('hold_points', 'creep', whole_number, decimal_value(20_int64, 0), &
                   least=2, most=100000, meaning='states of the hold')]
 
+  ! Two effects without a sound theory of both together.
+  type :: refused_pair
+    character(len=11) :: one, other  ! as in &effects
+    character(len=72) :: why
+    character(len=8) :: way = ''     ! only where `one` is simulated in this way; blank: in any
+  end type refused_pair
+
+  type(refused_pair), parameter :: refused(*) = [ &
+    refused_pair('adhesion', 'plasticity', 'the theories of adhesion are elastic'), &
+    refused_pair('adhesion', 'creep', 'the theory of creep knows no attraction'), &
+    refused_pair('adhesion', 'interaction', &
+                 'neighbours are lowered by pressures of Hertz, not by those of adhesion'), &
+    refused_pair('adhesion', 'friction', &
+                 'shear changes adhesion, and Coulomb''s law knows no attraction'), &
+    refused_pair('creep', 'plasticity', 'creep here is that of an elastic contact'), &
+    refused_pair('creep', 'friction', 'slip and creep together have no closed theory'), &
+    refused_pair('interaction', 'plasticity', &
+                 'cells are elastic: plasticity goes with interaction = ''coupled''', 'boundary')]
+
 contains
-
-  !> Place of an effect in `known_effects`; 0: there is none of that name.
-  pure integer function place_of_effect(name) result(place)
-    character(len=*), intent(in) :: name  !! as in &effects
-
-    do place = size(known_effects), 1, -1
-      if (known_effects(place)%name == name) exit
-    end do
-  end function place_of_effect
-
-  !> Place of a number in `effect_numbers`; 0: there is none of that name.
-  pure integer function place_of_number(name) result(place)
-    character(len=*), intent(in) :: name  !! as in &effects
-
-    do place = size(effect_numbers), 1, -1
-      if (effect_numbers(place)%name == name) exit
-    end do
-  end function place_of_number
 
   !> What makes a number necessary: `friction = 'on'`, `creep and a hold`; empty: nothing.
   pure function needed_for(number) result(text)
@@ -138,8 +140,34 @@ contains
       text = trim(number%effect) // ' and no limit'
     case default
       text = trim(number%effect) // ' and ' // &
-             trim(effect_numbers(place_of_number(number%needed_with))%in_words)
+             trim(effect_numbers(findloc(effect_numbers%name, number%needed_with, 1))%in_words)
     end select
   end function needed_for
+
+  !> Why two effects are not computed together; empty when they are.
+  pure function why_not_together(first, first_way, second, second_way) result(why)
+    character(len=*), intent(in) :: first       !! an effect, as in &effects
+    character(len=*), intent(in) :: first_way   !! how it is simulated
+    character(len=*), intent(in) :: second      !! another one
+    character(len=*), intent(in) :: second_way  !! how it is simulated
+    character(len=:), allocatable :: why
+    integer :: i
+
+    why = ''
+    do i = 1, size(refused)
+      if (meets(refused(i), first, first_way, second) .or. &
+          meets(refused(i), second, second_way, first)) &
+        why = first // ' and ' // second // ' do not go together: ' // trim(refused(i)%why)
+    end do
+  end function why_not_together
+
+  ! Whether a refusal is of these two.
+  pure logical function meets(refusal, one, way, other)
+    type(refused_pair), intent(in) :: refusal
+    character(len=*), intent(in) :: one, way, other
+
+    meets = refusal%one == one .and. refusal%other == other .and. &
+            (refusal%way == '' .or. refusal%way == way)
+  end function meets
 
 end module asperity_effect_names

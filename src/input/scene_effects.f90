@@ -1,9 +1,8 @@
 !> Group &effects of a scene: which effects, their numbers, and which go together.
 module asperity_scene_effects
   use asperity_decimal, only: decimal_value
-  use asperity_effect_combinations, only: why_not_together
   use asperity_effect_names, only: effect_number, effect_numbers, known_effect, known_effects, &
-                                   needed_for, one_word, place_of_number, whole_number
+                                   needed_for, one_word, whole_number, why_not_together
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: nearest_double
   use asperity_scene_fields, only: scene_fields
@@ -117,7 +116,7 @@ contains
     type(scene_effects), intent(in) :: effects
     character(len=*), intent(in) :: name
 
-    is_there = effects%numbers(place_of_number(name))%digits /= 0_int64
+    is_there = effects%numbers(findloc(effect_numbers%name, name, 1))%digits /= 0_int64
   end function is_there
 
   ! Whether the path of loads or approaches goes back anywhere.

@@ -279,7 +279,7 @@ contains
     states = int(checked%motion%positions, int64) * int(max(1, checked%loading%points), int64)
     if (allocated(checked%loading%path)) states = states * size(checked%loading%path)
     if (checked%effects%mode('creep') /= effect_off) states = states + &
-      int(checked%motion%positions, int64) * int(checked%effects%whole('hold_points'), int64)
+      int(checked%motion%positions, int64) * nint(checked%effects%number('hold_points'), int64)
     if (states > int(most_states, int64)) &
       call fields%complain_of_group('loading', 'too many states: found ' // &
            decimal_text(checked%motion%positions) // ' positions with ' // &

@@ -8,8 +8,7 @@ module asperity_scene_values
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_names, only: effect_auto, effect_boundary, effect_coupled, effect_numbers, &
                                    effect_off, effect_on, effect_words, hold_approach, &
-                                   hold_load, hold_words, known_effects, place_of_effect, &
-                                   place_of_number
+                                   hold_load, hold_words, known_effects
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
   implicit none
@@ -102,8 +101,7 @@ module asperity_scene_values
     type(decimal_value) :: numbers(size(effect_numbers)) = effect_numbers%default  !! of all
   contains
     procedure :: mode => mode_of_effect      !! how an effect is called for
-    procedure :: number => number_of_effect  !! a number, as a double
-    procedure :: whole => whole_of_effect    !! a whole number, or the place of a word
+    procedure :: number => number_of_effect  !! a number, or the place of a word, as a double
     procedure :: call_for => call_for_effect !! sets how an effect is called for
     procedure :: set => set_number           !! sets a number
     procedure :: any_on => any_effect_on     !! whether one of them is not off
@@ -141,24 +139,16 @@ contains
     class(scene_effects), intent(in) :: effects  !! of a scene
     character(len=*), intent(in) :: name         !! a known effect
 
-    mode = effects%modes(place_of_effect(name))
+    mode = effects%modes(findloc(known_effects%name, name, 1))
   end function mode_of_effect
 
-  !> A number of an effect, as the nearest double.
+  !> A number of an effect as the nearest double; a word by its place among those that are known.
   pure real(real64) function number_of_effect(effects, name) result(number)
     class(scene_effects), intent(in) :: effects  !! of a scene
     character(len=*), intent(in) :: name         !! a known number
 
-    number = decimal_to_real64(effects%numbers(place_of_number(name)))
+    number = decimal_to_real64(effects%numbers(findloc(effect_numbers%name, name, 1)))
   end function number_of_effect
-
-  !> A whole number of an effect, or the place of a word among those that are known.
-  pure integer function whole_of_effect(effects, name) result(number)
-    class(scene_effects), intent(in) :: effects  !! of a scene
-    character(len=*), intent(in) :: name         !! a known number
-
-    number = int(effects%numbers(place_of_number(name))%digits)
-  end function whole_of_effect
 
   !> Sets how a scene calls for an effect.
   pure subroutine call_for_effect(effects, name, mode)
@@ -166,7 +156,7 @@ contains
     character(len=*), intent(in) :: name            !! a known effect
     integer, intent(in) :: mode                     !! one of its `effect_` numbers
 
-    effects%modes(place_of_effect(name)) = mode
+    effects%modes(findloc(known_effects%name, name, 1)) = mode
   end subroutine call_for_effect
 
   !> Sets a number of an effect.
@@ -175,7 +165,7 @@ contains
     character(len=*), intent(in) :: name            !! a known number
     type(decimal_value), intent(in) :: value        !! in its range
 
-    effects%numbers(place_of_number(name)) = value
+    effects%numbers(findloc(effect_numbers%name, name, 1)) = value
   end subroutine set_number
 
   !> Whether an effect is not off.

@@ -15,7 +15,7 @@ module asperity_cluster_cells
   implicit none
   private
 
-  public :: solve_clusters
+  public :: solve_clusters, lowered_for
 
 contains
 
@@ -77,11 +77,7 @@ contains
       call state%law%respond(pairs%list(i), i, penetration(k), free)
       share = 0.0_real64
       if (cells%alone_load(k) > 0.0_real64) share = cells%vertical_load(k) / cells%alone_load(k)
-      if (share > 0.0_real64) then
-        state%penetration(i) = penetration(k) * share**(2.0_real64 / 3.0_real64)
-      else
-        state%penetration(i) = -tiny(share)
-      end if
+      state%penetration(i) = lowered_for(share, penetration(k))
       call state%law%respond(pairs%list(i), i, state%penetration(i), state%answers(i))
       state%answers(i)%load = free%load * share
       state%answers(i)%vertical_load = free%vertical_load * share
@@ -103,5 +99,15 @@ contains
     end function displacement
 
   end subroutine solve_one
+
+  !> The penetration at which a contact has a share of its load: as far as neighbours would have to
+  !> lower it for that. Not positive without load.
+  pure real(real64) function lowered_for(share, penetration)
+    real(real64), intent(in) :: share        !! of the load, 0 or more
+    real(real64), intent(in) :: penetration  !! with the whole load
+
+    lowered_for = -tiny(share)
+    if (share > 0.0_real64) lowered_for = penetration * share**(2.0_real64 / 3.0_real64)
+  end function lowered_for
 
 end module asperity_cluster_cells

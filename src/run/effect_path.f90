@@ -75,10 +75,10 @@ contains
 
     associate (effects => scene_in%effects)
       call hold_times(effects%number('hold_time'), effects%number('relaxation_time'), &
-                      effects%whole('hold_points'), times)
+                      nint(effects%number('hold_points')), times)
       allocate (steps(size(times) - 1))
       steps%time = times(2:)
-      steps%kind = merge(as_before, stay, effects%whole('hold') == hold_load)
+      steps%kind = merge(as_before, stay, nint(effects%number('hold')) == hold_load)
     end associate
   end subroutine plan_hold
 

@@ -3,7 +3,7 @@ module asperity_effect_sequence
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_vertical_load
-  use asperity_effect_combinations, only: why_not_together
+  use asperity_effect_names, only: why_not_together
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_auto
@@ -24,8 +24,8 @@ contains
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)   !! what each did
     !> leave out what acts in time; without it nothing is left out
     logical, intent(in), optional :: loading_only
-    !> what a search for the closing has found (pair, quantity); not allocated: nothing
-    real(real64), allocatable, intent(in), optional :: found(:, :)
+    !> what a search for the closing has found (pair, quantity)
+    real(real64), intent(in), optional :: found(:, :)
     real(real64) :: before
     logical :: without_time
     integer :: i
@@ -35,9 +35,7 @@ contains
     allocate (outcomes(size(effects)))
     call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
     state%time = time
-    if (present(found)) then
-      if (allocated(found)) state%found = found
-    end if
+    if (present(found)) state%found = found
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => outcomes(i))
         if (without_time .and. effect%acts_in_time) cycle

@@ -222,6 +222,7 @@ contains
 
     pairs = some_pairs(3, 0.7_real64)
     call adhesion_of(work, distance_of(1.0_real64), effect)
+    call effect%begin(pairs)
     call start_state(pairs, hertz_law(modulus=modulus), 0.1_real64, state)
     call act(effect, pairs, state, plain)
     load = total_load(state)
@@ -229,6 +230,7 @@ contains
     pairs%modulus_power = 3
     pairs%length_power = -2
     call adhesion_of(scale(work, 4), scale(distance_of(1.0_real64), -8), effect)
+    call effect%begin(pairs)
     call start_state(pairs, hertz_law(modulus=modulus), 0.1_real64, state)
     call act(effect, pairs, state, scaled)
     call check(error, load < 100.0_real64 .and. .not. abs(total_load(state) - load) > 0.0_real64, &
@@ -254,6 +256,7 @@ contains
     pairs = some_pairs(4, 0.7_real64)
     do k = 1, size(tabor)
       call adhesion_of(work, distance_of(tabor(k)), effect)
+      call effect%begin(pairs)
       do i = 1, 10
         call start_state(pairs, hertz_law(modulus=modulus), 0.02_real64 * i, state)
         share = effect%estimate(pairs, state)

@@ -35,7 +35,7 @@ contains
       new_unittest('the stiffness is the slope of the vertical load', slopes), &
       new_unittest('no, instant and endless relaxation', limits), &
       new_unittest('a hold dissipates: no more comes back than was taken', energy), &
-      new_unittest('shrinking areas and misuse are refused, rounding is not', refusals), &
+      new_unittest('shrinking areas are refused, rounding is not', refusals), &
       new_unittest('the estimate bounds the truth; auto below it remembers nothing', estimates)]
   end subroutine collect_creep
 
@@ -252,8 +252,6 @@ contains
 
     call three_spheres(pairs)
     call creep_of(half, 1.0_real64, creep)
-    call held_at(pairs, creep, 0.04_real64, 1.0_real64, state, outcome)
-    call fails_with(error, outcome, 'a hold begins')
     call creep%begin(pairs)
     call held_at(pairs, creep, 0.04_real64, 0.0_real64, state, outcome)
     call creep%keep(pairs, state)
@@ -265,26 +263,12 @@ contains
     call check(error, .not. allocated(outcome%failure), 'rounding')
     call held_at(pairs, creep, 0.04_real64 * (1.0_real64 - 1.0e-6_real64), 1.0_real64, state, &
                  outcome)
-    call fails_with(error, outcome, 'the area of contact 2 shrinks')
+    call check(error, allocated(outcome%failure), 'a shrinking area')
+    if (allocated(outcome%failure)) call check(error, index(outcome%failure, &
+      'the area of contact 2 shrinks') == 1, outcome%failure)
     call held_at(pairs, creep, 0.05_real64, 1.0_real64, state, outcome)
     call check(error, .not. allocated(outcome%failure), 'growing')
-    call creep%keep(pairs, state)
-    call held_at(pairs, creep, 0.05_real64, 0.9_real64, state, outcome)
-    call fails_with(error, outcome, 'the times')
-    pairs%list = pairs%list(:2)
-    call held_at(pairs, creep, 0.05_real64, 2.0_real64, state, outcome)
-    call fails_with(error, outcome, 'the contacts')
   end subroutine refusals
-
-  subroutine fails_with(error, outcome, begin)
-    type(error_type), allocatable, intent(inout) :: error
-    type(effect_outcome), intent(in) :: outcome
-    character(*), intent(in) :: begin
-
-    call check(error, allocated(outcome%failure), 'not refused: '//begin)
-    if (allocated(outcome%failure)) &
-      call check(error, index(outcome%failure, begin) == 1, begin//': '//outcome%failure)
-  end subroutine fails_with
 
   subroutine estimates(error)
     type(error_type), allocatable, intent(out) :: error

@@ -4,13 +4,16 @@
 !> with 40 digits: quadrature and a root search of plain differences. The same file's step-by-step
 !> integration agrees with it to 2e-8 with 4000 steps. Run that file to print the values again.
 module asperity_friction_suite
+  use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
-  use asperity_effect_helpers, only: pair_of
-  use asperity_friction, only: add_to_rig, estimate_of_friction, rig_reaction, rub, rubbing, &
-                               tangential_stiffness_ratio
+  use asperity_contact_state, only: contact_state, start_state
+  use asperity_effect_helpers, only: act, as_decimal, pair_of, set_number
+  use asperity_friction, only: estimate_of_friction, rub, rubbing, tangential_stiffness_ratio
+  use asperity_friction_effect, only: new_friction
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
+  use asperity_scene_values, only: effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -238,25 +241,18 @@ contains
   subroutine rig_holds(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pair) :: pair, mirrored
-    type(rubbing) :: rubbed
-    type(rig_reaction) :: rig
-    real(real64), parameter :: p = 0.02_real64, kappa = 0.8_real64, mu = 0.2_real64
-    real(real64) :: load, push
+    real(real64) :: rig(5), load, push
 
     ! Centres at (0, 0) below and (0.6, 0.8) d above; equal spheres touch half way.
     pair = pair_of(1.0_real64, 1.0_real64, 1.0_real64, plan)
     pair%x = 0.3_real64
     pair%y = 0.4_real64
-    call rub(pair, p, answer(pair, 1.0_real64, p), kappa, mu, rubbed)
-    load = rubbed%vertical_load
-    push = sqrt(rubbed%lateral_x**2 + rubbed%lateral_y**2)
-    call add_to_rig(pair, rubbed, rig)
-    call near(error, rig%force_x, 0.6_real64 * push, push, 'force x')
-    call near(error, rig%force_y, 0.8_real64 * push, push, 'force y')
-    call near(error, rig%force_z, load, load, 'force z')
-    call near(error, rig%moment_x, 0.4_real64 * load, load, 'moment x')
-    call near(error, rig%moment_y, -0.3_real64 * load, load, 'moment y')
-    call near(error, rig%moment_z, 0.0_real64, push, 'a push from the origin does not turn')
+    call hold_rig([pair], load, push, rig)
+    call near(error, rig(1), -0.6_real64 * push, push, 'force x')
+    call near(error, rig(2), -0.8_real64 * push, push, 'force y')
+    call near(error, rig(3), -0.4_real64 * load, load, 'moment x')
+    call near(error, rig(4), 0.3_real64 * load, load, 'moment y')
+    call near(error, rig(5), 0.0_real64, push, 'a push from the origin does not turn')
 
     ! Turned by half a turn about (1, 0): forces in plan cancel, and leave a couple.
     mirrored = pair
@@ -266,14 +262,37 @@ contains
     mirrored%upper_x = 2.0_real64 - pair%upper_x
     mirrored%lower_y = -pair%lower_y
     mirrored%upper_y = -pair%upper_y
-    call rub(mirrored, p, answer(mirrored, 1.0_real64, p), kappa, mu, rubbed)
-    call add_to_rig(mirrored, rubbed, rig)
-    call near(error, rig%force_x, 0.0_real64, push, 'mirrored: force x')
-    call near(error, rig%force_y, 0.0_real64, push, 'mirrored: force y')
-    call near(error, rig%moment_x, 0.0_real64, load, 'mirrored: moment x')
-    call near(error, rig%moment_y, -2.0_real64 * load, load, 'mirrored: moment y')
-    call near(error, rig%moment_z, -1.6_real64 * push, push, 'mirrored: moment z')
+    call hold_rig([pair, mirrored], load, push, rig)
+    call near(error, rig(1), 0.0_real64, push, 'mirrored: force x')
+    call near(error, rig(2), 0.0_real64, push, 'mirrored: force y')
+    call near(error, rig(3), 0.0_real64, load, 'mirrored: moment x')
+    call near(error, rig(4), 2.0_real64 * load, load, 'mirrored: moment y')
+    call near(error, rig(5), 1.6_real64 * push, push, 'mirrored: moment z')
   end subroutine rig_holds
+
+  ! What the rig holds of contacts that friction acts on; vertical load and push of the first.
+  subroutine hold_rig(list, load, push, rig)
+    type(contact_pair), intent(in) :: list(:)
+    real(real64), intent(out) :: load, push, rig(5)
+    class(contact_effect), allocatable :: friction
+    type(scene) :: scene_in
+    type(contact_pairs) :: pairs
+    type(contact_state) :: state
+    type(effect_outcome) :: outcome
+
+    call scene_in%effects%call_for('friction', effect_on)
+    call set_number(scene_in, 'friction_coefficient', 0.2_real64)
+    scene_in%upper%elastic_modulus = as_decimal(1.0_real64)
+    scene_in%lower%elastic_modulus = as_decimal(1.0_real64)
+    call new_friction(scene_in, friction)
+    allocate (pairs%list(size(list)))
+    pairs%list = list
+    call start_state(pairs, hertz_law(modulus=1.0_real64), 0.02_real64, state)
+    call act(friction, pairs, state, outcome)
+    load = state%answers(1)%vertical_load
+    push = norm2(outcome%of_contacts(1, 4:5))
+    rig = outcome%of_state(3:)
+  end subroutine hold_rig
 
   subroutine estimates(error)
     type(error_type), allocatable, intent(out) :: error

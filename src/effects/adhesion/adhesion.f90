@@ -20,7 +20,7 @@ module asperity_adhesion
   type, extends(contact_effect) :: adhesion_effect
     real(real64) :: work = 0.0_real64      !! of adhesion, modulus times length, 0 or more
     real(real64) :: distance = 1.0_real64  !! of equilibrium, length, more than 0
-    logical, allocatable :: adhered(:)     !! by the number of the contact, at the state before
+    type(adhesion_law) :: law              !! of a position, with what adhered at the state before
   contains
     procedure :: estimate
     procedure :: apply
@@ -57,16 +57,14 @@ contains
     type(contact_pairs), intent(in) :: pairs    !! the position
     type(contact_state), intent(in) :: state    !! without adhesion
     real(real64) :: share
-    type(adhesion_law) :: law
     real(real64) :: load, pull
     integer :: i
 
     share = 0.0_real64
     if (.not. self%work > 0.0_real64) return
-    call make_law(self, pairs, law)
     pull = 0.0_real64
     do i = 1, size(pairs%list)
-      if (law%holds(pairs%list(i), i, state%penetration(i))) pull = pull + law%known(i)%pull_off
+      if (self%law%holds(pairs%list(i), i, state%penetration(i))) pull = pull + self%law%known(i)%pull_off
     end do
     load = sum(state%answers%vertical_load)
     if (.not. pull > 0.0_real64) return
@@ -80,37 +78,37 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! the position
     type(contact_state), intent(inout) :: state     !! gets law and answers with adhesion
     type(effect_outcome), intent(inout) :: outcome  !! what it did
-    type(adhesion_law) :: law
     real(real64) :: pull
     integer :: adhering, i
 
-    call make_law(self, pairs, law)
     if (allocated(state%law)) deallocate (state%law)
-    allocate (state%law, source=law)
+    allocate (state%law, source=self%law)
     call answer_all(pairs, state)
-    allocate (outcome%of_contacts(size(pairs%list), 3), outcome%of_state(3))
-    outcome%of_contacts = 0.0_real64
+    allocate (outcome%of_contacts(size(pairs%list), 3), source=0.0_real64)
     pull = 0.0_real64
     adhering = 0
     do i = 1, size(pairs%list)
-      outcome%of_contacts(i, 2:) = [law%known(i)%pull_off, law%known(i)%tabor]
-      if (.not. law%holds(pairs%list(i), i, state%penetration(i))) cycle
+      outcome%of_contacts(i, 2:) = [self%law%known(i)%pull_off, self%law%known(i)%tabor]
+      if (.not. self%law%holds(pairs%list(i), i, state%penetration(i))) cycle
       outcome%of_contacts(i, 1) = 1.0_real64
       adhering = adhering + 1
-      pull = pull + law%known(i)%pull_off
+      pull = pull + self%law%known(i)%pull_off
     end do
     outcome%of_state = [real(adhering, real64), &
                         real(count(state%answers%load < 0.0_real64), real64), pull]
     outcome%simulated = 'on'
   end subroutine apply
 
-  !> Nothing adheres where nothing has touched yet.
+  !> A position begins: its law, of contacts none of which adheres yet.
   subroutine begin(self, pairs)
     class(adhesion_effect), intent(inout) :: self  !! adhesion
     type(contact_pairs), intent(in) :: pairs       !! the position
+    type(adhesion_numbers) :: numbers
 
-    if (allocated(self%adhered)) deallocate (self%adhered)
-    allocate (self%adhered(size(pairs%list)), source=.false.)
+    numbers%modulus = pairs%modulus
+    numbers%work = scale(self%work, -4 * (pairs%modulus_power + pairs%length_power))
+    numbers%distance = scale(self%distance, -4 * pairs%length_power)
+    call new_adhesion_law(numbers, pairs, self%law)
   end subroutine begin
 
   !> Remembers which contacts adhere.
@@ -118,29 +116,11 @@ contains
     class(adhesion_effect), intent(inout) :: self  !! adhesion
     type(contact_pairs), intent(in) :: pairs       !! the position
     type(contact_state), intent(in) :: state       !! all effects applied
-    type(adhesion_law) :: law
     integer :: i
 
-    call make_law(self, pairs, law)
-    call self%begin(pairs)
     do i = 1, size(pairs%list)
-      self%adhered(i) = law%holds(pairs%list(i), i, state%penetration(i))
+      self%law%adhered(i) = self%law%holds(pairs%list(i), i, state%penetration(i))
     end do
   end subroutine keep
-
-  ! The law in the units of the pairs, with what the effect remembers.
-  subroutine make_law(self, pairs, law)
-    class(adhesion_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(adhesion_law), intent(out) :: law
-    type(adhesion_numbers) :: numbers
-
-    numbers%modulus = pairs%modulus
-    numbers%work = scale(self%work, -4 * (pairs%modulus_power + pairs%length_power))
-    numbers%distance = scale(self%distance, -4 * pairs%length_power)
-    call new_adhesion_law(numbers, pairs, law)
-    if (.not. allocated(self%adhered)) return
-    if (size(self%adhered) == size(pairs%list)) law%adhered = self%adhered
-  end subroutine make_law
 
 end module asperity_adhesion

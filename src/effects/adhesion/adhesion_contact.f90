@@ -14,7 +14,7 @@
 !> linearly from the range to 2 pi w R at first touch and goes back on the same line.
 module asperity_adhesion_contact
   use asperity_adhesion_jkr, only: answer_jkr, pull_off_jkr, snap_off_jkr
-  use asperity_adhesion_maugis, only: follow_maugis, maugis_answer, maugis_curve, new_maugis
+  use asperity_adhesion_maugis, only: central_answer, follow_maugis, maugis_curve, new_maugis
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
@@ -55,14 +55,6 @@ module asperity_adhesion_contact
     real(real64) :: snap_off = 0.0_real64   !! overlap below which it parts; not above snap_in
     type(maugis_curve) :: curve             !! of Maugis' theory
   end type adhering_contact
-
-  !> Answer along the line of centres.
-  type :: central_answer
-    real(real64) :: contact_radius = 0.0_real64  !! 0 where the spheres do not touch
-    real(real64) :: load = 0.0_real64            !! negative: the contact pulls
-    real(real64) :: stiffness = 0.0_real64       !! d load/d overlap
-    real(real64) :: pressure = 0.0_real64        !! at the centre of the contact circle, or 0
-  end type central_answer
 
 contains
 
@@ -113,7 +105,6 @@ contains
     type(adhering_contact), intent(in) :: contact  !! one that adheres
     real(real64), intent(in) :: overlap            !! not below snap_off
     type(central_answer), intent(out) :: answer    !! along the line of centres
-    type(maugis_answer) :: maugis
     real(real64) :: unit
 
     associate (modulus => numbers%modulus, radius => contact%radius)
@@ -123,11 +114,11 @@ contains
                         answer%contact_radius, answer%stiffness, answer%pressure)
       case (model_maugis)
         unit = neck(numbers, radius)
-        call follow_maugis(contact%curve, (overlap / unit) * (radius / unit), maugis)
-        answer%contact_radius = unit * maugis%contact_radius
-        answer%load = pi * numbers%work * radius * maugis%load
-        answer%stiffness = (4.0_real64 / 3.0_real64) * modulus * unit * maugis%stiffness
-        answer%pressure = modulus * (unit / radius) * maugis%pressure / pi
+        call follow_maugis(contact%curve, (overlap / unit) * (radius / unit), answer)
+        answer%contact_radius = unit * answer%contact_radius
+        answer%load = pi * numbers%work * radius * answer%load
+        answer%stiffness = (4.0_real64 / 3.0_real64) * modulus * unit * answer%stiffness
+        answer%pressure = modulus * (unit / radius) * answer%pressure / pi
       case default
         answer%contact_radius = sqrt(radius * max(overlap, 0.0_real64))
         answer%load = (4.0_real64 / 3.0_real64) * modulus * answer%contact_radius * overlap

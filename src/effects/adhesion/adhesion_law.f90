@@ -61,19 +61,19 @@ contains
     real(real64), intent(in) :: penetration         !! vertical, less than zc; negative: a gap
     type(contact_response), intent(out) :: response !! the answer
     type(hertz_law) :: hertz
-    type(adhering_contact) :: contact
     type(central_answer) :: answer
     real(real64) :: centres, overlap
 
-    call look_up(self, pair, number, contact)
-    if (contact%model == model_hertz) then
-      hertz%modulus = self%numbers%modulus
-      call hertz%respond(pair, number, penetration, response)
-      return
-    end if
-    overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration)
-    if (.not. adheres(contact, overlap, did_adhere(self, number))) return
-    call answer_along_centres(self%numbers, contact, overlap, answer)
+    associate (contact => self%known(number))
+      if (contact%model == model_hertz) then
+        hertz%modulus = self%numbers%modulus
+        call hertz%respond(pair, number, penetration, response)
+        return
+      end if
+      overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration)
+      if (.not. adheres(contact, overlap, self%adhered(number))) return
+      call answer_along_centres(self%numbers, contact, overlap, answer)
+    end associate
     centres = pair%s - overlap
     response%overlap = overlap
     response%contact_radius = answer%contact_radius
@@ -91,37 +91,9 @@ contains
     type(contact_pair), intent(in) :: pair   !! who touches
     integer, intent(in) :: number            !! place of the pair in its list
     real(real64), intent(in) :: penetration  !! vertical, less than zc; negative: a gap
-    type(adhering_contact) :: contact
 
-    call look_up(self, pair, number, contact)
-    holds = adheres(contact, stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration), &
-                    did_adhere(self, number))
+    holds = adheres(self%known(number), stable_overlap(pair%s, pair%d, pair%zc, pair%rest, &
+                                                       penetration), self%adhered(number))
   end function holds
-
-  ! What is known of a contact; found anew for one that is not on the list.
-  pure subroutine look_up(self, pair, number, contact)
-    class(adhesion_law), intent(in) :: self
-    type(contact_pair), intent(in) :: pair
-    integer, intent(in) :: number
-    type(adhering_contact), intent(out) :: contact
-
-    if (allocated(self%known)) then
-      if (number >= 1 .and. number <= size(self%known)) then
-        contact = self%known(number)
-        return
-      end if
-    end if
-    call new_adhering_contact(self%numbers, pair%radius, contact)
-  end subroutine look_up
-
-  ! Whether a contact adhered at the state before.
-  pure logical function did_adhere(self, number)
-    class(adhesion_law), intent(in) :: self
-    integer, intent(in) :: number
-
-    did_adhere = .false.
-    if (.not. allocated(self%adhered)) return
-    if (number >= 1 .and. number <= size(self%adhered)) did_adhere = self%adhered(number)
-  end function did_adhere
 
 end module asperity_adhesion_law

@@ -23,7 +23,7 @@ module asperity_adhesion_maugis
   implicit none
   private
 
-  public :: maugis_curve, maugis_answer, new_maugis, follow_maugis
+  public :: central_answer, maugis_curve, new_maugis, follow_maugis
 
   ! A point of the curve is found in this many turns: each halves what is left at least.
   integer, parameter :: most_turns = 200
@@ -38,13 +38,13 @@ module asperity_adhesion_maugis
     real(real64) :: pull_off = 0.0_real64   !! largest pull, 1.5 to 2
   end type maugis_curve
 
-  !> One point of a curve, without units.
-  type :: maugis_answer
-    real(real64) :: contact_radius = 0.0_real64  !! 0 across a gap
-    real(real64) :: load = 0.0_real64            !! negative: it pulls
+  !> One point of a curve, along the line of centres.
+  type :: central_answer
+    real(real64) :: contact_radius = 0.0_real64  !! 0 where the spheres do not touch
+    real(real64) :: load = 0.0_real64            !! negative: the contact pulls
     real(real64) :: stiffness = 0.0_real64       !! d load/d overlap
-    real(real64) :: pressure = 0.0_real64        !! at the centre, in E a/(pi R) of the unit of a
-  end type maugis_answer
+    real(real64) :: pressure = 0.0_real64        !! at the centre of the contact circle, or 0
+  end type central_answer
 
   ! One point by its parameter, with its slopes.
   type :: curve_point
@@ -108,11 +108,11 @@ contains
     curve%pull_off = -at%load
   end subroutine new_maugis
 
-  !> The answer at an overlap.
+  !> The answer at an overlap, without units; the pressure in E a/(pi R) of the unit of a.
   pure subroutine follow_maugis(curve, overlap, answer)
     type(maugis_curve), intent(in) :: curve     !! of the contact's lambda
     real(real64), intent(in) :: overlap         !! not below `snap_off`
-    type(maugis_answer), intent(out) :: answer  !! the point of the curve
+    type(central_answer), intent(out) :: answer !! the point of the curve
     type(curve_point) :: at
     real(real64) :: edge, root
 

@@ -20,10 +20,8 @@ module asperity_creep
 
   !> What one contact remembers of the last state kept: of its load and of its greatest pressure.
   type :: contact_memory
-    real(real64) :: elastic_load = 0.0_real64      !! load without relaxation
-    real(real64) :: load = 0.0_real64              !! the part of it that will relax
-    real(real64) :: elastic_pressure = 0.0_real64  !! pressure without relaxation
-    real(real64) :: pressure = 0.0_real64          !! the part of it that will relax
+    real(real64) :: elastic(2) = 0.0_real64   !! without relaxation
+    real(real64) :: relaxing(2) = 0.0_real64  !! the part of it that will relax
   end type contact_memory
 
   !> Creep with one standard linear solid for both bodies.
@@ -32,7 +30,7 @@ module asperity_creep
     real(real64) :: hold_time = 0.0_real64          !! how long the last state is held, 0 or more
     real(real64) :: may_fall = 0.0_real64           !! elastic load that may go, share of the total
     real(real64) :: time = 0.0_real64               !! of the last state kept
-    type(contact_memory), allocatable :: memory(:)  !! of each pair; not allocated: nothing touched
+    type(contact_memory), allocatable :: memory(:)  !! of each pair; allocated by `begin`
   contains
     procedure :: estimate
     procedure :: apply
@@ -109,21 +107,19 @@ contains
 
     outcome%simulated = 'on'
     outcome%ending%converged = .true.
-    allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(2))
-    outcome%of_contacts = 0.0_real64
+    allocate (outcome%of_contacts(size(pairs%list), 2), source=0.0_real64)
     outcome%of_state = [state%time, sum(state%answers%load)]
     if (size(pairs%list) == 0 .or. .not. state%time > 0.0_real64) then
       call tell_elastic(state, outcome)
       return
     end if
-    call next_step(self, size(pairs%list), state%time, step, outcome%failure)
-    if (allocated(outcome%failure)) return
+    step = step_over(self%solid, self%time, state%time)
     fall = 0.0_real64
     worst = 0
     do i = 1, size(pairs%list)
       elastic = state%answers(i)%load
-      if (self%memory(i)%elastic_load - elastic > fall) then
-        fall = self%memory(i)%elastic_load - elastic
+      if (self%memory(i)%elastic(1) - elastic > fall) then
+        fall = self%memory(i)%elastic(1) - elastic
         worst = i
       end if
       if (.not. state%penetration(i) > 0.0_real64) cycle
@@ -154,15 +150,13 @@ contains
     type(contact_memory), intent(in) :: before
     real(real64), intent(in) :: sum_of_radii
     type(contact_response), intent(inout) :: answer
-    type(contact_memory) :: now
-    real(real64) :: elastic, elastic_pressure, turn, gain
+    real(real64) :: elastic, relaxing(2), now(2), turn, gain
 
-    now = before
     elastic = answer%load
-    elastic_pressure = answer%maximum_pressure
-    call loaded(step, before%elastic_load, elastic, now%load, answer%load)
-    call loaded(step, before%elastic_pressure, elastic_pressure, now%pressure, &
-                answer%maximum_pressure)
+    relaxing = before%relaxing
+    call loaded(step, before%elastic, [answer%load, answer%maximum_pressure], relaxing, now)
+    answer%load = now(1)
+    answer%maximum_pressure = now(2)
     answer%vertical_load = answer%vertical_load * (answer%load / elastic)
     ! The elastic stiffness is cosine dPe/dp + Pe d(cosine)/dp; only dPe/dp becomes less.
     turn = (1.0_real64 - answer%cosine) * (1.0_real64 + answer%cosine) / &
@@ -170,25 +164,6 @@ contains
     gain = step%relaxed_ratio + step%growth
     answer%stiffness = gain * answer%stiffness - (answer%load - gain * elastic) * turn
   end subroutine relax
-
-  ! The step from the last state kept.
-  pure subroutine next_step(self, pairs, time, step, failure)
-    class(creep_effect), intent(in) :: self
-    integer, intent(in) :: pairs
-    real(real64), intent(in) :: time
-    type(solid_step), intent(out) :: step
-    character(len=:), allocatable, intent(inout) :: failure
-
-    if (.not. allocated(self%memory)) then
-      failure = 'a hold begins with the state at the end of loading'
-    else if (size(self%memory) /= pairs) then
-      failure = 'the contacts of a hold are not those at the end of loading'
-    else if (time < self%time) then
-      failure = 'the times of a hold fall'
-    else
-      step = step_over(self%solid, self%time, time)
-    end if
-  end subroutine next_step
 
   !> Nothing has touched yet.
   subroutine begin(self, pairs)
@@ -206,17 +181,13 @@ contains
     class(creep_effect), intent(inout) :: self  !! creep
     type(contact_pairs), intent(in) :: pairs    !! the position
     type(contact_state), intent(in) :: state    !! all effects applied
-    type(solid_step) :: step
-    character(len=:), allocatable :: failure
 
     if (self%mode == effect_auto) then
       if (.not. self%estimate(pairs, state) > self%tolerance) return
     end if
     if (.not. state%time > 0.0_real64) call self%begin(pairs)
-    call next_step(self, size(pairs%list), state%time, step, failure)
-    if (allocated(failure)) return
+    call remember(step_over(self%solid, self%time, state%time), state%answers, self%memory)
     self%time = state%time
-    call remember(step, state%answers, self%memory)
   end subroutine keep
 
   ! What a contact keeps of a step.
@@ -224,26 +195,15 @@ contains
     type(solid_step), intent(in) :: step
     type(contact_response), intent(in) :: answer
     type(contact_memory), intent(inout) :: memory
+    real(real64) :: now(2)
 
     if (answer%load > 0.0_real64) then
-      call remember_one(step, answer%load, memory%elastic_load, memory%load)
-      call remember_one(step, answer%maximum_pressure, memory%elastic_pressure, memory%pressure)
+      now = [answer%load, answer%maximum_pressure]
+      memory%elastic = elastic_load_of(step, memory%elastic, memory%relaxing, now)
+      memory%relaxing = now - step%relaxed_ratio * memory%elastic
     else
       memory = contact_memory()
     end if
   end subroutine remember
-
-  ! The same for one of its numbers.
-  elemental subroutine remember_one(step, value, elastic, memory)
-    type(solid_step), intent(in) :: step
-    real(real64), intent(in) :: value
-    real(real64), intent(inout) :: elastic
-    real(real64), intent(inout) :: memory
-    real(real64) :: now
-
-    now = elastic_load_of(step, elastic, memory, value)
-    memory = value - step%relaxed_ratio * now
-    elastic = now
-  end subroutine remember_one
 
 end module asperity_creep

@@ -23,8 +23,7 @@ module asperity_friction
   implicit none
   private
 
-  public :: rubbing, rig_reaction
-  public :: tangential_stiffness_ratio, rub, add_to_rig, estimate_of_friction
+  public :: rubbing, tangential_stiffness_ratio, rub, estimate_of_friction
 
   !> What friction adds to one contact. Zeros where it does not touch.
   type :: rubbing
@@ -37,19 +36,6 @@ module asperity_friction
     real(real64) :: vertical_load = 0.0_real64    !! N cos + T sin: friction resists the closing
     real(real64) :: stiffness = 0.0_real64        !! d vertical_load / d penetration
   end type rubbing
-
-  !> What the contacts together do to the upper body; the rig holds it with the opposite.
-  !>
-  !> The moments are about the origin of the plan. Those about x and y are of the vertical loads
-  !> alone: the lateral forces act near the plane of the contacts, from which heights count.
-  type :: rig_reaction
-    real(real64) :: force_x = 0.0_real64   !! sum of the lateral forces
-    real(real64) :: force_y = 0.0_real64   !! sum of the lateral forces
-    real(real64) :: force_z = 0.0_real64   !! sum of the vertical loads, upwards
-    real(real64) :: moment_x = 0.0_real64  !! y force_z
-    real(real64) :: moment_y = 0.0_real64  !! -x force_z
-    real(real64) :: moment_z = 0.0_real64  !! x force_y - y force_x
-  end type rig_reaction
 
   ! A coefficient above this sticks as this one does; products with it cannot overflow.
   real(real64), parameter :: coefficient_sought = 1.0e100_real64
@@ -143,20 +129,6 @@ contains
     rubbed%stiffness = response%stiffness + rate * sine + &
                        rubbed%tangential_load * sine * cosine / centres
   end subroutine rub
-
-  !> Adds a contact to what the contacts do to the upper body.
-  pure subroutine add_to_rig(pair, rubbed, rig)
-    type(contact_pair), intent(in) :: pair      !! who touches
-    type(rubbing), intent(in) :: rubbed         !! its forces
-    type(rig_reaction), intent(inout) :: rig    !! sum so far
-
-    rig%force_x = rig%force_x + rubbed%lateral_x
-    rig%force_y = rig%force_y + rubbed%lateral_y
-    rig%force_z = rig%force_z + rubbed%vertical_load
-    rig%moment_x = rig%moment_x + pair%y * rubbed%vertical_load
-    rig%moment_y = rig%moment_y - pair%x * rubbed%vertical_load
-    rig%moment_z = rig%moment_z + pair%x * rubbed%lateral_y - pair%y * rubbed%lateral_x
-  end subroutine add_to_rig
 
   !> Upper bound of the share by which friction raises the total vertical load at a closing: the
   !> sum of T sin over that of N cos, with T at most mu N and at most kappa d/z N.

@@ -5,8 +5,7 @@ module asperity_friction_effect
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
   use asperity_decimal, only: decimal_to_real64
-  use asperity_friction, only: add_to_rig, estimate_of_friction, rig_reaction, rub, rubbing, &
-                               tangential_stiffness_ratio
+  use asperity_friction, only: estimate_of_friction, rub, rubbing, tangential_stiffness_ratio
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
   implicit none
@@ -63,7 +62,8 @@ contains
   end function estimate
 
   !> Adds the tangential force of every contact. The rig holds the upper body with the opposite of
-  !> the lateral forces.
+  !> what the contacts do to it. The moments are about the origin of the plan; those about x and y
+  !> are of the vertical loads alone: heights count from the plane of the contacts.
   subroutine apply(self, pairs, state, outcome)
     class(friction_effect), intent(in) :: self      !! friction
     type(contact_pairs), intent(in) :: pairs        !! the position
@@ -71,19 +71,22 @@ contains
     type(effect_outcome), intent(inout) :: outcome  !! what it did
     type(rubbing) :: rubbed
     type(contact_response) :: pressed
-    type(rig_reaction) :: rig
-    real(real64) :: frictionless
+    real(real64) :: frictionless, rig(5)
     integer :: i, sliding
 
-    allocate (outcome%of_contacts(size(pairs%list), 5), outcome%of_state(7))
-    outcome%of_contacts = 0.0_real64
+    allocate (outcome%of_contacts(size(pairs%list), 5), source=0.0_real64)
     frictionless = sum(state%answers%vertical_load)
+    rig = 0.0_real64
     sliding = 0
     do i = 1, size(pairs%list)
       if (.not. state%penetration(i) > 0.0_real64) cycle
       call along_normal(pairs%list(i), state%penetration(i), state%answers(i), pressed)
       call rub(pairs%list(i), state%penetration(i), pressed, self%kappa, self%coefficient, rubbed)
-      call add_to_rig(pairs%list(i), rubbed, rig)
+      associate (pair => pairs%list(i))
+        rig(:2) = rig(:2) + [rubbed%lateral_x, rubbed%lateral_y]
+        rig(3:4) = rig(3:4) + [pair%y, -pair%x] * rubbed%vertical_load
+        rig(5) = rig(5) + pair%x * rubbed%lateral_y - pair%y * rubbed%lateral_x
+      end associate
       state%answers(i)%vertical_load = rubbed%vertical_load
       state%answers(i)%stiffness = rubbed%stiffness
       if (rubbed%sliding) sliding = sliding + 1
@@ -91,8 +94,7 @@ contains
                                    merge(1.0_real64, 0.0_real64, rubbed%sliding), &
                                    rubbed%slip_annulus, rubbed%lateral_x, rubbed%lateral_y]
     end do
-    outcome%of_state = [frictionless, real(sliding, real64), -rig%force_x, -rig%force_y, &
-                        -rig%moment_x, -rig%moment_y, -rig%moment_z]
+    outcome%of_state = [frictionless, real(sliding, real64), -rig]
     outcome%simulated = 'on'
     outcome%ending%converged = .true.
     outcome%ending%residual = 0.0_real64

@@ -23,10 +23,9 @@ module asperity_plasticity
 
   !> Plastic flow.
   type, extends(contact_effect) :: plasticity_effect
-    real(real64) :: constraint = 1.6_real64      !! C of the body that yields first
     real(real64) :: yield_stress = 0.0_real64    !! in tension, in the scene's unit; 0: see limit
     logical :: limit_is_yield = .false.          !! the limit is the first yield, not the departure
-    real(real64), allocatable :: largest(:)      !! largest overlap of each contact so far
+    type(plastic_law) :: law                     !! of a position, with what its contacts remember
   contains
     procedure :: estimate
     procedure :: apply
@@ -41,13 +40,12 @@ contains
   subroutine new_plasticity(scene_in, effect)
     type(scene), intent(in) :: scene_in                         !! checked values
     class(contact_effect), allocatable, intent(out) :: effect   !! ready to act
-
     type(plasticity_effect) :: new
 
     call new%call_as('plasticity', scene_in%effects)
     ! Of equal materials but for Poisson's ratio, the one with the smaller ratio yields first.
-    new%constraint = constraint_factor(min(decimal_to_real64(scene_in%upper%poisson_ratio), &
-                                           decimal_to_real64(scene_in%lower%poisson_ratio)))
+    new%law%constraint = constraint_factor(min(decimal_to_real64(scene_in%upper%poisson_ratio), &
+                                               decimal_to_real64(scene_in%lower%poisson_ratio)))
     new%yield_stress = scene_in%effects%number('plastic_yield_stress')
     new%limit_is_yield = scene_in%limit%criterion == criterion_hardy
     new%contact_columns = [ &
@@ -69,19 +67,17 @@ contains
     type(contact_pairs), intent(in) :: pairs      !! the position
     type(contact_state), intent(in) :: state      !! without plasticity
     real(real64) :: share
-    type(plastic_law) :: law
     type(contact_response) :: answer
     real(real64) :: changed, total
     integer :: i
 
     share = 0.0_real64
     if (state%time > 0.0_real64) return
-    call make_law(self, pairs, law)
     changed = 0.0_real64
     total = sum(state%answers%vertical_load)
     do i = 1, size(pairs%list)
       if (.not. state%penetration(i) > 0.0_real64) cycle
-      call law%respond(pairs%list(i), i, state%penetration(i), answer)
+      call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
       changed = changed + abs(answer%vertical_load - state%answers(i)%vertical_load)
     end do
     if (total > 0.0_real64) share = changed / total
@@ -93,11 +89,9 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! the position
     type(contact_state), intent(inout) :: state     !! elastic, then with plastic flow
     type(effect_outcome), intent(inout) :: outcome  !! what it did
-    type(plastic_law) :: law
 
-    call make_law(self, pairs, law)
     deallocate (state%law)
-    allocate (state%law, source=law)
+    allocate (state%law, source=self%law)
     call answer_all(pairs, state)
     outcome%simulated = 'on'
     outcome%ending%converged = .true.
@@ -110,47 +104,27 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! the position
     type(contact_state), intent(in) :: state        !! with plastic flow
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
-    type(plastic_law) :: law
     type(plastic_past) :: past
     type(contact_response) :: answer
     real(real64) :: elastic_load, overlap, work
     integer :: flowing, i
 
-    call make_law(self, pairs, law)
     allocate (outcome%of_contacts(size(pairs%list), 3))
     elastic_load = 0.0_real64
     work = 0.0_real64
     flowing = 0
     do i = 1, size(pairs%list)
-      call law%elastic%respond(pairs%list(i), i, state%penetration(i), answer)
+      call self%law%elastic%respond(pairs%list(i), i, state%penetration(i), answer)
       overlap = answer%overlap
       elastic_load = elastic_load + answer%vertical_load
-      call past_of_contact(law, pairs%list(i), i, max(law%largest(i), overlap), past)
+      call past_of_contact(self%law, pairs%list(i), i, max(self%law%largest(i), overlap), past)
       outcome%of_contacts(i, :) = [merge(1.0_real64, 0.0_real64, past%flowed), past%largest, &
                                    past%residual]
       work = work + past%work_lost
-      if (past%flowed .and. overlap >= law%largest(i)) flowing = flowing + 1
+      if (past%flowed .and. overlap >= self%law%largest(i)) flowing = flowing + 1
     end do
     outcome%of_state = [elastic_load, real(flowing, real64), work]
   end subroutine finish
-
-  ! The law of a position, with what was kept of its states so far.
-  subroutine make_law(self, pairs, law)
-    class(plasticity_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(plastic_law), intent(out) :: law
-    integer :: i
-
-    law%elastic = hertz_law(modulus=pairs%modulus)
-    law%constraint = self%constraint
-    allocate (law%critical(size(pairs%list)), law%largest(size(pairs%list)))
-    do i = 1, size(pairs%list)
-      law%critical(i) = critical_overlap(self, pairs, pairs%list(i))
-    end do
-    law%largest = 0.0_real64
-    if (.not. allocated(self%largest)) return
-    if (size(self%largest) == size(pairs%list)) law%largest = self%largest
-  end subroutine make_law
 
   ! Overlap at which the material of a contact first yields; huge: it never does.
   pure real(real64) function critical_overlap(self, pairs, pair)
@@ -161,7 +135,7 @@ contains
 
     critical_overlap = huge(1.0_real64)
     if (self%yield_stress > 0.0_real64) then
-      strain = 0.5_real64 * pi * self%constraint * &
+      strain = 0.5_real64 * pi * self%law%constraint * &
                (scale(self%yield_stress, -4 * pairs%modulus_power) / pairs%modulus)
       if (strain < 1.0e150_real64) critical_overlap = pair%radius * strain**2
     else if (pair%limit < 0.5_real64 * huge(1.0_real64)) then
@@ -171,13 +145,19 @@ contains
     critical_overlap = max(critical_overlap, tiny(1.0_real64))
   end function critical_overlap
 
-  !> A position begins: nothing was pressed yet.
+  !> A position begins: its law, of contacts that were not pressed yet.
   subroutine begin(self, pairs)
     class(plasticity_effect), intent(inout) :: self  !! plasticity
     type(contact_pairs), intent(in) :: pairs         !! the position
+    integer :: i
 
-    if (allocated(self%largest)) deallocate (self%largest)
-    allocate (self%largest(size(pairs%list)), source=0.0_real64)
+    if (allocated(self%law%largest)) deallocate (self%law%largest, self%law%critical)
+    allocate (self%law%largest(size(pairs%list)), self%law%critical(size(pairs%list)))
+    self%law%elastic = hertz_law(modulus=pairs%modulus)
+    self%law%largest = 0.0_real64
+    do i = 1, size(pairs%list)
+      self%law%critical(i) = critical_overlap(self, pairs, pairs%list(i))
+    end do
   end subroutine begin
 
   !> Keeps how far every contact was pressed.
@@ -189,7 +169,7 @@ contains
 
     do i = 1, size(pairs%list)
       if (.not. state%penetration(i) > 0.0_real64) cycle
-      self%largest(i) = max(self%largest(i), state%answers(i)%overlap)
+      self%law%largest(i) = max(self%law%largest(i), state%answers(i)%overlap)
     end do
   end subroutine keep
 
