@@ -64,7 +64,8 @@ contains
     if (.not. self%work > 0.0_real64) return
     pull = 0.0_real64
     do i = 1, size(pairs%list)
-      if (self%law%holds(pairs%list(i), i, state%penetration(i))) pull = pull + self%law%known(i)%pull_off
+      if (self%law%holds(pairs%list(i), i, state%penetration(i))) &
+        pull = pull + self%law%known(i)%pull_off
     end do
     load = sum(state%answers%vertical_load)
     if (.not. pull > 0.0_real64) return
@@ -88,7 +89,8 @@ contains
     pull = 0.0_real64
     adhering = 0
     do i = 1, size(pairs%list)
-      outcome%of_contacts(i, 2:) = [self%law%known(i)%pull_off, self%law%known(i)%tabor]
+      outcome%of_contacts(i, 2) = self%law%known(i)%pull_off
+      outcome%of_contacts(i, 3) = self%law%known(i)%tabor
       if (.not. self%law%holds(pairs%list(i), i, state%penetration(i))) cycle
       outcome%of_contacts(i, 1) = 1.0_real64
       adhering = adhering + 1
