@@ -67,7 +67,7 @@ contains
     call text%line('  --contacts FILE     write every contact of every approach as CSV')
     call text%line('  --positions FILE    write the last approach of every position as CSV')
     call text%line('  --carriage-control  keep the line printer''s column one (1, 0, blank)')
-    call text%line('  --help, --version')
+    call text%line('  --help, -h, --version')
   end subroutine describe_all
 
   subroutine describe_solve(text)
@@ -80,10 +80,13 @@ contains
     call text%line('  --contacts FILE     write every contact of every state as CSV')
     call text%line('  --positions FILE    write the last state of every position as CSV')
     call text%line('  --curve FILE        write the totals of every state as CSV')
-    call text%line('  --arithmetic NAME   real64 (default), real32, real128 or ibm370')
-    call text%line('  --accuracy ERROR    take the cheapest way with this relative error, as 1e-3')
+    call text%line('  --arithmetic NAME   real64 (default), real32, real128 or ibm370;')
+    call text%line('                      effects and paths are computed in real64 only')
+    call text%line('  --accuracy ERROR    take the cheapest way with this relative error, as 1e-3;')
+    call text%line('                      not for effects and paths')
     call text%line('  --budget            print the error of every total, by source')
-    call text%line('  --threads N         threads (default: one a core); the same bytes for any')
+    call text%line('  --threads N         threads (default: one a core, or one for little work);')
+    call text%line('                      the same bytes for any')
     call text%line('  --keep FILE         keep positions that are solved; a rerun goes on there')
     call text%line('  --quiet             print no summary')
   end subroutine describe_solve
@@ -93,8 +96,9 @@ contains
 
     call text%line('Usage: asperity accuracy [OPTIONS] [DECK or SCENE]')
     call text%line('')
-    call text%line('Computes a sweep to the limit load in every way, and prints time and errors of')
-    call text%line('each. Without a file it takes data/thesis.deck of the current folder.')
+    call text%line('Computes a sweep to the limit load in every way, then with every model of')
+    call text%line('neighbouring contacts, and prints time and errors of each. Without a file it')
+    call text%line('takes data/thesis.deck of the current folder.')
     call text%line('')
     call text%line('  --csv FILE          write the table with all digits')
     call text%line('  --quiet             print no table')
@@ -110,8 +114,8 @@ contains
     call text%line('in a file''s name stands for the surface''s number in the ensemble.')
     call text%line('')
     call text%line('  --output FILE       write the upper surface, or the deck, to a file')
-    call text%line('  --upper FILE        write the upper surface as CSV')
-    call text%line('  --lower FILE        write the lower surface as CSV')
+    call text%line('  --upper FILE        write the upper surface as CSV; not for a deck')
+    call text%line('  --lower FILE        write the lower surface as CSV; not for a deck')
     call text%line('  --surface N         only surface N of the ensemble')
   end subroutine describe_generate
 
