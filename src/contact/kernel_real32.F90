@@ -1,7 +1,8 @@
 #define NUMBER real(real32)
+#define ITEM type(candidate)
 !> The present-day solver's kernel in IEEE arithmetic of kind real32.
 module asperity_kernel_real32
-  use asperity_cell_reach, only: pair_reach, squared_reach
+  use asperity_cell_reach, only: margin_of_arithmetic, squared_reach
   use asperity_contact_records, only: add_rows, by_events, by_marching, contact_row, &
                                       cut_rows, most_rows, overlap_stable, position_result, &
                                       solve_method, state_row
@@ -11,7 +12,6 @@ module asperity_kernel_real32
   use asperity_numbers_real32, only: cube_root, decimal_number, exponent_of_16, from_real64, &
                                      times_power_of_16, to_real64, upper_half, whole_number
   use asperity_overlapping_circles, only: count_overlapping
-  use asperity_pair_search, only: margin_of_arithmetic
   use asperity_pair_search_blocks, only: found_pairs
   use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
                                          surface_points

@@ -1,6 +1,6 @@
 !> Contact circles that overlap: where they do, contacts are not independent.
 module asperity_overlapping_circles
-  use asperity_cell_sort, only: sort_keys
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, real64
   implicit none
   private
@@ -34,16 +34,14 @@ contains
   ! The same for many circles: each is compared with those near it along x.
   integer function count_along_x(x, y, radius) result(number)
     real(real64), intent(in) :: x(:), y(:), radius(:)
-    real(real64), allocatable :: along(:), spare(:)
-    integer(int32), allocatable :: order(:), spare_order(:)
+    real(real64), allocatable :: along(:)
+    integer(int32), allocatable :: order(:)
     real(real64) :: largest
     integer :: i, j
 
-    allocate (along, source=x)
-    allocate (spare, source=x)
-    allocate (order(size(x)), spare_order(size(x)))
-    order = [(i, i=1, size(x))]
-    call sort_keys(along, order, spare, spare_order)
+    allocate (along(size(x)), order(size(x)))
+    call sort_keys(x, order)
+    along(:) = x(order)
     largest = maxval(radius)
     number = 0
     do i = 2, size(x)

@@ -8,13 +8,12 @@
 !> every position.
 module asperity_cell_grid
   use asperity_cell_layer, only: build_layer, grid_layer
-  use asperity_cell_reach, only: pair_reach
-  use asperity_kinds, only: int32, int64, real64
+  use asperity_kinds, only: int32, real64
   implicit none
   private
 
   public :: cell_grid
-  public :: build_grid, grid_bytes
+  public :: build_grid
 
   !> A surface, ready to be searched.
   type :: cell_grid
@@ -27,21 +26,17 @@ contains
   !> Puts a surface in order. All lengths have one unit, near the radii: squares must not overflow.
   subroutine build_grid(grid, x, y, height, radius, reach)
     type(cell_grid), intent(out) :: grid               !! the surface in order
-    real(real64), contiguous, intent(in) :: x(:)       !! places in plan, finite
+    real(real64), contiguous, intent(in) :: x(:)       !! places in plan, finite; one at least
     real(real64), contiguous, intent(in) :: y(:)       !! as many
     real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many
     real(real64), contiguous, intent(in) :: radius(:)  !! as many, each more than 0
-    type(pair_reach), intent(in) :: reach              !! what will be searched for; a search for
-                                                       !! another reach is right, but slower
+    real(real64), intent(in) :: reach                  !! height of `squared_reach` that will be
+                                                       !! searched; any other is right, but slower
     integer(int32), allocatable :: members(:), ends(:)
     integer :: power, i, begin, layers
 
     allocate (grid%radius(size(radius)))
     grid%radius(:) = radius
-    if (size(x) == 0) then
-      allocate (grid%layers(0))
-      return
-    end if
     if (exponent(minval(radius)) == exponent(maxval(radius))) then
       allocate (grid%layers(1), members(0))
       call build_layer(grid%layers(1), x, y, height, radius, members, reach)
@@ -65,19 +60,6 @@ contains
       begin = ends(power)
     end do
   end subroutine build_grid
-
-  !> Bytes that a surface in order holds.
-  pure function grid_bytes(grid) result(bytes)
-    type(cell_grid), intent(in) :: grid  !! built
-    integer(int64) :: bytes
-    integer :: i
-
-    bytes = 8_int64 * size(grid%radius, kind=int64)
-    do i = 1, size(grid%layers)
-      bytes = bytes + 32_int64 * size(grid%layers(i)%points, kind=int64) + &
-              20_int64 * size(grid%layers(i)%low, kind=int64)
-    end do
-  end function grid_bytes
 
   ! Indices by ascending power of two of the radius; each power's end among them.
   subroutine part_by_power(radius, members, ends)

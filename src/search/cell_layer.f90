@@ -1,8 +1,8 @@
 !> One layer of a surface in order: strips along x, each in the order of x.
 module asperity_cell_layer
   use, intrinsic :: iso_c_binding, only: c_loc
-  use asperity_cell_reach, only: pair_reach, squared_reach
-  use asperity_cell_sort, only: sort_keys
+  use asperity_cell_reach, only: squared_reach
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
   use asperity_large_pages, only: prefer_large_pages
   implicit none
@@ -44,7 +44,7 @@ contains
     real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many
     real(real64), contiguous, intent(in) :: radius(:)  !! as many
     integer(int32), intent(in) :: members(:)           !! indices of the layer's; none: all
-    type(pair_reach), intent(in) :: reach              !! how near pairs are
+    real(real64), intent(in) :: reach                  !! how near pairs are, see `squared_reach`
     integer(int32), allocatable :: ends(:)
     real(real64) :: tall, bottom, top
     integer :: n, i, m
@@ -82,8 +82,7 @@ contains
 
   ! How far apart two asperities of a layer can be, and a little more.
   pure function strip_height(largest, reach) result(tall)
-    real(real64), intent(in) :: largest
-    type(pair_reach), intent(in) :: reach
+    real(real64), intent(in) :: largest, reach
     real(real64) :: tall
 
     tall = sqrt(squared_reach(reach, 2.0_real64 * largest)) * (1.0_real64 + 1.0e-6_real64)
@@ -139,22 +138,23 @@ contains
     integer(int32), intent(in) :: members(:)
     real(real64), intent(in) :: tall
     integer(int32), allocatable, intent(out) :: ends(:)
-    real(real64), allocatable :: key(:), spare_key(:)
-    integer(int32), allocatable :: item(:), spare_item(:)
+    real(real64), allocatable :: key(:)
+    integer(int32), allocatable :: order(:)
     real(real64) :: bottom
     integer :: n, i, m, rows, pass
 
     n = size(points)
-    allocate (key(n), item(n), spare_key(n), spare_item(n))
+    allocate (key(n), order(n))
+    if (size(members) > 0) then
+      key(:) = y(members)
+    else
+      key(:) = y
+    end if
+    call sort_keys(key, order)
+    key(:) = key(order)
     do i = 1, n
-      m = i
-      if (size(members) > 0) m = members(i)
-      key(i) = y(m)
-      item(i) = int(m, int32)
-    end do
-    call sort_keys(key, item, spare_key, spare_item)
-    do i = 1, n
-      m = item(i)
+      m = order(i)
+      if (size(members) > 0) m = members(m)
       points(i)%x = x(m)
       points(i)%y = y(m)
       points(i)%height = height(m)
@@ -179,8 +179,8 @@ contains
     type(grid_layer), intent(inout) :: layer
     integer(int32), intent(in) :: ends(:)
     type(grid_point), allocatable :: row_points(:)
-    real(real64), allocatable :: key(:), spare_key(:)
-    integer(int32), allocatable :: item(:), spare_item(:)
+    real(real64), allocatable :: key(:)
+    integer(int32), allocatable :: order(:)
     integer :: row, strips, begin, most, n, i
 
     strips = 0
@@ -193,7 +193,7 @@ contains
     end do
     layer%strips = strips
     allocate (layer%first(strips + 1), layer%low(strips), layer%high(strips))
-    allocate (row_points(most), key(most), item(most), spare_key(most), spare_item(most))
+    allocate (row_points(most), key(most), order(most))
     strips = 0
     begin = 0
     do row = 1, size(ends)
@@ -206,13 +206,12 @@ contains
       do i = 1, n
         row_points(i) = layer%points(begin + i)
         key(i) = row_points(i)%x
-        item(i) = int(i, int32)
         layer%low(strips) = min(layer%low(strips), row_points(i)%y)
         layer%high(strips) = max(layer%high(strips), row_points(i)%y)
       end do
-      call sort_keys(key(:n), item(:n), spare_key, spare_item)
+      call sort_keys(key(:n), order(:n))
       do i = 1, n
-        layer%points(begin + i) = row_points(item(i))
+        layer%points(begin + i) = row_points(order(i))
       end do
       begin = ends(row)
     end do

@@ -6,9 +6,9 @@
 module asperity_pair_search_layers
   use asperity_cell_grid, only: cell_grid
   use asperity_cell_layer, only: grid_layer
-  use asperity_cell_reach, only: pair_reach, squared_reach
-  use asperity_kinds, only: int32, int64, real64
-  use asperity_pair_search_blocks, only: found_pair, found_pairs, room_in_block
+  use asperity_cell_reach, only: squared_reach
+  use asperity_kinds, only: int64, real64
+  use asperity_pair_search_blocks, only: found_pairs, room_in_block
   use asperity_pair_search_sweep, only: batch_room, batch_size, begin_sweep, most_lanes, &
                                         near_batch, sweep_place, sweep_strips
   implicit none
@@ -18,7 +18,7 @@ module asperity_pair_search_layers
 
   ! What one search is about.
   type :: search_task
-    type(pair_reach) :: reach
+    real(real64) :: height = 0.0_real64
     real(real64) :: offset(4) = 0.0_real64
     real(real64) :: margin = 0.0_real64
     real(real64) :: floor = -huge(1.0_real64)
@@ -30,24 +30,24 @@ contains
 
   !> Finds the pairs of one position.
   !>
-  !> Without a margin a pair is found when d**2 < squared_reach(reach, RU + RL), d**2 being
-  !> ((xu + dx) - xl)**2 + ((yu + dy) - yl)**2 in doubles. With one, d may be larger by the margin.
-  !> touch = (hu + hl) - d**2/(s + zc), zc**2 = (s - d)(s + d), s = RU + RL; with a margin for the
-  !> least d that it allows, so that none can be larger.
-  subroutine search_pairs(upper, lower, dx, dy, reach, margin, floor, found, failed)
+  !> A pair is found when (d - margin)**2 < squared_reach(height, RU + RL), d**2 being
+  !> ((xu + dx) - xl)**2 + ((yu + dy) - yl)**2 in doubles, and when it touches at the floor or
+  !> above: touch = (hu + hl) - d**2/(s + zc), zc**2 = (s - d)(s + d), s = RU + RL, for the least d
+  !> that the margin allows, so that none can be larger.
+  subroutine search_pairs(upper, lower, dx, dy, height, margin, floor, found, failed)
     type(cell_grid), intent(in) :: upper     !! the surface displaced
     type(cell_grid), intent(in) :: lower     !! the other surface
     real(real64), intent(in) :: dx           !! displacement of the upper surface
     real(real64), intent(in) :: dy           !! displacement of the upper surface
-    type(pair_reach), intent(in) :: reach    !! how near pairs are
-    real(real64), intent(in) :: margin       !! added to that distance, 0 or more
+    real(real64), intent(in) :: height       !! how near pairs are, see `squared_reach`
+    real(real64), intent(in) :: margin       !! what rounding may add to a distance, 0 or more
     real(real64), intent(in) :: floor        !! pairs with a smaller touch are left out
     type(found_pairs), intent(out) :: found  !! all other pairs
     logical, intent(out) :: failed           !! there is no memory for all pairs
     type(search_task) :: task
     integer :: i, j
 
-    task%reach = reach
+    task%height = height
     task%margin = margin
     task%floor = floor
     failed = .false.
@@ -56,7 +56,7 @@ contains
         associate (above => upper%layers(i), below => lower%layers(j))
           if (above%highest + below%highest < floor) cycle
           ! A little more: the sweep compares d**2 with the square of this.
-          task%distance = (sqrt(squared_reach(reach, above%largest + below%largest)) + margin) * &
+          task%distance = (sqrt(squared_reach(height, above%largest + below%largest)) + margin) * &
                           (1.0_real64 + 1.0e-14_real64)
           if (.not. task%distance > 0.0_real64) cycle
           ! The larger radii are sought: their strips are as high as the reach.
@@ -128,7 +128,7 @@ contains
     type(found_pairs), intent(inout) :: found
     logical, intent(out) :: failed
     real(real64) :: s(batch_room), bound(batch_room), touch(batch_room), d
-    integer :: i, n, before
+    integer :: i, n, used
 
     failed = .false.
     n = near%used
@@ -150,29 +150,27 @@ contains
       s(:n) = seekers%largest + points%largest
       bound(:n) = reach_with_margin(task, s(1))
     end if
-    if (task%margin > 0.0_real64) then
-      do i = 1, n
-        d = min(max(sqrt(near%squared(i)) - task%margin, 0.0_real64), s(i))
-        touch(i) = touch(i) - d * d / (s(i) + sqrt((s(i) - d) * (s(i) + d)))
-      end do
-    else
-      do i = 1, n
-        d = min(sqrt(near%squared(i)), s(i))
-        touch(i) = touch(i) - near%squared(i) / (s(i) + sqrt((s(i) - d) * (s(i) + d)))
-      end do
-    end if
+    do i = 1, n
+      d = min(max(sqrt(near%squared(i)) - task%margin, 0.0_real64), s(i))
+      touch(i) = touch(i) - d * d / (s(i) + sqrt((s(i) - d) * (s(i) + d)))
+    end do
     call room_in_block(found, n, failed)
     if (failed) return
     associate (block => found%block(found%blocks))
-      before = block%used
-      if (task%upper_sought) then
-        call append(near%sought(:n), near%seeker(:n), near%squared(:n), bound(:n), touch(:n), &
-                    task%floor, block%list, block%used, found%first, found%last)
-      else
-        call append(near%seeker(:n), near%sought(:n), near%squared(:n), bound(:n), touch(:n), &
-                    task%floor, block%list, block%used, found%first, found%last)
-      end if
-      found%number = found%number + int(block%used - before, int64)
+      used = block%used
+      do i = 1, n
+        if (.not. (near%squared(i) < bound(i) .and. touch(i) >= task%floor)) cycle
+        used = used + 1
+        if (task%upper_sought) then
+          block%upper(used) = near%sought(i)
+          block%lower(used) = near%seeker(i)
+        else
+          block%upper(used) = near%seeker(i)
+          block%lower(used) = near%sought(i)
+        end if
+      end do
+      found%number = found%number + int(used - block%used, int64)
+      block%used = used
     end associate
   end subroutine keep_batch
 
@@ -182,37 +180,7 @@ contains
     real(real64), intent(in) :: s
     real(real64) :: bound
 
-    bound = squared_reach(task%reach, s)
-    if (task%margin > 0.0_real64) bound = (sqrt(bound) + task%margin)**2
+    bound = (sqrt(squared_reach(task%height, s)) + task%margin)**2
   end function reach_with_margin
-
-  ! Adds pairs to a list that has room for all.
-  pure subroutine append(upper, lower, squared, bound, touch, floor, list, used, first, last)
-    integer(int32), contiguous, intent(in) :: upper(:), lower(:)
-    real(real64), contiguous, intent(in) :: squared(:), bound(:), touch(:)
-    real(real64), intent(in) :: floor
-    type(found_pair), contiguous, intent(inout) :: list(:)
-    integer, intent(inout) :: used
-    real(real64), intent(inout) :: first, last
-    real(real64) :: highest, lowest
-    integer :: i, n
-
-    n = used
-    highest = first
-    lowest = last
-    do i = 1, size(upper)
-      if (.not. (squared(i) < bound(i) .and. touch(i) >= floor)) cycle
-      n = n + 1
-      list(n)%touch = touch(i)
-      list(n)%squared = squared(i)
-      list(n)%upper = upper(i)
-      list(n)%lower = lower(i)
-      highest = max(highest, touch(i))
-      lowest = min(lowest, touch(i))
-    end do
-    used = n
-    first = highest
-    last = lowest
-  end subroutine append
 
 end module asperity_pair_search_layers

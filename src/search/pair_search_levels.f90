@@ -6,9 +6,8 @@
 !> costs its own contacts, not the surfaces.
 module asperity_pair_search_levels
   use asperity_cell_grid, only: build_grid, cell_grid
-  use asperity_cell_reach, only: pair_reach, squared_reach
+  use asperity_cell_reach, only: any_height, margin_of_arithmetic, squared_reach
   use asperity_kinds, only: int32, real64
-  use asperity_pair_search, only: margin_of_arithmetic
   use asperity_pair_search_blocks, only: found_pairs
   use asperity_pair_search_layers, only: search_pairs
   implicit none
@@ -44,30 +43,30 @@ module asperity_pair_search_levels
     !> every pair that touches at this approach or above is of the level, by level
     real(real64), allocatable :: complete_from(:)
     type(pair_level), allocatable, private :: level(:)
-    type(pair_reach), private :: reach
+    real(real64), private :: height = 0.0_real64   ! how near pairs are, see `squared_reach`
     real(real64), private :: unit = 0.0_real64     ! spacing of the arithmetic at 1
     real(real64), private :: extent = 0.0_real64   ! largest |x| + |y| + sum of radii
-    real(real64), private :: tall = 0.0_real64     ! height of the highest strips
+    real(real64), private :: tall = 0.0_real64     ! extent along y of the highest strips
     real(real64), private :: widest = 0.0_real64   ! largest sum of radii
   end type pair_levels
 
 contains
 
   !> Puts two surfaces in order, once for all positions.
-  subroutine build_levels(levels, upper, lower, reach, unit)
+  subroutine build_levels(levels, upper, lower, height, unit)
     type(pair_levels), intent(out) :: levels   !! in order
     type(surface_points), intent(in) :: upper  !! the surface that is displaced
     type(surface_points), intent(in) :: lower  !! the other surface
-    type(pair_reach), intent(in) :: reach      !! how near pairs are
+    real(real64), intent(in) :: height         !! how near pairs are, see `squared_reach`
     real(real64), intent(in) :: unit           !! spacing of the arithmetic at 1
     real(real64), allocatable :: drops(:)
     real(real64) :: top
     integer :: k, n
 
-    levels%reach = reach
+    levels%height = height
     levels%unit = unit
     levels%widest = maxval(upper%radius) + maxval(lower%radius)
-    levels%tall = sqrt(squared_reach(reach, levels%widest))
+    levels%tall = sqrt(squared_reach(height, levels%widest))
     levels%extent = extent_of(upper) + extent_of(lower) + levels%widest
     top = maxval(upper%height) + maxval(lower%height)
     call choose_drops(upper, lower, drops)
@@ -75,12 +74,12 @@ contains
     allocate (levels%level(n + 1), levels%complete_from(n + 1))
     do k = 1, n
       levels%complete_from(k) = top - drops(k)
-      call build_part(upper, drops(k), reach, levels%level(k)%upper, levels%level(k)%upper_index)
-      call build_part(lower, drops(k), reach, levels%level(k)%lower, levels%level(k)%lower_index)
+      call build_part(upper, drops(k), height, levels%level(k)%upper, levels%level(k)%upper_index)
+      call build_part(lower, drops(k), height, levels%level(k)%lower, levels%level(k)%lower_index)
     end do
     levels%complete_from(n + 1) = -huge(top)
-    call build_grid(levels%level(n + 1)%upper, upper%x, upper%y, upper%height, upper%radius, reach)
-    call build_grid(levels%level(n + 1)%lower, lower%x, lower%y, lower%height, lower%radius, reach)
+    call build_grid(levels%level(n + 1)%upper, upper%x, upper%y, upper%height, upper%radius, height)
+    call build_grid(levels%level(n + 1)%lower, lower%x, lower%y, lower%height, lower%radius, height)
   end subroutine build_levels
 
   !> The level that holds all asperities.
@@ -102,18 +101,18 @@ contains
     type(found_pairs), intent(out) :: found  !! with the indices of the surfaces
     logical, intent(out) :: failed           !! there is no memory for all pairs
     type(cell_grid) :: upper, lower
-    type(pair_reach) :: reach
-    real(real64) :: margin
+    real(real64) :: height, margin
 
     margin = margin_of_arithmetic(levels%unit, levels%extent + abs(dx) + abs(dy))
-    if (.not. all_pairs) reach = levels%reach
+    height = levels%height
+    if (all_pairs) height = any_height
     associate (level => levels%level(k))
       if (all_pairs .and. levels%widest > most_strips * levels%tall) then
-        call build_again(level%upper, reach, upper)
-        call build_again(level%lower, reach, lower)
-        call search_pairs(upper, lower, dx, dy, reach, margin, floor, found, failed)
+        call build_again(level%upper, upper)
+        call build_again(level%lower, lower)
+        call search_pairs(upper, lower, dx, dy, height, margin, floor, found, failed)
       else
-        call search_pairs(level%upper, level%lower, dx, dy, reach, margin, floor, found, failed)
+        call search_pairs(level%upper, level%lower, dx, dy, height, margin, floor, found, failed)
       end if
       if (failed .or. .not. allocated(level%upper_index)) return
       call use_own_indices(level, found)
@@ -124,15 +123,13 @@ contains
   pure subroutine use_own_indices(level, found)
     type(pair_level), intent(in) :: level
     type(found_pairs), intent(inout) :: found
-    integer :: i, block
+    integer :: k
 
-    do block = 1, found%blocks
-      do i = 1, found%block(block)%used
-        associate (pair => found%block(block)%list(i))
-          pair%upper = level%upper_index(pair%upper)
-          pair%lower = level%lower_index(pair%lower)
-        end associate
-      end do
+    do k = 1, found%blocks
+      associate (block => found%block(k))
+        block%upper(:block%used) = level%upper_index(block%upper(:block%used))
+        block%lower(:block%used) = level%lower_index(block%lower(:block%used))
+      end associate
     end do
   end subroutine use_own_indices
 
@@ -186,10 +183,9 @@ contains
   end subroutine count_drops
 
   ! The asperities less than a drop below the highest one, in order, and their indices.
-  subroutine build_part(surface, drop, reach, grid, index)
+  subroutine build_part(surface, drop, height, grid, index)
     type(surface_points), intent(in) :: surface
-    real(real64), intent(in) :: drop
-    type(pair_reach), intent(in) :: reach
+    real(real64), intent(in) :: drop, height
     type(cell_grid), intent(out) :: grid
     integer(int32), allocatable, intent(out) :: index(:)
     type(surface_points) :: part
@@ -209,13 +205,12 @@ contains
       part%height(n) = surface%height(i)
       part%radius(n) = surface%radius(i)
     end do
-    call build_grid(grid, part%x, part%y, part%height, part%radius, reach)
+    call build_grid(grid, part%x, part%y, part%height, part%radius, height)
   end subroutine build_part
 
-  ! A surface in order for another reach.
-  subroutine build_again(from, reach, grid)
+  ! A surface in order for all pairs whose spheres can touch.
+  subroutine build_again(from, grid)
     type(cell_grid), intent(in) :: from
-    type(pair_reach), intent(in) :: reach
     type(cell_grid), intent(out) :: grid
     real(real64), allocatable :: x(:), y(:), height(:)
     integer :: i, k, n
@@ -231,7 +226,7 @@ contains
         end do
       end associate
     end do
-    call build_grid(grid, x, y, height, from%radius, reach)
+    call build_grid(grid, x, y, height, from%radius, any_height)
   end subroutine build_again
 
   ! The largest |x| + |y|, at least.

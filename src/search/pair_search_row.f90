@@ -1,6 +1,6 @@
 !> One surface in the order of x: enough to find neighbours where there are few asperities.
 module asperity_pair_search_row
-  use asperity_cell_sort, only: sort_keys
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, real64
   implicit none
   private
@@ -22,17 +22,10 @@ contains
     type(summit_row), intent(out) :: row          !! in order
     real(real64), contiguous, intent(in) :: x(:)  !! places in plan, finite
     real(real64), contiguous, intent(in) :: y(:)  !! as many
-    real(real64), allocatable :: spare_key(:)
-    integer(int32), allocatable :: spare_item(:)
-    integer :: i
 
     allocate (row%x(size(x)), row%y(size(x)), row%index(size(x)))
-    allocate (spare_key(size(x)), spare_item(size(x)))
-    do i = 1, size(x)
-      row%x(i) = x(i)
-      row%index(i) = int(i, int32)
-    end do
-    call sort_keys(row%x, row%index, spare_key, spare_item)
+    call sort_keys(x, row%index)
+    row%x(:) = x(row%index)
     row%y(:) = y(row%index)
   end subroutine build_row
 

@@ -1,40 +1,33 @@
-!> Searches the pairs of two surfaces given in a file, times it and writes the pairs.
+!> Searches the pairs of two surfaces given in a file as the solver does, times it and writes them.
 !>
 !>     scale_search INPUT [OUTPUT [RUNS]]
 !>
-!> INPUT, all doubles as they stand in memory: number of upper asperities, of lower ones; distance
-!> and height of the reach (huge: no such bound), dx, dy, margin, least touch, most pairs (0: all);
-!> then x, y, height and radius of the upper asperities, one array after the other, and of the
-!> lower ones. With a negative margin pairs are wanted in the order of touch, else candidates.
-!> OUTPUT: upper and lower indices (4 bytes each), and without a margin touch and squared distance.
+!> INPUT, all doubles as they stand in memory: number of upper asperities, of lower ones; height that
+!> bounds pairs (Appendix 5), 1 to bound them by the radii alone, dx, dy, spacing of the arithmetic
+!> at 1, least touch; then x, y, height and radius of the upper asperities, one array after the
+!> other, and of the lower ones. OUTPUT: upper and lower indices of 4 bytes, all pairs that an
+!> arithmetic of this spacing may count, and few others. With a least touch the least level is
+!> searched that holds all above it.
 program scale_search
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-  use asperity_cell_grid, only: build_grid, cell_grid, grid_bytes
-  use asperity_cell_reach, only: pair_reach
-  use asperity_kinds, only: int32, int64, real64
-  use asperity_pair_search, only: find_candidate_pairs, find_touching_pairs, found_pair
+  use asperity_kinds, only: int64, real64
+  use asperity_pair_search_blocks, only: found_pairs
+  use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
+                                         surface_points
   implicit none
 
-  integer, parameter :: phases = 3
-  character(len=*), parameter :: names(phases) = ['order surfaces', 'search        ', &
-                                                  'sort          ']
-  real(real64) :: head(9), seconds(phases), best(phases), first(phases), best_sum
-  real(real64), allocatable :: upper(:, :), lower(:, :)
-  type(found_pair), allocatable :: list(:)
-  integer(int32), allocatable :: uppers(:), lowers(:)
-  type(pair_reach) :: reach
-  integer(int64) :: bytes, pairs
+  integer, parameter :: phases = 2
+  character(len=*), parameter :: names(phases) = ['order surfaces', 'search        ']
+  real(real64) :: head(8), seconds(phases), best(phases), first(phases), best_sum
+  type(surface_points) :: upper, lower
+  type(found_pairs) :: found
   integer :: run, runs, i
 
   call read_input()
   best = huge(1.0_real64)
   best_sum = huge(1.0_real64)
   do run = 1, runs
-    if (head(7) < 0.0_real64) then
-      call time_touching()
-    else
-      call time_candidates()
-    end if
+    call time_search()
     if (run == 1) first = seconds
     if (sum(seconds) < best_sum) then
       best = seconds
@@ -44,78 +37,35 @@ program scale_search
   do i = 1, phases
     write (output_unit, '(a, 2(1x, f12.6))') names(i), best(i), first(i)
   end do
-  write (output_unit, '(a, 1x, i0)') 'pairs', pairs
-  write (output_unit, '(a, 1x, i0)') 'bytes', bytes
+  write (output_unit, '(a, 1x, i0)') 'pairs', found%number
   write (output_unit, '(a, 1x, i0)') 'peak', peak_memory()
   call write_output()
   ! A sanitizer takes what a main program holds at its end for lost.
-  deallocate (upper, lower)
-  if (allocated(list)) deallocate (list)
-  if (allocated(uppers)) deallocate (uppers, lowers)
+  deallocate (upper%x, upper%y, upper%height, upper%radius)
+  deallocate (lower%x, lower%y, lower%height, lower%radius)
+  if (allocated(found%block)) deallocate (found%block)
 
 contains
 
-  ! In the order of touch, phase by phase.
-  subroutine time_touching()
-    use asperity_pair_search_blocks, only: found_pairs
-    use asperity_pair_search_layers, only: search_pairs
-    use asperity_pair_search_order, only: order_by_touch
-    type(cell_grid) :: above, below
-    type(found_pairs) :: found
-    integer(int64) :: clock(0:phases)
-    integer :: most
+  ! Phase by phase.
+  subroutine time_search()
+    type(pair_levels) :: levels
+    integer(int64) :: clock(0:phases), rate
+    integer :: level
     logical :: failed
 
-    most = huge(most)
-    if (head(9) > 0.0_real64) most = int(head(9))
-    call system_clock(clock(0))
-    call order_surfaces(above, below)
+    call system_clock(clock(0), rate)
+    call build_levels(levels, upper, lower, head(3), head(7))
     call system_clock(clock(1))
-    call search_pairs(above, below, head(5), head(6), reach, 0.0_real64, head(8), found, failed)
+    level = 1
+    do while (levels%complete_from(level) > head(8) .and. level < last_level(levels))
+      level = level + 1
+    end do
+    call search_level(levels, level, head(5), head(6), head(4) > 0.0_real64, head(8), found, failed)
     call stop_when(failed)
-    bytes = grid_bytes(above) + grid_bytes(below) + 24_int64 * 65536_int64 * found%blocks
     call system_clock(clock(2))
-    call order_by_touch(found, above, below, most, list, failed)
-    call stop_when(failed)
-    call system_clock(clock(3))
-    pairs = size(list, kind=int64)
-    bytes = bytes + 24_int64 * pairs
-    call take_times(clock)
-  end subroutine time_touching
-
-  ! As the solver asks for candidates; the sort is part of the search here.
-  subroutine time_candidates()
-    type(cell_grid) :: above, below
-    character(len=:), allocatable :: failure
-    integer(int64) :: clock(0:phases)
-
-    call system_clock(clock(0))
-    call order_surfaces(above, below)
-    call system_clock(clock(1))
-    call find_candidate_pairs(above, below, head(5), head(6), reach, head(7), head(8), uppers, &
-                              lowers, failure)
-    call stop_when(allocated(failure))
-    call system_clock(clock(2))
-    clock(3) = clock(2)
-    pairs = size(uppers, kind=int64)
-    bytes = grid_bytes(above) + grid_bytes(below) + 8_int64 * pairs
-    call take_times(clock)
-  end subroutine time_candidates
-
-  subroutine order_surfaces(above, below)
-    type(cell_grid), intent(out) :: above, below
-
-    call build_grid(below, lower(:, 1), lower(:, 2), lower(:, 3), lower(:, 4), reach)
-    call build_grid(above, upper(:, 1), upper(:, 2), upper(:, 3), upper(:, 4), reach)
-  end subroutine order_surfaces
-
-  subroutine take_times(clock)
-    integer(int64), intent(in) :: clock(0:)
-    integer(int64) :: rate
-
-    call system_clock(count_rate=rate)
     seconds = real(clock(1:) - clock(:phases - 1), real64) / real(rate, real64)
-  end subroutine take_times
+  end subroutine time_search
 
   subroutine read_input()
     character(len=1000) :: name
@@ -127,30 +77,38 @@ contains
     call stop_when(status /= 0)
     read (unit, iostat=status) head
     call stop_when(status /= 0)
-    reach%distance = head(3)
-    reach%height = head(4)
-    allocate (upper(int(head(1)), 4), lower(int(head(2)), 4))
-    read (unit, iostat=status) upper, lower
-    call stop_when(status /= 0)
+    call read_surface(unit, int(head(1)), upper)
+    call read_surface(unit, int(head(2)), lower)
     close (unit)
     runs = 1
     call get_command_argument(3, name)
     if (len_trim(name) > 0) read (name, *) runs
   end subroutine read_input
 
+  subroutine read_surface(unit, n, surface)
+    integer, intent(in) :: unit, n
+    type(surface_points), intent(out) :: surface
+    integer :: status
+
+    allocate (surface%x(n), surface%y(n), surface%height(n), surface%radius(n))
+    read (unit, iostat=status) surface%x, surface%y, surface%height, surface%radius
+    call stop_when(status /= 0)
+  end subroutine read_surface
+
   subroutine write_output()
     character(len=1000) :: name
-    integer :: unit
+    integer :: unit, k
 
     call get_command_argument(2, name)
     if (len_trim(name) == 0 .or. name == '-') return
     open (newunit=unit, file=trim(name), access='stream', form='unformatted', status='replace', &
           action='write')
-    if (head(7) < 0.0_real64) then
-      write (unit) list%upper, list%lower, list%touch, list%squared
-    else
-      write (unit) uppers, lowers
-    end if
+    do k = 1, found%blocks
+      write (unit) found%block(k)%upper(:found%block(k)%used)
+    end do
+    do k = 1, found%blocks
+      write (unit) found%block(k)%lower(:found%block(k)%used)
+    end do
     close (unit)
   end subroutine write_output
 

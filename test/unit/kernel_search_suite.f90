@@ -1,11 +1,15 @@
 !> The solver's search for pairs, by row and by level, against a comparison of all with all.
 module asperity_kernel_search_suite
+  use asperity_all_pairs, only: all_pairs, check_list, check_states, first_limit, pair_named
+  use asperity_compare_all_ibm370, only: compare_ibm370 => compare_all
+  use asperity_compare_all_real64, only: compare_real64 => compare_all
+  use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
   use asperity_decimal, only: decimal_value
-  use asperity_kernel_ibm370, only: placed_ibm370 => placed_scene, place_ibm370 => place_scene, &
-                                    solve_ibm370 => solve_position
-  use asperity_kernel_real64, only: placed_real64 => placed_scene, place_real64 => place_scene, &
-                                    solve_real64 => solve_position
+  use asperity_kernel_ibm370, only: list_ibm370 => list_pairs, place_ibm370 => place_scene, &
+                                    placed_ibm370 => placed_scene, solve_ibm370 => solve_position
+  use asperity_kernel_real64, only: list_real64 => list_pairs, place_real64 => place_scene, &
+                                    placed_real64 => placed_scene, solve_real64 => solve_position
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text
   use asperity_random_philox, only: philox_block
@@ -103,74 +107,128 @@ contains
     character(len=*), intent(in) :: what
     integer, intent(out) :: failures
     logical, intent(in), optional :: large_in_ibm370
-    type(placed_real64) :: quick, slow
-    type(placed_ibm370) :: old_quick, old_slow
-    type(position_result) :: one, other
-    character(len=:), allocatable :: failure, other_failure
+    type(placed_real64) :: placed, placed_for_load
+    type(placed_ibm370) :: old_placed, old_for_load
+    type(scene) :: for_load
+    type(all_pairs) :: truth
+    type(contact_pairs) :: every, listed
+    type(position_result) :: result
+    character(len=:), allocatable :: failure, list_failure
     logical :: hexadecimal
     integer :: m
 
     hexadecimal = .false.
     if (present(large_in_ibm370)) hexadecimal = large_in_ibm370
+    ! Under load control all pairs are listed, with the penetration of each at its limit.
+    for_load = scene_in
+    for_load%loading%control = control_load
+    for_load%loading%value = decimal_value(1_int64, 0)
     failures = 0
-    call place_real64(scene_in, quick, failure)
-    call place_real64(scene_in, slow, failure, all_with_all=.true.)
-    call place_ibm370(scene_in, old_quick, failure)
-    call place_ibm370(scene_in, old_slow, failure, all_with_all=.true.)
+    call place_real64(scene_in, placed, failure)
+    call place_real64(for_load, placed_for_load, failure)
+    call place_ibm370(scene_in, old_placed, failure)
+    call place_ibm370(for_load, old_for_load, failure)
     do m = 1, positions
-      call solve_real64(quick, m, solve_method(), .true., one, failure)
-      call solve_real64(slow, m, solve_method(), .true., other, other_failure)
-      call same(error, one, failure, other, other_failure, what // ' in real64')
+      call list_real64(placed_for_load, m, .true., every, list_failure)
+      call compare_real64(scene_in, m, every%length_power, truth)
+      call check_list(error, truth, every, huge(1.0_real64) / 2, .true., what // ', every pair')
+      call list_real64(placed, m, .false., listed, list_failure)
+      call solve_real64(placed, m, solve_method(), .true., result, failure)
+      call judge(error, scene_in, truth, every, listed, list_failure, result, failure, &
+                 epsilon(1.0_real64), what // ' in real64')
       if (allocated(failure)) failures = failures + 1
       ! Every comparison takes long there.
       if (size(scene_in%upper%x) > 100 .and. .not. (m == 1 .and. hexadecimal)) cycle
-      call solve_ibm370(old_quick, m, solve_method(), .true., one, failure)
-      call solve_ibm370(old_slow, m, solve_method(), .true., other, other_failure)
-      call same(error, one, failure, other, other_failure, what // ' in ibm370')
+      call list_ibm370(old_for_load, m, .true., every, list_failure)
+      call compare_ibm370(scene_in, m, every%length_power, truth)
+      call check_list(error, truth, every, huge(1.0_real64) / 2, .true., what // ', every pair')
+      call list_ibm370(old_placed, m, .false., listed, list_failure)
+      call solve_ibm370(old_placed, m, solve_method(), .true., result, failure)
+      call judge(error, scene_in, truth, every, listed, list_failure, result, failure, &
+                 16.0_real64**(-5), what // ' in ibm370')
     end do
   end subroutine compare
 
-  ! Two results of one position must be the same, bit for bit.
-  subroutine same(error, one, failure, other, other_failure, what)
+  ! The pairs, the end and the contacts of one position against all pairs.
+  subroutine judge(error, scene_in, truth, every, listed, list_failure, result, failure, unit, what)
     type(error_type), allocatable, intent(inout) :: error
-    type(position_result), intent(in) :: one, other
-    character(len=:), allocatable, intent(in) :: failure, other_failure
+    type(scene), intent(in) :: scene_in
+    type(all_pairs), intent(in) :: truth
+    type(contact_pairs), intent(in) :: every, listed
+    character(len=:), allocatable, intent(in) :: list_failure, failure
+    type(position_result), intent(in) :: result
+    real(real64), intent(in) :: unit
     character(len=*), intent(in) :: what
-    integer :: i
+    real(real64) :: closing
+    character(len=:), allocatable :: level
 
-    call check(error, allocated(failure) .eqv. allocated(other_failure), what // ': one fails')
-    if (allocated(error)) return
-    if (allocated(failure)) then
-      call check(error, failure == other_failure, what // ': ' // failure)
+    if (.not. any(truth%can_touch)) then
+      call check(error, size(listed%list), 0, what // ': a pair of spheres that cannot touch')
+      call check(error, allocated(failure) .eqv. scene_in%loading%control == control_load, &
+                 what // ': no load can be borne')
       return
     end if
-    call check(error, size(one%states) == size(other%states) .and. &
-                      one%rows_used == other%rows_used, what // ': other states or contacts')
+    call check(error, allocated(failure) .eqv. allocated(list_failure), what // ': one fails')
     if (allocated(error)) return
-    do i = 1, size(one%states)
-      associate (a => one%states(i), b => other%states(i))
-        call check(error, a%contacts == b%contacts .and. &
-                          all(same_bits([a%approach, a%closing, a%load, a%area], &
-                                        [b%approach, b%closing, b%load, b%area])), &
-                   what // ': another state')
-      end associate
-    end do
-    do i = 1, one%rows_used
-      associate (a => one%rows(i), b => other%rows(i))
-        call check(error, a%upper == b%upper .and. a%lower == b%lower .and. &
-                          (a%limit_exceeded .eqv. b%limit_exceeded) .and. &
-                          all(same_bits([a%penetration, a%load, a%x, a%y], &
-                                        [b%penetration, b%load, b%x, b%y])), &
-                   what // ': another contact')
-      end associate
-    end do
-  end subroutine same
+    select case (scene_in%loading%control)
+    case (control_limit)
+      closing = first_limit(every)
+      level = pair_named(truth, closing)
+      if (.not. closing < huge(closing)) then
+        level = 'no pair of asperities reaches the limit before its centres are level'
+      else if (level /= '') then
+        level = 'before the limit is reached ' // level
+      end if
+    case (control_approach)
+      closing = truth%closing
+      level = pair_named(truth, closing)
+      if (level /= '') level = 'at this approach ' // level
+    case default
+      level = ''
+      closing = listed%closing
+    end select
+    call check(error, allocated(failure) .eqv. level /= '', what // ': fails or not, ' // level)
+    if (allocated(error)) return
+    if (allocated(failure)) then
+      call check(error, failure, level, what)
+      return
+    end if
+    if (closing < 0.0_real64) then
+      call check(error, size(listed%list) == 0 .and. result%states(1)%contacts == 0, &
+                 what // ': a contact before the first touch')
+      return
+    end if
+    call check(error, abs(listed%closing - closing) <= 2 * unit * closing, what // ': another end')
+    if (scene_in%loading%control == control_load) then
+      call check(error, listed%complete_to >= closing, what // ': pairs may be missing')
+      call check_list(error, truth, listed, &
+                      min(listed%complete_to, huge(1.0_real64) / 2), .false., what)
+      call check(error, abs(load_at(truth, closing) / listed%target * listed%modulus - 1) <= &
+                        100 * unit, what // ': another load')
+    else
+      call check_list(error, truth, listed, listed%closing, .true., what)
+    end if
+    call check_states(error, truth, result, listed%closing, 16.0_real64**listed%length_power, what)
+  end subroutine judge
 
-  elemental logical function same_bits(a, b)
-    real(real64), intent(in) :: a, b
+  ! Sum of the loads of all pairs over the modulus, by Hertz' law.
+  pure real(real64) function load_at(truth, closing) result(load)
+    type(all_pairs), intent(in) :: truth
+    real(real64), intent(in) :: closing
+    real(real64) :: p, z
+    integer :: i, k
 
-    same_bits = transfer(a, 0_int64) == transfer(b, 0_int64)
-  end function same_bits
+    load = 0.0_real64
+    do k = 1, size(truth%gap, 2)
+      do i = 1, size(truth%gap, 1)
+        if (.not. truth%gap(i, k) < closing) cycle
+        p = closing - truth%gap(i, k)
+        z = truth%zc(i, k) - p
+        p = p * (truth%zc(i, k) + z) / (truth%s(i, k) + sqrt(truth%d(i, k)**2 + z**2))
+        load = load + 4.0_real64 / 3.0_real64 * sqrt(truth%radius(i, k)) * p**1.5_real64
+      end do
+    end do
+  end function load_at
 
   ! Two surfaces of one kind in the thesis' material, to its limit load.
   subroutine make_scene(kind, n, scene_in)

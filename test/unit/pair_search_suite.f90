@@ -1,31 +1,25 @@
 !> Tests of the pair search against a search that compares all with all.
 module asperity_test_pair_search
-  use asperity_cell_grid, only: build_grid, cell_grid
-  use asperity_cell_reach, only: pair_reach
-  use asperity_cell_sort, only: sort_keys
+  use asperity_cell_reach, only: any_height, margin_of_arithmetic, squared_reach
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
-  use asperity_pair_search, only: find_candidate_pairs, find_touching_pairs, found_pair, &
-                                  margin_of_arithmetic
+  use asperity_pair_search_blocks, only: found_pairs
+  use asperity_pair_search_levels, only: build_levels, last_level, pair_levels, search_level, &
+                                         surface_points
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
 
   public :: collect_pair_search
 
-  !> Asperities as the search is given them.
-  type :: surface
-    real(real64), allocatable :: x(:)       !! place in plan
-    real(real64), allocatable :: y(:)       !! place in plan
-    real(real64), allocatable :: height(:)  !! level of the summit
-    real(real64), allocatable :: radius(:)  !! more than 0
-  end type surface
-
   ! Kinds of random surfaces.
   integer, parameter :: even = 1, clustered = 2, mixed = 3, lattice = 4, crowded = 5, &
                         towering = 6
   character(len=*), parameter :: names(6) = ['even     ', 'clustered', 'mixed    ', 'lattice  ', &
                                              'crowded  ', 'towering ']
-  real(real64), parameter :: all_levels = -huge(1.0_real64)
+  real(real64), parameter :: any_touch = -huge(1.0_real64)
+  ! Spacing at 1 of the doubles, and of short hexadecimal numbers.
+  real(real64), parameter :: double = epsilon(1.0_real64), short = 16.0_real64**(-5)
 
   ! Marsaglia's xorshift, so that every run sees the same surfaces.
   integer(int64) :: seed = 1_int64
@@ -38,21 +32,18 @@ contains
     type(unittest_type), allocatable, intent(out) :: suite(:)
 
     suite = [ &
-      new_unittest('pairs, separations and their order are those of all pairs', as_all_pairs), &
-      new_unittest('the first pairs are the same whether or not the rest is kept', first_ones), &
-      new_unittest('candidates come in the order of all pairs, none is lost', candidates), &
-      new_unittest('surfaces that are empty, flat or far apart have no pairs', no_pairs), &
+      new_unittest('no pair of all with all is lost, each is found once, few are added', as_all), &
+      new_unittest('a level has all pairs that touch as high as it is complete', by_level), &
+      new_unittest('what rounding may count in a shorter arithmetic is found', by_margin), &
+      new_unittest('surfaces that are flat or far apart have no pairs', no_pairs), &
       new_unittest('keys of every distribution are sorted, equal ones keep their order', keys)]
   end subroutine collect_pair_search
 
-  subroutine as_all_pairs(error)
+  subroutine as_all(error)
     type(error_type), allocatable, intent(out) :: error
-    type(surface) :: upper, lower
-    type(cell_grid) :: above, below
-    type(pair_reach) :: reach
-    type(found_pair), allocatable :: found(:), truth(:)
-    character(len=:), allocatable :: failure
-    real(real64) :: shift(2)
+    type(surface_points) :: upper, lower
+    type(pair_levels) :: levels
+    real(real64) :: height, shift(2)
     integer :: kind, turn, pairs
 
     pairs = 0
@@ -60,184 +51,197 @@ contains
       do turn = 1, 3
         call draw_surface(kind, 300 + 20 * turn, upper)
         call draw_surface(kind, 400 - 30 * turn, lower)
-        reach = pair_reach()
-        if (turn == 2) reach%distance = 0.7_real64
-        if (turn == 3) reach%height = 0.05_real64
+        ! The least height makes strips so low that all pairs get strips of their own.
+        height = merge(0.05_real64, merge(1.0e-4_real64, any_height, turn == 2), turn == 3)
         shift = 0.0_real64
         if (turn > 1) shift = [0.375_real64, -1.25_real64]
-        call build_grid(above, upper%x, upper%y, upper%height, upper%radius, reach)
-        call build_grid(below, lower%x, lower%y, lower%height, lower%radius, reach)
-        call find_touching_pairs(above, below, shift(1), shift(2), reach, all_levels, huge(1), &
-                                 found, failure)
-        call all_pairs(upper, lower, shift, reach, truth)
-        call check(error, .not. allocated(failure), 'no memory')
-        call check(error, size(found), size(truth), 'pairs, '//names(kind))
+        call build_levels(levels, upper, lower, height, double)
+        call compare(error, upper, lower, levels, last_level(levels), shift, height, double, &
+                     any_touch, pairs, names(kind))
+        if (turn > 1) &
+          call compare(error, upper, lower, levels, last_level(levels), shift, any_height, double, &
+                       any_touch, pairs, names(kind) // ', all that can touch')
         if (allocated(error)) return
-        call check(error, all(found%upper == truth%upper .and. found%lower == truth%lower), &
-                   'other pairs or another order, '//names(kind))
-        call check(error, all(same_bits(found%touch, truth%touch) .and. &
-                              same_bits(found%squared, truth%squared)), &
-                   'other separations, '//names(kind))
-        pairs = pairs + size(found)
       end do
     end do
     ! The crowded ones alone fill the search's batches many times.
     call check(error, pairs > 100000, 'too few pairs to show anything')
-  end subroutine as_all_pairs
+  end subroutine as_all
 
-  subroutine first_ones(error)
+  subroutine by_level(error)
     type(error_type), allocatable, intent(out) :: error
-    type(surface) :: upper, lower
-    type(cell_grid) :: above, below
-    type(pair_reach) :: reach
-    type(found_pair), allocatable :: found(:), whole(:)
-    character(len=:), allocatable :: failure
-    real(real64) :: level
-    integer :: kind, most, i, k
+    type(surface_points) :: upper, lower
+    type(pair_levels) :: levels
+    integer :: kind, k, pairs, several
 
+    several = 0
     do kind = 1, size(names)
-      call draw_surface(kind, 300, upper)
-      call draw_surface(kind, 300, lower)
-      reach = pair_reach()
-      call build_grid(above, upper%x, upper%y, upper%height, upper%radius, reach)
-      call build_grid(below, lower%x, lower%y, lower%height, lower%radius, reach)
-      call find_touching_pairs(above, below, 0.0_real64, 0.0_real64, reach, all_levels, huge(1), &
-                               whole, failure)
-      most = size(whole) / 3
-      call find_touching_pairs(above, below, 0.0_real64, 0.0_real64, reach, all_levels, most, &
-                               found, failure)
-      call check(error, size(found), most, 'number of first pairs')
-      if (allocated(error)) return
-      call check(error, all(found%upper == whole(:most)%upper .and. &
-                            found%lower == whole(:most)%lower), 'other first pairs')
-      level = whole(most)%touch
-      call find_touching_pairs(above, below, 0.0_real64, 0.0_real64, reach, level, huge(1), &
-                               found, failure)
-      call check(error, size(found), count(whole%touch >= level), 'pairs over a level')
-      if (allocated(error)) return
-      k = 0
-      do i = 1, size(whole)
-        if (whole(i)%touch < level) cycle
-        k = k + 1
-        call check(error, found(k)%upper == whole(i)%upper .and. &
-                          found(k)%lower == whole(i)%lower, 'other pairs over a level')
+      call draw_surface(kind, 700, upper)
+      call draw_surface(kind, 800, lower)
+      call build_levels(levels, upper, lower, 0.1_real64, double)
+      if (last_level(levels) > 1) several = several + 1
+      pairs = 0
+      do k = 1, last_level(levels)
+        call compare(error, upper, lower, levels, k, [0.1_real64, 0.2_real64], 0.1_real64, double, &
+                     levels%complete_from(k), pairs, names(kind))
+        if (k < last_level(levels)) &
+          call compare(error, upper, lower, levels, k, [0.1_real64, 0.2_real64], any_height, &
+                       double, levels%complete_from(k), pairs, names(kind))
+        if (allocated(error)) return
       end do
     end do
-  end subroutine first_ones
+    ! Towers and equal heights have none.
+    call check(error, several >= 4, 'too few surfaces have levels')
+  end subroutine by_level
 
-  subroutine candidates(error)
+  subroutine by_margin(error)
     type(error_type), allocatable, intent(out) :: error
-    type(surface) :: upper, lower
-    type(cell_grid) :: above, below
-    type(pair_reach) :: reach, wider
-    type(found_pair), allocatable :: least(:), most(:)
-    integer(int32), allocatable :: uppers(:), lowers(:)
-    character(len=:), allocatable :: failure
-    real(real64) :: margin, level
-    integer :: kind, i, k
+    type(surface_points) :: upper, lower
+    type(pair_levels) :: levels
+    integer :: kind, pairs
 
-    margin = margin_of_arithmetic(16.0_real64**(-5), 10.0_real64)
-    reach%distance = 0.7_real64
-    wider%distance = reach%distance + margin
     do kind = 1, size(names)
       call draw_surface(kind, 300, upper)
       call draw_surface(kind, 300, lower)
-      call build_grid(above, upper%x, upper%y, upper%height, upper%radius, reach)
-      call build_grid(below, lower%x, lower%y, lower%height, lower%radius, reach)
-      call find_candidate_pairs(above, below, 0.0_real64, 0.0_real64, reach, margin, all_levels, &
-                                uppers, lowers, failure)
-      call all_pairs(upper, lower, [0.0_real64, 0.0_real64], reach, least)
-      call all_pairs(upper, lower, [0.0_real64, 0.0_real64], wider, most)
-      call check(error, size(uppers) >= size(least), 'candidates lost, '//names(kind))
-      ! Spheres that all but touch may be candidates, too.
-      if (kind == even) call check(error, size(uppers), size(most), 'candidates added')
-      do i = 2, size(uppers)
-        call check(error, uppers(i) > uppers(i - 1) .or. &
-                          (uppers(i) == uppers(i - 1) .and. lowers(i) > lowers(i - 1)), &
-                   'another order of candidates')
-      end do
-      level = least(size(least) / 2)%touch
-      call find_candidate_pairs(above, below, 0.0_real64, 0.0_real64, reach, margin, level, &
-                                uppers, lowers, failure)
-      call check(error, size(uppers) < size(most), 'nothing is left out below a level')
-      call sort_by_index(least)
-      k = 1
-      do i = 1, size(least)
-        if (least(i)%touch < level) cycle
-        do while (uppers(k) /= least(i)%upper .or. lowers(k) /= least(i)%lower)
-          k = k + 1
-          call check(error, k <= size(uppers), 'a pair is no candidate, '//names(kind))
-          if (allocated(error)) return
+      pairs = 0
+      call build_levels(levels, upper, lower, 0.1_real64, short)
+      call compare(error, upper, lower, levels, last_level(levels), [0.0_real64, 0.0_real64], &
+                   0.1_real64, short, any_touch, pairs, names(kind) // ', short')
+      if (allocated(error)) return
+    end do
+  end subroutine by_margin
+
+  ! A search against all pairs. Those within the reach that touch at the floor must be found, and
+  ! those that the margin adds; none twice; none beyond twice the margin.
+  subroutine compare(error, upper, lower, levels, level, shift, height, unit, floor, pairs, what)
+    type(error_type), allocatable, intent(inout) :: error
+    type(surface_points), intent(in) :: upper, lower
+    type(pair_levels), intent(in) :: levels
+    integer, intent(in) :: level
+    real(real64), intent(in) :: shift(2), height, unit, floor
+    integer, intent(inout) :: pairs
+    character(len=*), intent(in) :: what
+    type(found_pairs) :: found
+    integer, allocatable :: times(:, :)
+    real(real64) :: margin, touch
+    logical :: failed, is_near
+    integer :: i, k, lost, added
+
+    call search_level(levels, level, shift(1), shift(2), .not. height < any_height, floor, found, &
+                      failed)
+    call check(error, .not. failed, 'no memory')
+    allocate (times(size(upper%x), size(lower%x)))
+    times = 0
+    do k = 1, found%blocks
+      associate (block => found%block(k))
+        do i = 1, block%used
+          times(block%upper(i), block%lower(i)) = times(block%upper(i), block%lower(i)) + 1
         end do
+      end associate
+    end do
+    call check(error, int(found%number), sum(times), 'another number of pairs, ' // what)
+    call check(error, maxval(times) <= 1, 'a pair is found twice, ' // what)
+    margin = margin_of_arithmetic(unit, maxval(abs(upper%x)) + maxval(abs(upper%y)) + &
+                                        maxval(abs(lower%x)) + maxval(abs(lower%y)) + &
+                                        sum(abs(shift)) + maxval(upper%radius) + &
+                                        maxval(lower%radius))
+    lost = 0
+    added = 0
+    do i = 1, size(upper%x)
+      do k = 1, size(lower%x)
+        call look_at(upper, lower, i, k, shift, height, 0.999_real64 * margin, is_near, touch)
+        if (is_near .and. touch >= floor .and. times(i, k) == 0) lost = lost + 1
+        call look_at(upper, lower, i, k, shift, height, 2 * margin, is_near, touch)
+        if (.not. (is_near .and. touch >= floor) .and. times(i, k) == 1) added = added + 1
       end do
     end do
-  end subroutine candidates
+    call check(error, lost, 0, 'a pair is lost, ' // what)
+    call check(error, added, 0, 'a pair is added, ' // what)
+    pairs = pairs + int(found%number)
+  end subroutine compare
+
+  ! Whether a pair is within reach and a margin, and the approach at which it may touch: by the
+  ! formulas of the thesis, the distance less the margin.
+  subroutine look_at(upper, lower, i, k, shift, height, margin, is_near, touch)
+    type(surface_points), intent(in) :: upper, lower
+    integer, intent(in) :: i, k
+    real(real64), intent(in) :: shift(2), height, margin
+    logical, intent(out) :: is_near
+    real(real64), intent(out) :: touch
+    real(real64) :: d, s
+
+    s = upper%radius(i) + lower%radius(k)
+    d = sqrt((upper%x(i) + shift(1) - lower%x(k))**2 + (upper%y(i) + shift(2) - lower%y(k))**2)
+    d = max(d - margin, 0.0_real64)
+    is_near = d < s
+    if (is_near .and. height < s) is_near = d * d < 2.0_real64 * s * height
+    d = min(d, s)
+    touch = upper%height(i) + lower%height(k) - d * d / (s + sqrt((s - d) * (s + d)))
+  end subroutine look_at
 
   subroutine no_pairs(error)
     type(error_type), allocatable, intent(out) :: error
-    type(surface) :: some, none
-    type(cell_grid) :: above, below, empty
-    type(pair_reach) :: reach
-    real(real64) :: far(2, 4)
+    type(surface_points) :: some
+    type(pair_levels) :: levels
+    real(real64), parameter :: far(2, 4) = &
+      reshape([1.0e3_real64, 0.0_real64, 0.0_real64, -1.0e3_real64, -1.0e150_real64, 0.0_real64, &
+               0.0_real64, 1.0e150_real64], [2, 4])
+    integer :: i
 
     call draw_surface(even, 300, some)
-    call draw_surface(even, 0, none)
-    reach%height = 0.05_real64
-    call build_grid(above, some%x, some%y, some%height, some%radius, reach)
-    call build_grid(below, some%x, some%y, some%height, some%radius, reach)
-    call build_grid(empty, none%x, none%y, none%height, none%radius, reach)
-    call check(error, pairs_of(above, below, [0.0_real64, 0.0_real64]) > 0, 'there are pairs')
-    call check(error, pairs_of(above, empty, [0.0_real64, 0.0_real64]), 0, 'none below')
-    call check(error, pairs_of(empty, below, [0.0_real64, 0.0_real64]), 0, 'none above')
-    far = reshape([1.0e3_real64, 0.0_real64, 0.0_real64, -1.0e3_real64, -1.0e150_real64, &
-                   0.0_real64, 0.0_real64, 1.0e150_real64], [2, 4])
-    call check(error, pairs_of(above, below, far(:, 1)), 0, 'far to the right')
-    call check(error, pairs_of(above, below, far(:, 2)), 0, 'far in front')
-    call check(error, pairs_of(above, below, far(:, 3)), 0, 'very far to the left')
-    call check(error, pairs_of(above, below, far(:, 4)), 0, 'very far behind')
-    reach%height = 0.0_real64
-    call build_grid(above, some%x, some%y, some%height, some%radius, reach)
-    call check(error, pairs_of(above, below, [0.0_real64, 0.0_real64]), 0, 'no height')
+    call build_levels(levels, some, some, 0.05_real64, double)
+    call check(error, pairs_at([0.0_real64, 0.0_real64]) > 0, 'there are pairs')
+    do i = 1, 2
+      call check(error, pairs_at(far(:, i)), 0, 'far')
+    end do
+    ! Rounding of such a displacement may hide any distance: then all or none are found.
+    do i = 3, 4
+      call check(error, modulo(pairs_at(far(:, i)), 300 * 300), 0, 'very far')
+    end do
+    call check(error, squared_reach(0.0_real64, 1.0_real64) <= 0.0_real64, 'no height, no reach')
+    call build_levels(levels, some, some, 0.0_real64, double)
+    ! Each asperity is found with its twin: the margin is more than no distance.
+    call check(error, pairs_at([0.0_real64, 0.0_real64]), 300, 'no height')
+    call check(error, pairs_at([1.0e-3_real64, 0.0_real64]), 0, 'no height, displaced')
 
   contains
 
-    integer function pairs_of(one, other, shift)
-      type(cell_grid), intent(in) :: one, other
+    integer function pairs_at(shift)
       real(real64), intent(in) :: shift(2)
-      type(found_pair), allocatable :: found(:)
-      character(len=:), allocatable :: failure
+      type(found_pairs) :: found
+      logical :: failed
 
-      call find_touching_pairs(one, other, shift(1), shift(2), reach, all_levels, huge(1), found, &
-                               failure)
-      pairs_of = size(found)
-    end function pairs_of
+      call search_level(levels, last_level(levels), shift(1), shift(2), .false., any_touch, found, &
+                        failed)
+      pairs_at = int(found%number)
+    end function pairs_at
 
   end subroutine no_pairs
 
   subroutine keys(error)
     type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: sizes(5) = [1, 7, 24, 25, 5000]
-    real(real64), allocatable :: key(:), given(:), spare(:)
-    integer(int32), allocatable :: item(:), spare_item(:)
+    integer, parameter :: sizes(6) = [1, 7, 12, 13, 25, 5000]
+    real(real64), allocatable :: key(:)
+    integer(int32), allocatable :: order(:)
     integer :: n, turn, kind, i
 
-    do turn = 1, 500
-      n = sizes(modulo(turn, 5) + 1)
-      kind = modulo(turn / 5, 5) + 1
-      if (n > 100 .and. turn > 50) cycle
-      allocate (key(n), given(n), spare(n), item(n), spare_item(n))
+    do turn = 1, 600
+      n = sizes(modulo(turn, 6) + 1)
+      kind = modulo(turn / 6, 5) + 1
+      if (n > 100 .and. turn > 60) cycle
+      allocate (key(n), order(n))
       do i = 1, n
         key(i) = draw_key(kind, i)
-        item(i) = int(i, int32)
       end do
-      given(:) = key
-      call sort_keys(key, item, spare, spare_item)
-      call check(error, all(same_bits(key, given(item))), 'an item lost its key')
+      call sort_keys(key, order)
+      call check(error, all(order >= 1 .and. order <= n), 'an index out of the range')
+      if (allocated(error)) return
       do i = 2, n
-        call check(error, key(i) > key(i - 1) .or. &
-                          (key(i) >= key(i - 1) .and. item(i) > item(i - 1)), 'not in order')
+        call check(error, key(order(i)) > key(order(i - 1)) .or. &
+                          (key(order(i)) >= key(order(i - 1)) .and. order(i) > order(i - 1)), &
+                   'not in order')
       end do
-      deallocate (key, given, spare, item, spare_item)
+      deallocate (key, order)
     end do
   end subroutine keys
 
@@ -261,114 +265,10 @@ contains
     end select
   end function draw_key
 
-  ! The pairs by the solver's formulas, all against all, sorted.
-  subroutine all_pairs(upper, lower, shift, reach, list)
-    type(surface), intent(in) :: upper, lower
-    real(real64), intent(in) :: shift(2)
-    type(pair_reach), intent(in) :: reach
-    type(found_pair), allocatable, intent(out) :: list(:)
-    type(found_pair), allocatable :: room(:)
-    real(real64) :: across, along, s, d, d2, first
-    integer :: i, k, n
-
-    allocate (room(size(upper%x) * size(lower%x)))
-    n = 0
-    do i = 1, size(upper%x)
-      do k = 1, size(lower%x)
-        across = upper%x(i) + shift(1) - lower%x(k)
-        along = upper%y(i) + shift(2) - lower%y(k)
-        s = upper%radius(i) + lower%radius(k)
-        d2 = across * across + along * along
-        d = sqrt(d2)
-        if (d2 >= s * s .or. d >= reach%distance) cycle
-        if (reach%height < s .and. d2 >= (s + s) * min(reach%height, s)) cycle
-        n = n + 1
-        room(n)%touch = (upper%height(i) + lower%height(k)) - d2 / (s + sqrt((s - d) * (s + d)))
-        room(n)%squared = d2
-        room(n)%upper = int(i, int32)
-        room(n)%lower = int(k, int32)
-      end do
-    end do
-    allocate (list(n))
-    list(:) = room(:n)
-    if (n == 0) return
-    first = maxval(list%touch)
-    call sort_pairs(list)
-
-  contains
-
-    ! Merge sort; a list of all pairs is in the order of indices, which equal pairs keep.
-    recursive subroutine sort_pairs(part)
-      type(found_pair), intent(inout) :: part(:)
-      type(found_pair), allocatable :: left(:)
-      integer :: half, a, b, c
-
-      if (size(part) < 2) return
-      half = size(part) / 2
-      call sort_pairs(part(:half))
-      call sort_pairs(part(half + 1:))
-      allocate (left(half))
-      left(:) = part(:half)
-      a = 1
-      b = half + 1
-      do c = 1, size(part)
-        if (a > half) exit
-        if (b <= size(part)) then
-          if (earlier(part(b), left(a))) then
-            part(c) = part(b)
-            b = b + 1
-            cycle
-          end if
-        end if
-        part(c) = left(a)
-        a = a + 1
-      end do
-    end subroutine sort_pairs
-
-    ! Gap, distance, sum of the radii, combined radius: the first that differs decides.
-    logical function earlier(one, other)
-      type(found_pair), intent(in) :: one, other
-      real(real64) :: difference(4)
-      integer :: at
-
-      associate (s1 => upper%radius(one%upper) + lower%radius(one%lower), &
-                 s2 => upper%radius(other%upper) + lower%radius(other%lower))
-        difference = [(first - one%touch) - (first - other%touch), &
-                      sqrt(one%squared) - sqrt(other%squared), s1 - s2, &
-                      upper%radius(one%upper) * lower%radius(one%lower) / s1 - &
-                      upper%radius(other%upper) * lower%radius(other%lower) / s2]
-      end associate
-      earlier = .false.
-      do at = 1, size(difference)
-        if (abs(difference(at)) > 0.0_real64) then
-          earlier = difference(at) < 0.0_real64
-          return
-        end if
-      end do
-    end function earlier
-
-  end subroutine all_pairs
-
-  ! Sorts a short list by upper, then lower index.
-  subroutine sort_by_index(list)
-    type(found_pair), intent(inout) :: list(:)
-    real(real64), allocatable :: key(:), spare(:)
-    integer(int32), allocatable :: item(:), spare_item(:)
-    integer :: i
-
-    allocate (key(size(list)), spare(size(list)), item(size(list)), spare_item(size(list)))
-    do i = 1, size(list)
-      key(i) = real(list(i)%upper, real64) * 1.0e6_real64 + real(list(i)%lower, real64)
-      item(i) = int(i, int32)
-    end do
-    call sort_keys(key, item, spare, spare_item)
-    list(:) = list(item)
-  end subroutine sort_by_index
-
   ! A random surface of a kind.
   subroutine draw_surface(kind, n, drawn)
     integer, intent(in) :: kind, n
-    type(surface), intent(out) :: drawn
+    type(surface_points), intent(out) :: drawn
     real(real64) :: centre(2)
     integer :: i
 
@@ -413,12 +313,5 @@ contains
     seed = ieor(seed, ishft(seed, 17))
     draw = real(ishft(seed, -11), real64) * 2.0_real64**(-53)
   end function draw
-
-  ! Whether two numbers are the same, bit for bit.
-  elemental logical function same_bits(a, b)
-    real(real64), intent(in) :: a, b
-
-    same_bits = transfer(a, 0_int64) == transfer(b, 0_int64)
-  end function same_bits
 
 end module asperity_test_pair_search
