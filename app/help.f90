@@ -1,19 +1,45 @@
 !> What the program says of itself.
 module asperity_help
-  use asperity_files, only: write_message, write_standard_output
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
   implicit none
   private
 
-  public :: show_help, show_next_steps, show_version
+  public :: describe
 
 contains
 
-  !> The words after a bare `asperity`.
-  subroutine show_next_steps(status)
-    integer, intent(out) :: status  !! exit status
-    type(text_buffer) :: text
+  !> The text of `asperity`, `asperity --version` or a help.
+  subroutine describe(command, topic, text)
+    character(len=*), intent(in) :: command   !! empty, `help` or `version`
+    character(len=*), intent(in) :: topic     !! the command whose help is asked for, or another
+    type(text_buffer), intent(inout) :: text  !! gets it
+
+    if (command == 'version') then
+      call text%line('asperity ' // version)
+    else if (command == '') then
+      call describe_next_steps(text)
+    else
+      select case (topic)
+      case ('solve')
+        call describe_solve(text)
+      case ('accuracy')
+        call describe_accuracy(text)
+      case ('generate')
+        call describe_generate(text)
+      case ('study')
+        call describe_study(text)
+      case default
+        call describe_all(text)
+      end select
+      call text%line('')
+      call text%line('Exit status: 0 done, 1 could not be computed, 2 bad command line or bad input')
+    end if
+  end subroutine describe
+
+  ! The words after a bare `asperity`.
+  subroutine describe_next_steps(text)
+    type(text_buffer), intent(inout) :: text
 
     call text%line('asperity: contact between rough surfaces of spherical asperities')
     call text%line('')
@@ -23,31 +49,7 @@ contains
     call text%line('  asperity accuracy data/thesis.deck  what accuracy costs in time')
     call text%line('  asperity --help                     all commands and options')
     call text%line('With fpm: fpm run -- data/thesis.deck')
-    call print_text(text, status)
-  end subroutine show_next_steps
-
-  !> Help on a command, or on all of them.
-  subroutine show_help(topic, status)
-    character(len=*), intent(in) :: topic  !! first word of the command line
-    integer, intent(out) :: status         !! exit status
-    type(text_buffer) :: text
-
-    select case (topic)
-    case ('solve')
-      call describe_solve(text)
-    case ('accuracy')
-      call describe_accuracy(text)
-    case ('generate')
-      call describe_generate(text)
-    case ('study')
-      call describe_study(text)
-    case default
-      call describe_all(text)
-    end select
-    call text%line('')
-    call text%line('Exit status: 0 done, 1 could not be computed, 2 bad command line or bad input')
-    call print_text(text, status)
-  end subroutine show_help
+  end subroutine describe_next_steps
 
   subroutine describe_all(text)
     type(text_buffer), intent(inout) :: text
@@ -131,26 +133,5 @@ contains
     call text%line('  --keep FILE         keep surfaces that are done; a rerun goes on there')
     call text%line('  --quiet             print no table')
   end subroutine describe_study
-
-  !> Name and version.
-  subroutine show_version(status)
-    integer, intent(out) :: status  !! exit status
-    type(text_buffer) :: text
-
-    call text%line('asperity ' // version)
-    call print_text(text, status)
-  end subroutine show_version
-
-  subroutine print_text(text, status)
-    type(text_buffer), intent(in) :: text
-    integer, intent(out) :: status
-    character(len=:), allocatable :: failure
-
-    status = 0
-    call write_standard_output(text%text(), failure)
-    if (.not. allocated(failure)) return
-    call write_message(failure)
-    status = 1
-  end subroutine print_text
 
 end module asperity_help

@@ -3,13 +3,10 @@ module asperity_run_accuracy
   use asperity_accuracy_study, only: accuracy_row, run_accuracy_study
   use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
   use asperity_card_deck, only: card_deck
-  use asperity_complaints, only: complained
   use asperity_command_line, only: command_line, refuse_input
-  use asperity_files, only: write_standard_error, write_standard_output
+  use asperity_command_outcome, only: command_outcome
   use asperity_kinds, only: real64
   use asperity_model_rungs, only: model_rung, run_model_rungs
-  use asperity_output_files, only: commit_files, stage_file
-  use asperity_problems, only: problem_list
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
   use asperity_text_buffer, only: text_buffer
@@ -23,52 +20,39 @@ module asperity_run_accuracy
 
 contains
 
-  !> Runs the command. All is computed before the first byte is written,
-  !> and files appear when all is written.
-  subroutine run_accuracy_command(line, status)
-    type(command_line), intent(in) :: line  !! the user's choices
-    integer, intent(out) :: status          !! exit status
+  !> Runs the command. All is computed before the first byte is written.
+  subroutine run_accuracy_command(line, outcome)
+    type(command_line), intent(in) :: line           !! the user's choices
+    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
     type(scene) :: scene_in
     type(card_deck), allocatable :: deck
-    type(problem_list) :: problems
     type(accuracy_row), allocatable :: rows(:)
     type(model_rung), allocatable :: rungs(:)
-    type(text_buffer) :: table, csv
-    character(len=:), allocatable :: failure, left_out
+    type(text_buffer) :: csv
+    character(len=:), allocatable :: left_out
 
-    call read_scene(line%input, scene_in, problems)
-    if (problems%count() == 0) then
-      call refuse_input(line, scene_in%upper%file, problems)
+    call read_scene(line%input, scene_in, outcome%problems)
+    if (outcome%problems%count() == 0) then
+      call refuse_input(line, scene_in%upper%file, outcome%problems)
       if (scene_in%lower%file /= scene_in%upper%file) &
-        call refuse_input(line, scene_in%lower%file, problems)
+        call refuse_input(line, scene_in%lower%file, outcome%problems)
       if (scene_in%loading%control /= control_limit .or. &
           scene_in%limit%criterion /= criterion_load) &
-        call problems%add(line%input // ': the accuracy study needs a scene that ends at a ' // &
-                          'limit load: control = ''limit'', criterion = ''load''')
+        call outcome%problems%add(line%input // ': the accuracy study needs a scene that ends ' // &
+                                  'at a limit load: control = ''limit'', criterion = ''load''')
     end if
-    if (problems%count() > 0) then
-      call write_standard_error(problems%text())
-      status = 2
+    if (outcome%problems%count() > 0) return
+    if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
+    call run_accuracy_study(scene_in, deck, seconds_a_row, rows, outcome%failure)
+    if (.not. allocated(outcome%failure)) &
+      call run_model_rungs(scene_in, seconds_a_row, rungs, left_out, outcome%failure)
+    if (allocated(outcome%failure)) then
+      outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
-    status = 1
-    if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
-    call run_accuracy_study(scene_in, deck, seconds_a_row, rows, failure)
-    if (.not. allocated(failure)) &
-      call run_model_rungs(scene_in, seconds_a_row, rungs, left_out, failure)
-    if (allocated(failure)) failure = line%input // ': ' // failure
-    if (complained(failure)) return
-    if (line%csv_file /= '') then
-      call write_accuracy_csv(rows, rungs, csv)
-      call stage_file(line%csv_file, csv%text(), failure)
-      if (complained(failure)) return
-    end if
-    if (.not. line%quiet) call write_accuracy_table(rows, rungs, left_out, table)
-    call write_standard_output(table%text(), failure)
-    if (complained(failure)) return
-    call commit_files(failure)
-    if (complained(failure)) return
-    status = 0
+    call write_accuracy_csv(rows, rungs, csv)
+    call outcome%stage(line%csv_file, csv)
+    if (.not. line%quiet) call write_accuracy_table(rows, rungs, left_out, outcome%text)
   end subroutine run_accuracy_command
 
 end module asperity_run_accuracy

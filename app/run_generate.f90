@@ -1,7 +1,7 @@
 !> The command `asperity generate SPEC`: random surfaces as CSV files, or as a card deck.
 module asperity_run_generate
-  use asperity_complaints, only: complained
   use asperity_command_line, only: command_line, output_place, refuse_input
+  use asperity_command_outcome, only: command_outcome
   use asperity_deck_text, only: surfaces_as_deck
   use asperity_files, only: write_standard_error, write_standard_output
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
@@ -20,38 +20,27 @@ module asperity_run_generate
 contains
 
   !> Runs the command. The files of one member of the ensemble appear together.
-  subroutine run_generate_command(line, status)
-    type(command_line), intent(in) :: line  !! the user's choices
-    integer, intent(out) :: status          !! exit status
+  subroutine run_generate_command(line, outcome)
+    type(command_line), intent(in) :: line           !! the user's choices
+    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
     type(generation_spec) :: spec
     type(surface_plan) :: plans(2)
-    type(problem_list) :: problems
-    character(len=:), allocatable :: failure
-    integer :: first, last, member
+    integer :: member
 
-    call read_generation_spec(line%input, spec, problems)
-    if (problems%count() == 0) call check_outputs(line, spec, problems)
-    status = 2
-    if (problems%count() > 0) then
-      call write_standard_error(problems%text())
-      return
-    end if
-    status = 1
+    call read_generation_spec(line%input, spec, outcome%problems)
+    if (outcome%problems%count() == 0) call check_outputs(line, spec, outcome%problems)
+    if (outcome%problems%count() > 0) return
     call plan_surface(spec, 1, plans(1))
     call plan_surface(spec, 2, plans(2))
-    first = max(1, line%member)
-    last = merge(line%member, spec%ensemble, line%member > 0)
-    do member = first, last
+    do member = max(1, line%member), merge(line%member, spec%ensemble, line%member > 0)
       if (spec%is_deck) then
-        call make_deck(line, spec, plans, member, failure)
+        call make_deck(line, spec, plans, member, outcome%failure)
       else
-        call make_csv(line, spec, plans, member, failure)
+        call make_csv(line, spec, plans, member, outcome%failure)
       end if
-      if (complained(failure)) return
-      call commit_files(failure)
-      if (complained(failure)) return
+      if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
+      if (allocated(outcome%failure)) return
     end do
-    status = 0
   end subroutine run_generate_command
 
   !> What the specification and the command line say must agree.

@@ -3,15 +3,14 @@ module asperity_run_solve
   use asperity_budget_table, only: write_budget
   use asperity_card_deck, only: card_deck
   use asperity_command_line, only: command_line, is_shared, refuse_input
-  use asperity_complaints, only: complained
+  use asperity_command_outcome, only: command_outcome
   use asperity_corrected_table, only: correct_table
   use asperity_error_budget, only: error_budget, measure_budget
-  use asperity_files, only: write_standard_error, write_standard_output
+  use asperity_files, only: write_standard_error
   use asperity_images, only: image_number
   use asperity_kinds, only: real64
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records, original_request
-  use asperity_output_files, only: commit_files, stage_file
   use asperity_problems, only: problem_list
   use asperity_results_csv, only: write_contacts, write_curve, write_positions
   use asperity_run_options, only: run_options
@@ -29,49 +28,40 @@ module asperity_run_solve
 contains
 
   !> Runs the command. All is computed before the first byte is written, beside the positions that
-  !> are kept, and files appear when all is written. Image 1 writes and complains for all.
-  subroutine run_solve_command(line, status)
-    type(command_line), intent(in) :: line  !! the user's choices
-    integer, intent(out) :: status          !! exit status
+  !> are kept. Image 1 has all results and writes for all.
+  subroutine run_solve_command(line, outcome)
+    type(command_line), intent(in) :: line           !! the user's choices
+    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
     type(scene) :: scene_in
-    type(problem_list) :: problems
     type(scene_results) :: results
-    type(run_options) :: options
-    type(text_buffer) :: summary
-    character(len=:), allocatable :: failure
     type(error_budget) :: budget
+    type(text_buffer) :: csv(3)
 
-    call read_scene(line%input, scene_in, problems)
-    if (problems%count() == 0) call check_choices(line, scene_in, problems)
-    if (problems%count() > 0) then
-      if (image_number() == 1) call write_standard_error(problems%text())
-      status = 2
+    call read_scene(line%input, scene_in, outcome%problems)
+    if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
+    if (outcome%problems%count() > 0) return
+    if (image_number() == 1) call write_standard_error(scene_in%notes%text())
+    call solve(scene_in, results, outcome%failure, options_of(line, scene_in))
+    if (image_number() > 1) return
+    if (.not. allocated(outcome%failure) .and. line%budget) &
+      call measure_budget(scene_in, options_of(line, scene_in), results, budget, outcome%failure)
+    if (allocated(outcome%failure)) then
+      outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
-    if (image_number() == 1) call write_standard_error(scene_in%notes%text())
-    options = options_of(line, scene_in)
-    call solve(scene_in, results, failure, options)
-    status = merge(1, 0, allocated(failure))
-    ! Image 1 has all results.
-    if (image_number() > 1) return
-    status = 1
-    if (.not. allocated(failure) .and. line%budget) &
-      call measure_budget(scene_in, options, results, budget, failure)
-    if (allocated(failure)) failure = line%input // ': ' // failure
-    if (complained(failure)) return
     if (.not. line%quiet) then
-      call write_summary(scene_in, results, summary)
-      if (line%accuracy > 0.0_real64) call write_choice(line%accuracy, results, summary)
-      if (line%budget) call write_budget(budget, size(results%positions), summary)
-      if (is_thesis_sweep(scene_in)) call add_corrected_table(scene_in%deck, results, summary)
+      call write_summary(scene_in, results, outcome%text)
+      if (line%accuracy > 0.0_real64) call write_choice(line%accuracy, results, outcome%text)
+      if (line%budget) call write_budget(budget, size(results%positions), outcome%text)
+      if (is_thesis_sweep(scene_in)) &
+        call add_corrected_table(scene_in%deck, results, outcome%text)
     end if
-    call stage_results(line, results, failure)
-    if (complained(failure)) return
-    call write_standard_output(summary%text(), failure)
-    if (complained(failure)) return
-    call commit_files(failure)
-    if (complained(failure)) return
-    status = 0
+    if (line%contacts_file /= '') call write_contacts(results, csv(1))
+    call outcome%stage(line%contacts_file, csv(1))
+    if (line%positions_file /= '') call write_positions(results, csv(2))
+    call outcome%stage(line%positions_file, csv(2))
+    if (line%curve_file /= '') call write_curve(results, csv(3))
+    call outcome%stage(line%curve_file, csv(3))
   end subroutine run_solve_command
 
   ! What the command line and the scene ask for must agree.
@@ -106,28 +96,6 @@ contains
     options%all_images = is_shared(line)
     options%keep_file = line%keep_file
   end function options_of
-
-  ! The files that the user asked for.
-  subroutine stage_results(line, results, failure)
-    type(command_line), intent(in) :: line
-    type(scene_results), intent(in) :: results
-    character(len=:), allocatable, intent(out) :: failure
-    type(text_buffer) :: contacts, positions, curve
-
-    if (line%contacts_file /= '') then
-      call write_contacts(results, contacts)
-      call stage_file(line%contacts_file, contacts%text(), failure)
-      if (allocated(failure)) return
-    end if
-    if (line%positions_file /= '') then
-      call write_positions(results, positions)
-      call stage_file(line%positions_file, positions%text(), failure)
-      if (allocated(failure)) return
-    end if
-    if (line%curve_file == '') return
-    call write_curve(results, curve)
-    call stage_file(line%curve_file, curve%text(), failure)
-  end subroutine stage_results
 
   !> Runs the original beside, and prints Table VI before and after. A deck on which the original
   !> goes astray has no such table.

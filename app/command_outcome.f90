@@ -1,0 +1,57 @@
+!> What a command leaves to be told and written. The program does that, once for all commands.
+module asperity_command_outcome
+  use asperity_files, only: write_message, write_standard_error, write_standard_output
+  use asperity_images, only: image_number
+  use asperity_output_files, only: commit_files, discard_files, stage_file
+  use asperity_problems, only: problem_list
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: command_outcome, finish_command
+
+  !> The outcome. Image 1 tells and writes for all images.
+  type :: command_outcome
+    type(problem_list) :: problems           !! what is wrong with the input
+    character(len=:), allocatable :: failure !! why it could not be computed, or written
+    type(text_buffer) :: text                !! for standard output
+  contains
+    procedure :: stage                       !! a file that appears when all is written
+  end type command_outcome
+
+contains
+
+  !> Writes a file beside its place, unless none is named or something has failed.
+  subroutine stage(self, path, text)
+    class(command_outcome), intent(inout) :: self  !! the outcome
+    character(len=*), intent(in) :: path           !! as the user gave it, or empty
+    type(text_buffer), intent(in) :: text          !! its bytes
+
+    if (path == '' .or. allocated(self%failure)) return
+    call stage_file(path, text%text(), self%failure)
+  end subroutine stage
+
+  !> Tells what is wrong, or prints the text and gives the files their names.
+  subroutine finish_command(outcome, status)
+    type(command_outcome), intent(inout) :: outcome  !! of the command
+    integer, intent(out) :: status                   !! exit status
+
+    status = 0
+    if (outcome%problems%count() > 0) then
+      status = 2
+      if (image_number() == 1) call write_standard_error(outcome%problems%text())
+      return
+    end if
+    if (image_number() == 1) then
+      if (.not. allocated(outcome%failure)) &
+        call write_standard_output(outcome%text%text(), outcome%failure)
+      if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
+      if (allocated(outcome%failure)) then
+        call discard_files()
+        call write_message(outcome%failure)
+      end if
+    end if
+    if (allocated(outcome%failure)) status = 1
+  end subroutine finish_command
+
+end module asperity_command_outcome
