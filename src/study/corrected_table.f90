@@ -2,8 +2,8 @@
 !>
 !> Each number is computed in stages, and each stage removes faults of docs/faults.md: the start
 !> values of maxima and minima, rounding (the same program in real128), marching (exact events
-!> instead), the contacts left out of the averages and the wrong divisor, and the loads normal to the
-!> contacts (their vertical parts instead).
+!> instead), the contacts left out of the averages and the wrong divisor, and the loads normal to
+!> the contacts (their vertical parts instead).
 module asperity_corrected_table
   use asperity_kinds, only: real64
   use asperity_original_records, only: approach_row, individual_difference_row, original_records, &

@@ -138,6 +138,20 @@ def test_contacts_that_count(runs, page):
         row_of(page, 1)
 
 
+def test_neighbours(asperity, root, tmp_path, page):
+    """Overlapping circles, and what interaction takes off at position 56."""
+    done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck"], capture_output=True,
+                          text=True, timeout=120)
+    assert "circles overlap, at positions 18, 56, 79:" in done.stdout
+    scene = tmp_path / "together.scene"
+    scene.write_text(f"&surfaces deck = '{root / 'data' / 'thesis.deck'}' /\n"
+                     "&motion x_first = 5.6 /\n&effects interaction = 'coupled' /\n")
+    done = subprocess.run([asperity, "solve", scene], capture_output=True, text=True, timeout=120)
+    share = re.search(r"influence -(\S+ %)", done.stdout).group(1)
+    assert "At positions 18, 56 (the maximum of Table VI) and 79 two" in row_of(page, 12)
+    assert f"`coupled` takes {share} off the vertical load" in row_of(page, 12)
+
+
 def table_of(asperity, deck):
     """Table VI, corrected: by quantity and column, the words after both numbers."""
     done = subprocess.run([asperity, "solve", deck], capture_output=True, text=True, timeout=120)
