@@ -81,7 +81,7 @@ def main():
     sizes = [10**k for k in range(3, 9) if 10**k <= options.most]
     parts = {
         "search": lambda: search_part(program, sizes, options.rounds),
-        "solve": lambda: solve_part(asperity, program, sizes, options.rounds),
+        "solve": lambda: solve_part(asperity, sizes, options.rounds),
         "threads": lambda: threads_part(asperity, n, positions, options.rounds),
         "images": lambda: images_part(asperity, shared, times, options.rounds)}
     blocks = [heading(flags, options)]

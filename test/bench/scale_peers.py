@@ -1,8 +1,8 @@
-"""Pair search against peers: find the pairs, compute the approach at which each touches, sort.
+"""Pair search, as the solver runs it, against peers: order the surfaces, find the pairs.
 
-N upper and N lower asperities at random on a square, 0.48 to the cm2 each; pairs are nearer than
-0.95 cm in plan. The search and its peers take turns round by round, with as many tries a round, but
-two for peers that take long. Peers need no more: their times settle at once. The search's do after
+N upper and N lower asperities at random on a square, 0.48 to the cm2 each; pairs are nearer in plan
+than the solver looks at summits of at most 0.178 cm, 0.95 cm. The search and its peers take turns
+round by round, with as many tries a round, but two for peers that take long. Peers need no more: their times settle at once. The search's do after
 some tries, when its process has its memory; so the first try of a fresh process is told, too.
 """
 
@@ -21,8 +21,9 @@ from search_files import read_pairs, run_search, write_input
 from whole_runs import RADIUS, available_memory, free_disk, surfaces
 
 DISTANCE = 0.95
+# The height whose bound on the distance that is: d**2 < 2 (RU + RL) height.
+HEIGHT = DISTANCE**2 / (4.0 * RADIUS)
 OURS, FIRST = "asperity", "asperity, first search"
-SUM = 2.0 * RADIUS
 
 
 class Clock:
@@ -38,16 +39,6 @@ class Clock:
         self.last = now
 
 
-def separate_and_sort(upper, lower, i, j, distance, clock):
-    clock.step("search")
-    squared = distance * distance
-    touch = upper.height[i] + lower.height[j] - squared / (SUM + np.sqrt(SUM * SUM - squared))
-    order = np.argsort(-touch)
-    result = i[order], j[order], touch[order]
-    clock.step("sort")
-    return result
-
-
 def places(surface):
     return np.column_stack((surface.x, surface.y))
 
@@ -57,7 +48,8 @@ def by_distance_matrix(upper, lower, clock):
     above, below = cKDTree(places(upper)), cKDTree(places(lower))
     clock.step("order surfaces")
     found = above.sparse_distance_matrix(below, DISTANCE, output_type="ndarray")
-    return separate_and_sort(upper, lower, found["i"], found["j"], found["v"], clock)
+    clock.step("search")
+    return found["i"], found["j"]
 
 
 def by_ball_query(upper, lower, clock):
@@ -68,23 +60,23 @@ def by_ball_query(upper, lower, clock):
     number = np.fromiter(map(len, lists), dtype=np.int64, count=len(lists))
     i = np.repeat(np.arange(len(upper)), number)
     j = np.fromiter((k for some in lists for k in some), dtype=np.int64, count=len(i))
-    distance = np.hypot(upper.x[i] - lower.x[j], upper.y[i] - lower.y[j])
-    return separate_and_sort(upper, lower, i, j, distance, clock)
+    clock.step("search")
+    return i, j
 
 
 def by_all_pairs(upper, lower, clock):
     """numpy, every asperity against all."""
     clock.step("order surfaces")
-    rows, columns, squares = [], [], []
+    rows, columns = [], []
     for begin in range(0, len(upper), 500):
         part = slice(begin, begin + 500)
         squared = ((upper.x[part, None] - lower.x) ** 2 + (upper.y[part, None] - lower.y) ** 2)
         i, j = np.nonzero(squared < DISTANCE * DISTANCE)
         rows.append(i + begin)
         columns.append(j)
-        squares.append(squared[i, j])
-    i, j, squared = map(np.concatenate, (rows, columns, squares))
-    return separate_and_sort(upper, lower, i, j, np.sqrt(squared), clock)
+    i, j = map(np.concatenate, (rows, columns))
+    clock.step("search")
+    return i, j
 
 
 PEERS = {"sparse_distance_matrix": by_distance_matrix, "query_ball_point": by_ball_query,
@@ -99,11 +91,10 @@ FILES_NEED = 110
 
 
 def compare(found, truth, name):
-    """The peers' pairs must be ours; a bench of two different works would say nothing."""
-    ours = np.sort(found[0].astype(np.int64) * 2**31 + found[1])
-    theirs = np.sort(truth[0].astype(np.int64) * 2**31 + truth[1])
-    same = np.array_equal(ours, theirs) and np.allclose(found[2], truth[2], rtol=0, atol=1e-14)
-    if not same:
+    """The peers' pairs must be ours, but for those at the very edge, which the solver looks at
+    again; a bench of two different works would say nothing."""
+    ours, theirs = (np.sort(pair[0].astype(np.int64) * 2**31 + pair[1]) for pair in (found, truth))
+    if not (np.isin(theirs, ours).all() and len(ours) <= len(theirs) + 3):
         raise SystemExit(f"bench: {name} finds other pairs")
 
 
@@ -132,7 +123,7 @@ def tried(peer, tries, upper, lower):
 
 
 def measure(program, n, rounds, left_out):
-    """Least seconds by step, of the search and of every peer; bytes an asperity; pairs. Nothing
+    """Least seconds by step, of the search and of every peer; pairs, bytes an asperity. Nothing
     where memory or disk would not do."""
     if n * SEARCH_NEEDS > available_memory() or n * FILES_NEED > free_disk():
         left_out.append(f"{n:>9} everything: would not fit into memory or onto disk")
@@ -146,7 +137,7 @@ def measure(program, n, rounds, left_out):
     least, figures = {}, {}
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "in", Path(folder) / "out"
-        write_input(source, upper, lower, distance=DISTANCE)
+        write_input(source, upper, lower, height=HEIGHT)
         for turn in range(rounds):
             figures = run_search(program, source, target, tries)
             for name, which in ((OURS, 0), (FIRST, 1)):
@@ -161,8 +152,7 @@ def measure(program, n, rounds, left_out):
                     compare(read_pairs(target), result, name)
         # Without an output no second list of the pairs is made.
         memory = run_search(program, source)
-    return least, {"pairs": figures["pairs"], "structures": memory["bytes"] / (2 * n),
-                   "process": memory["peak"] / (2 * n)}
+    return least, {"pairs": figures["pairs"], "process": memory["peak"] / (2 * n)}
 
 
 def keep_least(least, name, steps):
@@ -180,8 +170,8 @@ def later(steps):
 
 
 def ratio_lines(results):
-    yield "times slower than asperity, one core (whole: order, search, separate, sort;"
-    yield "later: without the order, as for a second position; first: whole, against our first)"
+    yield "times slower than asperity, one core (whole: order, search; later: without the order, as"
+    yield "for a second position; first: whole, against our first)"
     yield f"{'N':>9} {'peer':<24}{'whole':>9}{'later':>9}{'first':>9}"
     for n, (least, _) in results.items():
         for name in PEERS:
@@ -207,19 +197,17 @@ def exponent_lines(results):
 
 
 def memory_lines(results):
-    yield f"{'N':>9} {'pairs':>10}{'bytes an asperity: structures':>32}{'whole process':>16}"
+    yield f"{'N':>9} {'pairs':>10}{'bytes an asperity, whole process':>34}"
     for n, (_, memory) in results.items():
-        yield f"{n:>9} {memory['pairs']:>10}{memory['structures']:>32.1f}{memory['process']:>16.1f}"
+        yield f"{n:>9} {memory['pairs']:>10}{memory['process']:>34.1f}"
 
 
 def time_lines(results):
-    yield f"{'N':>9} {'by':<24}{'order ms':>10}{'search ms':>10}{'sort ms':>10}{'whole ms':>10}"
+    yield f"{'N':>9} {'by':<24}{'order ms':>10}{'search ms':>10}{'whole ms':>10}"
     for n, (least, _) in results.items():
         for name, steps in least.items():
-            cells = [*(steps.get(key, 0.0) for key in ("order surfaces", "search", "sort")),
-                     total(steps)]
+            cells = [steps["order surfaces"], steps["search"], total(steps)]
             yield f"{n:>9} {name:<24}" + "".join(f"{1e3 * value:>10.2f}" for value in cells)
-    yield "(a peer's search ends with the pairs; ours with their separations)"
 
 
 def search_part(program, sizes, rounds):

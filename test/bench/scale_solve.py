@@ -8,7 +8,6 @@ written. What is left is done once for all positions, above all the order of the
 import tempfile
 from pathlib import Path
 
-from search_files import run_search, write_input
 from whole_runs import Work, surfaces, take_turns, write_csv, write_scene
 
 # Separation of the reference planes under approach control, cm, as near as in the thesis.
@@ -68,14 +67,13 @@ def aligned(cells):
     return "".join(f"{cell:>{width}}" for cell, width in zip(cells, WIDTHS)).rstrip()
 
 
-def solve_part(asperity, search, sizes, rounds):
+def solve_part(asperity, sizes, rounds):
     """The lines of all sizes."""
     lines = ["one position, N on N asperities from CSV, whole process, one core",
              "(reading: until a run is refused; once: order of the surfaces, start and end;",
              " position: search and states of one more; contacts: what writing them adds;",
              " bytes: an asperity, at the peak of the process with one position)",
              aligned(HEAD), aligned(("", "", "s", "s", "s", "ms", "s", "", ""))]
-    touching = []
     for n in (size for size in sizes if LEAST <= size <= MOST):
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
@@ -85,16 +83,7 @@ def solve_part(asperity, search, sizes, rounds):
             all_phases = [Phases(asperity, folder, control, n) for control in MORE]
             take_turns([work for phases in all_phases for work in phases.works()], rounds)
             lines += [aligned(phases.row()) for phases in all_phases]
-            write_input(folder / "in", upper, lower, floor=APPROACH)
-            figures = run_search(search, folder / "in", runs=3 * rounds)
-            touching.append(
-                f"{n:>9}{figures['pairs']:>10}" + "".join(
-                    f"{1e3 * figures[step][0]:>10.2f}"
-                    for step in ("order surfaces", "search", "sort")))
     if max(sizes) > MOST:
         lines.append(f"left out: more than {MOST}, whose CSV files take minutes to write")
-    return "\n".join([
-        *lines, "(differences of least times: below a hundredth of the whole they are noise)", "",
-        f"pairs that touch by the separation {APPROACH} cm, found by the search alone (the solver",
-        "looks at fewer asperities: its surfaces stand in levels of summits)",
-        f"{'N':>9}{'pairs':>10}{'order ms':>10}{'search ms':>10}{'sort ms':>10}", *touching])
+    lines.append("(differences of least times: below a hundredth of the whole they are noise)")
+    return "\n".join(lines)

@@ -22,10 +22,11 @@ class Surface:
         return len(self.x)
 
 
-def write_input(path, upper, lower, *, distance=HUGE, height=HUGE, shift=(0.0, 0.0), margin=-1.0,
-                floor=-HUGE, most=0):
-    """A negative margin asks for pairs in the order of touch, any other for candidates."""
-    head = [len(upper), len(lower), distance, height, *shift, margin, floor, most]
+def write_input(path, upper, lower, *, height, everything=False, shift=(0.0, 0.0),
+                unit=float(np.finfo(float).eps), floor=-HUGE):
+    """`height` bounds pairs as in the thesis; `everything`: all whose spheres can touch; `unit`: the
+    spacing at 1 of the arithmetic that will look at them again; `floor`: the least touch."""
+    head = [len(upper), len(lower), height, everything, *shift, unit, floor]
     with open(path, "wb") as file:
         np.array(head, dtype=float).tofile(file)
         for surface in (upper, lower):
@@ -33,16 +34,10 @@ def write_input(path, upper, lower, *, distance=HUGE, height=HUGE, shift=(0.0, 0
                 numbers.tofile(file)
 
 
-def read_pairs(path, ordered=True):
-    """Indices from 0; touch and squared distance for pairs in the order of touch."""
-    size = 24 if ordered else 8
-    raw = Path(path).read_bytes()
-    n = len(raw) // size
-    upper, lower = np.frombuffer(raw, dtype=np.int32, count=2 * n).reshape(2, n) - 1
-    if not ordered:
-        return upper, lower
-    touch, squared = np.frombuffer(raw, dtype=float, offset=8 * n, count=2 * n).reshape(2, n)
-    return upper, lower, touch, squared
+def read_pairs(path):
+    """Indices from 0 of the upper and of the lower asperities."""
+    raw = np.fromfile(path, dtype=np.int32)
+    return raw.reshape(2, len(raw) // 2).astype(np.int64) - 1
 
 
 def run_search(program, source, target="-", runs=1):

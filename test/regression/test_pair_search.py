@@ -1,11 +1,13 @@
-"""The pair search against a search in numpy that shares nothing with it but the formulas.
+"""The solver's pair search against a search in numpy that shares nothing with it but the formulas.
 
 The numpy search looks up nine square cells around every asperity, decade of radius by decade of
-radius. Pairs must be the same, pair for pair; square distances are the same two products and one
-sum in doubles, so the same bits; separations are computed another way (touching_level), so they
-agree within rounding.
+radius. The search may lose no pair and adds those within its margin. Contacts of `asperity solve`
+must be the same, pair for pair, in the same order; penetrations are computed another way
+(touching_level), so they agree within rounding.
 """
 
+import csv
+import subprocess
 import sys
 from pathlib import Path
 
@@ -14,7 +16,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
 
-from search_files import HUGE, Surface, read_pairs, run_search, search_program, write_input
+from search_files import Surface, read_pairs, run_search, search_program, write_input
 
 N = 100_000
 SIDE = (N / 0.48) ** 0.5
@@ -56,12 +58,10 @@ def lattice(_rng):
     return Surface(k % 316 * 0.75, k // 316 * 0.75, k % 3 * 0.0625, 1.25)
 
 
-def bound_on_squares(upper, lower, reach):
+def bound_on_squares(upper, lower, height):
+    """No height: spheres that can touch."""
     s = upper + lower
-    bound = s * s
-    bound = np.minimum(bound, np.where(reach.get("distance", HUGE) < s,
-                                       min(reach.get("distance", HUGE), 1e100) ** 2, HUGE))
-    return np.minimum(bound, 2.0 * s * min(reach.get("height", HUGE), 1e100))
+    return s * s if height is None else np.minimum(s * s, 2.0 * s * height)
 
 
 def cell_pairs(ux, uy, lx, ly, cell):
@@ -82,7 +82,7 @@ def cell_pairs(ux, uy, lx, ly, cell):
             yield upper, order[np.repeat(begins[at], number) + np.arange(len(upper)) - first]
 
 
-def numpy_search(upper, lower, shift, reach):
+def numpy_search(upper, lower, shift, height):
     """Indices and squares of the distances of all pairs, by upper, then lower index."""
     x, y = upper.x + shift[0], upper.y + shift[1]
     found = []
@@ -91,11 +91,11 @@ def numpy_search(upper, lower, shift, reach):
         for b in np.unique(decades[1]):
             ups, downs = np.flatnonzero(decades[0] == a), np.flatnonzero(decades[1] == b)
             cell = 1.001 * bound_on_squares(
-                upper.radius[ups].max(), lower.radius[downs].max(), reach) ** 0.5
+                upper.radius[ups].max(), lower.radius[downs].max(), height) ** 0.5
             for i, j in cell_pairs(x[ups], y[ups], lower.x[downs], lower.y[downs], cell):
                 i, j = ups[i], downs[j]
                 squared = (x[i] - lower.x[j]) ** 2 + (y[i] - lower.y[j]) ** 2
-                near = squared < bound_on_squares(upper.radius[i], lower.radius[j], reach)
+                near = squared < bound_on_squares(upper.radius[i], lower.radius[j], height)
                 found.append((i[near], j[near], squared[near]))
     i, j, squared = map(np.concatenate, zip(*found))
     order = np.lexsort((j, i))
@@ -108,27 +108,24 @@ def touching_level(upper, lower, i, j, squared):
     return upper.height[i] + lower.height[j] - (s - np.sqrt(s * s - squared))
 
 
+# Surfaces, displacement, height that bounds pairs (none: all that can touch).
 CASES = {
-    "uniform": (lambda rng: (uniform(rng), uniform(rng)), (0.0, 0.0), {"distance": 0.95}),
-    "uniform displaced": (lambda rng: (uniform(rng), uniform(rng)), (31.7, -12.4),
-                          {"distance": 0.95}),
-    "uniform by height": (lambda rng: (uniform(rng), uniform(rng, radius=2.0)), (0.3, 0.2),
-                          {"height": 0.17}),
+    "uniform": (lambda rng: (uniform(rng), uniform(rng)), (0.0, 0.0), 0.178),
+    "uniform displaced": (lambda rng: (uniform(rng), uniform(rng)), (31.7, -12.4), 0.178),
+    "uniform, unequal": (lambda rng: (uniform(rng), uniform(rng, radius=2.0)), (0.3, 0.2), 0.17),
     "all that can touch": (lambda rng: (uniform(rng, radius=0.5), uniform(rng, radius=0.7)),
-                           (0.1, 0.0), {}),
-    "small on large": (lambda rng: (uniform(rng, radius=0.02), uniform(rng, radius=5.0)),
-                       (0.0, 0.1), {"height": 0.17}),
-    "large on small": (lambda rng: (uniform(rng, radius=5.0), uniform(rng, radius=0.02)),
-                       (0.0, 0.1), {"height": 0.17}),
-    "clusters": (lambda rng: pair_with(rng, clusters(rng, 1.0e5), (2.0, 1.0)), (2.0, 1.0),
-                 {"distance": 0.95}),
+                           (0.1, 0.0), None),
+    "small on large": (lambda rng: (uniform(rng, radius=0.1), uniform(rng, radius=25.0)),
+                       (0.0, 0.1), 0.17),
+    "large on small": (lambda rng: (uniform(rng, radius=25.0), uniform(rng, radius=0.1)),
+                       (0.0, 0.1), 0.17),
+    "clusters": (lambda rng: pair_with(rng, clusters(rng, 1.0e5), (2.0, 1.0)), (2.0, 1.0), 0.178),
     "clusters far apart": (lambda rng: pair_with(rng, clusters(rng, 1.0e10), (0.0, 1.0)),
-                           (0.0, 1.0), {"distance": 0.95}),
-    "mixed radii": (lambda rng: pair_with(rng, mixed(rng, 2), (0.5, 0.1)), (0.5, 0.1),
-                    {"height": 0.05}),
+                           (0.0, 1.0), 0.178),
+    "mixed radii": (lambda rng: pair_with(rng, mixed(rng, 2), (0.5, 0.1)), (0.5, 0.1), 0.05),
     "mixed radii, all that can touch": (lambda rng: (mixed(rng, 1.5), mixed(rng, 1.5)),
-                                        (0.0, 0.0), {}),
-    "lattice": (lambda rng: (lattice(rng), lattice(rng)), (0.125, 0.125), {"distance": 1.0}),
+                                        (0.0, 0.0), None),
+    "lattice": (lambda rng: (lattice(rng), lattice(rng)), (0.125, 0.125), 0.2),
 }
 
 
@@ -143,70 +140,109 @@ def program():
 
 @pytest.fixture(scope="module", params=CASES)
 def case(request, program, tmp_path_factory):
-    """Surfaces, the truth, and what the search found, in the order of touch."""
-    make, shift, reach = CASES[request.param]
+    """Name, surfaces, displacement, the truth, and a search that gives keys of pairs."""
+    make, shift, height = CASES[request.param]
     upper, lower = make(np.random.default_rng(sorted(CASES).index(request.param)))
     folder = tmp_path_factory.mktemp("pairs")
 
     def search(**wanted):
-        write_input(folder / "in", upper, lower, shift=shift, **reach, **wanted)
+        write_input(folder / "in", upper, lower, shift=shift, height=height or 0.05,
+                    everything=height is None, **wanted)
         run_search(program, folder / "in", folder / "out")
-        return read_pairs(folder / "out", ordered=wanted.get("margin", -1.0) < 0.0)
+        up, low = read_pairs(folder / "out")
+        return up * len(lower) + low
 
-    return request.param, upper, lower, numpy_search(upper, lower, shift, reach), search
+    return request.param, upper, lower, shift, numpy_search(upper, lower, shift, height), search
 
 
-def test_pairs_and_separations(case, tally):
-    name, upper, lower, (i, j, squared), search = case
+def rounding_of(upper, lower, shift):
+    """The margin of `margin_of_arithmetic` in doubles: 8 units of the last place of all lengths."""
+    return 8.0 * 2.0**-52 * (sum(np.abs(a).max() for s in (upper, lower) for a in (s.x, s.y)) +
+                             sum(map(abs, shift)) + upper.radius.max() + lower.radius.max())
+
+
+def test_pairs(case, tally):
+    """No pair is lost, none found twice; those added are at the very edge."""
+    name, upper, lower, shift, (i, j, _), search = case
     assert len(i) > 10_000
-    up, low, touch, square = search()
-    order = np.lexsort((low, up))
-    assert np.array_equal(up[order], i)
-    assert np.array_equal(low[order], j)
-    assert np.array_equal(square[order], squared)
+    found, truth = search(), i * len(lower) + j
+    met = np.isin(truth, found)
+    tally.add(f"pairs: {name}", len(i), int(met.sum()))
+    assert met.all()
+    assert len(np.unique(found)) == len(found)
+    added = found[~np.isin(found, truth)]
+    up, low = np.divmod(added, len(lower))
+    distance = np.hypot(upper.x[up] + shift[0] - lower.x[low], upper.y[up] + shift[1] - lower.y[low])
+    bound = bound_on_squares(upper.radius[up], lower.radius[low], CASES[name][2]) ** 0.5
+    assert (distance < bound + 2.0 * rounding_of(upper, lower, shift)).all()
+
+
+def test_pairs_above_a_level(case):
+    """None is lost that touches above it, however few are looked at; few others are found."""
+    _name, upper, lower, _shift, (i, j, squared), search = case
+    touch = touching_level(upper, lower, i, j, squared)
+    for share in (0.5, 0.9, 0.999):
+        level = float(np.quantile(touch, share))
+        found, truth = search(floor=level), (i * len(lower) + j)[touch > level]
+        assert np.isin(truth, found).all()
+        # A lattice has many that touch at one level.
+        assert len(found) <= 1.01 * (touch >= level - 1e-9).sum() + 100
+
+
+def write_surface(path, surface):
+    table = np.column_stack((surface.x, surface.y, surface.height, surface.radius))
+    np.savetxt(path, table, "%.17g", ",", header="x,y,height,radius", comments="")
+
+
+def test_contacts(case, asperity, tmp_path, tally):
+    """`asperity solve` has the contacts of all pairs down to an approach, in the order of touch:
+    by gap, equal gaps by distance, sum of radii, combined radius, indices."""
+    name, upper, lower, shift, (i, j, squared), _ = case
+    touch = touching_level(upper, lower, i, j, squared)
+    # Pairs within the height that bounds them are all that touch above this.
+    least = upper.height.max() + lower.height.max() - (CASES[name][2] or 1.0)
+    level = float(max(np.sort(touch)[-5000] - 1e-3, least))
+    write_surface(tmp_path / "upper.csv", upper)
+    write_surface(tmp_path / "lower.csv", lower)
+    scene = tmp_path / "pairs.scene"
+    scene.write_text(
+        "&surfaces upper = 'upper.csv', lower = 'lower.csv' /\n"
+        "&material elastic_modulus = 2*1.0, poisson_ratio = 2*0.3 /\n"
+        f"&motion x_first = {shift[0]}, y_first = {shift[1]}, positions = 1 /\n"
+        f"&loading control = 'approach', value = {level!r} /\n", encoding="ascii")
+    done = subprocess.run([asperity, "solve", scene, "--quiet", "--contacts", tmp_path / "c.csv"],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "c.csv", encoding="ascii") as file:
+        rows = list(csv.DictReader(file))
+    up, low = (np.array([int(row[key]) - 1 for row in rows]) for key in ("upper", "lower"))
+    penetration = np.array([float(row["penetration"]) for row in rows])
+
     # s - sqrt(s*s - d*d) loses at most a few units of s; where d is near s its root magnifies
     # them by s/zc.
     s = upper.radius[i] + lower.radius[j]
-    rise = np.sqrt(np.maximum(s * s - squared, 1e-18 * s * s))
-    allowed = 4e-16 * s * (1.0 + s / rise) + 1e-16
-    met = np.abs(touch[order] - touching_level(upper, lower, i, j, squared)) <= allowed
+    allowed = 4e-16 * s * (1.0 + s / np.sqrt(np.maximum(s * s - squared, 1e-18 * s * s))) + 1e-16
+    key, truth = up * len(lower) + low, i * len(lower) + j
+    assert len(np.unique(key)) == len(key) > 100
+    assert np.isin(truth[touch > level + allowed], key).all()
+    assert np.isin(key, truth[touch >= level - allowed]).all()
+    at = np.searchsorted(truth, key)
+    met = np.abs(touch[at] - level - penetration) <= 2.0 * allowed[at]
+    tally.add(f"contacts: {name}", len(key), int(met.sum()))
     assert met.all()
-    tally.add(f"pairs: {name}", len(i), int(met.sum()))
 
-    # The order: by gap, equal gaps by distance, sum of radii, combined radius, indices.
-    s = upper.radius[up] + lower.radius[low]
+    s, d = s[at], np.sqrt(squared[at])
+    exact = (upper.height[up] + lower.height[low]) - \
+        squared[at] / (s + np.sqrt((s - d) * (s + d)))
     combined = upper.radius[up] * lower.radius[low] / s
-    wanted = np.lexsort((low, up, combined, s, np.sqrt(square), touch[0] - touch))
+    wanted = np.lexsort((low, up, combined, s, d, exact.max() - exact))
     assert np.array_equal(wanted, np.arange(len(up)))
-
-    # The first of them, and those above a level, are the same without the others.
-    few = len(up) // 7
-    for got in (search(most=few), search(floor=float(touch[few]))):
-        assert few <= len(got[0]) < few + len(up) // 2
-        for a, b in zip(got, (up, low, touch, square)):
-            assert np.array_equal(a[:few], b[:few])
-
-
-def test_candidates_with_margin(case):
-    """No pair is lost, few are added, and none is left out that a shorter arithmetic may keep."""
-    _name, upper, lower, (i, j, squared), search = case
-    up, low = search(margin=1e-6)
-    assert np.array_equal(np.lexsort((low, up)), np.arange(len(up)))
-    key, truth = (a.astype(np.int64) * len(lower) + b for a, b in ((up, low), (i, j)))
-    assert np.isin(truth, key).all()
-    assert len(up) <= 1.01 * len(i) + 100
-    level = float(np.quantile(touching_level(upper, lower, i, j, squared), 0.9))
-    up, low = search(margin=1e-6, floor=level)
-    key = up.astype(np.int64) * len(lower) + low
-    high = touching_level(upper, lower, i, j, squared) > level
-    assert np.isin(truth[high], key).all()
-    assert len(up) < 0.5 * len(i)
 
 
 def test_candidates_of_a_shorter_arithmetic(program, tmp_path, tally):
     """What counts as near by the solver's steps in 24 bits is a candidate by the margin for them.
 
-    The margin of `margin_of_arithmetic`: 8 units of the last place of the largest length.
+    The search adds its margin for them: 8 units of the last place of the largest length.
     """
     rng = np.random.default_rng(5)
     short = np.float32
@@ -218,10 +254,9 @@ def test_candidates_of_a_shorter_arithmetic(program, tmp_path, tally):
     angle, edge = 6.28 * rng.random(20_000), (2 * 2.54 * 0.17) ** 0.5
     upper.x[:20_000] = (lower.x[:20_000] - shift[0] + edge * np.cos(angle)).astype(short)
     upper.y[:20_000] = (lower.y[:20_000] - shift[1] + edge * np.sin(angle)).astype(short)
-    margin = 8 * 2.0**-23 * (2 * SIDE + 5)
-    write_input(tmp_path / "in", upper, lower, shift=shift, height=height, margin=margin)
+    write_input(tmp_path / "in", upper, lower, shift=shift, height=height, unit=2.0**-23)
     run_search(program, tmp_path / "in", tmp_path / "out")
-    up, low = read_pairs(tmp_path / "out", ordered=False)
+    up, low = read_pairs(tmp_path / "out")
     x, y = upper.x.astype(short) + shift[0], upper.y.astype(short) + shift[1]
     s = short(1.27) + short(1.27)
     truth = []
@@ -232,7 +267,7 @@ def test_candidates_of_a_shorter_arithmetic(program, tmp_path, tally):
         near = (squared < (s + s) * height) & (np.sqrt(squared) < s)
         truth.append(i[near] * len(lower) + j[near])
     truth = np.concatenate(truth)
-    met = np.isin(truth, up.astype(np.int64) * len(lower) + low)
+    met = np.isin(truth, up * len(lower) + low)
     assert len(truth) > 100_000
     assert met.all()
     assert len(up) < 1.2 * len(truth)
@@ -242,6 +277,6 @@ def test_candidates_of_a_shorter_arithmetic(program, tmp_path, tally):
 def test_far_apart(program, tmp_path):
     """Surfaces that do not meet have no pairs."""
     rng = np.random.default_rng(7)
-    for shift in ((1e4, 0.0), (0.0, -1e4), (1e300, 0.0), (0.0, 1e300)):
-        write_input(tmp_path / "in", uniform(rng), uniform(rng), shift=shift, distance=0.95)
+    for shift in ((1e4, 0.0), (0.0, -1e4)):
+        write_input(tmp_path / "in", uniform(rng), uniform(rng), shift=shift, height=0.178)
         assert run_search(program, tmp_path / "in")["pairs"] == 0
