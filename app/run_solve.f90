@@ -1,7 +1,6 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
   use asperity_budget_table, only: write_budget
-  use asperity_card_deck, only: card_deck
   use asperity_command_line, only: command_line, is_shared, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_corrected_table, only: correct_table
@@ -9,8 +8,6 @@ module asperity_run_solve
   use asperity_files, only: write_standard_error
   use asperity_images, only: image_number
   use asperity_kinds, only: real64
-  use asperity_original, only: run_in_arithmetic
-  use asperity_original_records, only: original_records, original_request
   use asperity_problems, only: problem_list
   use asperity_results_csv, only: write_contacts, write_curve, write_positions
   use asperity_run_options, only: run_options
@@ -54,7 +51,7 @@ contains
       if (line%accuracy > 0.0_real64) call write_choice(line%accuracy, results, outcome%text)
       if (line%budget) call write_budget(budget, size(results%positions), outcome%text)
       if (is_thesis_sweep(scene_in)) &
-        call add_corrected_table(scene_in%deck, results, outcome%text)
+        call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
     end if
     if (line%contacts_file /= '') call write_contacts(results, csv(1))
     call outcome%stage(line%contacts_file, csv(1))
@@ -96,25 +93,5 @@ contains
     options%all_images = is_shared(line)
     options%keep_file = line%keep_file
   end function options_of
-
-  !> Runs the original beside, and prints Table VI before and after. A deck on which the original
-  !> goes astray has no such table.
-  subroutine add_corrected_table(deck, results, summary)
-    type(card_deck), intent(in) :: deck
-    type(scene_results), intent(in) :: results
-    type(text_buffer), intent(inout) :: summary
-    type(original_records) :: historic, exact_arithmetic
-    character(len=:), allocatable :: failure
-
-    call run_in_arithmetic('ibm370', deck, original_request(), historic, failure)
-    if (.not. allocated(failure)) &
-      call run_in_arithmetic('real128', deck, original_request(), exact_arithmetic, failure)
-    if (allocated(failure)) then
-      call summary%line('')
-      call summary%line('no Table VI to correct: the original stops at ' // failure)
-    else
-      call write_corrected_table(correct_table(historic, exact_arithmetic, results), summary)
-    end if
-  end subroutine add_corrected_table
 
 end module asperity_run_solve

@@ -106,6 +106,10 @@ contains
     integer :: column
 
     call buffer%line('')
+    if (allocated(table%why_not)) then
+      call buffer%line('no Table VI to correct: the original stops at ' // table%why_not)
+      return
+    end if
     call buffer%line('Table VI, corrected                 historic corrected  reason')
     do column = 1, 3
       call number_line('total load', total_load_row, column, 0)

@@ -5,9 +5,11 @@
 !> instead), the contacts left out of the averages and the wrong divisor, and the loads normal to
 !> the contacts (their vertical parts instead).
 module asperity_corrected_table
+  use asperity_card_deck, only: card_deck
   use asperity_kinds, only: real64
+  use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: approach_row, individual_difference_row, original_records, &
-                                       points_row, slope_row, total_area_row, &
+                                       original_request, points_row, slope_row, total_area_row, &
                                        total_difference_row, total_load_row
   use asperity_scene_results, only: scene_results
   implicit none
@@ -28,20 +30,25 @@ module asperity_corrected_table
     real(real64) :: change(7, 3, vertical) = 0.0_real64  !! by stage; their sum leads to `corrected`
     real(real64) :: corrected(7, 3) = 0.0_real64  !! as it should read
     character(len=:), allocatable :: marching     !! how the marching went wrong on this deck
+    character(len=:), allocatable :: why_not      !! where the original stops; allocated: no table
   end type corrected_table
 
 contains
 
-  !> Builds the table from the original's run as it printed (`historic`), the same in real128
-  !> (`exact_arithmetic`) and the present-day results.
-  function correct_table(historic, exact_arithmetic, results) result(table)
-    type(original_records), intent(in) :: historic          !! run in ibm370
-    type(original_records), intent(in) :: exact_arithmetic  !! run in real128
-    type(scene_results), intent(in) :: results              !! with the rows of the last states
+  !> Builds the table from the original's runs on a deck, in its own arithmetic and in real128, and
+  !> the present-day results. A deck on which the original goes astray has none.
+  function correct_table(deck, results) result(table)
+    type(card_deck), intent(in) :: deck            !! the cards
+    type(scene_results), intent(in) :: results     !! its sweep, with the rows of the last states
     type(corrected_table) :: table
+    type(original_records) :: historic, exact_arithmetic
     real(real64) :: stage(7, 3, 0:vertical)
     integer :: number
 
+    call run_in_arithmetic('ibm370', deck, original_request(), historic, table%why_not)
+    if (allocated(table%why_not)) return
+    call run_in_arithmetic('real128', deck, original_request(), exact_arithmetic, table%why_not)
+    if (allocated(table%why_not)) return
     stage(:, :, 0) = historic%variance
     stage(:, :, start_value) = without_start_values(historic)
     stage(:, :, rounding) = without_start_values(exact_arithmetic)
