@@ -6,7 +6,6 @@ module asperity_effect_list
   use asperity_adhesion, only: new_adhesion
   use asperity_contact_effect, only: effect_box
   use asperity_creep, only: new_creep
-  use asperity_effect_names, only: known_effects
   use asperity_friction_effect, only: new_friction
   use asperity_interaction, only: new_interaction
   use asperity_plasticity, only: new_plasticity
@@ -20,25 +19,29 @@ contains
 
   !> The effects that are not off.
   subroutine list_effects(scene_in, list)
-    type(scene), intent(in) :: scene_in                  !! checked values
+    type(scene), intent(in) :: scene_in                    !! checked values
     type(effect_box), allocatable, intent(out) :: list(:)  !! in the order in which they act
-    type(effect_box) :: known(size(known_effects))
-    integer :: i, used
-
-    ! Laws of a contact first, then what contacts do to each other, then what follows from loads.
-    call new_plasticity(scene_in, known(1)%effect)
-    call new_adhesion(scene_in, known(2)%effect)
-    call new_interaction(scene_in, known(3)%effect)
-    call new_creep(scene_in, known(4)%effect)
-    call new_friction(scene_in, known(5)%effect)
+    integer :: used
 
     allocate (list(count(scene_in%effects%modes /= effect_off)))
     used = 0
-    do i = 1, size(known)
-      if (known(i)%effect%mode == effect_off) cycle
-      used = used + 1
-      call move_alloc(known(i)%effect, list(used)%effect)
-    end do
+    ! Laws of a contact first, then what contacts do to each other, then what follows from loads.
+    if (is_next('plasticity')) call new_plasticity(scene_in, list(used)%effect)
+    if (is_next('adhesion')) call new_adhesion(scene_in, list(used)%effect)
+    if (is_next('interaction')) call new_interaction(scene_in, list(used)%effect)
+    if (is_next('creep')) call new_creep(scene_in, list(used)%effect)
+    if (is_next('friction')) call new_friction(scene_in, list(used)%effect)
+
+  contains
+
+    ! Whether an effect is not off; it takes the next place then.
+    logical function is_next(name)
+      character(len=*), intent(in) :: name
+
+      is_next = scene_in%effects%mode(name) /= effect_off
+      if (is_next) used = used + 1
+    end function is_next
+
   end subroutine list_effects
 
 end module asperity_effect_list

@@ -10,6 +10,7 @@ program unit_tests
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
   use asperity_kernel_search_suite, only: collect_kernel_search
+  use asperity_new_effect_suite, only: collect_new_effect
   use asperity_packet_suite, only: collect_packets
   use asperity_philox_suite, only: collect_philox
   use asperity_plastic_curves_suite, only: collect_plastic_curves
@@ -39,6 +40,7 @@ program unit_tests
   call run_suite('creep', collect_creep, tally)
   call run_suite('curves of plastic flow', collect_plastic_curves, tally)
   call run_suite('plastic flow', collect_plasticity, tally)
+  call run_suite('an effect made up', collect_new_effect, tally)
   call run_suite('generator', collect_philox, tally)
   call run_suite('generation', collect_generation, tally)
   call run_suite('pair search', collect_pair_search, tally)

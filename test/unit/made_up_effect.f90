@@ -1,0 +1,124 @@
+!> An effect that nobody has: what it takes to write one, through the public interface alone.
+!>
+!> Every contact carries a share more than its law says, and that share again for each state kept
+!> before. Where it acts in time, all loads fall by exp(-t).
+module asperity_made_up_effect
+  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, plain
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_state, only: contact_state
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: made_up_effect, make_up
+
+  !> It overrides what remembers and what acts in time; `finish` and `closing_at_load` stay.
+  type, extends(contact_effect) :: made_up_effect
+    real(real64) :: share = 0.0_real64  !! more load, once and for each state kept
+    integer :: kept = 0                 !! states since the position began
+  contains
+    procedure :: estimate
+    procedure :: apply
+    procedure :: begin
+    procedure :: keep
+    procedure :: held_share
+  end type made_up_effect
+
+contains
+
+  !> The effect, ready for a list.
+  subroutine make_up(mode, share, tolerance, in_time, effect)
+    !> one of the `effect_` numbers
+    integer, intent(in) :: mode
+    !> more load, and what may be left out of it
+    real(real64), intent(in) :: share, tolerance
+    !> acts in time
+    logical, intent(in) :: in_time
+    !> the effect
+    class(contact_effect), allocatable, intent(out) :: effect
+    type(made_up_effect) :: new
+
+    new%name = 'made_up'
+    new%mode = mode
+    new%tolerance = tolerance
+    new%share = share
+    new%acts_in_time = in_time
+    new%contact_columns = [column('added_load', force), column('depth', length)]
+    new%state_columns = [column('bare_load', force, of_load=1.0_real64), &
+                         column('kept', plain, otherwise=-1.0_real64)]
+    allocate (effect, source=new)
+  end subroutine make_up
+
+  !> The share itself.
+  function estimate(self, pairs, state) result(share)
+    !> the effect
+    class(made_up_effect), intent(in) :: self
+    !> the position
+    type(contact_pairs), intent(in) :: pairs
+    !> without this effect
+    type(contact_state), intent(in) :: state
+    real(real64) :: share
+
+    share = 0.0_real64
+    if (size(pairs%list) > 0 .and. allocated(state%answers)) share = self%share * (1 + self%kept)
+  end function estimate
+
+  !> Multiplies the loads. Columns: what is added to each, and its penetration; the vertical load
+  !> before, and how many states were kept.
+  subroutine apply(self, pairs, state, outcome)
+    !> the effect
+    class(made_up_effect), intent(in) :: self
+    !> the position
+    type(contact_pairs), intent(in) :: pairs
+    !> without, then with this effect
+    type(contact_state), intent(inout) :: state
+    !> what it did
+    type(effect_outcome), intent(inout) :: outcome
+    real(real64) :: factor
+
+    factor = 1.0_real64 + self%estimate(pairs, state)
+    if (self%acts_in_time) factor = factor * exp(-state%time)
+    allocate (outcome%of_contacts(size(pairs%list), 2))
+    outcome%of_contacts(:, 1) = (factor - 1.0_real64) * state%answers%load
+    outcome%of_contacts(:, 2) = state%penetration
+    outcome%of_state = [sum(state%answers%vertical_load), real(self%kept, real64)]
+    state%answers%load = factor * state%answers%load
+    state%answers%vertical_load = factor * state%answers%vertical_load
+    outcome%simulated = 'on'
+  end subroutine apply
+
+  !> Nothing was kept yet.
+  subroutine begin(self, pairs)
+    !> the effect
+    class(made_up_effect), intent(inout) :: self
+    !> the position
+    type(contact_pairs), intent(in) :: pairs
+
+    self%kept = 0 * size(pairs%list)
+  end subroutine begin
+
+  !> Counts a state.
+  subroutine keep(self, pairs, state)
+    !> the effect
+    class(made_up_effect), intent(inout) :: self
+    !> the position
+    type(contact_pairs), intent(in) :: pairs
+    !> all effects applied
+    type(contact_state), intent(in) :: state
+
+    if (size(state%answers) == size(pairs%list)) self%kept = self%kept + 1
+  end subroutine keep
+
+  !> What is left of a load that is held.
+  function held_share(self, time) result(share)
+    !> the effect
+    class(made_up_effect), intent(in) :: self
+    !> since the end of loading
+    real(real64), intent(in) :: time
+    real(real64) :: share
+
+    share = 1.0_real64
+    if (self%acts_in_time) share = exp(-time)
+  end function held_share
+
+end module asperity_made_up_effect

@@ -1,0 +1,287 @@
+!> Tests of the interface of effects: one that nobody has, run through a position with the others.
+!>
+!> Truths are its own closed forms over the loads of Hertz.
+module asperity_new_effect_suite
+  use asperity_contact_effect, only: effect_box
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_records, only: position_result
+  use asperity_contact_state, only: contact_state, start_state, total_load, total_vertical_load
+  use asperity_effect_helpers, only: as_decimal, near, pair_of, set_number
+  use asperity_effect_list, only: list_effects
+  use asperity_effect_names, only: known_effects
+  use asperity_effect_position, only: run_position
+  use asperity_hertz_law, only: hertz_law
+  use asperity_kinds, only: real64
+  use asperity_made_up_effect, only: make_up
+  use asperity_scene_values, only: control_approach, control_load, effect_auto, effect_on, &
+                                   hold_approach, hold_load, scene
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_new_effect
+
+  ! Factors, shares and what follows from them.
+  real(real64), parameter :: rounding = 1.0e-13_real64
+  ! A load asked for is met within 1e-11.
+  real(real64), parameter :: met = 1.0e-10_real64
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_new_effect(suite)
+    !> all tests
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    allocate (suite(0))
+    suite = [ &
+      new_unittest('every effect that a scene may name is in the list', all_listed), &
+      new_unittest('columns, units and influence, before another effect', columns), &
+      new_unittest('auto: estimate, left out, called for', by_auto), &
+      new_unittest('states are kept, and forgotten with the position', states_kept), &
+      new_unittest('a load is met with an effect that knows no short way to it', to_loads), &
+      new_unittest('approach and load held in time', held)]
+  end subroutine collect_new_effect
+
+  subroutine all_listed(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(effect_box), allocatable :: list(:)
+    type(scene) :: off, scene_in
+    integer :: i
+
+    call list_effects(off, list)
+    call check(error, size(list), 0, 'none is named')
+    off%upper%elastic_modulus = as_decimal(1.0_real64)
+    off%lower%elastic_modulus = as_decimal(1.0_real64)
+    do i = 1, size(known_effects)
+      scene_in = off
+      call scene_in%effects%call_for(trim(known_effects(i)%name), effect_auto)
+      call list_effects(scene_in, list)
+      call check(error, size(list), 1, 'one is named: ' // known_effects(i)%name)
+      if (allocated(error)) return
+      call check(error, list(1)%effect%name, known_effects(i)%name, 'its name')
+      call check(error, list(1)%effect%mode, effect_auto, 'its mode')
+      call check(error, list(1)%effect%tolerance, 0.01_real64, 0.0_real64, 'its tolerance')
+    end do
+  end subroutine all_listed
+
+  ! In front of friction, which finds its loads.
+  subroutine columns(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(effect_box), allocatable :: listed(:)
+    type(effect_box) :: effects(2)
+    type(scene) :: scene_in
+    type(contact_pairs) :: pairs
+    type(contact_state) :: hertz
+    type(position_result) :: result
+    logical :: simulated, too_far
+    character(len=:), allocatable :: failure
+    ! The unit of force is 1/16 of the scene's, that of length 1/16, too.
+    real(real64), parameter :: unit = 0.0625_real64
+    integer :: i
+
+    call two_pairs(pairs, hertz)
+    call scene_in%effects%call_for('friction', effect_on)
+    call set_number(scene_in, 'friction_coefficient', 0.1_real64)
+    scene_in%upper%elastic_modulus = as_decimal(1.0_real64)
+    scene_in%lower%elastic_modulus = as_decimal(1.0_real64)
+    scene_in%loading%control = control_approach
+    call list_effects(scene_in, listed)
+    call make_up(effect_on, 0.25_real64, 0.0_real64, .false., effects(1)%effect)
+    call move_alloc(listed(1)%effect, effects(2)%effect)
+    call run_position(scene_in, pairs, effects, .true., result, simulated, too_far, failure)
+    call check(error, simulated .and. .not. too_far .and. .not. allocated(failure), 'simulated')
+    if (allocated(error)) return
+    call check(error, result%rows_used, 2, 'contacts')
+    do i = 1, 2
+      call near(error, result%contact_values(i, 1), 0.25_real64 * unit * hertz%answers(i)%load, &
+                rounding, 'its first column')
+      call near(error, result%contact_values(i, 2), unit * hertz%penetration(i), rounding, &
+                'its second column')
+      call near(error, result%rows(i)%load, 1.25_real64 * unit * hertz%answers(i)%load, rounding, &
+                'load')
+    end do
+    call near(error, result%state_values(1), unit * total_vertical_load(hertz), rounding, 'sum')
+    call check(error, nint(result%state_values(2)), 0, 'nothing was kept before')
+    call near(error, result%state_values(3), 1.25_real64 * unit * total_vertical_load(hertz), &
+              rounding, 'what friction finds')
+    call check(error, trim(result%effects(1)%simulated), 'on', 'how')
+    call near(error, result%effects(1)%influence, 0.25_real64, rounding, 'its influence')
+    call near(error, result%effects(2)%influence, result%states(1)%vertical_load / &
+              result%state_values(3) - 1.0_real64, 1.0e-9_real64, 'that of friction')
+    call check(error, result%effects(2)%influence > 0.01_real64, 'friction acts')
+  end subroutine columns
+
+  subroutine by_auto(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(contact_state) :: hertz
+    type(position_result) :: result
+    logical :: simulated
+    integer :: i
+
+    call two_pairs(pairs, hertz)
+    do i = 1, 2
+      call run_one(error, pairs, effect_auto, 0.02_real64 * i, 0.03_real64, .false., &
+                   by_approach(), result, simulated)
+      if (allocated(error)) return
+      call check(error, simulated .eqv. i == 2, 'called for')
+      call near(error, result%effects(1)%estimate, 0.02_real64 * i, rounding, 'estimate')
+      call check(error, trim(result%effects(1)%simulated), trim(merge('off', 'on ', i == 1)), &
+                 'how')
+      call check(error, trim(result%effects(1)%why), &
+                 trim(merge('                        ', 'estimate above tolerance', i == 1)), 'why')
+      call near(error, result%states(1)%vertical_load * 16.0_real64, &
+                total_vertical_load(hertz) * merge(1.0_real64, 1.04_real64, i == 1), rounding, &
+                'load')
+      ! Left out, a column is what it says of itself.
+      call near(error, result%state_values(1) * 16.0_real64, total_vertical_load(hertz), rounding, &
+                'the load without it')
+      call check(error, nint(result%state_values(2)), merge(-1, 0, i == 1), 'the other column')
+    end do
+  end subroutine by_auto
+
+  ! Closings 0.05, 0.02 and 0.05 again; the next position knows nothing of them.
+  subroutine states_kept(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(effect_box) :: effects(1)
+    type(contact_pairs) :: pairs
+    type(contact_state) :: hertz, less
+    type(position_result) :: result
+    type(scene) :: scene_in
+    logical :: simulated, too_far
+    character(len=:), allocatable :: failure
+    integer :: i, turn
+
+    call two_pairs(pairs, hertz)
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), 0.02_real64, less)
+    scene_in%loading%control = control_approach
+    ! The first touch is at 1, in units of 1/16.
+    allocate (scene_in%loading%path(3))
+    do i = 1, 3
+      scene_in%loading%path(i) = as_decimal((1.0_real64 - merge(0.02_real64, 0.05_real64, i == 2)) &
+                                            / 16.0_real64)
+    end do
+    call make_up(effect_on, 0.1_real64, 0.0_real64, .false., effects(1)%effect)
+    do turn = 1, 2
+      call run_position(scene_in, pairs, effects, .false., result, simulated, too_far, failure)
+      call check(error, simulated .and. .not. allocated(failure), 'simulated')
+      call check(error, size(result%states), 3, 'states')
+      if (allocated(error)) return
+      do i = 1, 3
+        call near(error, result%states(i)%load * 16.0_real64, (1.0_real64 + 0.1_real64 * i) * &
+                  merge(total_load(less), total_load(hertz), i == 2), rounding * 100, 'load')
+      end do
+      call check(error, nint(result%state_values(2)), 2, 'states kept before the last')
+    end do
+  end subroutine states_kept
+
+  subroutine to_loads(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(contact_state) :: hertz
+    type(position_result) :: result
+    type(scene) :: scene_in
+    logical :: simulated
+    integer :: i
+
+    call two_pairs(pairs, hertz)
+    scene_in%loading%control = control_load
+    allocate (scene_in%loading%path(2))
+    do i = 1, 2
+      scene_in%loading%path(i) = as_decimal(total_load(hertz) / 16.0_real64)
+    end do
+    call run_one(error, pairs, effect_on, 0.1_real64, 0.0_real64, .false., scene_in, result, &
+                 simulated)
+    if (allocated(error)) return
+    do i = 1, 2
+      call near(error, result%states(i)%load * 16.0_real64, total_load(hertz), met, 'load')
+    end do
+    ! The same load with a larger share needs less closing.
+    call check(error, result%states(2)%closing < result%states(1)%closing, 'closing')
+    call check(error, result%states(1)%closing < 0.05_real64 / 16.0_real64, 'below that of Hertz')
+  end subroutine to_loads
+
+  ! One aligned pair, so that the load is closing**1.5.
+  subroutine held(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(contact_state) :: hertz
+    type(position_result) :: result
+    type(scene) :: scene_in
+    logical :: simulated
+    real(real64) :: left
+    integer :: hold, i
+
+    call two_pairs(pairs, hertz)
+    pairs%list = [pair_of(1.0_real64, 1.0_real64, 0.0_real64)]
+    do hold = hold_load, hold_approach
+      scene_in = by_approach()
+      call set_number(scene_in, 'hold_time', 2.0_real64)
+      call set_number(scene_in, 'hold', real(hold, real64))
+      call set_number(scene_in, 'hold_points', 5.0_real64)
+      call run_one(error, pairs, effect_on, 0.0_real64, 0.0_real64, .true., scene_in, result, &
+                   simulated)
+      if (allocated(error)) return
+      call check(error, size(result%states), 5, 'states')
+      call near(error, result%states(5)%time, 2.0_real64, rounding, 'time')
+      do i = 1, 5
+        left = exp(-result%states(i)%time)
+        if (hold == hold_approach) then
+          call near(error, result%states(i)%load, left * result%states(1)%load, rounding, &
+                    'held approach')
+        else
+          call near(error, result%states(i)%load, result%states(1)%load, met, 'held load')
+          call near(error, left * result%states(i)%closing**1.5_real64, &
+                    result%states(1)%closing**1.5_real64, met, 'closing')
+        end if
+      end do
+    end do
+  end subroutine held
+
+  ! A position with the made-up effect alone.
+  subroutine run_one(error, pairs, mode, share, tolerance, in_time, scene_in, result, simulated)
+    type(error_type), allocatable, intent(inout) :: error
+    type(contact_pairs), intent(in) :: pairs
+    integer, intent(in) :: mode
+    real(real64), intent(in) :: share, tolerance
+    logical, intent(in) :: in_time
+    type(scene), intent(in) :: scene_in
+    type(position_result), intent(out) :: result
+    logical, intent(out) :: simulated
+    type(effect_box) :: effects(1)
+    logical :: too_far
+    character(len=:), allocatable :: failure
+
+    call make_up(mode, share, tolerance, in_time, effects(1)%effect)
+    call run_position(scene_in, pairs, effects, .true., result, simulated, too_far, failure)
+    call check(error, .not. (too_far .or. allocated(failure)), 'a position with the effect alone')
+  end subroutine run_one
+
+  ! A scene that ends where independent contacts do.
+  function by_approach() result(scene_in)
+    type(scene) :: scene_in
+
+    scene_in%loading%control = control_approach
+  end function by_approach
+
+  ! Two inclined pairs in units of their own, and their loads by Hertz at the end.
+  subroutine two_pairs(pairs, hertz)
+    type(contact_pairs), intent(out) :: pairs
+    type(contact_state), intent(out) :: hertz
+
+    pairs%modulus = 0.5_real64
+    pairs%modulus_power = 1
+    pairs%length_power = -1
+    pairs%first_touch = 1.0_real64
+    pairs%complete_to = 1.0_real64
+    pairs%closing = 0.05_real64
+    allocate (pairs%list(2))
+    pairs%list = [pair_of(1.0_real64, 1.0_real64, 0.5_real64), &
+                  pair_of(1.0_real64, 2.0_real64, 0.9_real64)]
+    pairs%list(2)%gap = 0.01_real64
+    pairs%list(2)%x = 5.0_real64
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), pairs%closing, hertz)
+  end subroutine two_pairs
+
+end module asperity_new_effect_suite
