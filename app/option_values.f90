@@ -1,9 +1,9 @@
 !> The values of options: words in, checked values or problems out.
 module asperity_option_values
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_input_problems, only: quoted
   use asperity_kinds, only: real64
-  use asperity_numeral, only: nearest_double, read_numeral
+  use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
   implicit none
   private
@@ -39,7 +39,7 @@ contains
     logical :: good
 
     call read_numeral(value, decimal, good)
-    accuracy = nearest_double(decimal)
+    accuracy = decimal_to_real64(decimal)
     if (good .and. accuracy > 0.0_real64 .and. accuracy < 1.0_real64) return
     accuracy = 0.0_real64
     call problems%add('--accuracy: found ' // quoted(value) // &

@@ -13,15 +13,29 @@ module asperity_decimal
     integer :: exponent = 0             !! power of ten
   end type decimal_value
 
+  ! Powers of ten that are exact in 113 bits and leave the quotient below rightly rounded.
+  integer, parameter :: most_negative_power = -25, most_positive_power = 22
+  integer :: power
+  real(real128), parameter :: powers(0:-most_negative_power) = &
+    [(10.0_real128**power, power = 0, -most_negative_power)]
+
 contains
 
   !> Nearest IEEE double; infinite when the number is out of range.
+  !>
+  !> The digits (60 bits) and the power of ten are exact in 113 bits. A product below 60 + 51 bits is
+  !> exact too. A quotient that is no midpoint of two doubles is at least 1/(2**54 * 5**25) > 2**-113
+  !> of itself away from one, so rounding twice does no harm.
   elemental function decimal_to_real64(value) result(nearest)
     type(decimal_value), intent(in) :: value  !! exact decimal
     real(real64) :: nearest                   !! the nearest double
     character(len=40) :: numeral
 
-    if (decimal_beyond(value, real(huge(nearest), real128))) then
+    if (value%exponent >= 0 .and. value%exponent <= most_positive_power) then
+      nearest = real(real(value%digits, real128) * powers(value%exponent), real64)
+    else if (value%exponent < 0 .and. value%exponent >= most_negative_power) then
+      nearest = real(real(value%digits, real128) / powers(-value%exponent), real64)
+    else if (decimal_beyond(value, real(huge(nearest), real128))) then
       nearest = sign(ieee_value(nearest, ieee_positive_inf), real(value%digits, real64))
     else if (decimal_order(value) < -(range(nearest) + 40)) then
       nearest = 0.0_real64

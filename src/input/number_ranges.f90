@@ -1,8 +1,7 @@
 !> The ranges a number of a scene may have to lie in, and what a message says of them.
 module asperity_number_ranges
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: nearest_double
   implicit none
   private
 
@@ -36,7 +35,7 @@ contains
     integer, intent(in) :: range              !! `any_number` or another range
     real(real64) :: number
 
-    number = nearest_double(value)
+    number = decimal_to_real64(value)
     select case (range)
     case (above_zero)
       in_range = value%digits > 0_int64

@@ -3,20 +3,15 @@
 !> At most 18 digits are kept; a longer number is rounded at its 18th digit.
 module asperity_numeral
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_kinds, only: int64, real64, real128
+  use asperity_kinds, only: int64, real64
   implicit none
   private
 
-  public :: read_numeral, read_whole_number, nearest_double, decimal_sum, is_a_double
+  public :: read_numeral, read_whole_number, decimal_sum, is_a_double
 
   integer, parameter :: most_digits = 18
   ! No number written with an exponent beyond this can be a double, whatever its length.
   integer, parameter :: largest_exponent = 100000000
-  ! Powers of ten that are exact in 113 bits and leave the quotient below rightly rounded.
-  integer, parameter :: most_negative_power = -25, most_positive_power = 22
-  integer :: power
-  real(real128), parameter :: powers(0:-most_negative_power) = &
-    [(10.0_real128**power, power = 0, -most_negative_power)]
 
 contains
 
@@ -87,24 +82,6 @@ contains
            abs(number%digits) <= int(huge(value), int64)
     if (good) value = int(number%digits)
   end subroutine read_whole_number
-
-  !> The same as `decimal_to_real64`, quickly where that is possible.
-  !>
-  !> The digits (60 bits) and the power of ten are exact in 113 bits. A product below
-  !> 60 + 51 bits is exact too. A quotient that is no midpoint of two doubles is at least
-  !> 1/(2**54 * 5**25) > 2**-113 of itself away from one, so rounding twice does no harm.
-  elemental function nearest_double(value) result(nearest)
-    type(decimal_value), intent(in) :: value  !! exact decimal
-    real(real64) :: nearest                   !! the nearest double
-
-    if (value%exponent >= 0 .and. value%exponent <= most_positive_power) then
-      nearest = real(real(value%digits, real128) * powers(value%exponent), real64)
-    else if (value%exponent < 0 .and. value%exponent >= most_negative_power) then
-      nearest = real(real(value%digits, real128) / powers(-value%exponent), real64)
-    else
-      nearest = decimal_to_real64(value)
-    end if
-  end function nearest_double
 
   !> Sum of two decimals: exact as long as it has at most 18 digits, else rounded there.
   elemental function decimal_sum(a, b) result(total)

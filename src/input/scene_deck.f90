@@ -1,10 +1,10 @@
 !> What a card deck brings into a scene, from inches and psi to cm and N.
 module asperity_scene_deck
   use asperity_card_deck, only: card_deck, model_cards, parse_card_deck, read_card_deck
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_input_problems, only: add_lines
   use asperity_kinds, only: int64
-  use asperity_numeral, only: decimal_sum, is_a_double, nearest_double
+  use asperity_numeral, only: decimal_sum, is_a_double
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_values, only: scene, scene_motion, scene_surface, thesis_limit_load
   implicit none
@@ -106,10 +106,10 @@ contains
       call convert(path, before + i, 7, model%y(i), inch, surface%exact_y(i), problems)
       call convert(path, before + i, 13, model%z(i), inch, surface%exact_height(i), problems)
     end do
-    surface%x = nearest_double(surface%exact_x)
-    surface%y = nearest_double(surface%exact_y)
-    surface%height = nearest_double(surface%exact_height)
-    surface%radius = nearest_double(surface%exact_radius)
+    surface%x = decimal_to_real64(surface%exact_x)
+    surface%y = decimal_to_real64(surface%exact_y)
+    surface%height = decimal_to_real64(surface%exact_height)
+    surface%radius = decimal_to_real64(surface%exact_radius)
   end subroutine convert_model
 
   !> Multiplies by a unit, exactly. A card's field has at most 10 digits, so nothing overflows.

@@ -1,10 +1,9 @@
 !> Group &effects of a scene: which effects, their numbers, and which go together.
 module asperity_scene_effects
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_names, only: effect_number, effect_numbers, known_effect, known_effects, &
                                    needed_for, one_word, whole_number, why_not_together
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: nearest_double
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_approach, criterion_none, effect_auto, effect_off, &
                                    effect_on, effect_words, scene, scene_effects
@@ -129,7 +128,7 @@ contains
     if (.not. allocated(checked%loading%path)) return
     last = size(checked%loading%path)
     allocate (closing(last))
-    closing = nearest_double(checked%loading%path)
+    closing = decimal_to_real64(checked%loading%path)
     if (checked%loading%control == control_approach) closing = -closing
     goes_back = any(closing(2:) < closing(:last - 1))
   end function goes_back

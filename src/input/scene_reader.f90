@@ -1,10 +1,9 @@
 !> Reads a scene, or a card deck in its place: text in, checked values or a list of problems out.
 module asperity_scene_reader
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_files, only: read_whole_file
   use asperity_input_problems, only: add_lines, binary_byte, text_start
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: nearest_double
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_effects, only: read_effects
@@ -197,8 +196,8 @@ contains
 
       ! In units of the largest double, so that nothing overflows on the way.
       steps = real(motion%positions - 1, real64)
-      share_of_range = nearest_double(first) / huge(steps) + &
-                       nearest_double(step) / huge(steps) * steps
+      share_of_range = decimal_to_real64(first) / huge(steps) + &
+                       decimal_to_real64(step) / huge(steps) * steps
       ends_well = abs(share_of_range) < 1.0_real64
     end function ends_well
 
@@ -265,7 +264,7 @@ contains
     type(decimal_value) :: value
     real(real64) :: numbers(size(path))
 
-    numbers = nearest_double(path)
+    numbers = decimal_to_real64(path)
     if (control == control_load) numbers = -numbers
     value = path(minloc(numbers, 1))
   end function deepest

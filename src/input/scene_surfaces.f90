@@ -1,9 +1,8 @@
 !> Group &surfaces of a scene: a card deck, or two CSV files.
 module asperity_scene_surfaces
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_input_problems, only: add_lines
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: nearest_double
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: above_zero, scene_fields
@@ -126,7 +125,7 @@ contains
     type(problem_list) :: found
 
     if (present(common_radius)) then
-      call read_surface_csv(path, table, found, nearest_double(common_radius))
+      call read_surface_csv(path, table, found, decimal_to_real64(common_radius))
     else
       call read_surface_csv(path, table, found)
     end if

@@ -3,11 +3,11 @@
 !> The first line that is not blank names the columns `x,y,height,radius` in any order; `radius`
 !> may be left out. Reading takes time and memory in proportion to the file.
 module asperity_surface_csv
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_files, only: read_whole_file
   use asperity_input_problems, only: binary_byte, input_problems, quoted, text_start
   use asperity_kinds, only: real64
-  use asperity_numeral, only: nearest_double, read_numeral
+  use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
   implicit none
   private
@@ -171,7 +171,7 @@ contains
         do i = 1, size(column_of)
           place(column_of(i)) = cells%first(i) - start + 1
           call read_numeral(text(cells%first(i):cells%last(i)), decimal, good)
-          numbers(column_of(i)) = nearest_double(decimal)
+          numbers(column_of(i)) = decimal_to_real64(decimal)
           if (good) cycle
           all_good = .false.
           call found%add_at(line, place(column_of(i)), trim(names(column_of(i))) // ': found ' // &

@@ -3,10 +3,9 @@
 !> A coordinate is `value * 10**(-decimals)`, exactly. So a least distance and cut-offs hold to the
 !> last digit written, and no rounding depends on a machine.
 module asperity_decimal_lattice
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generation_values, only: exact_value, gaussian_spec
   use asperity_kinds, only: int64, real128, real64
-  use asperity_numeral, only: nearest_double
   use asperity_truncated_normal, only: draw_normal, prepare_normal, truncated_normal, whole_range
   implicit none
   private
@@ -122,7 +121,7 @@ contains
     integer :: i
 
     do i = 1, size(units)
-      values(i) = nearest_double(decimal_value(units(i), -decimals))
+      values(i) = decimal_to_real64(decimal_value(units(i), -decimals))
     end do
   end subroutine lattice_reals
 

@@ -4,7 +4,7 @@
 module asperity_test_scene
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
-  use asperity_numeral, only: decimal_sum, nearest_double, read_numeral
+  use asperity_numeral, only: decimal_sum, read_numeral
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: parse_scene, read_scene
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
@@ -36,7 +36,7 @@ contains
     suite = [ &
             new_unittest('numbers are read exactly', test_numerals), &
             new_unittest('what is no number is refused', test_bad_numerals), &
-            new_unittest('quick conversion equals the library''s', test_nearest_double), &
+            new_unittest('quick conversion equals the library''s', test_decimal_to_real64), &
             new_unittest('sums of decimals', test_decimal_sum), &
             new_unittest('a deck in a scene, and the defaults', test_deck_defaults), &
             new_unittest('a deck in the place of a scene', test_bare_deck), &
@@ -108,7 +108,7 @@ contains
   end subroutine test_bad_numerals
 
   !> Digits of all lengths and all exponents on either side of the quick range.
-  subroutine test_nearest_double(error)
+  subroutine test_decimal_to_real64(error)
     type(error_type), allocatable, intent(out) :: error
     type(decimal_value) :: value
     integer(int64) :: state
@@ -121,11 +121,11 @@ contains
         state = ieor(state, ishft(state, -7))
         state = ieor(state, ishft(state, 17))
         value = decimal_value(mod(state, 10_int64**(1 + mod(i, 18))), exponent + mod(i, 7))
-        call check(error, transfer(nearest_double(value), 0_int64), &
+        call check(error, transfer(decimal_to_real64(value), 0_int64), &
                    transfer(decimal_to_real64(value), 0_int64), 'bits of a converted number')
       end do
     end do
-  end subroutine test_nearest_double
+  end subroutine test_decimal_to_real64
 
   subroutine test_decimal_sum(error)
     type(error_type), allocatable, intent(out) :: error
