@@ -24,8 +24,8 @@ program close_to_a_load
   ! A ball of radius 10 mm, whose summit is at (0.1, 0.1), on nine bumps 0.2 mm apart.
   call take_surface('upper', [0.1_real64], [0.1_real64], [0.01_real64], [10.0_real64], ball, &
                     problems)
-  call take_surface('lower', [(0.2_real64 * modulo(i, 3), i=0, 8)], &
-                    [(0.2_real64 * (i / 3), i=0, 8)], &
+  call take_surface('lower', 0.2_real64 * [0, 1, 2, 0, 1, 2, 0, 1, 2], &
+                    0.2_real64 * [0, 0, 0, 1, 1, 1, 2, 2, 2], &
                     [(0.005_real64 + 0.0002_real64 * modulo(5 * i, 9), i=0, 8)], [2.0_real64], &
                     bumps, problems)
   call build_scene(ball, bumps, groups, pressed, problems)
