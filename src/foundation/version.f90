@@ -7,6 +7,6 @@ module asperity_version
   public :: version
 
   !> As in fpm.toml.
-  character(len=*), parameter :: version = '0.1.0'
+  character(len=*), parameter :: version = '0.2.0'
 
 end module asperity_version
