@@ -1,5 +1,6 @@
 !> What the program says of itself.
 module asperity_help
+  use asperity_effect_help, only: describe_effects
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
   implicit none
@@ -91,6 +92,8 @@ contains
     call text%line('                      the same bytes for any')
     call text%line('  --keep FILE         keep positions that are solved; a rerun goes on there')
     call text%line('  --quiet             print no summary')
+    call text%line('')
+    call describe_effects(text)
   end subroutine describe_solve
 
   subroutine describe_accuracy(text)

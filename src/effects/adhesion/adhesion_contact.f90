@@ -13,7 +13,7 @@
 !> adhere at once. In the limit of Derjaguin, Muller and Toporov nothing snaps: the pull grows
 !> linearly from the range to 2 pi w R at first touch and goes back on the same line.
 module asperity_adhesion_contact
-  use asperity_adhesion_jkr, only: answer_jkr, pull_off_jkr, snap_off_jkr
+  use asperity_adhesion_jkr, only: answer_jkr, snap_off_jkr
   use asperity_adhesion_maugis, only: central_answer, follow_maugis, maugis_curve, new_maugis
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
@@ -71,7 +71,7 @@ contains
     if (contact%tabor > least_of_jkr) then
       contact%model = model_jkr
       contact%snap_off = snap_off_jkr(numbers%modulus, radius, numbers%work)
-      contact%pull_off = pull_off_jkr(radius, numbers%work)
+      contact%pull_off = 1.5_real64 * pi * numbers%work * radius
     else if (contact%tabor < most_of_dmt) then
       contact%model = model_dmt
       contact%snap_in = -range_of_attraction * numbers%distance

@@ -9,14 +9,15 @@
 !>
 !> With a = L t**2, L**3 = 2 pi w R**2/E, the overlap is (L**2/R) (t**4 - t) and the load (E L**3/R)
 !> (4/3 t**6 - 2 t**3): one curve for all contacts. It can be followed at a given overlap down to
-!> 4 t**3 = 1, where it turns back. The load is least before, at 4 t**3 = 3.
+!> 4 t**3 = 1, where it turns back with 5/6 pi w R. The load is least before, at 4 t**3 = 3: a pull
+!> of 3/2 pi w R.
 module asperity_adhesion_jkr
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: answer_jkr, snap_off_jkr, pull_off_jkr
+  public :: answer_jkr, snap_off_jkr
 
   ! Where the curve turns back, 4 t**3 = 1, and t**4 - t there.
   real(real64), parameter :: last_t = 0.62996052494743658238_real64
@@ -56,14 +57,6 @@ contains
 
     snap_off_jkr = last_overlap * length_of(modulus, radius, work)**2 / radius
   end function snap_off_jkr
-
-  !> Largest pull of a contact, 3/2 pi w R. Where it snaps off at a held approach it is 5/6 pi w R.
-  pure real(real64) function pull_off_jkr(radius, work)
-    real(real64), intent(in) :: radius   !! combined, more than 0
-    real(real64), intent(in) :: work     !! of adhesion, 0 or more
-
-    pull_off_jkr = 1.5_real64 * pi * work * radius
-  end function pull_off_jkr
 
   ! L, the unit of the contact radius.
   pure real(real64) function length_of(modulus, radius, work) result(length)

@@ -103,28 +103,27 @@ contains
     type(effect_outcome), intent(inout) :: outcome  !! what it did
     type(solid_step) :: step
     real(real64) :: elastic, fall
+    logical :: holds
     integer :: i, worst
 
     outcome%simulated = 'on'
     outcome%ending%converged = .true.
     allocate (outcome%of_contacts(size(pairs%list), 2), source=0.0_real64)
     outcome%of_state = [state%time, sum(state%answers%load)]
-    if (size(pairs%list) == 0 .or. .not. state%time > 0.0_real64) then
-      call tell_elastic(state, outcome)
-      return
-    end if
-    step = step_over(self%solid, self%time, state%time)
+    ! At the end of loading nothing has crept, and closings may still go anywhere.
+    holds = state%time > 0.0_real64
+    if (holds) step = step_over(self%solid, self%time, state%time)
     fall = 0.0_real64
     worst = 0
     do i = 1, size(pairs%list)
       elastic = state%answers(i)%load
-      if (self%memory(i)%elastic(1) - elastic > fall) then
+      if (holds .and. self%memory(i)%elastic(1) - elastic > fall) then
         fall = self%memory(i)%elastic(1) - elastic
         worst = i
       end if
       if (.not. state%penetration(i) > 0.0_real64) cycle
       outcome%of_contacts(i, :) = [elastic, 1.0_real64]
-      if (.not. elastic > 0.0_real64) cycle
+      if (.not. (holds .and. elastic > 0.0_real64)) cycle
       call relax(step, self%memory(i), pairs%list(i)%s, state%answers(i))
       outcome%of_contacts(i, 2) = state%answers(i)%load / elastic
     end do
@@ -132,17 +131,6 @@ contains
       'the area of contact ' // decimal_text(worst) // ' shrinks during the hold, which the ' // &
       'theory of Lee and Radok does not cover'
   end subroutine apply
-
-  ! The end of loading: nothing has crept.
-  subroutine tell_elastic(state, outcome)
-    type(contact_state), intent(in) :: state
-    type(effect_outcome), intent(inout) :: outcome
-
-    where (state%penetration > 0.0_real64)
-      outcome%of_contacts(:, 1) = state%answers%load
-      outcome%of_contacts(:, 2) = 1.0_real64
-    end where
-  end subroutine tell_elastic
 
   ! One contact: the elastic answer becomes that after a step.
   pure subroutine relax(step, before, sum_of_radii, answer)
