@@ -158,33 +158,31 @@ contains
     type(effect_outcome), intent(in) :: outcomes(:)
     type(position_result), intent(inout) :: result
     real(real64), allocatable :: values(:, :)
-    real(real64) :: value
-    integer :: before, column, columns, e, i, k, row
+    integer :: at, before, e, i, last, row
 
-    columns = 0
-    do e = 1, size(effects)
-      columns = columns + size(effects(e)%effect%contact_columns)
-    end do
     before = 0
     if (allocated(result%contact_values)) before = size(result%contact_values, 1)
-    allocate (values(result%rows_used, columns))
-    values = 0.0_real64
-    if (before > 0) values(:before, :) = result%contact_values
-    column = 0
+    last = 0
     do e = 1, size(effects)
-      do k = 1, size(effects(e)%effect%contact_columns)
-        column = column + 1
-        row = before
-        do i = 1, size(pairs%list)
-          if (.not. in_contact(state, i)) cycle
-          row = row + 1
+      last = last + size(effects(e)%effect%contact_columns)
+    end do
+    allocate (values(result%rows_used, last))
+    if (before > 0) values(:before, :) = result%contact_values
+    row = before
+    do i = 1, size(pairs%list)
+      if (.not. in_contact(state, i)) cycle
+      row = row + 1
+      last = 0
+      do e = 1, size(effects)
+        associate (columns => effects(e)%effect%contact_columns)
+          at = last + 1
+          last = last + size(columns)
           if (allocated(outcomes(e)%of_contacts)) then
-            value = outcomes(e)%of_contacts(i, k)
+            values(row, at:last) = in_units(columns, pairs, outcomes(e)%of_contacts(i, :))
           else
-            value = left_out(effects(e)%effect%contact_columns(k), state%answers(i)%vertical_load)
+            values(row, at:last) = left_out(columns, pairs, state%answers(i)%vertical_load)
           end if
-          values(row, column) = in_units_of(effects(e)%effect%contact_columns(k), pairs, value)
-        end do
+        end associate
       end do
     end do
     call move_alloc(values, result%contact_values)
@@ -197,44 +195,38 @@ contains
     type(contact_state), intent(in) :: state
     type(effect_outcome), intent(in) :: outcomes(:)
     type(position_result), intent(inout) :: result
-    real(real64) :: value
-    integer :: column, columns, e, k
+    integer :: e
 
-    columns = 0
+    allocate (result%state_values(0))
     do e = 1, size(effects)
-      columns = columns + size(effects(e)%effect%state_columns)
-    end do
-    allocate (result%state_values(columns))
-    result%state_values = 0.0_real64
-    column = 0
-    do e = 1, size(effects)
-      do k = 1, size(effects(e)%effect%state_columns)
-        column = column + 1
+      associate (columns => effects(e)%effect%state_columns)
         if (allocated(outcomes(e)%of_state)) then
-          value = outcomes(e)%of_state(k)
+          result%state_values = [result%state_values, &
+                                 in_units(columns, pairs, outcomes(e)%of_state)]
         else
-          value = left_out(effects(e)%effect%state_columns(k), total_vertical_load(state))
+          result%state_values = [result%state_values, &
+                                 left_out(columns, pairs, total_vertical_load(state))]
         end if
-        result%state_values(column) = in_units_of(effects(e)%effect%state_columns(k), pairs, value)
-      end do
+      end associate
     end do
   end subroutine set_state_values
 
   ! A value of a column where `auto` left its effect out.
-  pure real(real64) function left_out(column, vertical_load)
+  elemental real(real64) function left_out(column, pairs, vertical_load)
     type(column_name), intent(in) :: column
+    type(contact_pairs), intent(in) :: pairs
     real(real64), intent(in) :: vertical_load
 
-    left_out = column%of_load * vertical_load + column%otherwise
+    left_out = in_units(column, pairs, column%of_load * vertical_load + column%otherwise)
   end function left_out
 
   ! A value of a column in the units of the scene.
-  pure real(real64) function in_units_of(column, pairs, value)
+  elemental real(real64) function in_units(column, pairs, value)
     type(column_name), intent(in) :: column
     type(contact_pairs), intent(in) :: pairs
     real(real64), intent(in) :: value
 
-    in_units_of = in_scene_units(pairs, value, column%modulus_power, column%length_power)
-  end function in_units_of
+    in_units = in_scene_units(pairs, value, column%modulus_power, column%length_power)
+  end function in_units
 
 end module asperity_effect_rows
