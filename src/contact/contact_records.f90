@@ -129,6 +129,9 @@ contains
     integer :: i
 
     are_finite = finite([result%x_displacement, result%y_displacement])
+    if (allocated(result%state_values)) are_finite = are_finite .and. finite(result%state_values)
+    if (allocated(result%contact_values)) &
+      are_finite = are_finite .and. all(abs(result%contact_values) <= huge(1.0_real64))
     do i = 1, size(result%states)
       associate (state => result%states(i))
         are_finite = are_finite .and. &

@@ -7,7 +7,7 @@ module asperity_effect_position
   use asperity_contact_state, only: contact_state, start_state, total_load
   use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, to_closing, to_load
   use asperity_effect_rows, only: add_state
-  use asperity_effect_sequence, only: all_left_out, first_failure, simulate
+  use asperity_effect_sequence, only: first_failure, simulate
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: control_load, effect_auto, scene
@@ -34,12 +34,15 @@ contains
     type(contact_state) :: state
     type(effect_outcome), allocatable :: outcomes(:)
     real(real64) :: closing
+    integer :: i
 
     result%x_displacement = pairs%x_displacement
     result%y_displacement = pairs%y_displacement
     simulated = allocated(scene_in%loading%path)
     too_far = .false.
-    call begin(pairs, effects)
+    do i = 1, size(effects)
+      call effects(i)%effect%begin(pairs)
+    end do
     closing = pairs%closing
     if (scene_in%loading%control == control_load .and. .not. simulated) then
       call close_to_load(pairs, effects, pairs%target, closing, state, outcomes, failure)
@@ -52,20 +55,7 @@ contains
     allocate (result%states(size(steps)), result%rows(0))
     call walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, simulated, &
               too_far, failure)
-    if (allocated(failure) .or. too_far) return
-    if (.not. are_numbers(result)) failure = 'what an effect tells is beyond the range of a double'
   end subroutine run_position
-
-  ! Whether all that the effects tell are numbers.
-  pure logical function are_numbers(result)
-    type(position_result), intent(in) :: result
-
-    are_numbers = .true.
-    if (allocated(result%state_values)) &
-      are_numbers = all(abs(result%state_values) <= huge(1.0_real64))
-    if (allocated(result%contact_values)) &
-      are_numbers = are_numbers .and. all(abs(result%contact_values) <= huge(1.0_real64))
-  end function are_numbers
 
   ! Goes from state to state. A state that is known already, from the search for a load, is not
   ! simulated again.
@@ -83,7 +73,7 @@ contains
     logical, intent(out) :: too_far
     character(len=:), allocatable, intent(out) :: failure
     real(real64) :: closing, held
-    integer :: i
+    integer :: e, i
 
     closing = 0.0_real64
     held = 0.0_real64
@@ -105,8 +95,10 @@ contains
         call simulate(pairs, effects, closing, steps(i)%time, state, outcomes)
       call first_failure(effects, outcomes, failure)
       if (allocated(failure)) return
-      simulated = simulated .or. .not. all_left_out(outcomes)
-      call keep(pairs, state, effects)
+      simulated = simulated .or. any(outcomes%simulated /= 'off')
+      do e = 1, size(effects)
+        call effects(e)%effect%keep(pairs, state)
+      end do
       call add_state(scene_in, pairs, effects, state, outcomes, i, keep_rows, result)
       ! What follows may remember this state and answer otherwise.
       if (allocated(outcomes)) deallocate (outcomes)
@@ -130,29 +122,6 @@ contains
     end do
     if (is_known) is_known = .not. abs(state%closing - closing) > 0.0_real64
   end function is_known
-
-  ! Nothing has touched yet.
-  subroutine begin(pairs, effects)
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(inout) :: effects(:)
-    integer :: i
-
-    do i = 1, size(effects)
-      call effects(i)%effect%begin(pairs)
-    end do
-  end subroutine begin
-
-  ! A state becomes the past.
-  subroutine keep(pairs, state, effects)
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(in) :: state
-    type(effect_box), intent(inout) :: effects(:)
-    integer :: i
-
-    do i = 1, size(effects)
-      call effects(i)%effect%keep(pairs, state)
-    end do
-  end subroutine keep
 
   ! Whether an effect that acts in time is called for.
   logical function acts_in_time(pairs, effects, closing)

@@ -10,7 +10,7 @@ module asperity_effect_sequence
   implicit none
   private
 
-  public :: simulate, all_left_out, first_failure
+  public :: simulate, first_failure
 
 contains
 
@@ -75,17 +75,6 @@ contains
       end do
     end do
   end subroutine check_together
-
-  !> Whether `auto` left all effects out.
-  pure logical function all_left_out(outcomes)
-    type(effect_outcome), intent(in) :: outcomes(:)  !! of one state
-    integer :: i
-
-    all_left_out = .true.
-    do i = 1, size(outcomes)
-      all_left_out = all_left_out .and. outcomes(i)%simulated == 'off'
-    end do
-  end function all_left_out
 
   !> Why the first of the effects that failed could not be simulated.
   subroutine first_failure(effects, outcomes, failure)
