@@ -67,6 +67,20 @@ def test_pairs(asperity, tmp_path, tally):
     assert len(pairs) == 14 and refused == 8, refused
 
 
+def test_the_page_says_what_goes_together():
+    """The table of docs/effects.md: yes, no, or only with contacts coupled."""
+    lines = (ROOT / "docs" / "effects.md").read_text().split("## What goes together\n\n")[1]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines.splitlines()]
+    header, rows = rows[0], rows[2:2 + len(ON)]
+    assert set(header[1:]) == set(ON) == {row[0] for row in rows}
+    for first, *cells in rows:
+        for second, cell in zip(header[1:], cells, strict=True):
+            sentences = [why(first, second, word) for word in ON["interaction"]]
+            expected = {(False, False): "yes", (True, True): "no", (False, True): "`coupled`"}
+            assert cell == ("" if first == second else
+                            expected[tuple(map(bool, sentences))]), (first, second)
+
+
 def test_auto_meets_a_refused_pair(asperity, tmp_path):
     """With `auto` two such effects stop the run only where both are called for."""
     both = {"plasticity": "auto", "creep": "auto", **NUMBERS}
