@@ -18,6 +18,7 @@ module asperity_kernel_real64
   use asperity_pair_search_row, only: build_row, first_from, summit_row
   use asperity_position_solver, only: position_solver
   use asperity_problems, only: decimal_text
+  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, scene, &

@@ -1,12 +1,14 @@
 !> Numbers of mathematics that more than one module needs.
 module asperity_constants
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: real128, real64
   implicit none
   private
 
-  public :: pi
+  public :: pi, pi_128
 
   !> Circumference of a circle over its diameter.
-  real(real64), parameter :: pi = acos(-1.0_real64)
+  real(real128), parameter :: pi_128 = 3.14159265358979323846264338327950288_real128
+  !> The same in doubles.
+  real(real64), parameter :: pi = real(pi_128, real64)
 
 end module asperity_constants

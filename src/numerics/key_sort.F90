@@ -22,7 +22,7 @@ module asperity_key_sort
 contains
 
   !> Finds the places of the numbers in ascending order.
-  subroutine sort_keys(key, order)
+  pure subroutine sort_keys(key, order)
     real(real64), contiguous, intent(in) :: key(:)        !! one at least; finite, below 1e300
     integer(int32), contiguous, intent(out) :: order(:)   !! as many: the least is key(order(1))
     type(keyed), allocatable :: list(:)

@@ -6,6 +6,7 @@ module asperity_closing_at_load
   use asperity_effect_sequence, only: first_failure, simulate
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
+  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
   use asperity_scene_values, only: effect_auto
   implicit none
   private
@@ -17,18 +18,11 @@ module asperity_closing_at_load
   ! A closing below this share of the largest is none.
   real(real64), parameter :: least_closing = 1.0e-18_real64
 
-  !> Two closings between which the load is met, and how far each is off.
-  type :: load_bracket
-    real(real64) :: low = 0.0_real64, high = 0.0_real64
-    real(real64) :: low_miss = -1.0_real64, high_miss = huge(1.0_real64)
-    integer :: side = 0  ! which end moved last
-  end type load_bracket
-
 contains
 
   !> Finds the closing at which the sum of the normal forces is a load. Load grows with closing: a
-  !> bracket that never opens, false position on load**(2/3), until the load is met as closely as
-  !> the effects can meet it. For no load at all: the largest closing without.
+  !> bracket of load**(2/3), until the load is met as closely as the effects can meet it. For no
+  !> load at all: the largest closing without.
   subroutine close_to_load(pairs, effects, target, closing, state, outcomes, failure)
     type(contact_pairs), intent(in) :: pairs                !! the position
     type(effect_box), intent(in) :: effects(:)              !! those that act in time do not here
@@ -37,12 +31,15 @@ contains
     type(contact_state), intent(out) :: state               !! the last one that was simulated
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did in it
     character(len=:), allocatable, intent(out) :: failure   !! why not
-    type(load_bracket) :: bracket
+    type(root_bracket) :: bracket
     real(real64), allocatable :: found(:, :)
-    real(real64) :: load, nothing, asked
+    real(real64) :: load, miss, nothing, asked
+    logical :: enough, inside
     integer :: try
 
-    bracket%high = minval(pairs%list%gap + pairs%list%zc)
+    bracket = root_bracket(low=0.0_real64, high=minval(pairs%list%gap + pairs%list%zc), &
+                           low_miss=-1.0_real64, high_miss=-1.0_real64, halving=4)
+    enough = .false.
     if (target > 0.0_real64) call ask_effects(pairs, effects, target, closing, found, failure)
     if (allocated(failure)) return
     asked = closing
@@ -60,17 +57,23 @@ contains
       if (target > 0.0_real64) then
         if (abs(load - target) <= load_tolerance(effects, outcomes) * target) return
       end if
-      call narrow(bracket, closing, load, target)
+      miss = merge(1.0_real64, -1.0_real64, load > 0.0_real64)
+      if (target > 0.0_real64) miss = (max(load, 0.0_real64) / target)**two_thirds - 1.0_real64
+      call narrow_bracket(bracket, closing, miss, miss < 0.0_real64)
+      enough = enough .or. .not. miss < 0.0_real64
       if (.not. target > 0.0_real64 .and. bracket%high < nothing) exit
-      closing = next_guess(bracket, try)
-      if (.not. (closing > bracket%low .and. closing < bracket%high)) exit
+      call guess_root(bracket, closing, inside)
+      if (.not. inside) exit
+      ! Not high enough yet: up to twice the closing.
+      if (.not. enough .and. bracket%low > 0.0_real64) &
+        closing = min(closing, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * miss)))
     end do
     closing = bracket%low
     if (bracket%high < nothing) closing = 0.0_real64
     if (.not. target > 0.0_real64) return
-    if (bracket%high_miss < huge(1.0_real64)) closing = bracket%high
+    if (enough) closing = bracket%high
     if (abs(load - target) <= jump_allowed(effects, outcomes) * target) return
-    if (bracket%high_miss < huge(1.0_real64)) then
+    if (enough) then
       failure = 'the load is not reached: with the effects it jumps past it'
     else
       failure = 'the load is more than the surfaces can bear before the centres of two ' // &
@@ -94,50 +97,6 @@ contains
       if (allocated(failure)) return
     end do
   end subroutine ask_effects
-
-  ! Moves the end of the bracket on whose side the load is. An end that stays twice counts half as
-  ! far off (Illinois), so that both ends move.
-  subroutine narrow(bracket, closing, load, target)
-    type(load_bracket), intent(inout) :: bracket
-    real(real64), intent(in) :: closing, load, target
-    real(real64) :: miss
-
-    if (target > 0.0_real64) then
-      miss = (max(load, 0.0_real64) / target)**two_thirds - 1.0_real64
-    else
-      miss = merge(1.0_real64, -1.0_real64, load > 0.0_real64)
-    end if
-    if (miss < 0.0_real64) then
-      bracket%low = closing
-      bracket%low_miss = miss
-      if (bracket%side < 0 .and. bracket%high_miss < huge(1.0_real64)) &
-        bracket%high_miss = 0.5_real64 * bracket%high_miss
-      bracket%side = -1
-    else
-      bracket%high = closing
-      bracket%high_miss = miss
-      if (bracket%side > 0) bracket%low_miss = 0.5_real64 * bracket%low_miss
-      bracket%side = 1
-    end if
-  end subroutine narrow
-
-  ! A closing inside the bracket, unless no number lies between its ends.
-  pure real(real64) function next_guess(bracket, try) result(guess)
-    type(load_bracket), intent(in) :: bracket
-    integer, intent(in) :: try
-
-    associate (low => bracket%low, high => bracket%high)
-      guess = low + 0.5_real64 * (high - low)
-      if (bracket%high_miss < huge(1.0_real64)) then
-        if (modulo(try, 4) > 0) &
-          guess = low - (high - low) * (bracket%low_miss / (bracket%high_miss - bracket%low_miss))
-        if (.not. (guess > low .and. guess < high)) guess = low + 0.5_real64 * (high - low)
-      else if (low > 0.0_real64) then
-        ! Not high enough yet: up to twice the closing.
-        guess = min(guess, low * (1.0_real64 + min(1.0_real64, -2.0_real64 * bracket%low_miss)))
-      end if
-    end associate
-  end function next_guess
 
   ! How near a load can be met by the effects that are simulated.
   pure real(real64) function load_tolerance(effects, outcomes) result(tolerance)

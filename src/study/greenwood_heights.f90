@@ -4,9 +4,11 @@
 !> The sum of two cut Gaussians has a closed density: that of the whole sum times the chance that
 !> both parts lie between their cut-offs, given the sum.
 module asperity_greenwood_heights
+  use asperity_constants, only: pi_128
   use asperity_generation_values, only: exact_value, gaussian_spec
   use asperity_greenwood_quadrature, only: integrand, integrate
-  use asperity_kinds, only: real128
+  use asperity_key_sort, only: sort_keys
+  use asperity_kinds, only: int32, real128, real64
   implicit none
   private
 
@@ -74,6 +76,7 @@ contains
     real(real128), intent(out) :: moments(:)       !! as many, length**power
     type(excess_integrand) :: functions
     real(real128) :: places(14), near, kink
+    integer(int32) :: order(size(places))
     integer :: used, i, j
 
     moments = 0.0_real128
@@ -102,8 +105,8 @@ contains
         end do
       end do
     end if
-    call sort(places(:used))
-    places(:used) = sqrt(places(:used) - separation)
+    call sort_keys(real(places(:used), real64), order(:used))
+    places(:used) = sqrt(places(order(:used)) - separation)
     call integrate(functions, places(:used), moments)
   end subroutine excess_moments
 
@@ -147,7 +150,7 @@ contains
   elemental real(real128) function bell(x)
     real(real128), intent(in) :: x
 
-    bell = exp(-x**2 / 2) / sqrt(2 * 3.14159265358979323846264338327950288_real128)
+    bell = exp(-x**2 / 2) / sqrt(2 * pi_128)
   end function bell
 
   !> Chance of the normal law between two places; by the tails on the far side of 0, where a
@@ -164,22 +167,5 @@ contains
       chance = 1 - (erfc(-from / root) + erfc(to / root)) / 2
     end if
   end function chance
-
-  pure subroutine sort(places)
-    real(real128), intent(inout) :: places(:)
-    real(real128) :: moving
-    integer :: i, j
-
-    do i = 2, size(places)
-      moving = places(i)
-      j = i - 1
-      do while (j >= 1)
-        if (places(j) <= moving) exit
-        places(j + 1) = places(j)
-        j = j - 1
-      end do
-      places(j + 1) = moving
-    end do
-  end subroutine sort
 
 end module asperity_greenwood_heights

@@ -10,11 +10,13 @@
 !> 2 pi d dd = 2 pi (s - W) dW, W from 0 to t. It is done in closed form; what is left is the mean
 !> of t**k. The terms of the lowest power of t are those of Greenwood and Tripp.
 module asperity_greenwood_integrals
+  use asperity_constants, only: pi => pi_128
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generation_values, only: gaussian_spec, generation_spec
   use asperity_greenwood_heights, only: excess_moments, height_law, law_of_heights
   use asperity_greenwood_radii, only: means_over_radii, radius_means
   use asperity_kinds, only: real128, real64
+  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
   implicit none
   private
 
@@ -42,8 +44,6 @@ module asperity_greenwood_integrals
     real(real64), public :: density(2) = 0.0_real64    !! asperities per area, upper and lower
     real(real128), public :: least_sum = 0.0_real128   !! least sum of the radii of a pair
   end type greenwood_law
-
-  real(real128), parameter :: pi = 3.14159265358979323846264338327950288_real128
 
 contains
 
@@ -121,27 +121,28 @@ contains
     real(real64), intent(in) :: pressure                   !! more than 0
     real(real64), intent(out) :: separation                !! of the reference planes
     character(len=:), allocatable, intent(out) :: failure  !! why not
-    real(real64) :: low, high, values(quantities)
-    integer :: i
+    type(root_bracket) :: bracket
+    real(real64) :: deepest, place, miss, values(quantities)
+    logical :: inside
 
-    high = real(law%heights%highest, real64)
-    low = high - real(law%least_sum, real64) / 2
-    separation = low
-    values = densities_at(law, low)
-    if (values(vertical_per_area) < pressure) then
-      failure = 'the pressure is more than the surfaces bear before asperities penetrate by ' // &
-                'half the sum of their radii'
-      return
-    end if
-    ! 60 halvings leave less than the separation's last digits.
-    do i = 1, 60
-      separation = low + (high - low) / 2
+    ! A place is how far down, and the deepest once more: so a middle is no mean by ratio.
+    deepest = real(law%least_sum, real64) / 2
+    bracket = root_bracket(low=deepest, high=2 * deepest, low_miss=-1.0_real64, &
+                           high_miss=-1.0_real64)
+    place = bracket%high
+    inside = .true.
+    do while (inside)
+      separation = real(law%heights%highest, real64) - (place - deepest)
       values = densities_at(law, separation)
-      if (values(vertical_per_area) < pressure) then
-        high = separation
-      else
-        low = separation
+      miss = log(max(values(vertical_per_area), tiny(miss))) - log(pressure)
+      if (place >= 2 * deepest .and. miss < 0.0_real64) then
+        failure = 'the pressure is more than the surfaces bear before asperities penetrate by ' // &
+                  'half the sum of their radii'
+        return
       end if
+      if (abs(miss) <= epsilon(miss)) return
+      call narrow_bracket(bracket, place, miss, miss < 0.0_real64)
+      call guess_root(bracket, place, inside)
     end do
   end subroutine separation_at_pressure
 

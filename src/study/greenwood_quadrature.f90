@@ -1,11 +1,12 @@
 !> Integrals of smooth functions in 113 bits, by Gauss's rule on pieces that are halved until the
 !> halves agree with the whole.
 module asperity_greenwood_quadrature
+  use asperity_gauss_rule, only: gauss_rule
   use asperity_kinds, only: real128
   implicit none
   private
 
-  public :: gauss_rule, integrand, integrate
+  public :: integrand, integrate
 
   ! Points of the rule, and how far apart a piece and its halves may be, of the whole integral.
   integer, parameter :: points = 20
@@ -31,34 +32,6 @@ module asperity_greenwood_quadrature
   end interface
 
 contains
-
-  !> Nodes and weights of Gauss's rule from -1 to 1.
-  pure subroutine gauss_rule(nodes, weights)
-    real(real128), intent(out) :: nodes(:)    !! descending
-    real(real128), intent(out) :: weights(:)  !! as many; their sum is 2
-    real(real128) :: x, before, here, next, slope
-    real(real128), parameter :: pi = 3.14159265358979323846264338327950288_real128
-    integer :: i, k, step, n
-
-    n = size(nodes)
-    do i = 1, n
-      ! Zeros of Legendre's polynomial by Newton's method, from a guess good to some 1E-3.
-      x = cos(pi * (i - 0.25_real128) / (n + 0.5_real128))
-      do step = 1, 8
-        before = 1.0_real128
-        here = x
-        do k = 2, n
-          next = ((2 * k - 1) * x * here - (k - 1) * before) / k
-          before = here
-          here = next
-        end do
-        slope = n * (before - x * here) / ((1.0_real128 - x) * (1.0_real128 + x))
-        x = x - here / slope
-      end do
-      nodes(i) = x
-      weights(i) = 2 / ((1.0_real128 - x) * (1.0_real128 + x) * slope**2)
-    end do
-  end subroutine gauss_rule
 
   !> Integrals between the first and the last of some places. The functions may have kinks at the
   !> places.

@@ -1,7 +1,7 @@
 !> Means over the radii of two surfaces that the contact integrals need.
 module asperity_greenwood_radii
   use asperity_generation_values, only: exact_value, gaussian_spec
-  use asperity_greenwood_quadrature, only: gauss_rule
+  use asperity_gauss_rule, only: gauss_rule
   use asperity_kinds, only: real128
   implicit none
   private

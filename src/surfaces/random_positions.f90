@@ -6,6 +6,7 @@
 !> place of try t of asperity k is a function of k and t alone. Earlier asperities are looked up in
 !> cells, so the time grows in proportion to their number; cells do not change the result.
 module asperity_random_positions
+  use asperity_constants, only: pi
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text
   use asperity_random_philox, only: philox_block, scaled_words
@@ -154,7 +155,6 @@ contains
     integer(int64), intent(in) :: extent(2), least
     integer, intent(in) :: number
     character(len=:), allocatable :: text
-    real(real64), parameter :: pi = 3.14159265358979324_real64
     character(len=5) :: wanted, possible
     real(real64) :: covered
 

@@ -11,6 +11,7 @@
 !>
 !> Error of a draw: below 1e-11 of the range, as long as the range is within 17 deviations.
 module asperity_truncated_normal
+  use asperity_constants, only: pi_128
   use asperity_kinds, only: int64, real128
   implicit none
   private
@@ -86,7 +87,7 @@ contains
   pure subroutine expand(left, mass, q)
     real(real128), intent(in) :: left, mass
     real(real128), intent(out) :: q(0:degree)
-    real(real128), parameter :: root_two_pi = 2.50662827463100050241576528481104525_real128
+    real(real128), parameter :: root_two_pi = sqrt(2 * pi_128)
     real(real128) :: slope_squared(0:degree), total
     integer :: k, m
 

@@ -5,6 +5,7 @@ program unit_tests
   use asperity_adhesion_suite, only: collect_adhesion
   use asperity_boundary_suite, only: collect_boundary
   use asperity_circles_suite, only: collect_circles
+  use asperity_bracket_suite, only: collect_brackets
   use asperity_coupled_suite, only: collect_coupled
   use asperity_creep_solid_suite, only: collect_creep_solid
   use asperity_creep_suite, only: collect_creep
@@ -33,6 +34,7 @@ program unit_tests
   call run_suite('report fields', collect_report_fields, tally)
   call run_suite('scene', collect_scene, tally)
   call run_suite('circles', collect_circles, tally)
+  call run_suite('brackets of roots', collect_brackets, tally)
   call run_suite('cells', collect_boundary, tally)
   call run_suite('coupled contacts', collect_coupled, tally)
   call run_suite('friction', collect_friction, tally)

@@ -8,6 +8,7 @@ module asperity_study_suite
   use asperity_area_study_statistics, only: area_study, evaluate_study
   use asperity_area_study_surface, only: numbers_of_a_surface, prepare_surfaces, study_surface
   use asperity_decimal, only: decimal_value
+  use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_rule, gauss_weight
   use asperity_generated_surface, only: surface_plan
   use asperity_generation_values, only: gaussian_spec
   use asperity_greenwood_heights, only: excess_moments, law_of_heights
@@ -31,7 +32,7 @@ contains
   subroutine collect_study(suite)
     type(unittest_type), allocatable, intent(out) :: suite(:)  !! all tests of this suite
 
-    allocate (suite(11))
+    allocate (suite(12))
     suite(1) = new_unittest('heights without cut-offs: moments in closed form', gaussian_moments)
     suite(2) = new_unittest('sum of two cut heights: moments by a double integral', sum_moments)
     suite(3) = new_unittest('sum of a narrow and a wide law', narrow_moments)
@@ -43,7 +44,26 @@ contains
     suite(9) = new_unittest('separation at a pressure', pressure)
     suite(10) = new_unittest('sections lie in the region, none beside another is left out', places)
     suite(11) = new_unittest('sections side by side add up to the whole; means agree', sums)
+    suite(12) = new_unittest('Gauss''s rule: exact for polynomials; its table is it', gauss)
   end subroutine collect_study
+
+  !> Of n points it is right for powers below 2 n: the integral of x**k from 0 to 1 is 1/(k + 1).
+  subroutine gauss(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real128) :: nodes(gauss_points), weights(gauss_points)
+    integer :: k
+
+    call gauss_rule(nodes, weights)
+    nodes = (1 - nodes) / 2
+    weights = weights / 2
+    do k = 0, 2 * gauss_points - 1
+      call check(error, abs(sum(weights * nodes**k) * (k + 1) - 1) < 1.0e-31_real128, 'a power')
+    end do
+    call check(error, abs(sum(weights * nodes**20) * 21 - 1) > 1.0e-13_real128, 'degree 20')
+    call check(error, all(abs(gauss_node - real(nodes, real64)) <= spacing(gauss_node)), 'nodes')
+    call check(error, all(abs(gauss_weight - real(weights, real64)) <= spacing(gauss_weight)), &
+               'weights')
+  end subroutine gauss
 
   !> F_n(h) of Greenwood and Williamson: at 0 it is 2**(n/2) gamma((n + 1)/2)/(2 sqrt(pi)).
   subroutine gaussian_moments(error)

@@ -19,6 +19,7 @@
 module asperity_friction
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
   use asperity_kinds, only: real64
   implicit none
   private
@@ -39,21 +40,6 @@ module asperity_friction
 
   ! A coefficient above this sticks as this one does; products with it cannot overflow.
   real(real64), parameter :: coefficient_sought = 1.0e100_real64
-
-  ! Gauss-Legendre rule of 10 points on 0 to 1.
-  integer, parameter :: points = 10
-  real(real64), parameter :: node(points) = [ &
-    0.013046735741414139961_real64, 0.067468316655507744634_real64, &
-    0.16029521585048779688_real64, 0.28330230293537640460_real64, &
-    0.42556283050918439456_real64, 0.57443716949081560544_real64, &
-    0.71669769706462359540_real64, 0.83970478414951220312_real64, &
-    0.93253168334449225537_real64, 0.98695326425858586004_real64]
-  real(real64), parameter :: half_of_weights(points / 2) = [ &
-    0.033335672154344068797_real64, 0.074725674575290296573_real64, &
-    0.10954318125799102200_real64, 0.13463335965499817755_real64, &
-    0.14776211235737643509_real64]
-  real(real64), parameter :: weight(points) = &
-    [half_of_weights, half_of_weights(points / 2:1:-1)]
 
 contains
 
@@ -223,12 +209,12 @@ contains
     type(contact_pair), intent(in) :: pair
     real(real64), intent(in) :: p
     real(real64) :: mean
-    real(real64), dimension(points) :: z, centres
+    real(real64), dimension(gauss_points) :: z, centres
     real(real64) :: last, total
 
-    z = pair%zc - p * node**2
+    z = pair%zc - p * gauss_node**2
     centres = sqrt(pair%d**2 + z**2)
-    total = sum(weight * node**2 * sqrt((pair%zc + z) / (pair%s + centres)) / centres)
+    total = sum(gauss_weight * gauss_node**2 * sqrt((pair%zc + z) / (pair%s + centres)) / centres)
     last = pair%zc - p
     last = (pair%s + sqrt(pair%d**2 + last**2)) / (pair%zc + last)
     mean = 3.0_real64 * pair%d * last * sqrt(last) * total

@@ -6,6 +6,7 @@
 !> 3716), joined there too. docs/effects/plasticity.md says how.
 module asperity_plastic_curves
   use asperity_constants, only: pi
+  use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
   use asperity_kinds, only: real64
   implicit none
   private
@@ -180,23 +181,14 @@ contains
   pure real(real64) function panel(scale, low, high)
     type(plastic_scale), intent(in) :: scale
     real(real64), intent(in) :: low, high
-    real(real64), parameter :: node(5) = &
-      [0.1488743389816312_real64, 0.4333953941292472_real64, 0.6794095682990244_real64, &
-       0.8650633666889845_real64, 0.9739065285171717_real64]
-    real(real64), parameter :: weight(5) = &
-      [0.2955242247147529_real64, 0.2692667193099963_real64, 0.2190863625159820_real64, &
-       0.1494513491505806_real64, 0.0666713443086881_real64]
-    real(real64) :: half, ratio, slope, spread, peak, x
-    integer :: i, side
+    real(real64) :: ratio, slope, spread, peak, x
+    integer :: i
 
-    half = 0.5_real64 * (high - low)
     panel = 0.0_real64
-    do i = 1, size(node)
-      do side = -1, 1, 2
-        x = exp(low + half * (1.0_real64 + side * node(i)))
-        call loading_curve(scale, x, ratio, slope, spread, peak)
-        panel = panel + half * weight(i) * ratio * x**2.5_real64
-      end do
+    do i = 1, gauss_points
+      x = exp(low + (high - low) * gauss_node(i))
+      call loading_curve(scale, x, ratio, slope, spread, peak)
+      panel = panel + (high - low) * gauss_weight(i) * ratio * x**2.5_real64
     end do
   end function panel
 

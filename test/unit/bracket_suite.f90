@@ -1,0 +1,118 @@
+!> Tests of the search for roots: it ends at neighbouring numbers, in few guesses, in every case.
+module asperity_bracket_suite
+  use asperity_hex32, only: hex32, operator(*), operator(-), operator(<), operator(>)
+  use asperity_kinds, only: real64
+  use asperity_numbers_ibm370, only: from_real64, to_real64
+  use asperity_root_bracket_ibm370, only: guess_ibm370 => guess_root, &
+                                          narrow_ibm370 => narrow_bracket, &
+                                          bracket_ibm370 => root_bracket
+  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_brackets
+
+  ! Functions that rise from below zero at 0.
+  integer, parameter :: square = 1, steep = 2, jump = 3, flat = 4, small = 5, straight = 6
+  real(real64), parameter :: places(6) = [sqrt(2.0_real64), 0.001_real64, 0.7_real64, &
+                                          0.5_real64, 1.0e-200_real64, 1.0_real64 / 3]
+  integer, parameter :: most_guesses(6) = [12, 90, 140, 140, 130, 6]
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_brackets(suite)
+    !> all tests
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    suite = [ &
+      new_unittest('a root is found to the last digit, whatever the function is', all_functions), &
+      new_unittest('the same with nothing known of the upper end', unknown_end), &
+      new_unittest('short hexadecimal numbers: the root of a square', hexadecimal)]
+  end subroutine collect_brackets
+
+  subroutine all_functions(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: which
+
+    do which = 1, size(places)
+      call search(error, which, value_of(which, 4.0_real64), most_guesses(which))
+    end do
+  end subroutine all_functions
+
+  subroutine unknown_end(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: which
+
+    do which = 1, size(places)
+      call search(error, which, -1.0_real64, most_guesses(which) + 12)
+    end do
+  end subroutine unknown_end
+
+  subroutine search(error, which, high_miss, most)
+    type(error_type), allocatable, intent(inout) :: error
+    integer, intent(in) :: which, most
+    real(real64), intent(in) :: high_miss
+    type(root_bracket) :: bracket
+    real(real64) :: guess, value
+    logical :: inside
+
+    bracket = root_bracket(low=0.0_real64, high=4.0_real64, low_miss=value_of(which, 0.0_real64), &
+                           high_miss=high_miss)
+    do
+      call guess_root(bracket, guess, inside)
+      if (.not. inside .or. bracket%guesses > 1000) exit
+      value = value_of(which, guess)
+      call narrow_bracket(bracket, guess, value, value < 0.0_real64)
+    end do
+    call check(error, bracket%high <= nearest(bracket%low, 1.0_real64), 'numbers lie between')
+    call check(error, value_of(which, bracket%low) < 0.0_real64 .and. &
+                      .not. value_of(which, bracket%high) < 0.0_real64, 'no root between')
+    call check(error, abs(bracket%high - places(which)) <= 4 * spacing(places(which)), &
+               'another root')
+    call check(error, bracket%guesses <= most, 'too many guesses')
+  end subroutine search
+
+  elemental real(real64) function value_of(which, x)
+    integer, intent(in) :: which
+    real(real64), intent(in) :: x
+
+    select case (which)
+    case (square)
+      value_of = x * x - 2.0_real64
+    case (steep)
+      value_of = max(x, 0.0_real64)**0.1_real64 - places(which)**0.1_real64
+    case (jump)
+      value_of = merge(-1.0_real64, 1.0_real64, x < places(which))
+    case (flat)
+      value_of = (x - places(which))**9
+    case (small)
+      value_of = x - places(which)
+    case default
+      value_of = 3.0_real64 * x - 1.0_real64
+    end select
+  end function value_of
+
+  subroutine hexadecimal(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(bracket_ibm370) :: bracket
+    type(hex32) :: guess, two, zero
+    logical :: inside
+
+    zero = from_real64(0.0_real64)
+    two = from_real64(2.0_real64)
+    bracket = bracket_ibm370(low=zero, high=from_real64(4.0_real64), low_miss=zero - two, &
+                             high_miss=from_real64(14.0_real64))
+    do
+      call guess_ibm370(bracket, guess, inside)
+      if (.not. inside .or. bracket%guesses > 1000) exit
+      call narrow_ibm370(bracket, guess, guess * guess - two, guess * guess < two)
+    end do
+    call check(error, to_real64(bracket%high - bracket%low) <= 16.0_real64**(-5), &
+               'numbers lie between')
+    call check(error, to_real64(bracket%high), sqrt(2.0_real64), 16.0_real64**(-5), 'the root')
+    call check(error, bracket%guesses <= 20, 'too many guesses')
+  end subroutine hexadecimal
+
+end module asperity_bracket_suite
