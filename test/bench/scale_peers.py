@@ -2,8 +2,9 @@
 
 N upper and N lower asperities at random on a square, 0.48 to the cm2 each; pairs are nearer in plan
 than the solver looks at summits of at most 0.178 cm, 0.95 cm. The search and its peers take turns
-round by round, with as many tries a round, but two for peers that take long. Peers need no more: their times settle at once. The search's do after
-some tries, when its process has its memory; so the first try of a fresh process is told, too.
+round by round, with as many tries a round, but two for peers that take long. Peers need no more:
+their times settle at once. The search's do after some tries, when its process has its memory; so
+the first try of a fresh process is told, too.
 """
 
 import tempfile

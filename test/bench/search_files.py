@@ -24,8 +24,8 @@ class Surface:
 
 def write_input(path, upper, lower, *, height, everything=False, shift=(0.0, 0.0),
                 unit=float(np.finfo(float).eps), floor=-HUGE):
-    """`height` bounds pairs as in the thesis; `everything`: all whose spheres can touch; `unit`: the
-    spacing at 1 of the arithmetic that will look at them again; `floor`: the least touch."""
+    """`height` bounds pairs as in the thesis; `everything`: all whose spheres can touch; `unit`:
+    the spacing at 1 of the arithmetic that will look at them again; `floor`: the least touch."""
     head = [len(upper), len(lower), height, everything, *shift, unit, floor]
     with open(path, "wb") as file:
         np.array(head, dtype=float).tofile(file)

@@ -172,7 +172,8 @@ def test_pairs(case, tally):
     assert len(np.unique(found)) == len(found)
     added = found[~np.isin(found, truth)]
     up, low = np.divmod(added, len(lower))
-    distance = np.hypot(upper.x[up] + shift[0] - lower.x[low], upper.y[up] + shift[1] - lower.y[low])
+    distance = np.hypot(upper.x[up] + shift[0] - lower.x[low],
+                        upper.y[up] + shift[1] - lower.y[low])
     bound = bound_on_squares(upper.radius[up], lower.radius[low], CASES[name][2]) ** 0.5
     assert (distance < bound + 2.0 * rounding_of(upper, lower, shift)).all()
 
