@@ -1,6 +1,6 @@
 !> Words of the command line, sorted into options and operand by what a command accepts.
 module asperity_arguments
-  use asperity_input_problems, only: quoted
+  use asperity_input_text, only: quoted
   use asperity_problems, only: problem_list
   implicit none
   private

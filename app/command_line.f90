@@ -1,7 +1,7 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
   use asperity_arguments, only: argument, argument_list, read_arguments
-  use asperity_input_problems, only: quoted
+  use asperity_input_text, only: quoted
   use asperity_kinds, only: real64
   use asperity_option_values, only: read_accuracy, read_count, read_tables
   use asperity_original, only: arithmetic_names

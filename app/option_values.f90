@@ -1,7 +1,7 @@
 !> The values of options: words in, checked values or problems out.
 module asperity_option_values
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_input_problems, only: quoted
+  use asperity_input_text, only: quoted
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list

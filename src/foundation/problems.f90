@@ -7,59 +7,104 @@ module asperity_problems
 
   public :: problem_list, decimal_text
 
+  ! So many problems of a file are written out, the rest is counted: enough for any file that a
+  ! person wrote, and no flood from one that is not of this kind at all.
+  integer, parameter :: most_placed = 5000
+
   !> All that is wrong with one input, in the order found.
   type :: problem_list
     private
     type(text_buffer) :: lines
-    integer :: number = 0
+    character(len=:), allocatable :: file  ! whose places `add_at` tells
+    integer :: placed = 0, others = 0      ! problems with a place in it, and without
   contains
-    !> Adds a problem at a place of a file.
-    procedure :: add_at => problems_add_at
-    !> Adds a problem that has no place.
-    procedure :: add => problems_add
-    !> How many problems there are.
-    procedure :: count => problems_count
-    !> One line a problem.
-    procedure :: text => problems_text
+    procedure :: start                   !! names the file that the next problems have places in
+    procedure :: add_at                  !! adds a problem at a line and column of the file
+    procedure :: add_at_byte             !! adds a problem at a byte of the file's text
+    procedure :: add                     !! adds a problem that has no place
+    procedure :: append                  !! adds all problems of another list
+    procedure :: count => problem_count  !! how many there are, those not written out included
+    procedure :: text => problem_text    !! one line a problem
   end type problem_list
 
 contains
 
-  !> Adds `FILE:LINE:COLUMN: MESSAGE`.
-  pure subroutine problems_add_at(self, file, line, column, message)
+  !> Names the file, before problems with a place are added.
+  pure subroutine start(self, file)
     class(problem_list), intent(inout) :: self  !! the list
     character(len=*), intent(in) :: file        !! name of the file as the user gave it
+
+    self%file = file
+  end subroutine start
+
+  !> Adds `FILE:LINE:COLUMN: MESSAGE`.
+  pure subroutine add_at(self, line, column, message)
+    class(problem_list), intent(inout) :: self  !! the list
     integer, intent(in) :: line                 !! line, from 1
     integer, intent(in) :: column               !! column, from 1
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    call self%add(file // ':' // decimal_text(line) // ':' // decimal_text(column) // ': ' // &
-                  message)
-  end subroutine problems_add_at
+    self%placed = self%placed + 1
+    if (self%placed <= most_placed) &
+      call self%lines%line(printable(self%file // ':' // decimal_text(line) // ':' // &
+                                     decimal_text(column) // ': ' // message))
+  end subroutine add_at
+
+  !> Adds a problem at a byte of the file's text.
+  pure subroutine add_at_byte(self, text, byte, message)
+    class(problem_list), intent(inout) :: self  !! the list
+    character(len=*), intent(in) :: text        !! the whole file
+    integer, intent(in) :: byte                 !! place, from 1
+    character(len=*), intent(in) :: message     !! what is wrong, found, expected
+    integer :: i, line, before
+
+    line = 1
+    before = 0
+    if (self%placed < most_placed) then
+      do i = 1, min(byte - 1, len(text))
+        if (text(i:i) /= achar(10)) cycle
+        line = line + 1
+        before = i
+      end do
+    end if
+    call self%add_at(line, byte - before, message)
+  end subroutine add_at_byte
 
   !> Adds `MESSAGE`, made one printable line.
-  pure subroutine problems_add(self, message)
+  pure subroutine add(self, message)
     class(problem_list), intent(inout) :: self  !! the list
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
     call self%lines%line(printable(message))
-    self%number = self%number + 1
-  end subroutine problems_add
+    self%others = self%others + 1
+  end subroutine add
+
+  !> Adds all problems of another list, each with the place that it has.
+  pure subroutine append(self, other)
+    class(problem_list), intent(inout) :: self  !! the list
+    type(problem_list), intent(in) :: other     !! what follows
+
+    call self%lines%append(other%text())
+    self%others = self%others + other%count()
+  end subroutine append
 
   !> Number of problems; 0 means that the input is good.
-  pure integer function problems_count(self)
+  pure integer function problem_count(self)
     class(problem_list), intent(in) :: self  !! the list
 
-    problems_count = self%number
-  end function problems_count
+    problem_count = self%placed + self%others
+  end function problem_count
 
   !> All problems, one a line, each with its line end.
-  pure function problems_text(self) result(text)
+  pure function problem_text(self) result(text)
     class(problem_list), intent(in) :: self  !! the list
     character(len=:), allocatable :: text    !! the lines
 
     text = self%lines%text()
-  end function problems_text
+    if (self%placed > most_placed) &
+      text = text // printable(self%file // ': and ' // decimal_text(self%placed - most_placed) // &
+                               ' more problems') // new_line('a')
+  end function problem_text
 
   !> An integer as text without blanks.
   pure function decimal_text(value) result(text)

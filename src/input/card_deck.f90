@@ -3,7 +3,7 @@ module asperity_card_deck
   use asperity_card_fields, only: read_i_field
   use asperity_card_reader, only: card_length, card_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_files, only: read_whole_file
+  use asperity_input_text, only: blanks, read_text
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list
   implicit none
@@ -47,15 +47,10 @@ contains
     character(len=*), intent(in) :: path           !! the file
     type(card_deck), intent(out) :: deck           !! its values
     type(problem_list), intent(out) :: problems    !! all that is wrong
-    character(len=:), allocatable :: text, failure
+    character(len=:), allocatable :: text
 
-    call read_whole_file(path, text, failure)
-    if (allocated(failure)) then
-      ! The failure begins with the path; a deck's problem names a line and a column as well.
-      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // ', expected a card deck')
-    else
-      call parse_card_deck(path, text, deck, problems)
-    end if
+    call read_text(path, 'a card deck', text, problems)
+    if (problems%count() == 0) call parse_card_deck(path, text, deck, problems)
   end subroutine read_card_deck
 
   !> Checks the text of a deck; `path` serves the messages only.
@@ -68,12 +63,13 @@ contains
     logical :: complete
 
     call reader%start(path, text)
-    if (verify(text, ' ' // achar(9) // achar(10) // achar(13)) == 0) then
+    if (verify(text, blanks) == 0) then
       call reader%problems%add_at(1, 1, 'the deck is empty: found no text, ' // &
                                    'expected at least six cards')
-    else if (reader%bad_byte() > 0) then
-      call reader%complain_of_byte(reader%bad_byte())
     else
+      call reader%check_bytes()
+    end if
+    if (reader%problems%count() == 0) then
       call read_header(reader, deck, complete)
       if (complete) then
         call read_asperities(reader, deck)
@@ -81,7 +77,7 @@ contains
         call note_heights(path, deck%lower, 'lower', deck%notes)
       end if
     end if
-    call reader%problems%hand_over(problems)
+    problems = reader%problems
   end subroutine parse_card_deck
 
   !> Cards 1 to 4; `complete` is false when one of them is missing.

@@ -2,9 +2,9 @@
 module asperity_card_reader
   use asperity_card_fields, only: read_f_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_input_problems, only: input_problems
+  use asperity_input_text, only: line_end
   use asperity_kinds, only: real64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, problem_list
   implicit none
   private
 
@@ -21,36 +21,24 @@ module asperity_card_reader
     private
     character(len=:), allocatable :: text
     integer, allocatable :: first(:), last(:)   ! of every line, line end excluded
-    type(input_problems), public :: problems    !! what is wrong with the deck
+    type(problem_list), public :: problems      !! what is wrong with the deck
   contains
-    !> Takes the text of a deck and forgets earlier problems.
-    procedure :: start
-    !> Number of lines.
-    procedure :: lines
-    !> The columns of a card.
-    procedure :: card
-    !> Whether a card holds more than blanks and a sequence number.
-    procedure :: has_text
-    !> The last line that is a card.
-    procedure :: last_card
-    !> Reads a number under F format.
-    procedure :: real_field
-    !> Tells a problem when a card is missing.
-    procedure :: require_card
-    !> Tells a problem at a column of a card.
-    procedure :: complain
-    !> Place of the first byte that no text has.
-    procedure :: bad_byte
-    !> Tells a problem at such a byte.
-    procedure :: complain_of_byte
+    procedure :: start         !! takes the text of a deck
+    procedure :: lines         !! number of lines
+    procedure :: card          !! the columns of a card
+    procedure :: has_text      !! whether a card holds more than blanks and a sequence number
+    procedure :: last_card     !! the last line that is a card
+    procedure :: real_field    !! reads a number under F format
+    procedure :: require_card  !! tells a problem when a card is missing
+    procedure :: complain      !! tells a problem at a column of a card
+    procedure :: check_bytes   !! tells the first byte that no text has
   end type card_reader
 
 contains
 
-  !> Takes the text of a deck and forgets earlier problems. A carriage return before a line feed
-  !> belongs to the line end.
+  !> Takes the text of a deck. A carriage return before a line feed belongs to the line end.
   subroutine start(self, file, text)
-    class(card_reader), intent(inout) :: self  !! the cards
+    class(card_reader), intent(out) :: self    !! the cards
     character(len=*), intent(in) :: file       !! name for the messages
     character(len=*), intent(in) :: text       !! the whole deck
     integer :: i, number, begin
@@ -64,13 +52,11 @@ contains
     if (len(text) > 0) then
       if (text(len(text):) /= achar(10)) number = number + 1
     end if
-    if (allocated(self%first)) deallocate (self%first, self%last)
     allocate (self%first(number), self%last(number))
     begin = 1
     do i = 1, number
       self%first(i) = begin
-      self%last(i) = index(text(begin:), achar(10)) + begin - 2
-      if (self%last(i) < begin - 1) self%last(i) = len(text)
+      self%last(i) = line_end(text, begin)
       begin = self%last(i) + 2
       if (self%last(i) >= self%first(i)) then
         if (text(self%last(i):self%last(i)) == achar(13)) self%last(i) = self%last(i) - 1
@@ -174,36 +160,24 @@ contains
                               name // ': found ''' // found // ''', expected ' // expected)
   end subroutine complain
 
-  !> Place of the first byte that no text has; 0 when there is none. A carriage return is text only
-  !> where a line ends.
-  pure integer function bad_byte(self)
-    class(card_reader), intent(in) :: self  !! the cards
-    integer :: code
+  !> Tells the first byte that no text has. A carriage return is text only where a line ends.
+  subroutine check_bytes(self)
+    class(card_reader), intent(inout) :: self  !! the cards
+    integer :: i, code, line
 
-    do bad_byte = 1, len(self%text)
-      code = iachar(self%text(bad_byte:bad_byte))
+    do i = 1, len(self%text)
+      code = iachar(self%text(i:i))
       if (code >= 32 .and. code /= 127) cycle
       if (any(code == [9, 10])) cycle
       if (code == 13) then
-        if (bad_byte == len(self%text)) cycle
-        if (self%text(bad_byte + 1:bad_byte + 1) == achar(10)) cycle
+        if (i == len(self%text)) cycle
+        if (self%text(i + 1:i + 1) == achar(10)) cycle
       end if
+      line = max(1, count(self%first <= i))
+      call self%problems%add_at(line, i - self%first(line) + 1, 'not a text file: found byte ' // &
+                                decimal_text(code) // ', expected a card deck')
       return
     end do
-    bad_byte = 0
-  end function bad_byte
-
-  !> Tells where the text stops being text.
-  subroutine complain_of_byte(self, place)
-    class(card_reader), intent(inout) :: self  !! the cards
-    integer, intent(in) :: place               !! place of the byte, from 1
-    integer :: line
-
-    line = max(1, count(self%first <= place))
-    call self%problems%add_at(line, place - self%first(line) + 1, &
-                              'not a text file: found byte ' // &
-                              decimal_text(iachar(self%text(place:place))) // &
-                              ', expected a card deck')
-  end subroutine complain_of_byte
+  end subroutine check_bytes
 
 end module asperity_card_reader

@@ -3,8 +3,9 @@ module asperity_generation_checks
   use asperity_decimal, only: decimal_value
   use asperity_generation_values, only: exact_value, generation_spec, side_names
   use asperity_kinds, only: real128
+  use asperity_number_ranges, only: above_zero, any_number, not_negative, poisson_range
   use asperity_problems, only: decimal_text
-  use asperity_scene_fields, only: above_zero, any_number, not_negative, poisson_range, scene_fields
+  use asperity_scene_fields, only: scene_fields
   implicit none
   private
 

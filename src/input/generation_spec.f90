@@ -1,15 +1,15 @@
 !> Reads what `asperity generate` shall make: text in, checked values or a list of problems out.
 module asperity_generation_spec
   use asperity_decimal, only: decimal_value
-  use asperity_files, only: read_whole_file
   use asperity_generation_checks, only: check_deck
   use asperity_generation_values, only: exact_value, gaussian_spec, generation_spec, &
                                         most_asperities, side_names
-  use asperity_input_problems, only: binary_byte, input_problems
+  use asperity_input_text, only: read_text
   use asperity_kinds, only: int64, real128
+  use asperity_number_ranges, only: above_zero, any_number, not_negative
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_scene_fields, only: above_zero, any_number, not_negative, read_fields, scene_fields
-  use asperity_scene_names, only: known_name, name_table
+  use asperity_scene_fields, only: read_fields, scene_fields
+  use asperity_scene_names, only: in_group, known_name
   implicit none
   private
 
@@ -27,15 +27,10 @@ contains
     character(len=*), intent(in) :: path         !! the file
     type(generation_spec), intent(out) :: spec   !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong
-    character(len=:), allocatable :: text, failure
+    character(len=:), allocatable :: text
 
-    call read_whole_file(path, text, failure)
-    if (allocated(failure)) then
-      ! The failure begins with the path; a problem of a file names a line and a column as well.
-      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // ', expected a specification')
-    else
-      call parse_generation_spec(path, text, spec, problems)
-    end if
+    call read_text(path, 'a specification', text, problems)
+    if (problems%count() == 0) call parse_generation_spec(path, text, spec, problems)
   end subroutine read_generation_spec
 
   !> Checks the text of a specification; `path` serves the messages only.
@@ -45,49 +40,26 @@ contains
     type(generation_spec), intent(out) :: spec   !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong
     type(scene_fields) :: fields
-    type(input_problems) :: found
 
     spec%file = path
-    if (binary_byte(text) > 0) then
-      call found%start(path)
-      call found%add_at_byte(text, binary_byte(text), 'not a text file: found a control ' // &
-                             'character, expected a specification')
-      call found%hand_over(problems)
-      return
-    end if
-    call read_fields(path, text, fields, generation_table())
-    call take_generation(fields, spec)
-    call fields%problems%hand_over(problems)
+    call read_fields(path, text, 'a specification', generation_table(), fields)
+    if (fields%is_text) call take_generation(fields, spec)
+    problems = fields%problems
   end subroutine parse_generation_spec
 
   !> The groups and names of a specification.
   pure function generation_table() result(table)
-    type(name_table) :: table  !! its groups and names
-    character(len=*), parameter :: gaussian(6) = [character(len=20) :: 'mean', 'deviation', &
+    type(known_name), allocatable :: table(:)  !! all names
+    character(len=*), parameter :: gaussian(6) = [character(len=17) :: 'mean', 'deviation', &
       'lowest', 'highest', 'lowest_deviation', 'highest_deviation']
-    character(len=*), parameter :: plane(5) = [character(len=20) :: 'number', 'density', &
-      'length', 'width', 'least_distance']
-    character(len=*), parameter :: random(3) = [character(len=20) :: 'seed', 'ensemble', 'tries']
-    character(len=*), parameter :: deck(7) = [character(len=20) :: 'elastic_modulus', &
-      'poisson_ratio', 'allowed_stress', 'rotation', 'lower_width', 'x_displacement', &
-      'y_displacement']
-    integer :: i
 
-    allocate (table%groups(5), table%names(27))
-    table%groups = [character(len=8) :: 'surfaces', 'heights', 'radii', 'random', 'deck']
-    do i = 1, size(plane)
-      table%names(i) = known_name('surfaces', plane(i))
-    end do
-    do i = 1, size(gaussian)
-      table%names(5 + i) = known_name('heights', gaussian(i))
-      table%names(11 + i) = known_name('radii', gaussian(i))
-    end do
-    do i = 1, size(random)
-      table%names(17 + i) = known_name('random', random(i))
-    end do
-    do i = 1, size(deck)
-      table%names(20 + i) = known_name('deck', deck(i))
-    end do
+    table = [in_group('surfaces', [character(len=14) :: 'number', 'density', 'length', 'width', &
+                                   'least_distance']), &
+             in_group('heights', gaussian), in_group('radii', gaussian), &
+             in_group('random', [character(len=8) :: 'seed', 'ensemble', 'tries']), &
+             in_group('deck', [character(len=15) :: 'elastic_modulus', 'poisson_ratio', &
+                               'allowed_stress', 'rotation', 'lower_width', 'x_displacement', &
+                               'y_displacement'])]
   end function generation_table
 
   !> Takes the groups of a specification from a text that may hold other groups too.

@@ -1,16 +1,13 @@
 !> Steps through the text of a namelist file: blanks and comments, names, words, quoted texts.
 module asperity_namelist_cursor
+  use asperity_input_text, only: blanks, line_end
   implicit none
   private
 
-  public :: blanks
-  public :: skip_blanks, skip_item, next_character, name_end, word_end, quote_end, line_end
+  public :: skip_blanks, skip_item, next_character, name_end, word_end, digits_end, quote_end
 
-  !> Characters that only separate.
-  character(len=*), parameter :: blanks = ' ' // achar(9) // achar(10) // achar(13)
-
+  character(len=*), parameter :: digits = '0123456789'
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
-  character(len=*), parameter :: name_characters = letters // '0123456789_'
   character(len=*), parameter :: word_ends = blanks // ',/=!&''"'
 
 contains
@@ -60,12 +57,8 @@ contains
     integer, intent(in) :: first          !! place where it begins
 
     name_end = first - 1
-    if (first > len(text)) return
-    if (scan(text(first:first), letters) == 0) return
-    do while (name_end < len(text))
-      if (scan(text(name_end + 1:name_end + 1), name_characters) == 0) exit
-      name_end = name_end + 1
-    end do
+    if (scan(next_character(text, first), letters) > 0) &
+      name_end = before(text, first, verify(text(first:), letters // digits // '_'))
   end function name_end
 
   !> Last character of the word that begins at `first`; `first - 1` when none does.
@@ -73,12 +66,16 @@ contains
     character(len=*), intent(in) :: text  !! the whole file
     integer, intent(in) :: first          !! place where it begins
 
-    word_end = first - 1
-    do while (word_end < len(text))
-      if (scan(text(word_end + 1:word_end + 1), word_ends) > 0) exit
-      word_end = word_end + 1
-    end do
+    word_end = before(text, first, scan(text(first:), word_ends))
   end function word_end
+
+  !> Last of the digits that begin at `first`; `first - 1` when none do.
+  pure integer function digits_end(text, first)
+    character(len=*), intent(in) :: text  !! the whole file
+    integer, intent(in) :: first          !! place where they begin
+
+    digits_end = before(text, first, verify(text(first:), digits))
+  end function digits_end
 
   !> Last character inside the quotes that open at `first`; `first - 1` when the line ends before.
   pure integer function quote_end(text, first)
@@ -101,13 +98,12 @@ contains
     end do
   end function quote_end
 
-  !> Last character of the line, its line feed left out.
-  pure integer function line_end(text, at)
-    character(len=*), intent(in) :: text  !! the whole file
-    integer, intent(in) :: at             !! place
+  ! The place before the `found`-th character from `first` on; the last of the text when 0.
+  pure integer function before(text, first, found)
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: first, found
 
-    line_end = index(text(at:), achar(10)) + at - 2
-    if (line_end < at - 1) line_end = len(text)
-  end function line_end
+    before = merge(first + found - 2, len(text), found > 0)
+  end function before
 
 end module asperity_namelist_cursor

@@ -3,71 +3,53 @@
 !> Read by hand and not by a NAMELIST statement, so that every problem is told with its place.
 !> Nothing is known here of what the groups mean.
 module asperity_namelist_text
-  use asperity_input_problems, only: binary_byte, input_problems, lower_case, quoted, text_start
-  use asperity_namelist_cursor, only: blanks, line_end, name_end, next_character, quote_end, &
+  use asperity_input_text, only: blanks, line_end, lower_case, quoted, text_start
+  use asperity_namelist_cursor, only: digits_end, name_end, next_character, quote_end, &
                                       skip_blanks, skip_item, word_end
+  use asperity_problems, only: problem_list
   implicit none
   private
 
-  public :: namelist_text, namelist_group, namelist_entry, namelist_value, parse_namelist
+  public :: namelist_text, namelist_item, parse_namelist, a_group, a_name, a_value
 
-  !> One value, perhaps repeated. Its text is `first:last` of the file, without quotes.
-  type :: namelist_value
-    integer :: first = 1, last = 0      !! place in the file
-    integer :: repeats = 1              !! how often it stands there, `r*value`
-    logical :: is_quoted = .false.      !! a text between quotes
-  end type namelist_value
+  !> What an item is: `&name ... /`, `name = values`, or one of the values.
+  integer, parameter :: a_group = 1, a_name = 2, a_value = 3
 
-  !> One `name = values`.
-  type :: namelist_entry
-    integer :: group = 0                !! number of its group
-    integer :: first = 1, last = 0      !! place of the name
-    integer :: first_value = 1, last_value = 0  !! its values
-    logical :: is_broken = .false.      !! a problem of its values has been told already
-  end type namelist_entry
-
-  !> One `&name ... /`; the place is that of the name without `&`.
-  type :: namelist_group
-    integer :: first = 1, last = 0      !! place of the name
-    logical :: is_broken = .false.      !! a problem has been told that may hide names
-  end type namelist_group
+  !> A group, a name or a value.
+  type :: namelist_item
+    integer :: kind = a_value       !! which of them
+    integer :: first = 1, last = 0  !! its place: without `&`, without quotes
+    integer :: group = 0            !! of a name: number of its group's item
+    integer :: values = 0           !! of a name: so many items that follow are its values
+    integer :: repeats = 1          !! of a value: how often it stands there, `r*value`
+    logical :: is_quoted = .false.  !! of a value: a text between quotes
+    logical :: is_broken = .false.  !! a problem has been told that may hide what else is there
+  end type namelist_item
 
   !> A whole file.
   type :: namelist_text
     character(len=:), allocatable :: text            !! its bytes
-    type(namelist_group), allocatable :: groups(:)   !! in their order
-    type(namelist_entry), allocatable :: entries(:)  !! of all groups, in their order
-    type(namelist_value), allocatable :: values(:)   !! of all names, in their order
-    integer :: group_count = 0                       !! so many of `groups` are there
-    integer :: entry_count = 0                       !! so many of `entries`
-    integer :: value_count = 0                       !! so many of `values`
+    type(namelist_item), allocatable :: items(:)     !! in their order
+    integer :: count = 0                             !! so many of `items` are there
   contains
-    !> The text of a value; a doubled quote is one.
-    procedure :: value_text
-    !> A piece of the file in small letters: a name.
-    procedure :: name_text
+    procedure :: value_text   !! the text of a value; a doubled quote is one
+    procedure :: name_text    !! a name in small letters
+    procedure, private :: add
+    procedure, private :: refuse
   end type namelist_text
-
-  character(len=*), parameter :: digits = '0123456789'
 
 contains
 
   !> Splits the text of a file. Problems are added to `problems`; what could be read is kept.
   pure subroutine parse_namelist(text, list, problems)
-    character(len=*), intent(in) :: text            !! the whole file
-    type(namelist_text), intent(out) :: list        !! its groups, names and values
-    type(input_problems), intent(inout) :: problems !! all that is wrong
+    character(len=*), intent(in) :: text           !! the whole file
+    type(namelist_text), intent(out) :: list       !! its groups, names and values
+    type(problem_list), intent(inout) :: problems  !! all that is wrong
     integer :: at
     logical :: stray
 
     list%text = text
-    allocate (list%groups(8), list%entries(32), list%values(64))
-    at = binary_byte(text)
-    if (at > 0) then
-      call problems%add_at_byte(text, at, 'not a text file: found a control character, ' // &
-                                'expected a scene')
-      return
-    end if
+    allocate (list%items(64))
     at = text_start(text)
     stray = .false.
     do
@@ -91,14 +73,14 @@ contains
   !> The text of value number `i`.
   pure function value_text(self, i) result(text)
     class(namelist_text), intent(in) :: self  !! the file
-    integer, intent(in) :: i                  !! number of the value
+    integer, intent(in) :: i                  !! number of the item
     character(len=:), allocatable :: text     !! without quotes; a doubled quote is one
     character(len=1) :: quote
     integer :: at, used
 
-    text = self%text(self%values(i)%first:self%values(i)%last)
-    if (.not. self%values(i)%is_quoted) return
-    quote = self%text(self%values(i)%first - 1:self%values(i)%first - 1)
+    text = self%text(self%items(i)%first:self%items(i)%last)
+    if (.not. self%items(i)%is_quoted) return
+    quote = self%text(self%items(i)%first - 1:self%items(i)%first - 1)
     used = 0
     at = 1
     do while (at <= len(text))
@@ -109,44 +91,36 @@ contains
     text = text(:used)
   end function value_text
 
-  !> Bytes `first:last` of the file in small letters.
-  pure function name_text(self, first, last) result(text)
+  !> The name of a group or of values, number `i`, in small letters.
+  pure function name_text(self, i) result(text)
     class(namelist_text), intent(in) :: self  !! the file
-    integer, intent(in) :: first, last        !! place
-    character(len=:), allocatable :: text     !! the name
+    integer, intent(in) :: i                  !! number of the item
+    character(len=:), allocatable :: text     !! empty for a group without a name
 
-    text = lower_case(self%text(first:last))
+    text = lower_case(self%text(self%items(i)%first:self%items(i)%last))
   end function name_text
 
-  !> Reads a group from its `&` on; `at` is left behind its end.
+  ! Reads a group from its `&` on; `at` is left behind its end.
   pure subroutine read_group(list, at, problems)
     type(namelist_text), intent(inout) :: list
     integer, intent(inout) :: at
-    type(input_problems), intent(inout) :: problems
-    type(namelist_group) :: group
+    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: name
     integer :: number, ampersand
 
     ampersand = at
-    group%first = at + 1
-    group%last = name_end(list%text, at + 1)
-    if (group%last < group%first) then
-      call problems%add_at_byte(list%text, at, 'a group without a name: found ''&'' alone, ' // &
-                                'expected a group''s name right behind it')
-      group%is_broken = .true.
-    end if
-    call grow_groups(list)
-    list%group_count = list%group_count + 1
-    number = list%group_count
-    list%groups(number) = group
-    at = group%last + 1
+    at = name_end(list%text, ampersand + 1) + 1
+    name = quoted(list%text(ampersand:at - 1))
+    call list%add(namelist_item(a_group, ampersand + 1, at - 1))
+    number = list%count
+    if (at == ampersand + 1) &
+      call list%refuse(number, ampersand, 'a group without a name: found ''&'' alone, ' // &
+                       'expected a group''s name right behind it', problems)
     do
       call skip_blanks(list%text, at)
       if (at > len(list%text)) then
-        if (.not. list%groups(number)%is_broken) &
-          call problems%add_at_byte(list%text, ampersand, 'group ' // &
-                                    quoted(list%text(ampersand:group%last)) // ' has no end: ' // &
-                                    'found the end of the file, expected ''/''')
-        list%groups(number)%is_broken = .true.
+        call list%refuse(number, ampersand, 'group ' // name // ' has no end: found the end ' // &
+                         'of the file, expected ''/''', problems)
         return
       end if
       select case (list%text(at:at))
@@ -154,125 +128,106 @@ contains
         at = at + 1
         return
       case ('&')
-        if (.not. list%groups(number)%is_broken) &
-          call problems%add_at_byte(list%text, at, 'group ' // &
-                                    quoted(list%text(ampersand:group%last)) // ' has no end: ' // &
-                                    'found another group, expected ''/''')
-        list%groups(number)%is_broken = .true.
+        call list%refuse(number, at, 'group ' // name // ' has no end: found another group, ' // &
+                         'expected ''/''', problems)
         return
       case default
-        call read_entry(list, number, at, problems)
+        call read_name(list, number, at, problems)
       end select
     end do
   end subroutine read_group
 
-  !> Reads `name = values`; `at` is left at what is neither a value nor a comma.
-  pure subroutine read_entry(list, group, at, problems)
+  ! Reads `name = values`; `at` is left at what is neither a value nor a comma.
+  pure subroutine read_name(list, group, at, problems)
     type(namelist_text), intent(inout) :: list
     integer, intent(in) :: group
     integer, intent(inout) :: at
-    type(input_problems), intent(inout) :: problems
-    type(namelist_entry) :: entry
-    integer :: equals
-    logical :: comma, is_value
+    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: name
+    integer :: number, last, equals
+    logical :: comma
 
-    entry%group = group
-    entry%first = at
-    entry%last = name_end(list%text, at)
-    equals = entry%last + 1
+    last = name_end(list%text, at)
+    name = quoted(list%text(at:last))
+    equals = last + 1
     call skip_blanks(list%text, equals)
-    if (entry%last < entry%first .or. next_character(list%text, equals) /= '=') then
-      call complain_of_name(list, entry, equals, at, problems)
-      list%groups(group)%is_broken = .true.
+    if (last < at .or. next_character(list%text, equals) /= '=') then
+      if (last >= at .and. next_character(list%text, equals) == '(') then
+        call problems%add_at_byte(list%text, equals, 'an index is not read: found ''('', ' // &
+                                  'expected ''='' and all values of ' // name)
+        list%items(group)%is_broken = .true.
+      end if
+      call list%refuse(group, at, 'no name with values: found ' // &
+                       quoted(list%text(at:max(at, word_end(list%text, at)))) // &
+                       ', expected ''name = value'' or ''/''', problems)
+      call skip_item(list%text, at)
       return
     end if
-    entry%first_value = list%value_count + 1
+    call list%add(namelist_item(a_name, at, last, group))
+    number = list%count
     at = equals + 1
     comma = .true.
     do
       call skip_blanks(list%text, at)
       if (next_character(list%text, at) == ',') then
         ! A comma may stand behind the last value too; two in a row leave one out.
-        if (comma .and. .not. entry%is_broken) then
-          call problems%add_at_byte(list%text, at, 'a value is missing: found '','', expected ' // &
-                                    'a value of ' // quoted(list%text(entry%first:entry%last)))
-          entry%is_broken = .true.
-        end if
+        if (comma) call list%refuse(number, at, 'a value is missing: found '','', expected a ' // &
+                                    'value of ' // name, problems)
         comma = .true.
         at = at + 1
-        cycle
+      else if (value_stands(list%text, at)) then
+        call read_value(list, number, at, problems)
+        comma = .false.
+      else
+        exit
       end if
-      call read_value(list, entry, at, is_value, problems)
-      if (.not. is_value) exit
-      comma = .false.
     end do
-    entry%last_value = list%value_count
-    if (entry%last_value < entry%first_value .and. .not. entry%is_broken) then
-      call problems%add_at_byte(list%text, min(at, len(list%text) + 1), 'a value is missing: ' // &
-                                'found none, expected a value of ' // &
-                                quoted(list%text(entry%first:entry%last)))
-      entry%is_broken = .true.
-    end if
-    call grow_entries(list)
-    list%entry_count = list%entry_count + 1
-    list%entries(list%entry_count) = entry
-  end subroutine read_entry
+    list%items(number)%values = list%count - number
+    if (list%count == number) &
+      call list%refuse(number, at, 'a value is missing: found none, expected a value of ' // &
+                       name, problems)
+  end subroutine read_name
 
-  !> Tells why no `name =` stands at `entry%first` and steps over it.
-  pure subroutine complain_of_name(list, entry, equals, at, problems)
-    type(namelist_text), intent(in) :: list
-    type(namelist_entry), intent(in) :: entry
-    integer, intent(in) :: equals
-    integer, intent(inout) :: at
-    type(input_problems), intent(inout) :: problems
-    character(len=:), allocatable :: found
+  ! Whether a value begins at a place. None does at a slash, an ampersand, the end, or a name with
+  ! `=`.
+  pure logical function value_stands(text, at)
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: at
+    integer :: behind
 
-    found = quoted(list%text(at:max(at, word_end(list%text, at))))
-    if (entry%last >= entry%first .and. next_character(list%text, equals) == '(') then
-      call problems%add_at_byte(list%text, equals, 'an index is not read: found ''('', ' // &
-                                'expected ''='' and all values of ' // &
-                                quoted(list%text(entry%first:entry%last)))
-    else if (.not. list%groups(entry%group)%is_broken) then
-      call problems%add_at_byte(list%text, at, 'no name with values: found ' // found // &
-                                ', expected ''name = value'' or ''/''')
-    end if
-    call skip_item(list%text, at)
-  end subroutine complain_of_name
+    value_stands = .false.
+    if (scan(next_character(text, at), '/&=') > 0 .or. at > len(text)) return
+    behind = name_end(text, at) + 1
+    value_stands = behind == at
+    if (value_stands) return
+    call skip_blanks(text, behind)
+    value_stands = scan(next_character(text, behind), '=(') == 0
+  end function value_stands
 
-  !> Reads one value. There is none at a slash, an ampersand, the end, or a name with `=`.
-  pure subroutine read_value(list, entry, at, is_value, problems)
+  ! Reads one value of name number `name`; `at` is left behind it.
+  pure subroutine read_value(list, name, at, problems)
     type(namelist_text), intent(inout) :: list
-    type(namelist_entry), intent(inout) :: entry
+    integer, intent(in) :: name
     integer, intent(inout) :: at
-    logical, intent(out) :: is_value
-    type(input_problems), intent(inout) :: problems
-    type(namelist_value) :: value
-    integer :: behind, last
+    type(problem_list), intent(inout) :: problems
+    type(namelist_item) :: value
 
-    is_value = .false.
-    if (scan(next_character(list%text, at), '/&=') > 0 .or. at > len(list%text)) return
-    last = name_end(list%text, at)
-    behind = last + 1
-    call skip_blanks(list%text, behind)
-    if (last >= at .and. scan(next_character(list%text, behind), '=(') > 0) return
-    is_value = .true.
     call read_repeats(list%text, at, value%repeats)
-    if (value%repeats < 1 .or. scan(next_character(list%text, at), blanks // ',/=!&') > 0 .or. &
-        at > len(list%text)) then
+    if (value%repeats < 1 .or. scan(next_character(list%text, at), blanks // ',/=!&') > 0) then
       call problems%add_at_byte(list%text, at, 'a repeat count without a value, or not from 1 ' // &
                                 'to 999999999: expected ''count*value''')
-      entry%is_broken = .true.
+      list%items(name)%is_broken = .true.
     end if
-    if (scan(next_character(list%text, at), '''"') > 0) then
-      value%is_quoted = .true.
+    value%is_quoted = scan(next_character(list%text, at), '''"') > 0
+    if (value%is_quoted) then
       value%first = at + 1
       value%last = quote_end(list%text, at)
       if (value%last < at) then
         call problems%add_at_byte(list%text, at, 'a text has no end: found the end of the ' // &
                                   'line, expected a second ' // list%text(at:at))
-        entry%is_broken = .true.
+        list%items(name)%is_broken = .true.
         ! The lost part of the line may have held the group's end.
-        list%groups(entry%group)%is_broken = .true.
+        list%items(list%items(name)%group)%is_broken = .true.
         at = line_end(list%text, at) + 1
         return
       end if
@@ -282,12 +237,10 @@ contains
       value%last = word_end(list%text, at)
       at = value%last + 1
     end if
-    call grow_values(list)
-    list%value_count = list%value_count + 1
-    list%values(list%value_count) = value
+    call list%add(value)
   end subroutine read_value
 
-  !> Reads `count*` when it stands there, and steps over it.
+  ! Reads `count*` when it stands there, and steps over it. Too large a count becomes -1.
   pure subroutine read_repeats(text, at, repeats)
     character(len=*), intent(in) :: text
     integer, intent(inout) :: at
@@ -295,11 +248,7 @@ contains
     integer :: i, last
 
     repeats = 1
-    last = at - 1
-    do while (last < len(text))
-      if (scan(text(last + 1:last + 1), digits) == 0) exit
-      last = last + 1
-    end do
+    last = digits_end(text, at)
     if (last < at .or. next_character(text, last + 1) /= '*') return
     repeats = 0
     do i = at, last
@@ -312,37 +261,30 @@ contains
     at = last + 2
   end subroutine read_repeats
 
-  !> Room for one more group.
-  pure subroutine grow_groups(list)
-    type(namelist_text), intent(inout) :: list
-    type(namelist_group), allocatable :: larger(:)
+  ! Adds an item.
+  pure subroutine add(self, item)
+    class(namelist_text), intent(inout) :: self
+    type(namelist_item), intent(in) :: item
+    type(namelist_item), allocatable :: larger(:)
 
-    if (list%group_count < size(list%groups)) return
-    allocate (larger(2 * size(list%groups)))
-    larger(:size(list%groups)) = list%groups
-    call move_alloc(larger, list%groups)
-  end subroutine grow_groups
+    if (self%count == size(self%items)) then
+      allocate (larger(2 * self%count))
+      larger(:self%count) = self%items
+      call move_alloc(larger, self%items)
+    end if
+    self%count = self%count + 1
+    self%items(self%count) = item
+  end subroutine add
 
-  !> Room for one more name.
-  pure subroutine grow_entries(list)
-    type(namelist_text), intent(inout) :: list
-    type(namelist_entry), allocatable :: larger(:)
+  ! Tells a problem of an item, unless one has been told that may be its cause.
+  pure subroutine refuse(self, i, byte, message, problems)
+    class(namelist_text), intent(inout) :: self
+    integer, intent(in) :: i, byte
+    character(len=*), intent(in) :: message
+    type(problem_list), intent(inout) :: problems
 
-    if (list%entry_count < size(list%entries)) return
-    allocate (larger(2 * size(list%entries)))
-    larger(:size(list%entries)) = list%entries
-    call move_alloc(larger, list%entries)
-  end subroutine grow_entries
-
-  !> Room for one more value.
-  pure subroutine grow_values(list)
-    type(namelist_text), intent(inout) :: list
-    type(namelist_value), allocatable :: larger(:)
-
-    if (list%value_count < size(list%values)) return
-    allocate (larger(2 * size(list%values)))
-    larger(:size(list%values)) = list%values
-    call move_alloc(larger, list%values)
-  end subroutine grow_values
+    if (.not. self%items(i)%is_broken) call problems%add_at_byte(self%text, byte, message)
+    self%items(i)%is_broken = .true.
+  end subroutine refuse
 
 end module asperity_namelist_text

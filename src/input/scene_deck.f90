@@ -2,7 +2,6 @@
 module asperity_scene_deck
   use asperity_card_deck, only: card_deck, model_cards, parse_card_deck, read_card_deck
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_input_problems, only: add_lines
   use asperity_kinds, only: int64
   use asperity_numeral, only: decimal_sum, is_a_double
   use asperity_problems, only: decimal_text, problem_list
@@ -61,24 +60,23 @@ contains
                          target_scene%lower, found)
       target_scene%upper%slope = upper_slope
       target_scene%lower%slope = lower_slope
-      call convert(path, 3, 41, deck%lower_width, inch, target_scene%lower_mirror_width, found)
-      call thesis_sweep(path, deck, sweep, found)
+      call convert(3, 41, deck%lower_width, inch, target_scene%lower_mirror_width, found)
+      call thesis_sweep(deck, sweep, found)
     end if
-    call add_lines(found, problems)
+    call problems%append(found)
   end subroutine surfaces_from_deck
 
   !> The motion of the thesis, in cm. XDISPL and YDISPL are added, as the original's print says.
-  subroutine thesis_sweep(path, deck, sweep, problems)
-    character(len=*), intent(in) :: path
+  subroutine thesis_sweep(deck, sweep, problems)
     type(card_deck), intent(in) :: deck
     type(scene_motion), intent(out) :: sweep
     type(problem_list), intent(inout) :: problems
     type(decimal_value) :: shift
 
-    call convert(path, header_cards, 17, deck%x_displacement, inch, shift, problems)
+    call convert(header_cards, 17, deck%x_displacement, inch, shift, problems)
     sweep%x_first = decimal_sum(thesis_step, shift)
     sweep%x_step = thesis_step
-    call convert(path, header_cards, 24, deck%y_displacement, inch, shift, problems)
+    call convert(header_cards, 24, deck%y_displacement, inch, shift, problems)
     sweep%y_first = shift
     sweep%positions = thesis_positions
   end subroutine thesis_sweep
@@ -94,17 +92,17 @@ contains
     integer :: i
 
     surface%file = path
-    call convert(path, header, 6, model%radius, inch, radius, problems)
-    call convert(path, header, 16, model%elastic_modulus, psi, surface%elastic_modulus, problems)
+    call convert(header, 6, model%radius, inch, radius, problems)
+    call convert(header, 16, model%elastic_modulus, psi, surface%elastic_modulus, problems)
     surface%poisson_ratio = model%poisson_ratio
     surface%rotation = model%angle
     allocate (surface%exact_x(model%number), surface%exact_y(model%number), &
               surface%exact_height(model%number), surface%exact_radius(model%number))
     surface%exact_radius = radius
     do i = 1, model%number
-      call convert(path, before + i, 1, model%x(i), inch, surface%exact_x(i), problems)
-      call convert(path, before + i, 7, model%y(i), inch, surface%exact_y(i), problems)
-      call convert(path, before + i, 13, model%z(i), inch, surface%exact_height(i), problems)
+      call convert(before + i, 1, model%x(i), inch, surface%exact_x(i), problems)
+      call convert(before + i, 7, model%y(i), inch, surface%exact_y(i), problems)
+      call convert(before + i, 13, model%z(i), inch, surface%exact_height(i), problems)
     end do
     surface%x = decimal_to_real64(surface%exact_x)
     surface%y = decimal_to_real64(surface%exact_y)
@@ -113,8 +111,7 @@ contains
   end subroutine convert_model
 
   !> Multiplies by a unit, exactly. A card's field has at most 10 digits, so nothing overflows.
-  subroutine convert(path, line, column, value, unit, converted, problems)
-    character(len=*), intent(in) :: path
+  subroutine convert(line, column, value, unit, converted, problems)
     integer, intent(in) :: line, column
     type(decimal_value), intent(in) :: value, unit
     type(decimal_value), intent(out) :: converted
@@ -122,7 +119,7 @@ contains
 
     converted = decimal_value(value%digits * unit%digits, value%exponent + unit%exponent)
     if (is_a_double(converted)) return
-    call problems%add_at(path, line, column, 'a number beyond the range of a double when ' // &
+    call problems%add_at(line, column, 'a number beyond the range of a double when ' // &
                          'converted: found exponent ' // decimal_text(value%exponent) // &
                          ', expected a number of ordinary size')
     converted = decimal_value()

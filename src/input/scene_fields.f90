@@ -5,63 +5,61 @@
 !> tells a problem, with its place, when what stands there is not what is expected.
 module asperity_scene_fields
   use asperity_decimal, only: decimal_value
-  use asperity_input_problems, only: input_problems, lower_case, quoted
+  use asperity_input_text, only: check_text, lower_case, quoted
   use asperity_kinds, only: int64
-  use asperity_namelist_text, only: namelist_entry
-  use asperity_number_ranges, only: above_zero, any_number, expected_numbers, in_range, &
-                                    not_negative, poisson_range, share
+  use asperity_namelist_text, only: namelist_text, parse_namelist
+  use asperity_number_ranges, only: expected_numbers, in_range
   use asperity_numeral, only: read_numeral, read_whole_number
-  use asperity_problems, only: decimal_text
-  use asperity_scene_names, only: name_table, one_of, place_in
-  use asperity_scene_places, only: scene_places
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_scene_names, only: find_names, known_name, one_of
   implicit none
   private
 
   public :: scene_fields, read_fields
-  public :: any_number, above_zero, share, poisson_range, not_negative
 
   !> The text of a scene, sorted into the groups and names that are known.
   type :: scene_fields
     private
-    type(scene_places) :: places              ! where they stand
+    type(namelist_text) :: list                  ! groups, names and values in their order
+    type(known_name), allocatable :: known(:)    ! where those that are known stand in it
+    logical, public :: is_text = .false.         !! otherwise nothing is to be taken from it
     logical, public :: surfaces_given = .false.  !! as arrays, beside the text
-    type(input_problems), public :: problems  !! what is wrong with the scene
+    type(problem_list), public :: problems       !! what is wrong with the scene
   contains
-    !> Whether a group stands in the scene.
-    procedure :: has_group
-    !> Whether a name stands in the scene, be its values good or not.
-    procedure :: has
-    !> How many values stand at a name, repeated ones counted.
-    procedure :: value_count
-    !> Takes numbers, as many as there are places for them.
-    procedure :: take_numbers
-    !> Takes two numbers, or one that serves twice.
-    procedure :: take_pair
-    !> Takes one number.
-    procedure :: take_number
-    !> Takes one whole number of a given range.
-    procedure :: take_whole
-    !> Takes one text between quotes.
-    procedure :: take_text
-    !> Takes one of several words between quotes, as its number.
-    procedure :: take_word
-    !> Tells a problem at a group, or at the table's first when that does not stand there.
-    procedure :: complain_of_group
-    !> Tells a problem at a name that stands in the scene.
-    procedure :: complain_of
+    procedure :: has_group          !! whether a group stands in the scene
+    procedure :: has                !! whether a name stands there, be its values good or not
+    procedure :: value_count        !! how many values stand at a name, repeated ones counted
+    procedure :: take_numbers       !! takes numbers, as many as there are places for them
+    procedure :: take_pair          !! takes two numbers, or one that serves twice
+    procedure :: take_number        !! takes one number
+    procedure :: take_whole         !! takes one whole number of a given range
+    procedure :: take_text          !! takes one text between quotes
+    procedure :: take_word          !! takes one of several words between quotes, as its number
+    procedure :: complain_of_group  !! tells a problem at a group
+    procedure :: complain_of        !! tells a problem at a name that stands in the scene
+    procedure :: require            !! tells that a name is missing
+    procedure, private :: item_of
+    procedure, private :: values_of
+    procedure, private :: refuse_value
   end type scene_fields
 
 contains
 
   !> Sorts the text of a scene; what is unknown or stands twice is told.
-  subroutine read_fields(file, text, fields, table)
+  subroutine read_fields(file, text, kind, table, fields)
     character(len=*), intent(in) :: file       !! name for the messages
     character(len=*), intent(in) :: text       !! the whole scene
+    character(len=*), intent(in) :: kind       !! what it should be, for a message
+    type(known_name), intent(in) :: table(:)   !! what is known
     type(scene_fields), intent(out) :: fields  !! its values and problems
-    type(name_table), intent(in), optional :: table  !! what is known; the scene's by default
 
+    fields%known = table
     call fields%problems%start(file)
-    call fields%places%sort(text, fields%problems, table)
+    call check_text(text, kind, fields%problems)
+    fields%is_text = fields%problems%count() == 0
+    if (.not. fields%is_text) return
+    call parse_namelist(text, fields%list, fields%problems)
+    call find_names(fields%list, fields%known, fields%problems)
   end subroutine read_fields
 
   !> Whether a group stands in the scene.
@@ -69,7 +67,7 @@ contains
     class(scene_fields), intent(in) :: self  !! the scene's text
     character(len=*), intent(in) :: group    !! a known group
 
-    has_group = self%places%has_group(group)
+    has_group = any(self%known%group == group .and. self%known%group_at > 0)
   end function has_group
 
   !> Whether a name stands in the scene, be its values good or not.
@@ -78,7 +76,7 @@ contains
     character(len=*), intent(in) :: group    !! a known group
     character(len=*), intent(in) :: name     !! a known name of it
 
-    has = self%places%has(group, name)
+    has = self%item_of(group, name) > 0
   end function has
 
   !> How many values stand at a name, repeated ones counted; 0 when it does not stand there.
@@ -86,14 +84,10 @@ contains
     class(scene_fields), intent(in) :: self  !! the scene's text
     character(len=*), intent(in) :: group    !! a known group
     character(len=*), intent(in) :: name     !! a known name of it
-    integer(int64) :: there
 
     value_count = 0
-    if (.not. self%has(group, name)) return
-    associate (entry => self%places%entry_of(group, name))
-      there = sum(int(self%places%list%values(entry%first_value:entry%last_value)%repeats, int64))
-    end associate
-    value_count = int(min(there, int(huge(1), int64)))
+    if (self%has(group, name)) &
+      value_count = int(min(values_at(self%list, self%item_of(group, name)), int(huge(1), int64)))
   end function value_count
 
   !> Takes two numbers, or one that serves twice.
@@ -120,22 +114,21 @@ contains
     integer, intent(in) :: range                      !! `any_number` or another range
     type(decimal_value), intent(inout) :: values(:)   !! the numbers
     type(decimal_value) :: value
-    integer :: i, used, repeats
+    integer :: i, at, used, repeats
     logical :: good
 
-    if (.not. has_count(self, group, name, size(values))) return
+    at = self%values_of(group, name, size(values))
+    if (at == 0) return
     used = 0
-    associate (entry => self%places%entry_of(group, name))
-      do i = entry%first_value, entry%last_value
-        call read_numeral(self%places%list%value_text(i), value, good)
-        good = good .and. .not. self%places%list%values(i)%is_quoted
-        if (good) good = in_range(value, range)
-        if (.not. good) call complain_of_value(self, name, i, trim(expected_numbers(range)))
-        repeats = self%places%list%values(i)%repeats
-        values(used + 1:used + repeats) = value
-        used = used + repeats
-      end do
-    end associate
+    do i = at + 1, at + self%list%items(at)%values
+      call read_numeral(self%list%value_text(i), value, good)
+      good = good .and. .not. self%list%items(i)%is_quoted
+      if (good) good = in_range(value, range)
+      if (.not. good) call self%refuse_value(name, i, trim(expected_numbers(range)))
+      repeats = self%list%items(i)%repeats
+      values(used + 1:used + repeats) = value
+      used = used + repeats
+    end do
   end subroutine take_numbers
 
   !> Takes one number.
@@ -160,19 +153,17 @@ contains
     integer, intent(in) :: least                !! smallest number allowed
     integer, intent(in) :: most                 !! largest number allowed
     integer, intent(inout) :: value             !! the number
-    type(namelist_entry) :: entry
-    integer :: i, found
+    integer :: at, found
     logical :: good
 
-    if (.not. has_count(self, group, name, 1)) return
-    entry = self%places%entry_of(group, name)
-    i = entry%first_value
-    call read_whole_number(self%places%list%value_text(i), found, good)
+    at = self%values_of(group, name, 1)
+    if (at == 0) return
+    call read_whole_number(self%list%value_text(at + 1), found, good)
     if (good .and. found >= least .and. found <= most .and. &
-        .not. self%places%list%values(i)%is_quoted) then
+        .not. self%list%items(at + 1)%is_quoted) then
       value = found
     else
-      call complain_of_value(self, name, i, 'a whole number from ' // decimal_text(least) // &
+      call self%refuse_value(name, at + 1, 'a whole number from ' // decimal_text(least) // &
                              ' to ' // decimal_text(most))
     end if
   end subroutine take_whole
@@ -183,17 +174,14 @@ contains
     character(len=*), intent(in) :: group                  !! a known group
     character(len=*), intent(in) :: name                   !! a known name of it
     character(len=:), allocatable, intent(inout) :: text   !! the text
-    type(namelist_entry) :: entry
-    integer :: i
+    integer :: at
 
-    if (.not. has_count(self, group, name, 1)) return
-    entry = self%places%entry_of(group, name)
-    i = entry%first_value
-    if (self%places%list%values(i)%is_quoted .and. &
-        len_trim(self%places%list%value_text(i)) > 0) then
-      text = trim(self%places%list%value_text(i))
+    at = self%values_of(group, name, 1)
+    if (at == 0) return
+    if (self%list%items(at + 1)%is_quoted .and. self%list%value_text(at + 1) /= '') then
+      text = trim(self%list%value_text(at + 1))
     else
-      call complain_of_value(self, name, i, 'a text between quotes')
+      call self%refuse_value(name, at + 1, 'a text between quotes')
     end if
   end subroutine take_text
 
@@ -204,32 +192,31 @@ contains
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: words(:)    !! the words
     integer, intent(inout) :: number            !! which of them; 0 when refused
-    character(len=:), allocatable :: word
-    type(namelist_entry) :: entry
-    integer :: i, found
+    integer :: at
 
     if (.not. self%has(group, name)) return
     number = 0
-    if (.not. has_count(self, group, name, 1)) return
-    entry = self%places%entry_of(group, name)
-    i = entry%first_value
-    found = 0
-    word = trim(lower_case(self%places%list%value_text(i)))
-    if (self%places%list%values(i)%is_quoted) found = place_in(words, word)
-    if (found > 0) then
-      number = found
-      return
-    end if
-    call complain_of_value(self, name, i, one_of(words))
+    at = self%values_of(group, name, 1)
+    if (at == 0) return
+    if (self%list%items(at + 1)%is_quoted) &
+      number = findloc(words == lower_case(self%list%value_text(at + 1)), .true., 1)
+    if (number == 0) &
+      call self%refuse_value(name, at + 1, one_of(words))
   end subroutine take_word
 
-  !> Tells a problem at a group, or at the table's first when that does not stand there.
+  !> Tells a problem at a group, or at &surfaces when that group does not stand there, or at the
+  !> first byte of the text.
   subroutine complain_of_group(self, group, message)
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
+    integer :: at, byte
 
-    call self%problems%add_at_byte(self%places%list%text, self%places%group_byte(group), message)
+    at = maxval(self%known%group_at, self%known%group == group)
+    if (at == 0) at = maxval(self%known%group_at, self%known%group == 'surfaces')
+    byte = 1
+    if (at > 0) byte = self%list%items(at)%first - 1
+    call self%problems%add_at_byte(self%list%text, byte, message)
   end subroutine complain_of_group
 
   !> Tells a problem at a name that stands in the scene.
@@ -238,48 +225,76 @@ contains
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
-    type(namelist_entry) :: entry
 
-    entry = self%places%entry_of(group, name)
-    call self%problems%add_at_byte(self%places%list%text, entry%first, name // ': ' // message)
+    call self%problems%add_at_byte(self%list%text, &
+         self%list%items(self%item_of(group, name))%first, name // ': ' // message)
   end subroutine complain_of
 
-  !> Whether a name stands in the scene with so many values; another count is told.
-  logical function has_count(self, group, name, wanted)
+  !> Tells that a name does not stand in the scene.
+  subroutine require(self, group, name, expected)
+    class(scene_fields), intent(inout) :: self  !! the scene's text
+    character(len=*), intent(in) :: group       !! a known group
+    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: expected    !! what is, for instance `one`
+
+    if (.not. self%has(group, name)) &
+      call self%complain_of_group(group, 'no ' // name // ' in &' // group // ', expected ' // &
+                                  expected)
+  end subroutine require
+
+  ! Number of a name's item in the text; 0 when the name does not stand there.
+  pure integer function item_of(self, group, name)
+    class(scene_fields), intent(in) :: self
+    character(len=*), intent(in) :: group, name
+
+    item_of = sum(self%known%at, self%known%group == group .and. self%known%name == name)
+  end function item_of
+
+  ! Number of a name's item when it has so many values, which follow it; else 0, and another count
+  ! is told.
+  integer function values_of(self, group, name, wanted) result(at)
     class(scene_fields), intent(inout) :: self
     character(len=*), intent(in) :: group, name
     integer, intent(in) :: wanted
     integer(int64) :: there
     character(len=20) :: digits
 
-    has_count = .false.
-    if (.not. self%has(group, name)) return
-    associate (entry => self%places%entry_of(group, name))
-      if (entry%is_broken) return
-      there = sum(int(self%places%list%values(entry%first_value:entry%last_value)%repeats, int64))
-    end associate
-    has_count = there == int(wanted, int64)
-    if (has_count) return
-    write (digits, '(i0)') there
-    call self%complain_of(group, name, 'wrong number of values: found ' // trim(digits) // &
-                          ', expected ' // decimal_text(wanted))
-  end function has_count
+    at = self%item_of(group, name)
+    if (at == 0) return
+    there = values_at(self%list, at)
+    if (there == int(wanted, int64) .and. .not. self%list%items(at)%is_broken) return
+    if (.not. self%list%items(at)%is_broken) then
+      write (digits, '(i0)') there
+      call self%complain_of(group, name, 'wrong number of values: found ' // trim(digits) // &
+                            ', expected ' // decimal_text(wanted))
+    end if
+    at = 0
+  end function values_of
 
-  subroutine complain_of_value(self, name, i, expected)
+  ! How many values stand at a name's item, repeated ones counted.
+  pure integer(int64) function values_at(list, at)
+    type(namelist_text), intent(in) :: list
+    integer, intent(in) :: at
+
+    values_at = sum(int(list%items(at + 1:at + list%items(at)%values)%repeats, int64))
+  end function values_at
+
+  ! Tells that value number `i` is none of those that are expected.
+  subroutine refuse_value(self, name, i, expected)
     class(scene_fields), intent(inout) :: self
     character(len=*), intent(in) :: name, expected
     integer, intent(in) :: i
     integer :: first
     character(len=:), allocatable :: found
 
-    first = self%places%list%values(i)%first
-    found = quoted(self%places%list%value_text(i))
-    if (self%places%list%values(i)%is_quoted) then
+    first = self%list%items(i)%first
+    found = quoted(self%list%value_text(i))
+    if (self%list%items(i)%is_quoted) then
       first = first - 1
       found = 'the text ' // found
     end if
-    call self%problems%add_at_byte(self%places%list%text, first, &
+    call self%problems%add_at_byte(self%list%text, first, &
                                    name // ': found ' // found // ', expected ' // expected)
-  end subroutine complain_of_value
+  end subroutine refuse_value
 
 end module asperity_scene_fields

@@ -1,145 +1,118 @@
-!> The groups and names that a scene knows, and what any such table answers.
+!> The groups and names that a scene or another file of its form knows, and where they stand in one.
 module asperity_scene_names
   use asperity_effect_names, only: effect_numbers, known_effects
-  use asperity_input_problems, only: quoted
+  use asperity_input_text, only: quoted
+  use asperity_namelist_text, only: a_group, a_name, namelist_text
+  use asperity_problems, only: problem_list
   implicit none
   private
 
-  public :: known_name, name_table, scene_table
-  public :: place_in, or_comma, one_of
+  public :: known_name, in_group, scene_table, find_names, any_of, one_of
 
-  ! The groups of a scene.
-  character(len=*), parameter :: groups(7) = [character(len=8) :: &
-    'surfaces', 'material', 'motion', 'tilt', 'loading', 'limit', 'effects']
-
-  !> One name and its group.
+  !> One name and its group. An array of them, the names of a group one behind the other, is what a
+  !> kind of file knows.
   type :: known_name
     character(len=8) :: group = ''   !! its group
     character(len=21) :: name = ''   !! the name
+    integer :: group_at = 0          !! item of the file's text; 0 when the group is not there
+    integer :: at = 0                !! item of the file's text; 0 when the name is not there
   end type known_name
-
-  !> What a kind of file knows.
-  type :: name_table
-    character(len=8), allocatable :: groups(:)      !! its groups
-    type(known_name), allocatable :: names(:)       !! all names
-  contains
-    !> Number of a name among all known ones.
-    procedure :: number_of
-    !> All groups, for a message.
-    procedure :: group_names
-    !> All names of a group, for a message.
-    procedure :: names_of
-  end type name_table
-
-  ! The names of a scene but those of &effects; a new one needs a line here and one in the reader.
-  type(known_name), parameter :: names(*) = [ &
-    known_name('surfaces', 'deck'), known_name('surfaces', 'upper'), &
-    known_name('surfaces', 'lower'), known_name('surfaces', 'radius'), &
-    known_name('material', 'elastic_modulus'), known_name('material', 'poisson_ratio'), &
-    known_name('motion', 'x_first'), known_name('motion', 'x_step'), &
-    known_name('motion', 'y_first'), known_name('motion', 'y_step'), &
-    known_name('motion', 'positions'), &
-    known_name('tilt', 'upper_slope'), known_name('tilt', 'lower_slope'), &
-    known_name('tilt', 'rotation'), &
-    known_name('loading', 'control'), known_name('loading', 'value'), &
-    known_name('loading', 'points'), &
-    known_name('limit', 'criterion'), known_name('limit', 'value'), &
-    known_name('limit', 'hardness'), known_name('limit', 'yield_stress')]
 
 contains
 
-  !> The table of a scene.
-  pure function scene_table() result(table)
-    type(name_table) :: table  !! its groups and names
-    integer :: i, own, with_effects
+  !> A name, or several, of a group.
+  elemental type(known_name) function in_group(group, name)
+    character(len=*), intent(in) :: group  !! the group
+    character(len=*), intent(in) :: name   !! the name
 
-    own = size(names)
-    with_effects = own + size(known_effects)
-    allocate (table%groups(size(groups)), table%names(with_effects + size(effect_numbers)))
-    table%groups = groups
-    table%names(:own) = names
-    do i = 1, size(known_effects)
-      table%names(own + i) = known_name('effects', known_effects(i)%name)
-    end do
-    do i = 1, size(effect_numbers)
-      table%names(with_effects + i) = known_name('effects', effect_numbers(i)%name)
-    end do
+    in_group = known_name(group, name)
+  end function in_group
+
+  !> What a scene knows; a new name needs its place here and a line in the reader. Those of &effects
+  !> stand in `asperity_effect_names`.
+  pure function scene_table() result(table)
+    type(known_name), allocatable :: table(:)  !! all names
+
+    table = [in_group('surfaces', [character(len=6) :: 'deck', 'upper', 'lower', 'radius']), &
+             in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio']), &
+             in_group('motion', [character(len=9) :: 'x_first', 'x_step', 'y_first', 'y_step', &
+                                 'positions']), &
+             in_group('tilt', [character(len=11) :: 'upper_slope', 'lower_slope', 'rotation']), &
+             in_group('loading', [character(len=7) :: 'control', 'value', 'points']), &
+             in_group('limit', [character(len=12) :: 'criterion', 'value', 'hardness', &
+                                'yield_stress']), &
+             in_group('effects', known_effects%name), in_group('effects', effect_numbers%name)]
   end function scene_table
 
-  !> Number of a name among all known ones; 0 when the group has none such.
-  pure integer function number_of(self, group, name)
-    class(name_table), intent(in) :: self  !! the table
-    character(len=*), intent(in) :: group  !! a group
-    character(len=*), intent(in) :: name   !! a name, known or not
+  !> Finds where the known names stand in a text. What is unknown or stands twice is told; of what
+  !> stands twice the first one counts.
+  pure subroutine find_names(list, known, problems)
+    type(namelist_text), intent(in) :: list        !! the text
+    type(known_name), intent(inout) :: known(:)    !! gets the items of names and groups
+    type(problem_list), intent(inout) :: problems  !! all that is wrong
+    character(len=:), allocatable :: group, name
+    integer :: i, k
 
-    do number_of = size(self%names), 1, -1
-      if (self%names(number_of)%group == group .and. self%names(number_of)%name == name) exit
+    do i = 1, list%count
+      if (list%items(i)%kind /= a_group) cycle
+      name = list%name_text(i)
+      if (name == '') cycle
+      if (all(known%group /= name)) then
+        call problems%add_at_byte(list%text, list%items(i)%first - 1, 'unknown group: found ' // &
+             quoted('&' // name) // ', expected ' // &
+             any_of(pack(known%group, known%group /= eoshift(known%group, -1)), before='&'))
+      else if (any(known%group == name .and. known%group_at > 0)) then
+        call problems%add_at_byte(list%text, list%items(i)%first - 1, 'group &' // name // &
+                                  ' stands twice, expected once')
+      else
+        where (known%group == name) known%group_at = i
+      end if
     end do
-  end function number_of
-
-  !> Place of a word in a list; 0 when it is not there.
-  pure integer function place_in(words, word)
-    character(len=*), intent(in) :: words(:)  !! the list
-    character(len=*), intent(in) :: word      !! the word
-
-    do place_in = size(words), 1, -1
-      if (words(place_in) == word) exit
+    do i = 1, list%count
+      if (list%items(i)%kind /= a_name) cycle
+      group = list%name_text(list%items(i)%group)
+      if (all(known%group /= group)) cycle
+      name = list%name_text(i)
+      k = findloc(known%group == group .and. known%name == name, .true., 1)
+      if (k == 0) then
+        call problems%add_at_byte(list%text, list%items(i)%first, 'unknown name in &' // group // &
+             ': found ' // quoted(name) // ', expected ' // &
+             any_of(pack(known%name, known%group == group)))
+      else if (known(k)%group_at /= list%items(i)%group) then
+        cycle
+      else if (known(k)%at > 0) then
+        call problems%add_at_byte(list%text, list%items(i)%first, name // ' stands twice in &' // &
+                                  group // ', expected once')
+      else
+        known(k)%at = i
+      end if
     end do
-  end function place_in
+  end subroutine find_names
 
-  !> `&surfaces, &material ... or &effects`.
-  pure function group_names(self) result(text)
-    class(name_table), intent(in) :: self  !! the table
-    character(len=:), allocatable :: text  !! for a message
+  !> `x_first, x_step or positions`, each between two marks when these are given.
+  pure function any_of(words, before, behind) result(text)
+    character(len=*), intent(in) :: words(:)         !! at least one
+    character(len=*), intent(in), optional :: before !! stands before each word
+    character(len=*), intent(in), optional :: behind !! stands behind each word
+    character(len=:), allocatable :: text            !! for a message
     integer :: i
 
-    text = '&' // trim(self%groups(1))
-    do i = 2, size(self%groups)
-      text = text // or_comma(i, size(self%groups)) // '&' // trim(self%groups(i))
-    end do
-  end function group_names
-
-  !> `x_first, x_step ... or positions`.
-  pure function names_of(self, group) result(text)
-    class(name_table), intent(in) :: self  !! the table
-    character(len=*), intent(in) :: group  !! a known group
-    character(len=:), allocatable :: text  !! for a message
-    integer :: i, total, used
-
-    total = 0
-    do i = 1, size(self%names)
-      if (self%names(i)%group == group) total = total + 1
-    end do
     text = ''
-    used = 0
-    do i = 1, size(self%names)
-      if (self%names(i)%group /= group) cycle
-      used = used + 1
-      if (used > 1) text = text // or_comma(used, total)
-      text = text // trim(self%names(i)%name)
+    do i = 1, size(words)
+      if (i > 1 .and. i < size(words)) text = text // ', '
+      if (i > 1 .and. i == size(words)) text = text // ' or '
+      if (present(before)) text = text // before
+      text = text // trim(words(i))
+      if (present(behind)) text = text // behind
     end do
-  end function names_of
-
-  !> What stands before item `i` of `total` in a list.
-  pure function or_comma(i, total) result(text)
-    integer, intent(in) :: i      !! place in the list, from 2
-    integer, intent(in) :: total  !! length of the list
-    character(len=:), allocatable :: text  !! for a message
-
-    text = ', '
-    if (i == total) text = ' or '
-  end function or_comma
+  end function any_of
 
   !> `'off', 'on' or 'auto'`.
   pure function one_of(words) result(text)
     character(len=*), intent(in) :: words(:)  !! at least one
     character(len=:), allocatable :: text     !! for a message
-    integer :: i
 
-    text = quoted(trim(words(1)))
-    do i = 2, size(words)
-      text = text // or_comma(i, size(words)) // quoted(trim(words(i)))
-    end do
+    text = any_of(words, before='''', behind='''')
   end function one_of
 
 end module asperity_scene_names

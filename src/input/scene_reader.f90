@@ -1,14 +1,15 @@
 !> Reads a scene, or a card deck in its place: text in, checked values or a list of problems out.
 module asperity_scene_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_files, only: read_whole_file
-  use asperity_input_problems, only: add_lines, binary_byte, text_start
+  use asperity_input_text, only: blanks, read_text, text_start
   use asperity_kinds, only: int64, real64
+  use asperity_namelist_cursor, only: next_character, skip_blanks
+  use asperity_number_ranges, only: above_zero, any_number, not_negative, poisson_range
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_effects, only: read_effects
-  use asperity_scene_fields, only: above_zero, any_number, not_negative, poisson_range, &
-                                   read_fields, scene_fields
+  use asperity_scene_fields, only: read_fields, scene_fields
+  use asperity_scene_names, only: scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
   use asperity_scene_values, only: control_limit, control_load, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &
@@ -32,14 +33,11 @@ contains
     character(len=*), intent(in) :: path         !! the file
     type(scene), intent(out) :: checked          !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong, in all files it names
-    character(len=:), allocatable :: text, failure
+    character(len=:), allocatable :: text
 
-    call read_whole_file(path, text, failure)
-    if (allocated(failure)) then
-      ! The failure begins with the path; a problem of a file names a line and a column as well.
-      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // &
-                           ', expected a scene or a card deck')
-    else if (is_scene(text)) then
+    call read_text(path, 'a scene or a card deck', text, problems)
+    if (problems%count() > 0) return
+    if (is_scene(text)) then
       call parse_scene(path, text, checked, problems)
     else
       call deck_as_scene(path, text, checked, problems)
@@ -55,8 +53,8 @@ contains
     type(scene_fields) :: fields
 
     checked%file = path
-    call read_fields(path, text, fields)
-    call read_groups(path, text, fields, checked, problems)
+    call read_fields(path, text, 'a scene', scene_table(), fields)
+    call read_groups(fields, checked, problems)
   end subroutine parse_scene
 
   !> Makes a scene of two surfaces in memory. `text` has the groups of a scene but `&surfaces`, for
@@ -72,21 +70,20 @@ contains
     checked%file = 'scene'
     checked%upper = upper
     checked%lower = lower
-    call read_fields(checked%file, text, fields)
+    call read_fields(checked%file, text, 'a scene', scene_table(), fields)
     fields%surfaces_given = .true.
-    call read_groups(checked%file, text, fields, checked, problems)
+    call read_groups(fields, checked, problems)
   end subroutine build_scene
 
   !> All groups, in the order in which they need each other.
-  subroutine read_groups(path, text, fields, checked, problems)
-    character(len=*), intent(in) :: path, text
+  subroutine read_groups(fields, checked, problems)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: problems
     type(problem_list) :: other_files
 
-    if (binary_byte(text) == 0) then
-      call read_surfaces(path, fields, checked, other_files)
+    if (fields%is_text) then
+      call read_surfaces(checked%file, fields, checked, other_files)
       call read_material(fields, checked)
       call read_motion(fields, checked%motion)
       call read_tilt(fields, checked)
@@ -95,8 +92,8 @@ contains
       call read_effects(fields, checked)
       call check_states(fields, checked)
     end if
-    call fields%problems%hand_over(problems)
-    call add_lines(other_files, problems)
+    call problems%append(fields%problems)
+    call problems%append(other_files)
   end subroutine read_groups
 
   !> A deck in the place of a scene is the thesis' sweep over it.
@@ -108,8 +105,8 @@ contains
     integer :: last
 
     checked%file = path
-    if (verify(text, ' ' // achar(9) // achar(10) // achar(13)) == 0) then
-      call problems%add_at(path, 1, 1, 'the file is empty, expected a scene or a card deck')
+    if (verify(text, blanks) == 0) then
+      call problems%add_at(1, 1, 'the file is empty, expected a scene or a card deck')
       return
     end if
     call surfaces_from_deck(path, checked, sweep, problems, text)
@@ -117,29 +114,18 @@ contains
     ! The first card of a deck is two words; this looks like something else.
     last = index(text // new_line('a'), new_line('a')) - 1
     if (problems%count() > 0 .and. scan(text(:last), '=,') > 0) &
-      call problems%add_at(path, 1, 1, 'read as a card deck, as the first character is not ' // &
+      call problems%add_at(1, 1, 'read as a card deck, as the first character is not ' // &
                            '''&'': a scene begins with a group, as in &surfaces')
   end subroutine deck_as_scene
 
-  !> Whether a text is a scene: what comes first, comments left out, is `&`, or is nothing.
+  !> Whether a text is a scene: it begins with `&`, comments left out, or is nothing but comments.
   pure logical function is_scene(text)
     character(len=*), intent(in) :: text
     integer :: at
-    logical :: in_comment, comment_seen
 
-    in_comment = .false.
-    comment_seen = .false.
-    do at = text_start(text), len(text)
-      if (text(at:at) == achar(10)) in_comment = .false.
-      if (text(at:at) == '!') then
-        in_comment = .true.
-        comment_seen = .true.
-      end if
-      if (in_comment .or. scan(text(at:at), ' ' // achar(9) // achar(10) // achar(13)) > 0) cycle
-      is_scene = text(at:at) == '&'
-      return
-    end do
-    is_scene = comment_seen
+    at = text_start(text)
+    call skip_blanks(text, at)
+    is_scene = next_character(text, at) == '&' .or. (at > len(text) .and. index(text, '!') > 0)
   end function is_scene
 
   !> Group &material. A deck brings its own; CSV files do not.

@@ -1,11 +1,11 @@
 !> Group &surfaces of a scene: a card deck, or two CSV files.
 module asperity_scene_surfaces
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_input_problems, only: add_lines
   use asperity_kinds, only: int64, real64
+  use asperity_number_ranges, only: above_zero
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
-  use asperity_scene_fields, only: above_zero, scene_fields
+  use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: scene, scene_motion, scene_surface
   use asperity_surface_csv, only: read_surface_csv, surface_table
   implicit none
@@ -65,8 +65,12 @@ contains
     upper_has_radius = .true.
     lower_has_radius = .true.
     call fields%take_numbers('surfaces', 'radius', above_zero, radius)
-    if (allocated(upper)) call read_one(upper, radius(1), checked%upper, upper_has_radius)
-    if (allocated(lower)) call read_one(lower, radius(2), checked%lower, lower_has_radius)
+    if (allocated(upper)) &
+      call surface_from_csv(beside(path, upper), radius(1), checked%upper, upper_has_radius, &
+                            other_files)
+    if (allocated(lower)) &
+      call surface_from_csv(beside(path, lower), radius(2), checked%lower, lower_has_radius, &
+                            other_files)
     if (.not. fields%has('surfaces', 'radius')) then
       if (.not. (upper_has_radius .and. lower_has_radius)) &
         call fields%complain_of_group('surfaces', 'no radius: found no radius column in the ' // &
@@ -79,19 +83,6 @@ contains
     end if
 
   contains
-
-    subroutine read_one(name, common, surface, has_radius)
-      character(len=*), intent(in) :: name
-      type(decimal_value), intent(in) :: common
-      type(scene_surface), intent(inout) :: surface
-      logical, intent(out) :: has_radius
-
-      if (common%digits > 0_int64) then
-        call surface_from_csv(beside(path, name), surface, has_radius, other_files, common)
-      else
-        call surface_from_csv(beside(path, name), surface, has_radius, other_files)
-      end if
-    end subroutine read_one
 
     pure function which(upper_has, lower_has) result(text)
       logical, intent(in) :: upper_has, lower_has
@@ -114,22 +105,22 @@ contains
                               'surfaces from CSV files')
   end subroutine refuse_beside_deck
 
-  !> Fills the numbers of one surface from a CSV file.
-  subroutine surface_from_csv(path, surface, has_radius, problems, common_radius)
+  !> Fills the numbers of one surface from a CSV file; a common radius of 0 is none.
+  subroutine surface_from_csv(path, common_radius, surface, has_radius, problems)
     character(len=*), intent(in) :: path
+    type(decimal_value), intent(in) :: common_radius
     type(scene_surface), intent(inout) :: surface
     logical, intent(out) :: has_radius
     type(problem_list), intent(inout) :: problems
-    type(decimal_value), intent(in), optional :: common_radius
     type(surface_table) :: table
     type(problem_list) :: found
 
-    if (present(common_radius)) then
+    if (common_radius%digits > 0_int64) then
       call read_surface_csv(path, table, found, decimal_to_real64(common_radius))
     else
       call read_surface_csv(path, table, found)
     end if
-    call add_lines(found, problems)
+    call problems%append(found)
     surface%file = path
     ! A file that could not be read shall not be blamed for a missing radius too.
     has_radius = table%has_radius .or. found%count() > 0

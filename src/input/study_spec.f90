@@ -4,15 +4,14 @@
 !> &material and &study.
 module asperity_study_spec
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_files, only: read_whole_file
   use asperity_generation_spec, only: generation_table, take_generation
   use asperity_generation_values, only: generation_spec
-  use asperity_input_problems, only: binary_byte, input_problems
+  use asperity_input_text, only: read_text
   use asperity_kinds, only: real64
+  use asperity_number_ranges, only: above_zero, any_number, poisson_range, share
   use asperity_problems, only: problem_list
-  use asperity_scene_fields, only: above_zero, any_number, poisson_range, read_fields, &
-                                   scene_fields, share
-  use asperity_scene_names, only: known_name, name_table
+  use asperity_scene_fields, only: read_fields, scene_fields
+  use asperity_scene_names, only: in_group, known_name
   implicit none
   private
 
@@ -76,73 +75,45 @@ contains
     type(study_spec), intent(out) :: spec        !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong
     type(scene_fields) :: fields
-    type(input_problems) :: found
-    character(len=:), allocatable :: failure
 
     spec%surfaces%file = path
-    call read_whole_file(path, spec%text, failure)
-    if (allocated(failure)) then
-      ! The failure begins with the path; a problem of a file names a line and a column as well.
-      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // ', expected a specification')
-    else if (binary_byte(spec%text) > 0) then
-      call found%start(path)
-      call found%add_at_byte(spec%text, binary_byte(spec%text), 'not a text file: found a ' // &
-                             'control character, expected a specification')
-      call found%hand_over(problems)
-    else
-      call read_fields(path, spec%text, fields, study_table())
-      call take_generation(fields, spec%surfaces)
-      if (spec%surfaces%is_deck) &
-        call fields%complain_of_group('deck', 'group &deck: found in a study, expected none')
-      if (fields%has('random', 'ensemble') .and. spec%surfaces%ensemble < 2) &
-        call fields%complain_of('random', 'ensemble', 'found fewer than 2 surfaces, expected ' // &
-                                '2 or more, as their spread is studied')
-      if (.not. fields%has('random', 'ensemble')) &
-        call fields%complain_of_group('random', 'no ensemble in &random, expected the number ' // &
-                                      'of surfaces, 2 or more')
-      call take_material(fields, spec)
-      call take_loading(fields, spec)
-      call take_sections(fields, spec)
-      call fields%problems%hand_over(problems)
-    end if
+    call read_text(path, 'a specification', spec%text, problems)
+    if (problems%count() > 0) return
+    call read_fields(path, spec%text, 'a specification', study_table(), fields)
+    if (fields%is_text) call take_study(fields, spec)
+    problems = fields%problems
   end subroutine read_study_spec
 
-  !> The groups and names of a study.
-  pure function study_table() result(table)
-    type(name_table) :: table
-    type(name_table) :: base
-    character(len=*), parameter :: names(11) = [character(len=21) :: 'separation', 'pressure', &
-      'against', 'sizes', 'factor', 'steps', 'sections', 'places', 'reference', 'tolerance', &
-      'confidence']
-    integer :: i, old
-
-    base = generation_table()
-    old = size(base%names)
-    allocate (table%groups(size(base%groups) + 2), table%names(old + 2 + size(names)))
-    table%groups(:size(base%groups)) = base%groups
-    table%groups(size(base%groups) + 1:) = [character(len=8) :: 'material', 'study']
-    table%names(:old) = base%names
-    table%names(old + 1) = known_name('material', 'elastic_modulus')
-    table%names(old + 2) = known_name('material', 'poisson_ratio')
-    do i = 1, size(names)
-      table%names(old + 2 + i) = known_name('study', names(i))
-    end do
-  end function study_table
-
-  !> Group &material.
-  subroutine take_material(fields, spec)
+  !> All groups.
+  subroutine take_study(fields, spec)
     type(scene_fields), intent(inout) :: fields
     type(study_spec), intent(inout) :: spec
 
-    if (.not. fields%has('material', 'elastic_modulus')) &
-      call fields%complain_of_group('material', 'no elastic_modulus in &material, expected ' // &
-                                    'two values, or one for both surfaces')
-    if (.not. fields%has('material', 'poisson_ratio')) &
-      call fields%complain_of_group('material', 'no poisson_ratio in &material, expected ' // &
-                                    'two values, or one for both surfaces')
+    call take_generation(fields, spec%surfaces)
+    if (spec%surfaces%is_deck) &
+      call fields%complain_of_group('deck', 'group &deck: found in a study, expected none')
+    if (fields%has('random', 'ensemble') .and. spec%surfaces%ensemble < 2) &
+      call fields%complain_of('random', 'ensemble', 'found fewer than 2 surfaces, expected ' // &
+                              '2 or more, as their spread is studied')
+    call fields%require('random', 'ensemble', 'the number of surfaces, 2 or more')
+    call fields%require('material', 'elastic_modulus', 'two values, or one for both surfaces')
+    call fields%require('material', 'poisson_ratio', 'two values, or one for both surfaces')
     call fields%take_pair('material', 'elastic_modulus', above_zero, spec%elastic_modulus)
     call fields%take_pair('material', 'poisson_ratio', poisson_range, spec%poisson_ratio)
-  end subroutine take_material
+    call take_loading(fields, spec)
+    call take_sections(fields, spec)
+  end subroutine take_study
+
+  !> The groups and names of a study.
+  pure function study_table() result(table)
+    type(known_name), allocatable :: table(:)
+
+    table = [generation_table(), &
+             in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio']), &
+             in_group('study', [character(len=10) :: 'separation', 'pressure', 'against', 'sizes', &
+                                'factor', 'steps', 'sections', 'places', 'reference', &
+                                'tolerance', 'confidence'])]
+  end function study_table
 
   !> How near the surfaces come.
   subroutine take_loading(fields, spec)

@@ -4,8 +4,7 @@
 !> may be left out. Reading takes time and memory in proportion to the file.
 module asperity_surface_csv
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_files, only: read_whole_file
-  use asperity_input_problems, only: binary_byte, input_problems, quoted, text_start
+  use asperity_input_text, only: blanks, check_text, line_end, quoted, read_text, text_start
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
@@ -24,7 +23,6 @@ module asperity_surface_csv
 
   character(len=*), parameter :: names(4) = [character(len=6) :: 'x', 'y', 'height', 'radius']
   integer, parameter :: height_column = 3, radius_column = 4
-  character(len=*), parameter :: blanks = ' ' // achar(9) // achar(13)
 
   !> One line, cut at its commas.
   type :: line_cells
@@ -40,16 +38,10 @@ contains
     type(surface_table), intent(out) :: table           !! its numbers
     type(problem_list), intent(out) :: problems         !! all that is wrong
     real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
-    character(len=:), allocatable :: text, failure
+    character(len=:), allocatable :: text
 
-    call read_whole_file(path, text, failure)
-    if (allocated(failure)) then
-      ! The failure begins with the path; a problem of a file names a line and a column as well.
-      call problems%add_at(path, 1, 1, failure(len(path) + 3:) // &
-                           ', expected comma-separated numbers')
-    else
-      call parse_surface_csv(path, text, table, problems, common_radius)
-    end if
+    call read_text(path, 'comma-separated numbers', text, problems)
+    if (problems%count() == 0) call parse_surface_csv(path, text, table, problems, common_radius)
   end subroutine read_surface_csv
 
   !> Checks the text of a surface; `path` serves the messages only.
@@ -59,51 +51,39 @@ contains
     type(surface_table), intent(out) :: table           !! its numbers
     type(problem_list), intent(out) :: problems         !! all that is wrong
     real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
-    type(input_problems) :: found
-    integer :: column_of(4), first, line, columns, rows, bad
+    integer :: column_of(4), first, line, columns, rows
 
-    call found%start(path)
-    columns = 0
+    call problems%start(path)
+    call check_text(text, 'comma-separated numbers', problems)
+    if (problems%count() > 0) return
     line = 1
     first = text_start(text)
-    bad = binary_byte(text)
-    if (bad > 0) then
-      call found%add_at_byte(text, bad, 'not a text file: found a control character, ' // &
-                             'expected comma-separated numbers')
-    else
-      call skip_blank_lines(text, first, line)
-      if (first > len(text)) then
-        call found%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')
-      else
-        call read_header(text, first, line, column_of, columns, found)
-        table%has_radius = any(column_of(:columns) == radius_column)
-      end if
+    call skip_blank_lines(text, first, line)
+    if (first > len(text)) then
+      call problems%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')
+      return
     end if
-    if (found%count() == 0) then
-      ! One more than the line feeds that are left: never too few.
-      rows = count_line_feeds(text(first:)) + 1
-      allocate (table%x(rows), table%y(rows), table%height(rows))
-      if (table%has_radius) then
-        allocate (table%radius(rows))
-      else if (present(common_radius)) then
-        allocate (table%radius(rows))
-        table%radius = common_radius
-      end if
-      call read_rows(text, first, line, column_of(:columns), table, rows, found)
-      if (rows == 0 .and. found%count() == 0) &
-        call found%add_at(line, 1, 'no asperity: found the end of the file, expected a row')
-      call cut(table, rows)
-    end if
-    call found%hand_over(problems)
+    call read_header(text, first, line, column_of, columns, problems)
+    table%has_radius = any(column_of(:columns) == radius_column)
+    if (problems%count() > 0) return
+    ! One more than the line feeds that are left: never too few.
+    rows = count_line_feeds(text(first:)) + 1
+    allocate (table%x(rows), table%y(rows), table%height(rows))
+    if (table%has_radius .or. present(common_radius)) allocate (table%radius(rows))
+    if (present(common_radius)) table%radius = common_radius
+    call read_rows(text, first, line, column_of(:columns), table, rows, problems)
+    if (rows == 0 .and. problems%count() == 0) &
+      call problems%add_at(line, 1, 'no asperity: found the end of the file, expected a row')
+    call cut(table, rows)
   end subroutine parse_surface_csv
 
   !> Which column holds which number.
-  pure subroutine read_header(text, first, line, column_of, columns, found)
+  pure subroutine read_header(text, first, line, column_of, columns, problems)
     character(len=*), intent(in) :: text
     integer, intent(inout) :: first, line        ! left at the next line
     integer, intent(out) :: column_of(4)         ! index in `names` of each column
     integer, intent(out) :: columns
-    type(input_problems), intent(inout) :: found
+    type(problem_list), intent(inout) :: problems
     type(line_cells) :: cells
     character(len=:), allocatable :: name
     integer :: i, start
@@ -114,22 +94,22 @@ contains
     columns = min(cells%count, size(names))
     do i = 1, columns
       name = text(cells%first(i):cells%last(i))
-      column_of(i) = column_named(name)
+      column_of(i) = findloc(names == name, .true., 1)
       if (column_of(i) == 0) then
-        call found%add_at(line, cells%first(i) - start + 1, 'unknown column: found ' // &
+        call problems%add_at(line, cells%first(i) - start + 1, 'unknown column: found ' // &
                           quoted(name) // ', expected x, y, height or radius')
       else if (any(column_of(:i - 1) == column_of(i))) then
-        call found%add_at(line, cells%first(i) - start + 1, 'column ' // name // &
+        call problems%add_at(line, cells%first(i) - start + 1, 'column ' // name // &
                           ' stands twice, expected once')
       end if
     end do
     if (cells%count > size(names)) &
-      call found%add_at(line, 1, 'found ' // decimal_text(cells%count) // &
+      call problems%add_at(line, 1, 'found ' // decimal_text(cells%count) // &
                         ' columns, expected x, y, height and perhaps radius')
-    if (found%count() == 0) then
+    if (problems%count() == 0) then
       do i = 1, height_column
         if (any(column_of(:columns) == i)) cycle
-        call found%add_at(line, 1, 'no column ' // trim(names(i)) // &
+        call problems%add_at(line, 1, 'no column ' // trim(names(i)) // &
                           ': expected x, y, height and perhaps radius')
       end do
     end if
@@ -137,13 +117,13 @@ contains
   end subroutine read_header
 
   !> Reads all rows; `rows` becomes the number of good ones.
-  pure subroutine read_rows(text, first, line, column_of, table, rows, found)
+  pure subroutine read_rows(text, first, line, column_of, table, rows, problems)
     character(len=*), intent(in) :: text
     integer, intent(inout) :: first, line
     integer, intent(in) :: column_of(:)
     type(surface_table), intent(inout) :: table
     integer, intent(out) :: rows
-    type(input_problems), intent(inout) :: found
+    type(problem_list), intent(inout) :: problems
     type(line_cells) :: cells
     type(decimal_value) :: decimal
     real(real64) :: numbers(4)
@@ -162,8 +142,8 @@ contains
       start = first
       call cut_line(text, first, cells)
       if (cells%count /= size(column_of)) then
-        call found%add_at(line, 1, 'found ' // decimal_text(cells%count) // ' cells, expected ' // &
-                          decimal_text(size(column_of)) // ' as in the header')
+        call problems%add_at(line, 1, 'found ' // decimal_text(cells%count) // ' cells, ' // &
+                             'expected ' // decimal_text(size(column_of)) // ' as in the header')
       else
         all_good = .true.
         if (allocated(table%radius) .and. .not. table%has_radius) &
@@ -174,18 +154,18 @@ contains
           numbers(column_of(i)) = decimal_to_real64(decimal)
           if (good) cycle
           all_good = .false.
-          call found%add_at(line, place(column_of(i)), trim(names(column_of(i))) // ': found ' // &
-                            quoted(text(cells%first(i):cells%last(i))) // &
-                            ', expected a finite number within the range of a double')
+          call problems%add_at(line, place(column_of(i)), trim(names(column_of(i))) // &
+                               ': found ' // cell(column_of(i)) // &
+                               ', expected a finite number within the range of a double')
         end do
         if (all_good .and. allocated(table%radius)) then
           if (numbers(radius_column) <= 0.0_real64) then
-            call found%add_at(line, place(radius_column), 'radius: found ' // &
-                              cell(radius_column) // ', expected more than 0')
+            call problems%add_at(line, place(radius_column), 'radius: found ' // &
+                                 cell(radius_column) // ', expected more than 0')
           else if (numbers(height_column) / 2 >= numbers(radius_column)) then
             ! A sphere does not stand higher than its diameter.
-            call found%add_at(line, place(height_column), 'height: found ' // &
-                              cell(height_column) // ', expected less than twice the radius')
+            call problems%add_at(line, place(height_column), 'height: found ' // &
+                                 cell(height_column) // ', expected less than twice the radius')
           end if
         end if
         rows = rows + 1
@@ -214,22 +194,17 @@ contains
     character(len=*), intent(in) :: text
     integer, intent(inout) :: first
     type(line_cells), intent(out) :: cells
-    integer :: at
-    logical :: ends
+    integer :: last, comma
 
-    at = first
+    last = line_end(text, first)
     do
-      ends = at > len(text)
-      if (.not. ends) ends = text(at:at) == achar(10)
-      if (ends) exit
-      if (text(at:at) == ',') then
-        call add_cell(text, first, at - 1, cells)
-        first = at + 1
-      end if
-      at = at + 1
+      comma = index(text(first:last), ',')
+      if (comma == 0) exit
+      call add_cell(text, first, first + comma - 2, cells)
+      first = first + comma
     end do
-    call add_cell(text, first, at - 1, cells)
-    first = at + 1
+    call add_cell(text, first, last, cells)
+    first = last + 2
   end subroutine cut_line
 
   !> Adds the cell `from:to`, without the blanks around it.
@@ -237,41 +212,25 @@ contains
     character(len=*), intent(in) :: text
     integer, intent(in) :: from, to
     type(line_cells), intent(inout) :: cells
-    integer :: first, last
 
     cells%count = cells%count + 1
     if (cells%count > size(cells%first)) return
-    first = from
-    last = to
-    do while (last >= first)
-      if (scan(text(last:last), blanks) == 0) exit
-      last = last - 1
-    end do
-    do while (first < last)
-      if (scan(text(first:first), blanks) == 0) exit
-      first = first + 1
-    end do
-    cells%first(cells%count) = first
-    cells%last(cells%count) = last
+    cells%first(cells%count) = from + max(0, verify(text(from:to), blanks) - 1)
+    cells%last(cells%count) = from + verify(text(from:to), blanks, back=.true.) - 1
   end subroutine add_cell
 
   !> Steps over blank lines; `first` is left at the first byte of a line, or behind the text.
   pure subroutine skip_blank_lines(text, first, line)
     character(len=*), intent(in) :: text
     integer, intent(inout) :: first, line
-    integer :: at
+    integer :: last
 
-    at = first
-    do while (at <= len(text))
-      if (text(at:at) == achar(10)) then
-        line = line + 1
-        first = at + 1
-      else if (scan(text(at:at), blanks) == 0) then
-        return
-      end if
-      at = at + 1
+    do while (first <= len(text))
+      last = line_end(text, first)
+      if (verify(text(first:last), blanks) > 0) return
+      if (last < len(text)) line = line + 1
+      first = last + 2
     end do
-    first = at
   end subroutine skip_blank_lines
 
   !> Shortens the table to its rows.
@@ -295,14 +254,5 @@ contains
       if (text(i:i) == achar(10)) count_line_feeds = count_line_feeds + 1
     end do
   end function count_line_feeds
-
-  !> Place of a name among the columns' names; 0 when it is none.
-  pure integer function column_named(name)
-    character(len=*), intent(in) :: name
-
-    do column_named = size(names), 1, -1
-      if (name == trim(names(column_named)) .and. len(name) > 0) exit
-    end do
-  end function column_named
 
 end module asperity_surface_csv

@@ -632,13 +632,25 @@ contains
 
     call parse_surface_csv('s.csv', lines('x,y,height|' // repeat('a,1,1|', 5150)), table, problems)
     text = problems%text()
-    call check(error, problems%count(), 5001, 'lines of problems')
+    call check(error, problems%count(), 5150, 'problems')
+    call check(error, number_of_lines(text), 5001, 'lines of problems')
     call check(error, index(text, csv_end) == len(text) - len(csv_end) + 1, 'the last line')
     call parse_scene(place, deck // '&tilt ' // repeat('a=1,', 5010) // '/', found, problems)
     text = problems%text()
-    call check(error, problems%count(), 5001, 'lines of problems of a scene')
+    call check(error, problems%count(), 5010, 'problems of a scene')
+    call check(error, number_of_lines(text), 5001, 'lines of problems of a scene')
     call check(error, index(text, scene_end) == len(text) - len(scene_end) + 1, 'the scene''s last')
   end subroutine test_many_problems
+
+  pure integer function number_of_lines(text)
+    character(len=*), intent(in) :: text
+    integer :: i
+
+    number_of_lines = 0
+    do i = 1, len(text)
+      if (text(i:i) == new_line('a')) number_of_lines = number_of_lines + 1
+    end do
+  end function number_of_lines
 
   !> A text with `|` for line ends.
   pure function lines(text)

@@ -1,0 +1,92 @@
+!> Text files that a user writes: read whole, and what their readers share.
+module asperity_input_text
+  use asperity_files, only: read_whole_file
+  use asperity_problems, only: problem_list
+  implicit none
+  private
+
+  public :: blanks, read_text, check_text, text_start, line_end, lower_case, quoted
+
+  !> Characters that only separate.
+  character(len=*), parameter :: blanks = ' ' // achar(9) // achar(10) // achar(13)
+
+  ! A longer piece of the file is not repeated in a message.
+  integer, parameter :: most_repeated = 40
+
+contains
+
+  !> Reads a file whole; that it cannot be read is told as a problem at its beginning.
+  subroutine read_text(path, kind, text, problems)
+    character(len=*), intent(in) :: path                !! the file
+    character(len=*), intent(in) :: kind                !! what it should be, for the message
+    character(len=:), allocatable, intent(out) :: text  !! its bytes
+    type(problem_list), intent(inout) :: problems       !! names this file from now on
+    character(len=:), allocatable :: failure
+
+    call problems%start(path)
+    call read_whole_file(path, text, failure)
+    ! The failure begins with the path, and so does the problem.
+    if (allocated(failure)) &
+      call problems%add_at(1, 1, failure(len(path) + 3:) // ', expected ' // kind)
+  end subroutine read_text
+
+  !> Tells the first byte that no text has.
+  pure subroutine check_text(text, kind, problems)
+    character(len=*), intent(in) :: text           !! the whole file
+    character(len=*), intent(in) :: kind           !! what it should be, for the message
+    type(problem_list), intent(inout) :: problems  !! gets a problem when there is such a byte
+    integer :: i, code
+
+    do i = 1, len(text)
+      code = iachar(text(i:i))
+      if (code >= 32 .and. code /= 127) cycle
+      if (code == 9 .or. code == 10 .or. code == 13) cycle
+      call problems%add_at_byte(text, i, 'not a text file: found a control character, expected ' &
+                                // kind)
+      return
+    end do
+  end subroutine check_text
+
+  !> First byte behind the byte order mark that some programs write before UTF-8.
+  pure integer function text_start(text)
+    character(len=*), intent(in) :: text  !! the whole file
+
+    text_start = 1
+    if (index(text, char(239) // char(187) // char(191)) == 1) text_start = 4
+  end function text_start
+
+  !> Last character of the line, its line feed left out; `at - 1` when nothing is there.
+  pure integer function line_end(text, at)
+    character(len=*), intent(in) :: text  !! the whole file
+    integer, intent(in) :: at             !! place in the line, at most one behind the text
+
+    line_end = index(text(at:), achar(10)) + at - 2
+    if (line_end < at - 1) line_end = len(text)
+  end function line_end
+
+  !> The text with its ASCII capitals made small.
+  pure function lower_case(text) result(small)
+    character(len=*), intent(in) :: text  !! any text
+    character(len=len(text)) :: small     !! the same in small letters
+    integer :: i, code
+
+    do i = 1, len(text)
+      code = iachar(text(i:i))
+      if (code >= iachar('A') .and. code <= iachar('Z')) code = code + 32
+      small(i:i) = achar(code)
+    end do
+  end function lower_case
+
+  !> A piece of the file for a message: between quotes, cut when long.
+  pure function quoted(piece) result(text)
+    character(len=*), intent(in) :: piece  !! the piece as it was found
+    character(len=:), allocatable :: text  !! for instance `'1.2.3'`
+
+    if (len(piece) <= most_repeated) then
+      text = '''' // piece // ''''
+    else
+      text = '''' // piece(:most_repeated) // '...'''
+    end if
+  end function quoted
+
+end module asperity_input_text
