@@ -34,7 +34,8 @@ contains
         call describe_all(text)
       end select
       call text%line('')
-      call text%line('Exit status: 0 done, 1 could not be computed, 2 bad command line or bad input')
+      call text%line('Exit status: 0 done, 1 could not be computed, ' // &
+                     '2 bad command line or bad input')
     end if
   end subroutine describe
 

@@ -23,9 +23,9 @@ contains
 
   !> Nearest IEEE double; infinite when the number is out of range.
   !>
-  !> The digits (60 bits) and the power of ten are exact in 113 bits. A product below 60 + 51 bits is
-  !> exact too. A quotient that is no midpoint of two doubles is at least 1/(2**54 * 5**25) > 2**-113
-  !> of itself away from one, so rounding twice does no harm.
+  !> The digits (60 bits) and the power of ten are exact in 113 bits. A product below 60 + 51 bits
+  !> is exact too. A quotient that is no midpoint of two doubles is at least 1/(2**54 * 5**25),
+  !> more than 2**-113, of itself away from one, so rounding twice does no harm.
   elemental function decimal_to_real64(value) result(nearest)
     type(decimal_value), intent(in) :: value  !! exact decimal
     real(real64) :: nearest                   !! the nearest double

@@ -49,7 +49,10 @@ contains
       call move_alloc(larger, found%block)
     end if
     associate (next => found%block(found%blocks + 1))
-      allocate (next%upper(block_size), next%lower(block_size), stat=status)
+      allocate (next%upper(block_size), stat=status)
+      failed = status /= 0
+      if (failed) return
+      allocate (next%lower(block_size), stat=status)
     end associate
     failed = status /= 0
     if (.not. failed) found%blocks = found%blocks + 1
