@@ -7,7 +7,7 @@ module asperity_system_calls
 
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
-  public :: posix_isatty, linux_madvise
+  public :: posix_isatty
   public :: system_error, system_reason, canonical_path
 
   interface
@@ -81,15 +81,6 @@ module asperity_system_calls
       implicit none
       character(kind=c_char), intent(in) :: path(*)
     end function posix_unlink
-
-    !> Tells the system how pages will be used; -1 when it does not want to know.
-    integer(c_int) function linux_madvise(place, bytes, advice) bind(c, name='madvise')
-      import :: c_int, c_ptr, c_size_t
-      implicit none
-      type(c_ptr), value :: place
-      integer(c_size_t), value :: bytes
-      integer(c_int), value :: advice
-    end function linux_madvise
 
     !> 1 when a descriptor is a terminal.
     integer(c_int) function posix_isatty(descriptor) bind(c, name='isatty')

@@ -1,10 +1,8 @@
 !> One layer of a surface in order: strips along x, each in the order of x.
 module asperity_cell_layer
-  use, intrinsic :: iso_c_binding, only: c_loc
   use asperity_cell_reach, only: squared_reach
   use asperity_key_sort, only: sort_keys
-  use asperity_kinds, only: int32, int64, real64
-  use asperity_large_pages, only: prefer_large_pages
+  use asperity_kinds, only: int32, real64
   implicit none
   private
 
@@ -38,7 +36,7 @@ contains
 
   !> Orders the asperities of one layer.
   subroutine build_layer(layer, x, y, height, radius, members, reach)
-    type(grid_layer), target, intent(inout) :: layer   !! the layer in order
+    type(grid_layer), intent(inout) :: layer           !! the layer in order
     real(real64), contiguous, intent(in) :: x(:)       !! places of all asperities of the surface
     real(real64), contiguous, intent(in) :: y(:)       !! as many
     real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many
@@ -66,8 +64,6 @@ contains
       top = max(top, y(m))
     end do
     allocate (layer%points(n + spare_points))
-    call prefer_large_pages(c_loc(layer%points(1)), &
-                            size(layer%points, kind=int64) * storage_size(layer%points) / 8)
     tall = strip_height(layer%largest, reach)
     ! Both surfaces are cut at multiples of one height: undisplaced, a strip then meets three.
     if (abs(bottom) < 1.0e9_real64 * tall) bottom = tall * real(floor(bottom / tall), real64)

@@ -8,7 +8,6 @@ module asperity_area_study
   use asperity_kept_records, only: checksum, kept_work, word_record
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text
-  use asperity_process, only: has_memory
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_shared_work, only: add_failure, add_piece, begin_round, begin_work, end_round, &
@@ -39,15 +38,15 @@ contains
     type(progress_line) :: progress
     real(real64), allocatable :: numbers(:, :)
     logical :: going_on
-    integer :: members, many, m
+    integer :: members, many, m, status
 
     members = spec%surfaces%ensemble
     many = numbers_of_a_surface(plan)
-    if (.not. has_memory(8_int64 * int(many, int64) * int(members, int64))) then
+    allocate (numbers(many, members), source=0.0_real64, stat=status)
+    if (status /= 0) then
       failure = 'not enough memory for the sections of ' // decimal_text(members) // ' surfaces'
       return
     end if
-    allocate (numbers(many, members), source=0.0_real64)
     kept = kept_work('', 'asperity ' // version // ' study, specification ' // &
                      checksum(spec%text), 'surface', 'this specification')
     if (allocated(options%keep_file)) kept%path = options%keep_file
