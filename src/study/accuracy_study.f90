@@ -13,9 +13,9 @@ module asperity_accuracy_study
   use asperity_original, only: arithmetic_names, run_in_arithmetic
   use asperity_original_records, only: original_positions, original_records, original_request
   use asperity_position_solver, only: position_solver
-  use asperity_scene_results, only: scene_results
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_timing, only: timing_samples
+  use asperity_timing, only: time_solver, timing_samples
   implicit none
   private
 
@@ -45,9 +45,6 @@ module asperity_accuracy_study
   ! Two rows cost the same, or err the same, when they differ by less than this factor. It is wide
   ! on purpose: the front must not depend on the clock's mood.
   real(real64), parameter :: same_time = 1.5_real64, same_error = 1.1_real64
-
-  ! So often at least every row is run.
-  integer, parameter :: least_passes = 3
 
   !> One way of computing: its cost and its errors.
   type :: accuracy_row
@@ -119,14 +116,13 @@ contains
 
       call run_row(row, scene_in, k, least_seconds, results, timing, failure)
       if (allocated(failure)) return
-      call set_times(row, timing)
-      call measure(row, results, reference(k))
+      call measure(row, timing, results, reference(k))
       rows = [rows, row]
     end subroutine add_row
 
   end subroutine run_accuracy_study
 
-  !> Runs one row of the present-day kernel, again and again on the clock, on one thread.
+  !> Runs one row of the present-day kernel.
   subroutine run_row(row, scene_in, k, least_seconds, results, timing, failure)
     type(accuracy_row), intent(in) :: row
     type(scene), intent(in) :: scene_in
@@ -137,24 +133,13 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     class(position_solver), allocatable :: solver
     type(solve_method) :: method
-    integer(int64) :: from, until, rate
-    integer :: m
 
     method%path = merge(by_events, by_marching, row%way == way_events)
     method%overlap = row%overlap
     method%step = steps(k)
     call solver_in(trim(row%arithmetic), scene_in, method, solver, failure)
-    if (allocated(failure)) return
-    allocate (results%positions(solver%positions))
-    do while (timing%passes() < least_passes .or. timing%total() < least_seconds)
-      call system_clock(from, rate)
-      do m = 1, solver%positions
-        call solver%solve(m, .false., results%positions(m), failure)
-        if (allocated(failure)) return
-      end do
-      call system_clock(until)
-      call timing%add(real(until - from, real64) / real(rate, real64), solver%positions)
-    end do
+    if (.not. allocated(failure)) &
+      call time_solver(solver, least_seconds, results%positions, timing, failure)
   end subroutine run_row
 
   !> Runs the original program as a row: timed without its contact rows, measured with them.
@@ -172,7 +157,7 @@ contains
     integer :: m
 
     request%approach_step = decimal_value(1_int64, step_powers(usual_step))
-    do while (timing%total() < least_seconds .or. timing%passes() < least_passes)
+    do while (.not. timing%are_enough(least_seconds))
       call system_clock(from, rate)
       call run_in_arithmetic(row%arithmetic, deck, request, records, failure)
       call system_clock(until)
@@ -192,8 +177,7 @@ contains
         results%positions(m)%first_step_pressure = first_pressure(m)
       end associate
     end do
-    call set_times(row, timing)
-    call measure(row, results, reference)
+    call measure(row, timing, results, reference)
 
   contains
 
@@ -217,27 +201,21 @@ contains
 
   end subroutine run_original_row
 
-  !> Median and spread of a row.
-  pure subroutine set_times(row, timing)
+  !> Median and spread of the time, and relative errors over all positions.
+  pure subroutine measure(row, timing, results, reference)
     type(accuracy_row), intent(inout) :: row
     type(timing_samples), intent(in) :: timing
-
-    row%seconds = timing%median()
-    row%spread = timing%spread()
-  end subroutine set_times
-
-  !> Relative errors over all positions.
-  pure subroutine measure(row, results, reference)
-    type(accuracy_row), intent(inout) :: row
     type(scene_results), intent(in) :: results, reference
     real(real64) :: errors(5)
     type(state_row) :: have, want
     integer :: m, pressures
 
+    row%seconds = timing%median()
+    row%spread = timing%spread()
     pressures = 0
     do m = 1, size(reference%positions)
-      have = last_state(results, m)
-      want = last_state(reference, m)
+      have = last_state(results%positions(m))
+      want = last_state(reference%positions(m))
       errors(load_error) = relative(have%load, want%load)
       errors(area_error) = relative(have%area, want%area)
       errors(approach_error) = relative(have%approach, want%approach)
@@ -256,15 +234,6 @@ contains
                                max(1, pressures)
     row%worst = maxval(row%largest([load_error, area_error, pressure_error, approach_error]))
   end subroutine measure
-
-  !> The last state of a position.
-  pure function last_state(results, m) result(state)
-    type(scene_results), intent(in) :: results
-    integer, intent(in) :: m
-    type(state_row) :: state
-
-    state = results%positions(m)%states(size(results%positions(m)%states))
-  end function last_state
 
   !> |have - want| over |want|; the difference itself where `want` is zero.
   elemental real(real64) function relative(have, want)

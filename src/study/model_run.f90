@@ -15,7 +15,7 @@ module asperity_model_run
   implicit none
   private
 
-  public :: model_run, run_model, solve_model, too_many_for_cells
+  public :: model_run, run_model, take_last_states, too_many_for_cells
 
   !> Contacts of a position, squared and summed over the positions, that are solved on cells: 500 in
   !> one position, or 5 in each of 10000, take some minutes.
@@ -39,24 +39,14 @@ contains
     type(model_run), intent(out) :: run                    !! all positions
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(scene) :: copy
+    type(scene_results) :: results
 
     copy = scene_in
     call copy%effects%call_for('interaction', interaction)
     copy%loading%points = 0
-    call solve_model(copy, options, run, failure)
-  end subroutine run_model
-
-  !> Solves a scene as it is.
-  subroutine solve_model(scene_in, options, run, failure)
-    type(scene), intent(in) :: scene_in                    !! checked values
-    type(run_options), intent(in) :: options               !! in doubles
-    type(model_run), intent(out) :: run                    !! all positions
-    character(len=:), allocatable, intent(out) :: failure  !! why not
-    type(scene_results) :: results
-
-    call solve(scene_in, results, failure, options)
+    call solve(copy, results, failure, options)
     if (.not. allocated(failure)) call take_last_states(results, run)
-  end subroutine solve_model
+  end subroutine run_model
 
   !> Why the contacts of a solved scene are too many for cells; empty when they are not.
   pure function too_many_for_cells(results) result(why)
@@ -78,10 +68,10 @@ contains
       why = 'up to ' // decimal_text(most) // ' contacts at a position would take long on cells'
   end function too_many_for_cells
 
-  ! Factor, load, area and approach of every position.
+  !> Factor, load, area and approach of every position.
   subroutine take_last_states(results, run)
-    type(scene_results), intent(in) :: results
-    type(model_run), intent(inout) :: run
+    type(scene_results), intent(in) :: results  !! solved
+    type(model_run), intent(inout) :: run       !! gets them
     type(state_row) :: last
     integer :: m, number
 

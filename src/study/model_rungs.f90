@@ -1,20 +1,22 @@
 !> What each rung of the model costs: contacts that know nothing of each other, coupled, `auto`, and
-!> on cells of three tolerances. Placing the surfaces, the same for all, is timed apart and taken
-!> off.
+!> on cells of three tolerances. Placing the surfaces is no part of the time.
 !>
 !> Errors are differences of the factor, load of the contacts together over load of the same
 !> contacts each alone, against that on the finest cells. Other effects are left out.
 module asperity_model_rungs
+  use asperity_arithmetics, only: solver_in
+  use asperity_contact_records, only: solve_method
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_kernel_real64, only: place_scene, placed_scene
+  use asperity_effect_solver, only: make_effect_solver
   use asperity_kinds, only: int64, real64
-  use asperity_model_run, only: model_run, solve_model, too_many_for_cells
+  use asperity_model_run, only: model_run, take_last_states, too_many_for_cells
+  use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, &
                                    scene, scene_effects
   use asperity_solve, only: solve
-  use asperity_timing, only: timing_samples
+  use asperity_timing, only: time_solver, timing_samples
   implicit none
   private
 
@@ -27,15 +29,6 @@ module asperity_model_rungs
   type(decimal_value), parameter :: tolerances(6) = &
     [decimal_value(0_int64, 0), decimal_value(0_int64, 0), decimal_value(1_int64, -2), &
      decimal_value(1_int64, -2), decimal_value(1_int64, -3), decimal_value(1_int64, -4)]
-
-  ! Times are those of one thread.
-  type(run_options), parameter :: one_thread = run_options(threads=1, keep_contacts=.false.)
-
-  ! A pass that takes so many times the time to spend is not repeated.
-  real(real64), parameter :: long = 3.0_real64
-
-  ! A pass takes at least so long, s: the clock may be disturbed while the surfaces are placed.
-  real(real64), parameter :: shortest = 1.0e-9_real64
 
   !> One way of taking neighbouring contacts together: its cost and its error.
   type :: model_rung
@@ -70,7 +63,7 @@ contains
     bare = scene_in
     bare%effects = none
     bare%loading%points = 0
-    call solve(bare, results, failure, one_thread)
+    call solve(bare, results, failure, run_options(keep_contacts=.false.))
     if (allocated(failure)) return
     left_out = too_many_for_cells(results)
     allocate (rungs(size(ladder)))
@@ -95,7 +88,7 @@ contains
     end do
   end subroutine run_model_rungs
 
-  ! One rung, again and again on the clock; a long one only once.
+  ! One rung on the clock.
   subroutine run_timed(bare, number, least_seconds, run, timing, failure)
     type(scene), intent(in) :: bare
     integer, intent(in) :: number
@@ -103,29 +96,24 @@ contains
     type(model_run), intent(out) :: run
     type(timing_samples), intent(out) :: timing
     character(len=:), allocatable, intent(out) :: failure
+    class(position_solver), allocatable :: solver
+    type(scene_results) :: results
     type(scene) :: copy
-    type(placed_scene) :: placed
-    integer(int64) :: from, between, until, rate
-    real(real64) :: seconds
 
     copy = bare
     call copy%effects%call_for('interaction', ladder(number))
     if (ladder(number) == effect_auto) call copy%effects%set('tolerance', tolerances(number))
     if (ladder(number) == effect_boundary) &
       call copy%effects%set('boundary_tolerance', tolerances(number))
-    do
-      call system_clock(from, rate)
-      call place_scene(copy, placed, failure)
-      if (allocated(failure)) return
-      call system_clock(between)
-      call solve_model(copy, one_thread, run, failure)
-      if (allocated(failure)) return
-      call system_clock(until)
-      seconds = real((until - between) - (between - from), real64) / real(rate, real64)
-      call timing%add(max(seconds, shortest), copy%motion%positions)
-      if (timing%total() >= long * least_seconds) exit
-      if (timing%total() >= least_seconds .and. timing%passes() >= 3) exit
-    end do
+    if (copy%effects%any_on()) then
+      allocate (results%effects)
+      call make_effect_solver(copy, solver, results%effects, failure)
+    else
+      call solver_in('real64', copy, solve_method(), solver, failure)
+    end if
+    if (.not. allocated(failure)) &
+      call time_solver(solver, least_seconds, results%positions, timing, failure)
+    if (.not. allocated(failure)) call take_last_states(results, run)
   end subroutine run_timed
 
   ! Differences of the factor over all positions.

@@ -1,10 +1,17 @@
-!> Samples of a repeated measurement of time: median and spread.
+!> Times of repeated work: median and spread.
 module asperity_timing
-  use asperity_kinds, only: real64
+  use asperity_contact_records, only: position_result
+  use asperity_kinds, only: int64, real64
+  use asperity_position_solver, only: position_solver
+  use asperity_problems, only: decimal_text
   implicit none
   private
 
-  public :: timing_samples
+  public :: time_solver, timing_samples
+
+  ! So often at least everything is run, unless a pass takes so many times the time to spend.
+  integer, parameter :: least_passes = 3
+  real(real64), parameter :: long = 3.0_real64
 
   !> Seconds a position, one sample a pass.
   type :: timing_samples
@@ -18,6 +25,8 @@ module asperity_timing
     procedure :: total => samples_total
     !> Passes so far.
     procedure :: passes => samples_passes
+    !> Whether there are enough for a time to spend.
+    procedure :: are_enough => samples_are_enough
     !> Median of the samples, s a position.
     procedure :: median => samples_median
     !> Half the distance between the quartiles, over the median.
@@ -25,6 +34,30 @@ module asperity_timing
   end type timing_samples
 
 contains
+
+  !> Solves all positions again and again on the clock, on one thread.
+  subroutine time_solver(solver, least_seconds, positions, timing, failure)
+    class(position_solver), intent(in) :: solver           !! a scene made ready
+    real(real64), intent(in) :: least_seconds              !! time to spend, s
+    type(position_result), allocatable, intent(out) :: positions(:)  !! of the last pass
+    type(timing_samples), intent(out) :: timing            !! seconds a position, by pass
+    character(len=:), allocatable, intent(out) :: failure  !! why a position cannot be solved
+    integer(int64) :: from, until, rate
+    integer :: m
+
+    allocate (positions(solver%positions))
+    do while (.not. timing%are_enough(least_seconds))
+      call system_clock(from, rate)
+      do m = 1, solver%positions
+        call solver%solve(m, .false., positions(m), failure)
+        if (.not. allocated(failure)) cycle
+        failure = 'position ' // decimal_text(m) // ': ' // failure
+        return
+      end do
+      call system_clock(until)
+      call timing%add(real(until - from, real64) / real(rate, real64), solver%positions)
+    end do
+  end subroutine time_solver
 
   pure subroutine samples_add(self, seconds, positions)
     class(timing_samples), intent(inout) :: self  !! the samples
@@ -50,6 +83,14 @@ contains
     samples_passes = 0
     if (allocated(self%samples)) samples_passes = size(self%samples)
   end function samples_passes
+
+  pure logical function samples_are_enough(self, seconds)
+    class(timing_samples), intent(in) :: self  !! the samples
+    real(real64), intent(in) :: seconds        !! time to spend
+
+    samples_are_enough = self%total() >= seconds .and. self%passes() >= least_passes .or. &
+                         self%total() > long * seconds
+  end function samples_are_enough
 
   pure real(real64) function samples_median(self)
     class(timing_samples), intent(in) :: self  !! at least one sample
