@@ -21,12 +21,10 @@ module asperity_arguments
 
 contains
 
-  !> Reads the words from number `first` on. `valued` and `flags` are the options known, `operand`
-  !> is what the other word is called.
-  subroutine read_arguments(first, valued, flags, operand, list, problems)
+  !> Reads the words from number `first` on. `operand` is what the other word is called.
+  subroutine read_arguments(first, known, operand, list, problems)
     integer, intent(in) :: first                    !! number of the first word
-    character(len=*), intent(in) :: valued(:)       !! options with a value
-    character(len=*), intent(in) :: flags(:)        !! options without
+    character(len=*), intent(in) :: known(:)        !! the options; `=` ends one with a value
     character(len=*), intent(in) :: operand         !! name of the operand in messages
     type(argument_list), intent(out) :: list        !! what was given
     type(problem_list), intent(inout) :: problems   !! what is wrong
@@ -57,12 +55,12 @@ contains
           name = word(:equals - 1)
           value = word(equals + 1:)
         end if
-        if (any(name == flags)) then
+        if (any(name == known)) then
           if (equals > 0) &
             call problems%add('option ' // name // ' takes no value, found ' // quoted(value))
-        else if (.not. any(name == valued)) then
+        else if (.not. any(trim(name) // '=' == known)) then
           call problems%add('unknown option ' // quoted(name) // ', expected one of' // &
-                            joined(valued) // joined(flags))
+                            joined(known))
           cycle
         else if (equals == 0) then
           if (i < command_argument_count()) value = argument(i + 1)
@@ -74,7 +72,7 @@ contains
           i = i + 1
         end if
         ! A blank name would pass for none later on.
-        if (any(name == valued) .and. len_trim(value) == 0) then
+        if (any(trim(name) // '=' == known) .and. len_trim(value) == 0) then
           call problems%add('option ' // name // ' has an empty value')
           cycle
         end if
@@ -96,15 +94,15 @@ contains
     call get_command_argument(i, word)
   end function argument
 
-  !> Names with a blank before each.
-  pure function joined(names) result(text)
-    character(len=*), intent(in) :: names(:)
+  !> Options with a blank before each.
+  pure function joined(options) result(text)
+    character(len=*), intent(in) :: options(:)
     character(len=:), allocatable :: text
     integer :: i
 
     text = ''
-    do i = 1, size(names)
-      text = text // ' ' // trim(names(i))
+    do i = 1, size(options)
+      text = text // ' ' // options(i)(:scan(options(i) // ' ', ' =') - 1)
     end do
   end function joined
 

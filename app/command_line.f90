@@ -14,20 +14,34 @@ module asperity_command_line
 
   public :: command_line, is_shared, output_place, parse_command_line, refuse_input
 
+  ! Positions whose tables the original prints.
+  integer, parameter :: thesis_tables(3) = [13, 55, 56]
+  ! Options of the commands; those with a value end with '='.
+  character(len=*), parameter :: original_options(*) = [character(len=18) :: &
+    '--arithmetic=', '--tables=', '--contacts=', '--positions=', '--carriage-control']
+  character(len=*), parameter :: solve_options(*) = [character(len=18) :: &
+    '--contacts=', '--positions=', '--curve=', '--arithmetic=', '--accuracy=', '--threads=', &
+    '--keep=', '--budget', '--quiet']
+  character(len=*), parameter :: accuracy_options(*) = [character(len=18) :: '--csv=', '--quiet']
+  character(len=*), parameter :: generate_options(*) = [character(len=18) :: &
+    '--output=', '--upper=', '--lower=', '--surface=']
+  character(len=*), parameter :: study_options(*) = [character(len=18) :: &
+    '--csv=', '--keep=', '--quiet']
+  ! Options that name an output.
+  character(len=*), parameter :: output_options(8) = [character(len=11) :: &
+    '--contacts', '--positions', '--curve', '--csv', '--output', '--upper', '--lower', '--keep']
+
+  type :: output_file
+    character(len=:), allocatable :: path  ! as the user gave it
+  end type output_file
+
   !> What the user asked for.
   type :: command_line
     character(len=:), allocatable :: command         !! empty, help, version, original, solve ...
     character(len=:), allocatable :: topic           !! command whose help is asked for, or empty
     character(len=:), allocatable :: input           !! path of the deck or scene
     character(len=:), allocatable :: arithmetic      !! one of `arithmetic_names`
-    character(len=:), allocatable :: contacts_file   !! path of the contacts CSV, or empty
-    character(len=:), allocatable :: positions_file  !! path of the positions CSV, or empty
-    character(len=:), allocatable :: curve_file      !! path of the curve CSV, or empty
-    character(len=:), allocatable :: csv_file        !! path of the study's CSV, or empty
-    character(len=:), allocatable :: keep_file       !! path of the work kept, or empty
-    character(len=:), allocatable :: output_file     !! path of the generated surface, or empty
-    character(len=:), allocatable :: upper_file      !! path of the upper surface, or empty
-    character(len=:), allocatable :: lower_file      !! path of the lower surface, or empty
+    type(output_file) :: outputs(size(output_options))  !! not allocated where none is named
     integer :: member = 0                            !! surface of the ensemble; 0 is all
     logical :: printed(original_positions) = .false. !! positions whose contact table is printed
     logical :: carriage_control = .false.            !! keep the printer's column one
@@ -35,28 +49,9 @@ module asperity_command_line
     logical :: budget = .false.                      !! print the error budget
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
+  contains
+    procedure :: output                              !! path of an output, by its option
   end type command_line
-
-  ! Positions whose tables the original prints.
-  integer, parameter :: thesis_tables(3) = [13, 55, 56]
-  ! Options of the commands, with a value and without.
-  character(len=*), parameter :: original_valued(4) = &
-    [character(len=18) :: '--arithmetic', '--tables', '--contacts', '--positions']
-  character(len=*), parameter :: original_flags(1) = [character(len=18) :: '--carriage-control']
-  character(len=*), parameter :: solve_valued(7) = &
-    [character(len=18) :: '--contacts', '--positions', '--curve', '--arithmetic', '--accuracy', &
-     '--threads', '--keep']
-  character(len=*), parameter :: solve_flags(2) = [character(len=18) :: '--budget', '--quiet']
-  character(len=*), parameter :: no_flags(0) = [character(len=18) ::]
-  character(len=*), parameter :: study_valued(1) = [character(len=18) :: '--csv']
-  character(len=*), parameter :: area_valued(2) = [character(len=18) :: '--csv', '--keep']
-  character(len=*), parameter :: generate_valued(4) = &
-    [character(len=18) :: '--output', '--upper', '--lower', '--surface']
-  ! Options that name an output.
-  character(len=*), parameter :: output_options(8) = &
-    [character(len=11) :: '--contacts', '--positions', '--curve', '--csv', '--output', '--upper', &
-     '--lower', '--keep']
-  character(len=*), parameter :: study_flags(1) = [character(len=18) :: '--quiet']
 
 contains
 
@@ -71,14 +66,6 @@ contains
     line%topic = ''
     line%input = ''
     line%arithmetic = ''
-    line%contacts_file = ''
-    line%positions_file = ''
-    line%curve_file = ''
-    line%csv_file = ''
-    line%keep_file = ''
-    line%output_file = ''
-    line%upper_file = ''
-    line%lower_file = ''
     line%printed(thesis_tables) = .true.
     if (command_argument_count() == 0) return
     do i = 1, command_argument_count()
@@ -97,24 +84,24 @@ contains
     line%command = argument(1)
     select case (line%command)
     case ('solve')
-      call read_arguments(2, solve_valued, solve_flags, 'scene', list, problems)
+      call read_arguments(2, solve_options, 'scene', list, problems)
       if (list%operand == '') &
         call problems%add('no scene named, expected: asperity solve [OPTIONS] SCENE')
     case ('accuracy')
-      call read_arguments(2, study_valued, study_flags, 'deck or scene', list, problems)
+      call read_arguments(2, accuracy_options, 'deck or scene', list, problems)
       if (list%operand == '') list%operand = 'data/thesis.deck'
     case ('generate')
-      call read_arguments(2, generate_valued, no_flags, 'specification', list, problems)
+      call read_arguments(2, generate_options, 'specification', list, problems)
       if (list%operand == '') &
         call problems%add('no specification named, expected: asperity generate [OPTIONS] SPEC')
     case ('study')
-      call read_arguments(2, area_valued, study_flags, 'specification', list, problems)
+      call read_arguments(2, study_options, 'specification', list, problems)
       if (list%operand == '') &
         call problems%add('no specification named, expected: asperity study [OPTIONS] SPEC')
     case default
       line%command = 'original'
       line%arithmetic = trim(arithmetic_names(1))
-      call read_arguments(1, original_valued, original_flags, 'deck', list, problems)
+      call read_arguments(1, original_options, 'deck', list, problems)
       if (list%operand == '' .and. problems%count() == 0) &
         call problems%add('no card deck named, expected: asperity [OPTIONS] DECK')
     end select
@@ -124,10 +111,10 @@ contains
     end do
     if (line%accuracy > 0 .and. line%arithmetic /= '') &
       call problems%add('--accuracy chooses the arithmetic: leave out --arithmetic')
-    if (line%accuracy > 0 .and. line%keep_file /= '') &
+    if (line%accuracy > 0 .and. line%output('--keep') /= '') &
       call problems%add('--accuracy solves a sweep in several ways, --keep keeps one: ' // &
                         'expected one of both')
-    if (line%output_file /= '' .and. line%upper_file /= '') &
+    if (line%output('--output') /= '' .and. line%output('--upper') /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     call check_files(line, problems)
   end subroutine parse_command_line
@@ -137,6 +124,7 @@ contains
     type(command_line), intent(inout) :: line
     character(len=*), intent(in) :: name, value
     type(problem_list), intent(inout) :: problems
+    integer :: i
 
     select case (name)
     case ('--arithmetic')
@@ -148,22 +136,6 @@ contains
       end if
     case ('--tables')
       call read_tables(value, line%printed, problems)
-    case ('--contacts')
-      line%contacts_file = value
-    case ('--positions')
-      line%positions_file = value
-    case ('--curve')
-      line%curve_file = value
-    case ('--csv')
-      line%csv_file = value
-    case ('--keep')
-      line%keep_file = value
-    case ('--output')
-      line%output_file = value
-    case ('--upper')
-      line%upper_file = value
-    case ('--lower')
-      line%lower_file = value
     case ('--surface')
       call read_count(name, value, 7, 'a number from 1', line%member, problems)
     case ('--carriage-control')
@@ -174,8 +146,11 @@ contains
       line%budget = .true.
     case ('--threads')
       call read_count(name, value, 4, 'a number from 1 to 9999', line%threads, problems)
-    case default
+    case ('--accuracy')
       call read_accuracy(value, line%accuracy, problems)
+    case default
+      i = findloc(output_options == name, .true., 1)
+      line%outputs(i)%path = value
     end select
   end subroutine take_option
 
@@ -208,19 +183,20 @@ contains
   subroutine check_files(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
-    character(len=:), allocatable :: report
+    character(len=:), allocatable :: report, path
     integer :: i, j
 
     report = canonical_path('/dev/stdout')
     call refuse_input(line, line%input, problems)
     do i = 1, size(output_options)
-      if (same_file(output_file(line, i), report)) &
+      path = line%output(output_options(i))
+      if (same_file(path, report)) &
         call problems%add(trim(output_options(i)) // ' names the file that standard output ' // &
-                          'goes to, ' // output_file(line, i))
+                          'goes to, ' // path)
       do j = i + 1, size(output_options)
-        if (same_file(output_file(line, i), output_file(line, j))) &
+        if (same_file(path, line%output(output_options(j)))) &
           call problems%add(trim(output_options(i)) // ' and ' // trim(output_options(j)) // &
-                            ' both name ' // output_file(line, i))
+                            ' both name ' // path)
       end do
     end do
   end subroutine check_files
@@ -233,35 +209,21 @@ contains
     integer :: i
 
     do i = 1, size(output_options)
-      if (same_file(output_file(line, i), input)) &
+      if (same_file(line%output(output_options(i)), input)) &
         call problems%add(trim(output_options(i)) // ' names the input, ' // input)
     end do
   end subroutine refuse_input
 
-  !> The path behind the i-th of `output_options`, or nothing.
-  pure function output_file(line, i) result(path)
-    type(command_line), intent(in) :: line
-    integer, intent(in) :: i
-    character(len=:), allocatable :: path
+  !> The path that an option names; empty when it was not given.
+  pure function output(self, option) result(path)
+    class(command_line), intent(in) :: self  !! the user's choices
+    character(len=*), intent(in) :: option   !! one of those that name an output
+    character(len=:), allocatable :: path    !! as the user gave it
+    integer :: i
 
-    select case (i)
-    case (1)
-      path = line%contacts_file
-    case (2)
-      path = line%positions_file
-    case (3)
-      path = line%curve_file
-    case (4)
-      path = line%csv_file
-    case (5)
-      path = line%output_file
-    case (6)
-      path = line%upper_file
-    case (7)
-      path = line%lower_file
-    case default
-      path = line%keep_file
-    end select
-  end function output_file
+    path = ''
+    i = findloc(output_options == option, .true., 1)
+    if (allocated(self%outputs(i)%path)) path = self%outputs(i)%path
+  end function output
 
 end module asperity_command_line

@@ -51,7 +51,7 @@ contains
       return
     end if
     call write_accuracy_csv(rows, rungs, csv)
-    call outcome%stage(line%csv_file, csv)
+    call outcome%stage(line%output('--csv'), csv)
     if (.not. line%quiet) call write_accuracy_table(rows, rungs, left_out, outcome%text)
   end subroutine run_accuracy_command
 

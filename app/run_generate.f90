@@ -56,11 +56,11 @@ contains
     if (line%member > spec%ensemble) &
       call problems%add('--surface: found ' // decimal_text(line%member) // ', expected at ' // &
                         'most ' // decimal_text(spec%ensemble) // ', the ensemble of ' // spec%file)
-    if (spec%is_deck .and. line%upper_file // line%lower_file /= '') &
+    if (spec%is_deck .and. line%output('--upper') // line%output('--lower') /= '') &
       call problems%add('--upper and --lower: found for a deck, expected --output, as a deck ' // &
                         'holds both surfaces')
     do i = 1, size(options)
-      pattern = pattern_of(i)
+      pattern = line%output(options(i))
       if (pattern == '') cycle
       if (spec%ensemble > 1 .and. line%member == 0 .and. index(pattern, '%') == 0) &
         call problems%add(trim(options(i)) // ': found ' // pattern // ' for ' // &
@@ -73,23 +73,11 @@ contains
       end do
     end do
     if (spec%ensemble > 1 .and. line%member == 0 .and. &
-        line%output_file // line%upper_file // line%lower_file == '') &
+        line%output('--output') // line%output('--upper') // line%output('--lower') == '') &
       call problems%add('standard output holds one surface, found an ensemble of ' // &
                         decimal_text(spec%ensemble) // ', expected --surface N, or files with ' // &
                         '% in their names')
     call refuse_input(line, spec%file, problems)
-
-  contains
-
-    pure function pattern_of(number) result(text)
-      integer, intent(in) :: number
-      character(len=:), allocatable :: text
-
-      text = line%output_file
-      if (number == 2) text = line%upper_file
-      if (number == 3) text = line%lower_file
-    end function pattern_of
-
   end subroutine check_outputs
 
   !> Makes the surfaces that are asked for and stages their files; the upper one goes to standard
@@ -102,10 +90,10 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     character(len=:), allocatable :: upper_file
 
-    upper_file = line%output_file // line%upper_file
-    if (upper_file /= '' .or. line%lower_file == '') call make_one(1, upper_file)
+    upper_file = line%output('--output') // line%output('--upper')
+    if (upper_file /= '' .or. line%output('--lower') == '') call make_one(1, upper_file)
     if (allocated(failure)) return
-    if (line%lower_file /= '') call make_one(2, line%lower_file)
+    if (line%output('--lower') /= '') call make_one(2, line%output('--lower'))
 
   contains
 
@@ -146,7 +134,7 @@ contains
     end if
     call surfaces_as_deck(spec, upper, lower, text, notes)
     call write_standard_error(notes%text())
-    call send(line%output_file, member, text, failure)
+    call send(line%output('--output'), member, text, failure)
   end subroutine make_deck
 
   !> Stages a file, or prints its text when none is named.

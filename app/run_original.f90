@@ -28,17 +28,17 @@ contains
     call read_card_deck(line%input, deck, outcome%problems)
     if (outcome%problems%count() > 0) return
     call write_standard_error(deck%notes%text())
-    request%keep_contacts = line%printed .or. line%contacts_file /= ''
+    request%keep_contacts = line%printed .or. line%output('--contacts') /= ''
     call run_in_arithmetic(line%arithmetic, deck, request, records, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
     call write_standard_error(records%notes%text())
-    if (line%contacts_file /= '') call write_original_contacts(records, contacts)
-    call outcome%stage(line%contacts_file, contacts)
-    if (line%positions_file /= '') call write_original_positions(records, positions)
-    call outcome%stage(line%positions_file, positions)
+    if (line%output('--contacts') /= '') call write_original_contacts(records, contacts)
+    call outcome%stage(line%output('--contacts'), contacts)
+    if (line%output('--positions') /= '') call write_original_positions(records, positions)
+    call outcome%stage(line%output('--positions'), positions)
     call write_report(records, line%printed, line%carriage_control, outcome%text)
   end subroutine run_original_command
 

@@ -53,12 +53,12 @@ contains
       if (is_thesis_sweep(scene_in)) &
         call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
     end if
-    if (line%contacts_file /= '') call write_contacts(results, csv(1))
-    call outcome%stage(line%contacts_file, csv(1))
-    if (line%positions_file /= '') call write_positions(results, csv(2))
-    call outcome%stage(line%positions_file, csv(2))
-    if (line%curve_file /= '') call write_curve(results, csv(3))
-    call outcome%stage(line%curve_file, csv(3))
+    if (line%output('--contacts') /= '') call write_contacts(results, csv(1))
+    call outcome%stage(line%output('--contacts'), csv(1))
+    if (line%output('--positions') /= '') call write_positions(results, csv(2))
+    call outcome%stage(line%output('--positions'), csv(2))
+    if (line%output('--curve') /= '') call write_curve(results, csv(3))
+    call outcome%stage(line%output('--curve'), csv(3))
   end subroutine run_solve_command
 
   ! What the command line and the scene ask for must agree.
@@ -87,11 +87,11 @@ contains
 
     if (line%arithmetic /= '') options%arithmetic = line%arithmetic
     options%accuracy = line%accuracy
-    options%keep_contacts = line%contacts_file /= '' .or. is_thesis_sweep(scene_in)
+    options%keep_contacts = line%output('--contacts') /= '' .or. is_thesis_sweep(scene_in)
     options%threads = line%threads
     options%progress = image_number() == 1
     options%all_images = is_shared(line)
-    options%keep_file = line%keep_file
+    options%keep_file = line%output('--keep')
   end function options_of
 
 end module asperity_run_solve

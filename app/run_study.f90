@@ -37,13 +37,13 @@ contains
     if (outcome%problems%count() > 0) return
     options%progress = image_number() == 1
     options%all_images = .true.
-    options%keep_file = line%keep_file
+    options%keep_file = line%output('--keep')
     call run_area_study(spec, plan, options, study, failure)
     if (allocated(failure)) then
       outcome%failure = line%input // ': ' // failure
     else if (image_number() == 1) then
       call write_area_csv(study, csv)
-      call outcome%stage(line%csv_file, csv)
+      call outcome%stage(line%output('--csv'), csv)
       if (.not. line%quiet) call write_area_table(spec, study, outcome%text)
     end if
   end subroutine run_study_command
