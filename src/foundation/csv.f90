@@ -14,14 +14,14 @@ module asperity_csv
     integer :: used = 0
   contains
     procedure, private :: put_number
+    procedure, private :: put_numbers
     procedure, private :: put_integer
     procedure, private :: put_logical
     procedure, private :: put_word
     !> Adds a cell: a double with 17 significant digits, an integer, a logical as 1 or 0, or a
-    !> word without comma.
-    generic :: put => put_number, put_integer, put_logical, put_word
-    !> Adds the line to a text and empties it.
-    procedure :: finish
+    !> word without comma. An array of doubles is as many cells.
+    generic :: put => put_number, put_numbers, put_integer, put_logical, put_word
+    procedure :: finish  !! adds the line to a text and empties it
   end type csv_line
 
 contains
@@ -32,8 +32,18 @@ contains
     character(len=25) :: cell
 
     write (cell, '(es25.16e3)') value
-    call put_cell(self, adjustl(cell))
+    call put_word(self, adjustl(cell))
   end subroutine put_number
+
+  subroutine put_numbers(self, values)
+    class(csv_line), intent(inout) :: self
+    real(real64), intent(in) :: values(:)
+    integer :: i
+
+    do i = 1, size(values)
+      call put_number(self, values(i))
+    end do
+  end subroutine put_numbers
 
   subroutine put_integer(self, value)
     class(csv_line), intent(inout) :: self
@@ -41,21 +51,28 @@ contains
     character(len=12) :: cell
 
     write (cell, '(i0)') value
-    call put_cell(self, cell)
+    call put_word(self, cell)
   end subroutine put_integer
 
   subroutine put_logical(self, value)
     class(csv_line), intent(inout) :: self
     logical, intent(in) :: value
 
-    call put_cell(self, merge('1', '0', value))
+    call put_word(self, merge('1', '0', value))
   end subroutine put_logical
 
   subroutine put_word(self, value)
     class(csv_line), intent(inout) :: self
     character(len=*), intent(in) :: value
+    integer :: length
 
-    call put_cell(self, value)
+    length = len_trim(value)
+    if (self%used > 0) then
+      self%used = self%used + 1
+      self%text(self%used:self%used) = ','
+    end if
+    self%text(self%used + 1:self%used + length) = value(:length)
+    self%used = self%used + length
   end subroutine put_word
 
   !> Adds the line to `buffer` and empties it.
@@ -66,19 +83,5 @@ contains
     call buffer%line(self%text(:self%used))
     self%used = 0
   end subroutine finish
-
-  subroutine put_cell(self, cell)
-    type(csv_line), intent(inout) :: self
-    character(len=*), intent(in) :: cell
-    integer :: length
-
-    length = len_trim(cell)
-    if (self%used > 0) then
-      self%used = self%used + 1
-      self%text(self%used:self%used) = ','
-    end if
-    self%text(self%used + 1:self%used + length) = cell(:length)
-    self%used = self%used + length
-  end subroutine put_cell
 
 end module asperity_csv

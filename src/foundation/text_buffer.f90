@@ -12,12 +12,9 @@ module asperity_text_buffer
     character(len=:), allocatable :: store
     integer(int64) :: used = 0_int64
   contains
-    !> Adds characters without a line end.
-    procedure :: append => buffer_append
-    !> Adds one line; blanks at its end are dropped.
-    procedure :: line => buffer_line
-    !> The text so far.
-    procedure :: text => buffer_text
+    procedure :: append => buffer_append  !! adds characters without a line end
+    procedure :: line => buffer_line      !! adds one line; blanks at its end are dropped
+    procedure :: text => buffer_text      !! the text so far
   end type text_buffer
 
 contains

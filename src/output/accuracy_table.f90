@@ -14,6 +14,9 @@ module asperity_accuracy_table
 
   public :: write_accuracy_table, write_accuracy_csv
 
+  ! Quantities in the order of the columns.
+  integer, parameter :: shown(5) = &
+    [load_error, area_error, pressure_error, approach_error, count_error]
   character(len=*), parameter :: row_format = &
     '(a1, 1x, a10, 1x, a8, 1x, a6, 1x, a8, 1x, f13.2, f7.0, "%", f7.1, 5(2x, a16))'
   character(len=*), parameter :: rung_format = &
@@ -28,7 +31,7 @@ contains
     character(len=*), intent(in) :: left_out    !! why its end is missing; empty: it is not
     type(text_buffer), intent(inout) :: buffer  !! the text
     character(len=170) :: line
-    integer :: i
+    integer :: i, k
 
     call buffer%line('Time a position, and largest (mean) relative error over all positions. ' // &
                      'Reference: exact events in real128.')
@@ -40,9 +43,8 @@ contains
       write (line, row_format) &
         merge('*', ' ', rows(i)%on_front), rows(i)%arithmetic // '   ', way_name(rows(i)), &
         step_text(rows(i)%step), overlap_name(rows(i)), 1.0e6_real64 * rows(i)%seconds, &
-        100 * rows(i)%spread, rows(i)%ratio, both(rows(i), load_error), &
-        both(rows(i), area_error), both(rows(i), pressure_error), both(rows(i), approach_error), &
-        both(rows(i), count_error)
+        100 * rows(i)%spread, rows(i)%ratio, &
+        (both(rows(i)%largest(shown(k)), rows(i)%mean(shown(k))), k = 1, size(shown))
       call buffer%line(line)
     end do
     call write_rungs(rungs, minval(rows%seconds), left_out, buffer)
@@ -56,6 +58,7 @@ contains
     type(text_buffer), intent(inout) :: buffer
     character(len=120) :: line
     character(len=18) :: tolerance, error
+    character(len=:), allocatable :: position
     integer :: i
 
     call buffer%line('')
@@ -70,17 +73,17 @@ contains
       tolerance = '-'
       if (rungs(i)%tolerance > 0.0_real64) write (tolerance, '(es7.0e2)') rungs(i)%tolerance
       if (rungs(i)%error_known) then
-        write (error, '(es7.1e2, " (", es6.0e2, ")")') rungs(i)%largest, rungs(i)%mean
-        write (line, rung_format) name_of_model(rungs(i)), adjustl(tolerance), &
-          1.0e6_real64 * rungs(i)%seconds, 100 * rungs(i)%spread, rungs(i)%seconds / fastest, &
-          error, decimal_text(rungs(i)%worst_position)
+        error = both(rungs(i)%largest, rungs(i)%mean)
+        position = decimal_text(rungs(i)%worst_position)
       else
         error = 'not estimated'
         if (left_out == '' .and. i == size(rungs)) error = 'the reference'
-        write (line, rung_format) name_of_model(rungs(i)), adjustl(tolerance), &
-          1.0e6_real64 * rungs(i)%seconds, 100 * rungs(i)%spread, rungs(i)%seconds / fastest, error
+        position = ''
       end if
-      call buffer%line(trim(line))
+      write (line, rung_format) name_of_model(rungs(i)), adjustl(tolerance), &
+        1.0e6_real64 * rungs(i)%seconds, 100 * rungs(i)%spread, rungs(i)%seconds / fastest, error, &
+        position
+      call buffer%line(line)
     end do
     if (left_out /= '') call buffer%line('the ladder ends here: ' // left_out)
   end subroutine write_rungs
@@ -91,8 +94,6 @@ contains
     type(accuracy_row), intent(in) :: rows(:)   !! all ways
     type(model_rung), intent(in) :: rungs(:)    !! the model's ladder
     type(text_buffer), intent(inout) :: buffer  !! the text
-    integer, parameter :: quantities(5) = &
-      [load_error, area_error, pressure_error, approach_error, count_error]
     type(csv_line) :: line
     integer :: i, k
 
@@ -105,12 +106,9 @@ contains
       call line%put(trim(way_name(rows(i))))
       call line%put(rows(i)%step)
       call line%put(trim(overlap_name(rows(i))))
-      call line%put(rows(i)%seconds)
-      call line%put(rows(i)%spread)
-      call line%put(rows(i)%ratio)
-      do k = 1, size(quantities)
-        call line%put(rows(i)%largest(quantities(k)))
-        call line%put(rows(i)%mean(quantities(k)))
+      call line%put([rows(i)%seconds, rows(i)%spread, rows(i)%ratio])
+      do k = 1, size(shown)
+        call line%put([rows(i)%largest(shown(k)), rows(i)%mean(shown(k))])
       end do
       call line%put(rows(i)%worst)
       call line%put(rows(i)%on_front)
@@ -122,11 +120,9 @@ contains
       call line%put('model')
       call line%put(0.0_real64)
       call line%put('stable')
-      call line%put(rungs(i)%seconds)
-      call line%put(rungs(i)%spread)
-      call line%put(rungs(i)%seconds / minval(rows%seconds))
+      call line%put([rungs(i)%seconds, rungs(i)%spread, rungs(i)%seconds / minval(rows%seconds)])
       ! Two for each quantity, the worst, the front.
-      do k = 1, 2 * size(quantities) + 2
+      do k = 1, 2 * size(shown) + 2
         call line%put('')
       end do
       call put_factor(line, rungs(i:i), rungs(i)%interaction)
@@ -150,8 +146,7 @@ contains
     else
       call line%put(rungs(i)%tolerance)
       if (rungs(i)%error_known) then
-        call line%put(rungs(i)%largest)
-        call line%put(rungs(i)%mean)
+        call line%put([rungs(i)%largest, rungs(i)%mean])
         call line%put(rungs(i)%worst_position)
         return
       end if
@@ -199,12 +194,11 @@ contains
   end function step_text
 
   !> `largest (mean)`.
-  pure function both(row, quantity) result(text)
-    type(accuracy_row), intent(in) :: row
-    integer, intent(in) :: quantity
+  pure function both(largest, mean) result(text)
+    real(real64), intent(in) :: largest, mean
     character(len=16) :: text
 
-    write (text, '(es7.1e2, " (", es6.0e2, ")")') row%largest(quantity), row%mean(quantity)
+    write (text, '(es7.1e2, " (", es6.0e2, ")")') largest, mean
   end function both
 
 end module asperity_accuracy_table

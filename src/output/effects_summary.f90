@@ -1,7 +1,7 @@
 !> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
 module asperity_effects_summary
   use asperity_kinds, only: real64
-  use asperity_position_lists, only: positions_text
+  use asperity_position_lists, only: counted, positions_text
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: effect_auto, effect_words
@@ -79,10 +79,10 @@ contains
     word = trim(effect_words(header%modes(e)))
     if (header%modes(e) == effect_auto) then
       call paragraph(head, word // ', tolerance ' // percent(header%tolerance) // &
-                     ': estimated at ' // counted(number) // ', simulated at ' // &
+                     ': estimated at ' // counted(number, 'position') // ', simulated at ' // &
                      decimal_text(simulated_at), buffer)
     else
-      call paragraph(head, word // ': simulated at ' // counted(simulated_at), buffer)
+      call paragraph(head, word // ': simulated at ' // counted(simulated_at, 'position'), buffer)
     end if
     if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
       write (digits, '(g10.3)') header%plasticity_index
@@ -192,14 +192,5 @@ contains
     end if
     text = trim(adjustl(digits)) // ' %'
   end function percent
-
-  ! `1 position`, `2 positions`.
-  pure function counted(number) result(text)
-    integer, intent(in) :: number
-    character(len=:), allocatable :: text
-
-    text = decimal_text(number) // ' positions'
-    if (number == 1) text = '1 position'
-  end function counted
 
 end module asperity_effects_summary

@@ -1,15 +1,25 @@
-!> Lists of positions in words.
+!> Counts and lists of positions in words.
 module asperity_position_lists
   use asperity_problems, only: decimal_text
   implicit none
   private
 
-  public :: positions_text, positions_listed
+  public :: counted, positions_text, positions_listed
 
   ! A longer list is in the CSV file.
   integer, parameter :: most_characters = 400
 
 contains
+
+  !> `1 position`, `2 positions`.
+  pure function counted(number, noun) result(text)
+    integer, intent(in) :: number          !! how many there are
+    character(len=*), intent(in) :: noun   !! of one of them
+    character(len=:), allocatable :: text  !! number and noun
+
+    text = decimal_text(number) // ' ' // noun
+    if (number /= 1) text = text // 's'
+  end function counted
 
   !> `3: 18, 56-58`; a long list ends with `...`.
   pure function positions_text(chosen) result(text)

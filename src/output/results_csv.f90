@@ -2,7 +2,6 @@
 module asperity_results_csv
   use asperity_contact_records, only: contact_row, position_result, state_row
   use asperity_csv, only: csv_line
-  use asperity_kinds, only: real64
   use asperity_scene_results, only: last_state, scene_results
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -30,26 +29,18 @@ contains
           do i = position%states(step)%first_row, position%states(step)%last_row
             row = position%rows(i)
             call line%put(m)
-            call line%put(position%x_displacement)
-            call line%put(position%y_displacement)
+            call line%put([position%x_displacement, position%y_displacement])
             call line%put(step)
             call line%put(position%states(step)%approach)
             call line%put(row%area_no)
-            call line%put(row%x)
-            call line%put(row%y)
+            call line%put([row%x, row%y])
             call line%put(row%upper)
             call line%put(row%lower)
-            call line%put(row%area)
-            call line%put(row%projected_area)
-            call line%put(row%slope)
-            call line%put(row%load)
-            call line%put(row%average_pressure)
-            call line%put(row%maximum_pressure)
+            call line%put([row%area, row%projected_area, row%slope, row%load, &
+                           row%average_pressure, row%maximum_pressure])
             call line%put(row%limit_exceeded)
-            call line%put(row%vertical_load)
-            call line%put(row%penetration)
-            call line%put(row%overlap)
-            if (allocated(results%effects)) call put_numbers(position%contact_values(i, :), line)
+            call line%put([row%vertical_load, row%penetration, row%overlap])
+            if (allocated(results%effects)) call line%put(position%contact_values(i, :))
             call line%finish(buffer)
           end do
         end do
@@ -72,14 +63,11 @@ contains
       associate (position => results%positions(m))
         last = last_state(position)
         call line%put(m)
-        call line%put(position%x_displacement)
-        call line%put(position%y_displacement)
+        call line%put([position%x_displacement, position%y_displacement])
         call line%put(size(position%states))
         call line%put(last%approach)
         call line%put(last%contacts)
-        call line%put(last%load)
-        call line%put(last%area)
-        call line%put(last%projected_area)
+        call line%put([last%load, last%area, last%projected_area])
         call line%put(position%limit_reached)
         call line%put(last%vertical_load)
         call line%put(position%overlapping_circles)
@@ -126,23 +114,12 @@ contains
 
     do i = 1, size(position%effects)
       call line%put(position%effects(i)%simulated)
-      call line%put(position%effects(i)%estimate)
-      call line%put(position%effects(i)%influence)
-      call line%put(position%effects(i)%ending%residual)
+      call line%put([position%effects(i)%estimate, position%effects(i)%influence, &
+                     position%effects(i)%ending%residual])
       call line%put(position%effects(i)%ending%iterations)
     end do
-    call put_numbers(position%state_values, line)
+    call line%put(position%state_values)
   end subroutine put_effects
-
-  subroutine put_numbers(numbers, line)
-    real(real64), intent(in) :: numbers(:)
-    type(csv_line), intent(inout) :: line
-    integer :: i
-
-    do i = 1, size(numbers)
-      call line%put(numbers(i))
-    end do
-  end subroutine put_numbers
 
   !> One line a state: the totals on the way to the end.
   subroutine write_curve(results, buffer)
@@ -158,14 +135,10 @@ contains
         associate (state => results%positions(m)%states(step))
           call line%put(m)
           call line%put(step)
-          call line%put(state%approach)
-          call line%put(state%closing)
+          call line%put([state%approach, state%closing])
           call line%put(state%contacts)
-          call line%put(state%load)
-          call line%put(state%area)
-          call line%put(state%projected_area)
-          call line%put(state%vertical_load)
-          call line%put(state%time)
+          call line%put([state%load, state%area, state%projected_area, state%vertical_load, &
+                         state%time])
           call line%finish(buffer)
         end associate
       end do

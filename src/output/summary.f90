@@ -7,7 +7,7 @@ module asperity_summary
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
                                        slope_row, total_area_row, total_difference_row, &
                                        total_load_row
-  use asperity_position_lists, only: positions_listed
+  use asperity_position_lists, only: counted, positions_listed
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene
@@ -24,12 +24,14 @@ contains
     type(scene), intent(in) :: scene_in         !! what was solved
     type(scene_results), intent(in) :: results  !! its results
     type(text_buffer), intent(inout) :: buffer  !! the text
+    character(len=*), parameter :: names(6) = [character(len=18) :: &
+      'total load', 'vertical load', 'contact area', 'projected area', 'approach', 'contacts']
     real(real64), allocatable :: values(:, :)
     type(state_row) :: last
-    integer :: m, number, without, at_limit
+    integer :: i, m, number, without, at_limit
 
     number = size(results%positions)
-    allocate (values(number, 6))
+    allocate (values(number, size(names)))
     without = 0
     at_limit = 0
     do m = 1, number
@@ -52,12 +54,9 @@ contains
     else
       call buffer%line('                            maximum          minimum          average')
     end if
-    call value_line('total load', values(:, 1))
-    call value_line('vertical load', values(:, 2))
-    call value_line('contact area', values(:, 3))
-    call value_line('projected area', values(:, 4))
-    call value_line('approach', values(:, 5))
-    call value_line('contacts', values(:, 6))
+    do i = 1, size(names)
+      call value_line(names(i), values(:, i))
+    end do
     call buffer%line('')
     call buffer%line('limit reached at ' // decimal_text(at_limit) // ' of ' // &
                      counted(number, 'position'))
@@ -74,10 +73,9 @@ contains
       character(len=80) :: line
 
       if (size(column) == 1) then
-        write (line, '(a18, 3g17.7)') name // repeat(' ', 18), column
+        write (line, '(a18, 3g17.7)') name, column
       else
-        write (line, '(a18, 3g17.7)') name // repeat(' ', 18), maxval(column), minval(column), &
-          average(column)
+        write (line, '(a18, 3g17.7)') name, maxval(column), minval(column), average(column)
       end if
       call buffer%line(line)
     end subroutine value_line
@@ -103,7 +101,13 @@ contains
       [character(len=7) :: 'maximum', 'minimum', 'average']
     ! The port's word for the machine's result of x/0 is 1e27.
     real(real64), parameter :: after_division_by_zero = 1.0e26_real64
-    integer :: column
+    integer, parameter :: rows(7) = [total_load_row, total_area_row, points_row, approach_row, &
+                                     slope_row, total_difference_row, individual_difference_row]
+    character(len=*), parameter :: names(7) = [character(len=20) :: 'total load', &
+      'total contact area', 'contact points', 'approach', 'slope of areas', 'area difference, %', &
+      'individual, %']
+    integer, parameter :: decimals(7) = [0, 4, 0, 4, 3, 1, 1]
+    integer :: i, column
 
     call buffer%line('')
     if (allocated(table%why_not)) then
@@ -111,26 +115,10 @@ contains
       return
     end if
     call buffer%line('Table VI, corrected                 historic corrected  reason')
-    do column = 1, 3
-      call number_line('total load', total_load_row, column, 0)
-    end do
-    do column = 1, 3
-      call number_line('total contact area', total_area_row, column, 4)
-    end do
-    do column = 1, 3
-      call number_line('contact points', points_row, column, 0)
-    end do
-    do column = 1, 3
-      call number_line('approach', approach_row, column, 4)
-    end do
-    do column = 1, 3
-      call number_line('slope of areas', slope_row, column, 3)
-    end do
-    do column = 1, 3
-      call number_line('area difference, %', total_difference_row, column, 1)
-    end do
-    do column = 1, 3
-      call number_line('individual, %', individual_difference_row, column, 1)
+    do i = 1, size(rows)
+      do column = 1, size(columns)
+        call number_line(names(i), rows(i), column, decimals(i))
+      end do
     end do
 
   contains
@@ -160,7 +148,7 @@ contains
         end do
         if (reason == '') reason = 'changes below half a printed unit add up'
       end if
-      write (line, '(2x, a20, 1x, a7, 3x, 2a11)') name // repeat(' ', 20), columns(column), &
+      write (line, '(2x, a20, 1x, a7, 3x, 2a11)') name, columns(column), &
         before, after
       call buffer%line(line // reason)
     end subroutine number_line
@@ -211,16 +199,6 @@ contains
     end if
     text = trim(adjustl(digits))
   end function signed
-
-  !> `1 position`, `2 positions`.
-  pure function counted(number, noun) result(text)
-    integer, intent(in) :: number
-    character(len=*), intent(in) :: noun
-    character(len=:), allocatable :: text
-
-    text = decimal_text(number) // ' ' // noun
-    if (number /= 1) text = text // 's'
-  end function counted
 
   !> Where contact circles overlap, as a warning.
   pure function overlap_text(circles) result(text)
