@@ -8,10 +8,10 @@ module asperity_output_files
                                          c_null_char, c_size_t
   use asperity_files, only: standard_error, standard_output, write_bytes
   use asperity_problems, only: decimal_text
-  use asperity_process, only: process_number
   use asperity_system_calls, only: canonical_path, posix_close, posix_creat, posix_exit_now, &
-                                   posix_fsync, posix_open, posix_rename, posix_signal, &
-                                   posix_unlink, posix_write, system_error, system_reason
+                                   posix_fsync, posix_getpid, posix_open, posix_rename, &
+                                   posix_signal, posix_unlink, posix_write, system_error, &
+                                   system_reason
   implicit none
   private
 
@@ -69,7 +69,7 @@ contains
     else if (.not. allocated(failure)) then
       place = canonical_path(path)
       part = place(:index(place, '/', back=.true.)) // '.asperity.' // &
-             decimal_text(process_number()) // '.' // decimal_text(staged + 1) // '.part'
+             decimal_text(int(posix_getpid())) // '.' // decimal_text(staged + 1) // '.part'
       if (staged == most_files .or. len(part) >= longest_path) then
         failure = 'too many files, or too long a path'
       else

@@ -1,24 +1,12 @@
-!> The running process: its number, its memory and its end.
+!> The running process: its memory and its end.
 module asperity_process
   use, intrinsic :: iso_c_binding, only: c_int
   use asperity_kinds, only: int64
+  use asperity_system_calls, only: posix_exit
   implicit none
   private
 
-  public :: end_process, has_memory, process_number
-
-  interface
-    subroutine posix_exit(status) bind(c, name='exit')
-      import :: c_int
-      implicit none
-      integer(c_int), value :: status
-    end subroutine posix_exit
-
-    integer(c_int) function posix_getpid() bind(c, name='getpid')
-      import :: c_int
-      implicit none
-    end function posix_getpid
-  end interface
+  public :: end_process, has_memory
 
 contains
 
@@ -40,10 +28,5 @@ contains
     allocate (room(bytes / 8_int64 + 1_int64), stat=status)
     has_memory = status == 0
   end function has_memory
-
-  !> The number by which the system knows this process.
-  integer function process_number()
-    process_number = int(posix_getpid())
-  end function process_number
 
 end module asperity_process

@@ -7,7 +7,7 @@ module asperity_system_calls
 
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
-  public :: posix_isatty
+  public :: posix_isatty, posix_getpid, posix_exit
   public :: system_error, system_reason, canonical_path
 
   interface
@@ -111,6 +111,26 @@ module asperity_system_calls
       integer(c_int), value :: status
     end subroutine posix_exit_now
 
+    !> Ends the process in order, with an exit status.
+    subroutine posix_exit(status) bind(c, name='exit')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: status
+    end subroutine posix_exit
+
+    !> The number by which the system knows this process.
+    integer(c_int) function posix_getpid() bind(c, name='getpid')
+      import :: c_int
+      implicit none
+    end function posix_getpid
+
+    !> Gives memory back.
+    subroutine posix_free(memory) bind(c, name='free')
+      import :: c_ptr
+      implicit none
+      type(c_ptr), value :: memory
+    end subroutine posix_free
+
     integer(c_size_t) function posix_readlink(path, target_path, size) bind(c, name='readlink')
       import :: c_char, c_size_t
       implicit none
@@ -125,12 +145,6 @@ module asperity_system_calls
       character(kind=c_char), intent(in) :: path(*)
       type(c_ptr), value :: resolved
     end function posix_realpath
-
-    subroutine posix_free(memory) bind(c, name='free')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: memory
-    end subroutine posix_free
 
     type(c_ptr) function errno_location() bind(c, name='__errno_location')
       import :: c_ptr
