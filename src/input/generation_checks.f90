@@ -23,17 +23,22 @@ contains
     logical, intent(in) :: good_heights           !! heights are known
     logical, intent(in) :: good_radii             !! radii are known
     type(generation_spec), intent(inout) :: spec  !! its deck is filled
+    type(decimal_value) :: width(1)
     integer :: side
 
     associate (deck => spec%deck)
-      call take('elastic_modulus', above_zero, .true., 999999999, 0, deck%elastic_modulus)
-      call take('poisson_ratio', poisson_range, .true., 1, 3, deck%poisson_ratio)
-      call take('allowed_stress', not_negative, .true., 999999999, 0, deck%allowed_stress)
-      call take('rotation', any_number, .false., 99, 4, deck%rotation)
-      deck%lower_width = spec%sides(2)%width
-      call take_one('lower_width', above_zero, 99, 4, deck%lower_width)
-      call take_one('x_displacement', any_number, 99, 3, deck%displacement(1))
-      call take_one('y_displacement', any_number, 99, 3, deck%displacement(2))
+      call fields%require('deck', 'elastic_modulus', 'one')
+      call take('elastic_modulus', above_zero, 999999999, 0, deck%elastic_modulus)
+      call fields%require('deck', 'poisson_ratio', 'one')
+      call take('poisson_ratio', poisson_range, 1, 3, deck%poisson_ratio)
+      call fields%require('deck', 'allowed_stress', 'one')
+      call take('allowed_stress', not_negative, 999999999, 0, deck%allowed_stress)
+      call take('rotation', any_number, 99, 4, deck%rotation)
+      width = spec%sides(2)%width
+      call take('lower_width', above_zero, 99, 4, width)
+      deck%lower_width = width(1)
+      call take('x_displacement', any_number, 99, 3, deck%displacement(1:1))
+      call take('y_displacement', any_number, 99, 3, deck%displacement(2:2))
     end associate
     do side = 1, 2
       associate (wanted => spec%sides(side))
@@ -54,43 +59,26 @@ contains
 
   contains
 
-    subroutine take(name, range, is_needed, most, decimals, values)
+    !> Takes one number, or one for each side.
+    subroutine take(name, range, most, decimals, values)
       character(len=*), intent(in) :: name
       integer, intent(in) :: range, most, decimals
-      logical, intent(in) :: is_needed
-      type(decimal_value), intent(inout) :: values(2)
+      type(decimal_value), intent(inout) :: values(:)
       integer :: before
 
       before = fields%problems%count()
-      call fields%take_pair('deck', name, range, values)
-      if (is_needed .and. .not. fields%has('deck', name)) then
-        call fields%complain_of_group('deck', 'no ' // name // ' in &deck, expected one')
-      else if (fields%has('deck', name) .and. fields%problems%count() == before) then
-        ! Zero where zero is allowed always fits.
-        if (.not. all(fits(values, most, decimals) .or. &
-                      (range /= above_zero .and. values%digits == 0))) call refuse(name)
+      if (size(values) == 2) then
+        call fields%take_pair('deck', name, range, values)
+      else
+        call fields%take_numbers('deck', name, range, values)
       end if
-    end subroutine take
-
-    subroutine take_one(name, range, most, decimals, value)
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: range, most, decimals
-      type(decimal_value), intent(inout) :: value
-      integer :: before
-
-      before = fields%problems%count()
-      call fields%take_number('deck', name, range, value)
       if (.not. fields%has('deck', name) .or. fields%problems%count() > before) return
-      if (.not. (fits(value, most, decimals) .or. &
-                 (range /= above_zero .and. value%digits == 0))) call refuse(name)
-    end subroutine take_one
-
-    subroutine refuse(name)
-      character(len=*), intent(in) :: name
-
-      call fields%complain_of('deck', name, 'found a number that its card cannot hold, ' // &
-                              'expected fewer digits')
-    end subroutine refuse
+      ! Zero where zero is allowed always fits.
+      if (.not. all(fits(values, most, decimals) .or. &
+                    (range /= above_zero .and. values%digits == 0))) &
+        call fields%complain_of('deck', name, 'found a number that its card cannot hold, ' // &
+                                'expected fewer digits')
+    end subroutine take
 
     subroutine need(is_so, expected)
       logical, intent(in) :: is_so

@@ -95,15 +95,13 @@ contains
     integer :: side, before
     logical :: good_extent
 
-    lengths = decimal_value()
-    widths = decimal_value()
-    distances = decimal_value()
-    wanted = decimal_value()
     before = fields%problems%count()
-    call take_both('length', above_zero, .true., lengths)
-    call take_both('width', above_zero, .true., widths)
+    call fields%require('surfaces', 'length', 'one')
+    call fields%take_pair('surfaces', 'length', above_zero, lengths)
+    call fields%require('surfaces', 'width', 'one')
+    call fields%take_pair('surfaces', 'width', above_zero, widths)
     good_extent = fields%problems%count() == before
-    call take_both('least_distance', not_negative, .false., distances)
+    call fields%take_pair('surfaces', 'least_distance', not_negative, distances)
     spec%sides%length = lengths
     spec%sides%width = widths
     spec%sides%least_distance = distances
@@ -111,9 +109,10 @@ contains
     if (fields%has('surfaces', 'number') .and. fields%has('surfaces', 'density')) then
       call fields%complain_of('surfaces', 'density', 'found beside number, expected one of them')
     else if (fields%has('surfaces', 'density')) then
-      call take_both('density', above_zero, .true., wanted)
+      call fields%take_pair('surfaces', 'density', above_zero, wanted)
     else
-      call take_both('number', above_zero, .true., wanted)
+      call fields%require('surfaces', 'number', 'one')
+      call fields%take_pair('surfaces', 'number', above_zero, wanted)
     end if
     if (fields%problems%count() > before) return
     do side = 1, 2
@@ -137,20 +136,6 @@ contains
         if (fields%value_count('surfaces', 'number') == 1) exit
       end if
     end do
-
-  contains
-
-    subroutine take_both(name, range, is_needed, values)
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: range
-      logical, intent(in) :: is_needed
-      type(decimal_value), intent(inout) :: values(2)
-
-      call fields%take_pair('surfaces', name, range, values)
-      if (is_needed .and. .not. fields%has('surfaces', name)) &
-        call fields%complain_of_group('surfaces', 'no ' // name // ' in &surfaces, expected one')
-    end subroutine take_both
-
   end subroutine read_plane
 
   !> Group &heights or &radii.
@@ -165,12 +150,8 @@ contains
     integer :: before, side
 
     before = fields%problems%count()
-    if (.not. fields%has(group, 'mean')) &
-      call fields%complain_of_group(group, 'no mean in &' // group // ', expected one')
-    if (group == 'heights' .and. .not. fields%has(group, 'deviation')) &
-      call fields%complain_of_group(group, 'no deviation in &heights, expected one, or 0')
-    means = decimal_value()
-    deviations = decimal_value()
+    call fields%require(group, 'mean', 'one')
+    if (group == 'heights') call fields%require(group, 'deviation', 'one, or 0')
     call fields%take_pair(group, 'mean', range, means)
     call fields%take_pair(group, 'deviation', not_negative, deviations)
     gaussian%mean = means
@@ -194,7 +175,6 @@ contains
       real(real128), intent(inout) :: cut(2)
       type(decimal_value) :: values(2)
 
-      values = decimal_value()
       if (fields%has(group, name) .and. fields%has(group, name // '_deviation')) then
         call fields%complain_of(group, name // '_deviation', 'found beside ' // name // &
                                 ', expected one of them')

@@ -141,7 +141,6 @@ contains
 
     number = fields%value_count('study', 'sizes')
     allocate (sizes(max(1, min(number, most_sizes))))
-    sizes = decimal_value()
     if (number > 0) call fields%take_numbers('study', 'sizes', above_zero, sizes)
     allocate (spec%sizes(min(number, most_sizes)))
     if (number > 0) spec%sizes = decimal_to_real64(sizes)
