@@ -65,7 +65,7 @@ module asperity_effect_names
     character(len=21) :: name = ''         !! in &effects
     character(len=11) :: effect = ''       !! whose it is; blank: of all under `auto`
     integer :: range = not_negative        !! of `asperity_number_ranges`, or one of the two above
-    type(decimal_value) :: default         !! when the scene does not have it
+    type(decimal_value) :: default = decimal_value()  !! when the scene does not have it
     !> When the scene must have it. `on`: with its effect on; `no limit`: with its effect, on or
     !> auto, and no limit; the name of a number: with its effect and that number not 0.
     character(len=21) :: needed_with = ''
