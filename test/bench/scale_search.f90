@@ -5,9 +5,9 @@
 !> INPUT, all doubles as they stand in memory: number of upper asperities, of lower ones; height
 !> that bounds pairs (Appendix 5), 1 to bound them by the radii alone, dx, dy, spacing of the
 !> arithmetic at 1, least touch; then x, y, height and radius of the upper asperities, one array
-!> after the other, and of the lower ones. OUTPUT: upper and lower indices of 4 bytes, all pairs that an
-!> arithmetic of this spacing may count, and few others. With a least touch the least level is
-!> searched that holds all above it.
+!> after the other, and of the lower ones. OUTPUT: upper and lower indices of 4 bytes, all pairs
+!> that an arithmetic of this spacing may count, and few others. With a least touch the least level
+!> is searched that holds all above it.
 program scale_search
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use asperity_kinds, only: int64, real64
