@@ -179,27 +179,18 @@ contains
     type(model_cards), intent(inout) :: model
     character(len=*), intent(in) :: name
     integer, intent(in) :: before, number
+    character(len=:), allocatable :: asperity
     integer :: i, line
 
     allocate (model%x(number), model%y(number), model%z(number))
     do i = 1, number
       line = before + i
-      call reader%real_field(line, 1, 6, 3, label(i, 'x'), model%x(i))
-      call reader%real_field(line, 7, 12, 3, label(i, 'y'), model%y(i))
-      call reader%real_field(line, 13, 19, 4, label(i, 'height'), model%z(i))
-      call check_height(reader, line, 13, 19, label(i, 'height'), model, model%z(i))
+      asperity = ' of ' // name // ' asperity ' // decimal_text(i)
+      call reader%real_field(line, 1, 6, 3, 'x' // asperity, model%x(i))
+      call reader%real_field(line, 7, 12, 3, 'y' // asperity, model%y(i))
+      call reader%real_field(line, 13, 19, 4, 'height' // asperity, model%z(i))
+      call check_height(reader, line, 13, 19, 'height' // asperity, model, model%z(i))
     end do
-
-  contains
-
-    pure function label(index, what) result(text)
-      integer, intent(in) :: index
-      character(len=*), intent(in) :: what
-      character(len=:), allocatable :: text
-
-      text = what // ' of ' // name // ' asperity ' // decimal_text(index)
-    end function label
-
   end subroutine read_positions
 
   !> As many coordinate cards as NU and NL say, and nothing but blank lines after them.

@@ -114,16 +114,15 @@ contains
     type(decimal_value), intent(out) :: value   !! the number; zero when it is none
     logical, intent(in), optional :: positive   !! only above zero
     character(len=card_length) :: columns
-    character(len=:), allocatable :: format
     integer :: bad_at
 
     columns = self%card(line)
-    format = 'F' // decimal_text(to - from + 1) // '.' // decimal_text(decimals)
     call read_f_field(columns(from:to), decimals, value, bad_at)
     if (bad_at > 0) then
       call self%complain(line, from + bad_at - 1, name, columns(from:to), &
                          'a number in columns ' // decimal_text(from) // '-' // &
-                         decimal_text(to) // ' (' // format // ')')
+                         decimal_text(to) // ' (F' // decimal_text(to - from + 1) // '.' // &
+                         decimal_text(decimals) // ')')
       value = decimal_value()
     else if (abs(decimal_to_real64(value)) > huge(1.0_real64)) then
       call self%complain(line, from, name, columns(from:to), 'a finite number')
