@@ -30,6 +30,8 @@ contains
   !> Bytes of the printable letter at the start of a text; 0 when there is none.
   pure integer function letter_length(text)
     character(len=*), intent(in) :: text
+    ! The least code that needs so many bytes: a longer spelling is no UTF-8.
+    integer, parameter :: least(4) = [0, 128, 2048, 65536]
     integer :: code, first, i
 
     letter_length = 0
@@ -62,14 +64,6 @@ contains
     end do
     if (code < 0 .or. code < least(letter_length) .or. is_hidden(code)) letter_length = 0
   end function letter_length
-
-  !> The least code that needs so many bytes: a longer spelling is no UTF-8.
-  pure integer function least(length)
-    integer, intent(in) :: length
-    integer, parameter :: codes(4) = [0, 128, 2048, 65536]
-
-    least = codes(length)
-  end function least
 
   !> Controls, halves of pairs, blanks other than the blank, marks of direction, private codes.
   pure logical function is_hidden(code)

@@ -60,6 +60,7 @@ contains
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
     type(decimal_value) :: radius(2)
+    character(len=:), allocatable :: which
     logical :: upper_has_radius, lower_has_radius
 
     upper_has_radius = .true.
@@ -72,27 +73,17 @@ contains
       call surface_from_csv(beside(path, lower), radius(2), checked%lower, lower_has_radius, &
                             other_files)
     if (.not. fields%has('surfaces', 'radius')) then
+      which = 'upper and the lower'
+      if (upper_has_radius) which = 'lower'
+      if (lower_has_radius) which = 'upper'
       if (.not. (upper_has_radius .and. lower_has_radius)) &
         call fields%complain_of_group('surfaces', 'no radius: found no radius column in the ' // &
-             which(upper_has_radius, lower_has_radius) // ' surface''s file, expected ' // &
-             'radius = upper, lower in &surfaces')
+             which // ' surface''s file, expected radius = upper, lower in &surfaces')
     else if (upper_has_radius .and. lower_has_radius .and. other_files%count() == 0 .and. &
              allocated(upper) .and. allocated(lower)) then
       call fields%complain_of('surfaces', 'radius', 'found although both files have a radius ' // &
                               'column, expected only where one has none')
     end if
-
-  contains
-
-    pure function which(upper_has, lower_has) result(text)
-      logical, intent(in) :: upper_has, lower_has
-      character(len=:), allocatable :: text
-
-      text = 'upper and the lower'
-      if (upper_has) text = 'lower'
-      if (lower_has) text = 'upper'
-    end function which
-
   end subroutine read_csv_files
 
   !> A deck brings both surfaces and their radii.

@@ -140,10 +140,9 @@ contains
     integer :: number
 
     number = fields%value_count('study', 'sizes')
-    allocate (sizes(max(1, min(number, most_sizes))))
-    if (number > 0) call fields%take_numbers('study', 'sizes', above_zero, sizes)
-    allocate (spec%sizes(min(number, most_sizes)))
-    if (number > 0) spec%sizes = decimal_to_real64(sizes)
+    allocate (sizes(min(number, most_sizes)))
+    call fields%take_numbers('study', 'sizes', above_zero, sizes)
+    spec%sizes = decimal_to_real64(sizes)
     if (number <= most_sizes .and. all(sizes%digits > 0)) then
       if (.not. all(spec%sizes(2:) < spec%sizes(:number - 1))) &
         call fields%complain_of('study', 'sizes', 'found sizes in another order, expected ' // &

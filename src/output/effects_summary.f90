@@ -160,12 +160,8 @@ contains
       end if
       call buffer%line(margin // text(from:to))
       margin = ''
-      from = to + 1
-      do while (from <= len(text))
-        if (text(from:from) /= ' ') exit
-        from = from + 1
-      end do
-      if (from > len(text)) return
+      from = to + verify(text(to + 1:), ' ')
+      if (from == to) return
     end do
   end subroutine paragraph
 

@@ -39,17 +39,9 @@ contains
     text = ''
     last = 0
     do
-      first = last + 1
-      do while (first <= size(chosen))
-        if (chosen(first)) exit
-        first = first + 1
-      end do
-      if (first > size(chosen)) return
-      last = first
-      do while (last < size(chosen))
-        if (.not. chosen(last + 1)) exit
-        last = last + 1
-      end do
+      first = last + findloc(chosen(last + 1:), .true., 1)
+      if (first == last) return
+      last = first - 2 + findloc([chosen(first:), .false.], .false., 1)
       if (text /= '') text = text // ', '
       if (len(text) > most_characters) then
         text = text // '...'
