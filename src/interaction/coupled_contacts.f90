@@ -26,6 +26,7 @@ module asperity_coupled_contacts
                                     mark_place, prepare, solve_state
   use asperity_coupled_step, only: propose, push_worst, take
   use asperity_kinds, only: real64
+  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
@@ -165,9 +166,9 @@ contains
     if (present(failure) .and. allocated(reason)) failure = reason
   end subroutine solve_coupled_load
 
-  ! The closing at a load by trial (Illinois rule; Dowell and Jarratt 1971), each trial solved from
-  ! the same start. Slow and safe: for contacts that lie so deep in each other that many share one
-  ! place in turn, where Newton's method with the closing as one more unknown may circle.
+  ! The closing at a load by trial, each solved from the same start. Slow and safe: for contacts
+  ! that lie so deep in each other that many share one place in turn, where Newton's method with the
+  ! closing as one more unknown may circle.
   pure subroutine search(pairs, law, target, most_closing, closing, penetration, ending)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
@@ -175,47 +176,30 @@ contains
     real(real64), intent(inout) :: closing
     real(real64), intent(out) :: penetration(:)
     type(solve_ending), intent(inout) :: ending
-    real(real64) :: low, high, off_low, off_high, off, work
-    integer :: spent, trial, side
+    type(root_bracket) :: bracket
+    real(real64) :: off, work
+    integer :: spent, trial
+    logical :: going_on, reached
 
     spent = ending%iterations
     work = 0.0_real64
-    off = -1.0_real64
-    low = 0.0_real64
-    off_low = -1.0_real64
-    side = 0
-    do trial = 1, most_trials
+    reached = .false.
+    bracket = root_bracket(low=0.0_real64, high=most_closing, low_miss=-1.0_real64, &
+                           high_miss=-1.0_real64, halving=8)
+    do trial = 1, 2 * most_trials
       call attempt(pairs, law, target, closing, penetration, ending, off)
       spent = spent + ending%iterations
       work = work + ending%iterations * real(count(penetration > 0.0_real64), real64)**2
-      if (off >= 0.0_real64 .or. .not. closing < most_closing .or. work > most_work) exit
-      low = closing
-      off_low = off
-      closing = min(1.5_real64 * closing, most_closing)
-    end do
-    high = closing
-    off_high = off
-    if (off < 0.0_real64) ending%converged = .false.
-    do trial = 1, most_trials
-      if (off_high < 0.0_real64 .or. abs(off) <= tolerance .or. &
-          high - low <= 2 * spacing(high) .or. work > most_work) exit
-      closing = (low * off_high - high * off_low) / (off_high - off_low)
-      if (modulo(trial, 8) == 0) closing = 0.5_real64 * (low + high)
-      closing = max(low, min(high, closing))
-      call attempt(pairs, law, target, closing, penetration, ending, off)
-      spent = spent + ending%iterations
-      work = work + ending%iterations * real(count(penetration > 0.0_real64), real64)**2
-      if (off >= 0.0_real64) then
-        high = closing
-        off_high = off
-        if (side == 1) off_low = 0.5_real64 * off_low
-        side = 1
+      reached = reached .or. .not. off < 0.0_real64
+      if (abs(off) <= tolerance .or. work > most_work) exit
+      call narrow_bracket(bracket, closing, off, off < 0.0_real64)
+      if (reached) then
+        call guess_root(bracket, closing, going_on)
       else
-        low = closing
-        off_low = off
-        if (side == -1) off_high = 0.5_real64 * off_high
-        side = -1
+        going_on = closing < most_closing
+        closing = min(1.5_real64 * closing, most_closing)
       end if
+      if (.not. going_on) exit
     end do
     ending%iterations = spent
     ending%residual = max(ending%residual, abs(off))
