@@ -3,6 +3,8 @@
 !> Pairs are taken some at a time, side by side, so that all becomes vectors.
 module asperity_coupled_middle
   use asperity_kinds, only: real64
+  use asperity_mutual_displacement, only: binomial, flat => flat_means, hertz => hertz_means, &
+                                          root_terms, terms => terms_kept
   implicit none
   private
 
@@ -18,20 +20,7 @@ module asperity_coupled_middle
     procedure :: add
   end type middle_pairs
 
-  integer, parameter :: lanes = 64, terms = 6
-  integer :: loop
-  ! 1/sqrt(1 - z) in powers of z; means of t**(2 k) over a row of radius 1, flat and Hertz'.
-  real(real64), parameter :: root_terms(0:terms) = &
-    [1.0_real64, 0.5_real64, 0.375_real64, 0.3125_real64, 0.2734375_real64, 0.24609375_real64, &
-     0.2255859375_real64]
-  real(real64), parameter :: flat(0:terms) = [(1.0_real64 / (2 * loop + 1), loop=0, terms)]
-  real(real64), parameter :: hertz(0:terms) = &
-    [(3.0_real64 / ((2 * loop + 1) * (2 * loop + 3)), loop=0, terms)]
-  ! Even places of Pascal's triangle, by 2 k and 2 m.
-  real(real64), parameter :: binomial(0:terms, 0:terms) = reshape(real([ &
-    1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 6, 1, 0, 0, 0, 0, 1, 15, 15, 1, 0, 0, 0, &
-    1, 28, 70, 28, 1, 0, 0, 1, 45, 210, 210, 45, 1, 0, 1, 66, 495, 924, 495, 66, 1], real64), &
-    [terms + 1, terms + 1])
+  integer, parameter :: lanes = 64
 
 contains
 

@@ -17,6 +17,7 @@ module asperity_mutual_displacement
   private
 
   public :: mutual_terms, mutual_displacement
+  public :: binomial, flat_means, hertz_means, root_terms, terms_kept
 
   !> The terms between a first circle and a second. All are for a modulus of 1 and are to be
   !> divided by the combined modulus; per unit load.
@@ -49,17 +50,20 @@ module asperity_mutual_displacement
   ! From so many sums of radii on the closed forms, made of differences of r**4, lose digits; seven
   ! terms of the series leave 1e-12 there.
   real(real64), parameter :: series_from = 4.0_real64
+  !> Terms of the series behind the first.
   integer, parameter :: terms_kept = 6
   integer :: loop
-  ! 1/sqrt(1 - z) in powers of z; means of t**(2 k) over a row of radius 1, flat and Hertz'.
+  !> 1/sqrt(1 - z) in powers of z.
   real(real64), parameter :: root_terms(0:terms_kept) = &
     [1.0_real64, 0.5_real64, 0.375_real64, 0.3125_real64, 0.2734375_real64, 0.24609375_real64, &
      0.2255859375_real64]
+  !> Means of t**(2 k) over a row of radius 1, of a flat punch.
   real(real64), parameter :: flat_means(0:terms_kept) = &
     [(1.0_real64 / (2 * loop + 1), loop=0, terms_kept)]
+  !> The same with Hertz' weight.
   real(real64), parameter :: hertz_means(0:terms_kept) = &
     [(3.0_real64 / ((2 * loop + 1) * (2 * loop + 3)), loop=0, terms_kept)]
-  ! Even places of Pascal's triangle, by 2 k and 2 m.
+  !> Even places of Pascal's triangle, by 2 k and 2 m.
   real(real64), parameter :: binomial(0:terms_kept, 0:terms_kept) = reshape(real([ &
     1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 6, 1, 0, 0, 0, 0, 1, 15, 15, 1, 0, 0, 0, &
     1, 28, 70, 28, 1, 0, 0, 1, 45, 210, 210, 45, 1, 0, 1, 66, 495, 924, 495, 66, 1], real64), &

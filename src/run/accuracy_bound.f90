@@ -45,10 +45,13 @@ contains
     if (arithmetic == 'real128') roundoff = roundoff * 2.0_real64**(53 - 113)
     radius = min(minval(scene_in%upper%radius), minval(scene_in%lower%radius))
     in_height = max(maxval(abs(scene_in%upper%height)), maxval(abs(scene_in%lower%height)))
-    in_plan = max(extent(scene_in%upper%x), extent(scene_in%upper%y), &
-                  extent(scene_in%lower%x), extent(scene_in%lower%y), &
-                  abs(decimal_to_real64(scene_in%lower_mirror_width)), &
-                  displacement(scene_in))
+    associate (upper => scene_in%upper, lower => scene_in%lower, motion => scene_in%motion)
+      in_plan = max(maxval(abs(upper%x)), maxval(abs(upper%y)), maxval(abs(lower%x)), &
+                    maxval(abs(lower%y)), abs(decimal_to_real64(scene_in%lower_mirror_width)), &
+                    maxval(abs(decimal_to_real64([motion%x_first, motion%y_first]))) + &
+                    (motion%positions - 1) * &
+                    maxval(abs(decimal_to_real64([motion%x_step, motion%y_step]))))
+    end associate
     bound = finest_accuracy
     do m = 1, size(positions)
       last = last_state(positions(m))
@@ -62,24 +65,5 @@ contains
         bound = max(bound, uncertainty / abs(last%approach) + finest_accuracy)
     end do
   end function error_bound
-
-  !> Largest magnitude of some coordinates.
-  pure real(real64) function extent(coordinates)
-    real(real64), intent(in) :: coordinates(:)
-
-    extent = maxval(abs(coordinates))
-  end function extent
-
-  !> Largest magnitude of the displacement.
-  pure real(real64) function displacement(scene_in)
-    type(scene), intent(in) :: scene_in
-
-    associate (motion => scene_in%motion)
-      displacement = max(abs(decimal_to_real64(motion%x_first)), &
-                         abs(decimal_to_real64(motion%y_first))) + &
-                     (motion%positions - 1) * max(abs(decimal_to_real64(motion%x_step)), &
-                                                  abs(decimal_to_real64(motion%y_step)))
-    end associate
-  end function displacement
 
 end module asperity_accuracy_bound
