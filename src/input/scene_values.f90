@@ -20,7 +20,7 @@ module asperity_scene_values
             criterion_hardy, criterion_words
   public :: hold_load, hold_approach, hold_words
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
-  public :: thesis_limit_load, is_thesis_sweep
+  public :: thesis_limit_load, is_thesis_sweep, compliance
 
   !> Closing ends at the approach at which a contact reaches the limit.
   integer, parameter :: control_limit = 1
@@ -184,5 +184,15 @@ contains
                       scene_in%loading%control == control_limit .and. &
                       scene_in%upper%file == scene_in%file
   end function is_thesis_sweep
+
+  !> (1 - nu**2)/E of a body; their sum for both is one over the combined modulus.
+  elemental real(real64) function compliance(elastic_modulus, poisson_ratio)
+    type(decimal_value), intent(in) :: elastic_modulus  !! more than 0
+    type(decimal_value), intent(in) :: poisson_ratio    !! more than -1, at most 0.5
+    real(real64) :: ratio
+
+    ratio = decimal_to_real64(poisson_ratio)
+    compliance = (1 - ratio) * (1 + ratio) / decimal_to_real64(elastic_modulus)
+  end function compliance
 
 end module asperity_scene_values

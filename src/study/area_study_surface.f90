@@ -6,14 +6,15 @@ module asperity_area_study_surface
   use asperity_area_study_plan, only: section_places, section_square, study_plan
   use asperity_constants, only: pi
   use asperity_contact_records, only: contact_row
-  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_decimal, only: decimal_to_real64
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                         surface_plan
   use asperity_greenwood_integrals, only: area_per_area, contacts_per_area, load_per_area, &
                                           quantities, vertical_per_area
   use asperity_kinds, only: real64
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: control_approach, criterion_none, scene, scene_surface
+  use asperity_scene_values, only: compliance, control_approach, criterion_none, scene, &
+                                   scene_surface
   use asperity_solve, only: solve
   use asperity_study_spec, only: against_plane, study_spec
   implicit none
@@ -117,33 +118,20 @@ contains
     type(study_plan), intent(in) :: plan
     type(scene_surface), intent(in) :: surface
     type(contact_row), allocatable, intent(out) :: contacts(:)
-    real(real64) :: separation, modulus, overlap
-    integer :: i, k
+    real(real64), allocatable :: overlap(:), radius(:)
+    real(real64) :: separation, modulus
 
     separation = decimal_to_real64(plan%separation)
-    modulus = combined_modulus(spec%elastic_modulus, spec%poisson_ratio)
-    allocate (contacts(count(surface%height > separation)))
-    k = 0
-    do i = 1, size(surface%height)
-      overlap = surface%height(i) - separation
-      if (.not. overlap > 0.0_real64) cycle
-      k = k + 1
-      contacts(k)%x = surface%x(i)
-      contacts(k)%y = surface%y(i)
-      contacts(k)%area = pi * surface%radius(i) * overlap
-      contacts(k)%load = 4 * modulus * (overlap * sqrt(overlap * surface%radius(i))) / 3
-      contacts(k)%vertical_load = contacts(k)%load
-    end do
+    modulus = 1 / sum(compliance(spec%elastic_modulus, spec%poisson_ratio))
+    overlap = pack(surface%height - separation, surface%height > separation)
+    radius = pack(surface%radius, surface%height > separation)
+    allocate (contacts(size(overlap)))
+    contacts%x = pack(surface%x, surface%height > separation)
+    contacts%y = pack(surface%y, surface%height > separation)
+    contacts%area = pi * radius * overlap
+    contacts%load = 4 * modulus * (overlap * sqrt(overlap * radius)) / 3
+    contacts%vertical_load = contacts%load
   end subroutine press_on_plane
-
-  !> 1/E = (1 - nu1**2)/E1 + (1 - nu2**2)/E2.
-  pure real(real64) function combined_modulus(elastic_modulus, poisson_ratio)
-    type(decimal_value), intent(in) :: elastic_modulus(2), poisson_ratio(2)
-    real(real64) :: ratio(2)
-
-    ratio = decimal_to_real64(poisson_ratio)
-    combined_modulus = 1 / sum((1 - ratio) * (1 + ratio) / decimal_to_real64(elastic_modulus))
-  end function combined_modulus
 
   !> What each section has on its area.
   pure subroutine cut_sections(contacts, squares, side, numbers)
@@ -152,18 +140,16 @@ contains
     real(real64), intent(in) :: side
     real(real64), intent(out) :: numbers(:)
     real(real64) :: sums(quantities)
-    integer :: i, k
+    logical :: inside(size(contacts))
+    integer :: k
 
     do k = 1, size(squares)
-      sums = 0.0_real64
-      do i = 1, size(contacts)
-        if (contacts(i)%x < squares(k)%x .or. contacts(i)%x >= squares(k)%x + side) cycle
-        if (contacts(i)%y < squares(k)%y .or. contacts(i)%y >= squares(k)%y + side) cycle
-        sums(contacts_per_area) = sums(contacts_per_area) + 1
-        sums(area_per_area) = sums(area_per_area) + contacts(i)%area
-        sums(load_per_area) = sums(load_per_area) + contacts(i)%load
-        sums(vertical_per_area) = sums(vertical_per_area) + contacts(i)%vertical_load
-      end do
+      inside = contacts%x >= squares(k)%x .and. contacts%x < squares(k)%x + side .and. &
+               contacts%y >= squares(k)%y .and. contacts%y < squares(k)%y + side
+      sums(contacts_per_area) = count(inside)
+      sums(area_per_area) = sum(contacts%area, inside)
+      sums(load_per_area) = sum(contacts%load, inside)
+      sums(vertical_per_area) = sum(contacts%vertical_load, inside)
       numbers(quantities * (k - 1) + 1:quantities * k) = sums / side**2
     end do
   end subroutine cut_sections

@@ -5,8 +5,8 @@ module asperity_plastic_surface
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure, plasticity_index
-  use asperity_scene_values, only: criterion_greenwood_williamson, criterion_hardy, &
-                                   criterion_load, criterion_pressure, scene, scene_surface
+  use asperity_scene_values, only: compliance, criterion_greenwood_williamson, criterion_hardy, &
+                                   criterion_load, criterion_pressure, scene
   implicit none
   private
 
@@ -26,7 +26,8 @@ contains
     associate (upper => scene_in%upper, lower => scene_in%lower)
       deviation = hypot(height_deviation(upper%height), height_deviation(lower%height))
       radius = 1.0_real64 / (1.0_real64 / mean(upper%radius) + 1.0_real64 / mean(lower%radius))
-      modulus = 1.0_real64 / (compliance(upper) + compliance(lower))
+      modulus = 1.0_real64 / (compliance(upper%elastic_modulus, upper%poisson_ratio) + &
+                              compliance(lower%elastic_modulus, lower%poisson_ratio))
     end associate
     hardness = hardness_of(scene_in, modulus, radius)
     if (.not. (hardness > 0.0_real64 .and. radius > 0.0_real64)) return
@@ -66,16 +67,6 @@ contains
       end if
     end associate
   end function hardness_of
-
-  ! (1 - nu**2)/E of one body.
-  pure real(real64) function compliance(surface)
-    type(scene_surface), intent(in) :: surface
-    real(real64) :: ratio
-
-    ratio = decimal_to_real64(surface%poisson_ratio)
-    compliance = (1.0_real64 - ratio) * (1.0_real64 + ratio) / &
-                 decimal_to_real64(surface%elastic_modulus)
-  end function compliance
 
   pure real(real64) function mean(values)
     real(real64), intent(in) :: values(:)
