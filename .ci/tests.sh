@@ -16,30 +16,38 @@ add() {
   failed=$((failed + more))
 }
 
-# The Fortran unit tests in a build.
-unit_tests() {
+# Starts the unit tests beside what comes next. Usage: start_units EXECUTABLE, of the same build.
+start_units() {
+  "${1%/app/*}/test/unit" >build/unit.log 2>&1 &
+  units=$!
+}
+
+# Waits for them, shows what they said, and counts them.
+end_units() {
   local status tally
-  options_of "$1" || return
-  fpm test unit "${fpm_options[@]}" 2>&1 | tee build/unit.log
+  wait "$units"
   status=$?
+  cat build/unit.log
   tally=$(last_tally build/unit.log)
   [ "$status" -ne 0 ] || [ -n "$tally" ] || status=1
   add "$status" "unit tests" "$tally"
 }
 
-# Folders of the harness; hard cases, too, once there are any.
+# Folders of the harness; hard cases, too, once there are any. They have the longest tests: first.
 harness_folders() {
-  echo test/regression
   if compgen -G 'test/hard/test_*.py' >/dev/null; then echo test/hard; fi
+  echo test/regression
 }
 
-# The harness on an executable. Usage: harness EXECUTABLE [PYTEST OPTIONS]
+# The harness on an executable, a process for each core, at most 8.
+# Usage: harness EXECUTABLE [PYTEST OPTIONS]
 harness() {
   local exe=$1 folders
   shift
   mapfile -t folders < <(harness_folders)
   rm -f build/pytest.tally
   ASPERITY_EXE=$exe ASPERITY_TALLY=$root/build/pytest.tally \
-    python -m pytest --rootdir "$root" -q -ra "${folders[@]}" "$@"
+    python -m pytest --rootdir "$root" -q -ra -n auto --maxprocesses 8 \
+    --durations 10 --durations-min 5 "${folders[@]}" "$@"
   add "$?" pytest "$(cat build/pytest.tally 2>/dev/null)"
 }

@@ -1,18 +1,22 @@
-"""What all tests of the harness share: the executable, the root folder, the count of cells."""
+"""What all tests of the harness share: the executable, the root folder, the count of cells.
+
+Tests run side by side (pytest-xdist), in any order: each writes in its own `tmp_path` alone.
+"""
 
 import os
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
+from builds import ROOT, build
 from hypothesis import settings
-
-ROOT = Path(__file__).resolve().parents[1]
 
 # The same examples in every run: a failure on one machine is a failure on all.
 settings.register_profile("fixed", derandomize=True, deadline=None, database=None)
 settings.load_profile("fixed")
+
+
+# Tests that share what takes long to make: all of such a file run in one process.
+TOGETHER = ("test_archive.py", "test_accuracy.py", "test_effects.py")
 
 
 class Tally:
@@ -26,13 +30,13 @@ class Tally:
         if not 0 <= met <= compared or illegible < 0:
             raise ValueError(f"{name}: compared {compared}, met {met}, illegible {illegible}")
         old = self.rows.get(name, (0, 0, 0))
-        self.rows[name] = tuple(a + b for a, b in zip(old, (compared, met, illegible)))
+        self.rows[name] = tuple(int(a + b) for a, b in zip(old, (compared, met, illegible)))
 
     def lines(self):
         """The table, one line a name, and the totals in the last line."""
         width = max(map(len, self.rows))
         yield f"{'cells':<{width}} {'compared':>9} {'met':>9} {'illegible':>9}"
-        for name, counts in self.rows.items():
+        for name, counts in sorted(self.rows.items()):
             yield f"{name:<{width}} " + " ".join(f"{count:>9}" for count in counts)
         compared, met, illegible = map(sum, zip(*self.rows.values()))
         yield f"cells compared {compared}, met {met}, illegible {illegible}"
@@ -43,6 +47,36 @@ TALLY = pytest.StashKey[Tally]()
 
 def pytest_configure(config):
     config.stash[TALLY] = Tally()
+    config.addinivalue_line(
+        "markers", "once: says nothing about the build under test; left out of builds that look "
+        "for trouble")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """One test after the other to the process that is free; the files of TOGETHER come first."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Scheduler(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            file = nodeid.partition("::")[0]
+            return file if file.endswith(TOGETHER) else nodeid
+
+    return Scheduler(config, log)
+
+
+def pytest_sessionfinish(session):
+    """A process that runs a share of the tests hands its cells on."""
+    output = getattr(session.config, "workeroutput", None)
+    if output is not None:
+        output["cells"] = session.config.stash[TALLY].rows
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    """One of these processes has ended: its cells count with the others."""
+    for name, counts in getattr(node, "workeroutput", {}).get("cells", {}).items():
+        node.config.stash[TALLY].add(name, *counts)
 
 
 @pytest.fixture(scope="session")
@@ -59,27 +93,12 @@ def tally(request):
 
 @pytest.fixture(scope="session")
 def asperity():
-    """The executable: ASPERITY_EXE if that is set, else the release build by fpm."""
+    """The executable: ASPERITY_EXE if that is set, else the release build."""
     given = os.environ.get("ASPERITY_EXE")
-    path = Path(given).resolve() if given else release_build()
+    path = Path(given).resolve() if given else build("release")
     if not os.access(path, os.X_OK):
         pytest.fail(f"no executable at {path}")
     return path
-
-
-def release_build():
-    """Build with fpm and ask it for the path, which is the last line it prints."""
-    local = ROOT / ".venv" / "bin" / "fpm"
-    fpm = local if local.exists() else shutil.which("fpm")
-    if fpm is None:
-        pytest.fail("fpm not found: run make setup")
-    command = [fpm, "run", "asperity", "--profile", "release", "--runner", "echo"]
-    done = subprocess.run(
-        command, cwd=ROOT, stdin=subprocess.DEVNULL, capture_output=True, text=True
-    )
-    if done.returncode != 0:
-        pytest.fail(f"the release build failed:\n{done.stdout}{done.stderr}")
-    return ROOT / done.stdout.splitlines()[-1].strip()
 
 
 def pytest_terminal_summary(terminalreporter, config):

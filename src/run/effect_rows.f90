@@ -29,8 +29,11 @@ contains
       associate (effect => effects(i)%effect)
         header%names(i) = effect%name
         header%modes(i) = effect%mode
-        header%contact_columns = [header%contact_columns, effect%contact_columns%text]
-        header%state_columns = [header%state_columns, effect%state_columns%text]
+        ! gfortran 12 does not find the length of the second part without optimisation.
+        header%contact_columns = [character(len=20) :: header%contact_columns, &
+                                  effect%contact_columns%text]
+        header%state_columns = [character(len=20) :: header%state_columns, &
+                                effect%state_columns%text]
       end associate
     end do
   end subroutine name_columns

@@ -1,8 +1,8 @@
 """Mutated decks, scenes, CSV files and command lines: the program keeps its word on all of them.
 
-Every run must end within a second of processor time with status 0, 1 or 2. With 1 or 2 it says
-why in printable lines and leaves no file behind; with 0 its files are whole and hold finite
-numbers. The same seed gives the same cases on every machine.
+Every run must end with status 0, 1 or 2, here also within a second of processor time (30 where
+cells may be used). With 1 or 2 it says why in printable lines and leaves no file behind; with 0 its
+files are whole and hold finite numbers. The same seed gives the same cases on every machine.
 
 Longer run: python test/hard/fuzz.py --exe PATH --minutes 30 --keep FOLDER (or make fuzz).
 """

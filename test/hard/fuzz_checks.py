@@ -13,8 +13,8 @@ from pathlib import Path
 from fuzz_cases import VALUED
 from fuzz_effects import EFFECTS, broken_laws
 
-# A build without optimisation, or with checks, may take so many times longer.
-SLOWNESS = float(os.environ.get("ASPERITY_SLOWNESS", "1"))
+# Seconds after which a run counts as one that does not end: far more than any takes in any build.
+PATIENCE = 300.0
 
 
 class Late(Exception):
@@ -25,7 +25,7 @@ def late(_signal, _frame):
     raise Late
 
 
-def run(exe, case, folder, patience=20.0):
+def run(exe, case, folder, patience=PATIENCE):
     """Run a case in a folder of its own: status, stdout, stderr, processor seconds, kilobytes."""
     (folder / "sub").mkdir()
     for name, data in case.files.items():
@@ -127,8 +127,8 @@ def check_kept(case, left):
     return []
 
 
-def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
-    """All that is wrong with a run."""
+def check(case, folder, outcome, most_seconds=math.inf, most_kilobytes=300_000):
+    """All that is wrong with a run. The time it takes is no matter of a test, only of `make fuzz`."""
     status, out, err, seconds, kilobytes = outcome
     wrong = []
     if on_cells(case):
@@ -138,7 +138,7 @@ def check(case, folder, outcome, most_seconds=1.0, most_kilobytes=300_000):
         wrong.append(f"status {status}")
     if CRASH.search(err) or CRASH.search(out):
         wrong.append("crash: " + err[-300:].decode("utf-8", "replace"))
-    if seconds > SLOWNESS * most_seconds:
+    if seconds > most_seconds:
         wrong.append(f"took {seconds:.1f} s")
     if kilobytes > most_kilobytes:
         wrong.append(f"took {kilobytes // 1000} MB")
@@ -187,5 +187,5 @@ def run_and_check(exe, case, **limits):
     """Run a case in a new folder; status and all that is wrong."""
     with tempfile.TemporaryDirectory(prefix="fuzz") as name:
         folder = Path(name)
-        outcome = run(exe, case, folder, patience=SLOWNESS * (60.0 if on_cells(case) else 20.0))
+        outcome = run(exe, case, folder)
         return outcome[0], outcome[2], check(case, folder, outcome, **limits)

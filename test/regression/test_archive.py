@@ -6,15 +6,17 @@ archive.
 """
 
 import difflib
-import shutil
 import subprocess
 
 import pytest
+from builds import build
 
 REPORTS = ("ibm370", "real32", "real64", "real128")
 CONTACTS = ("ibm370", "real64")
-# Two ends of what a compiler may do: nothing, and more than the standard allows.
-FLAGS = ("-O0", "-O3 -march=native -ffast-math")
+# Two ends of what a compiler may do: nothing but look for faults, and more than the standard allows.
+ENDS = ("strict", "fast")
+# Builds of its own: nothing here is about the build under test.
+pytestmark = pytest.mark.once
 
 
 def same_text(found, expected, name):
@@ -44,22 +46,10 @@ def run(executable, root, arithmetic, folder):
     return done.stdout, (folder / "contacts.csv").read_bytes()
 
 
-def last_line(command, root):
-    """Runs a build; its last line is the executable's path."""
-    done = subprocess.run(command, cwd=root, stdin=subprocess.DEVNULL, capture_output=True,
-                          text=True, timeout=600)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    return root / done.stdout.splitlines()[-1].strip()
-
-
 @pytest.fixture(scope="module")
-def archive_build(root):
-    """The executable as `make archive` builds it.
-
-    .ci/build throws all builds away when an included text has changed, which fpm does not see: it
-    comes before every other build here.
-    """
-    return last_line(["bash", ".ci/build", "archive"], root)
+def archive_build():
+    """The executable as `make archive` builds it."""
+    return build("archive")
 
 
 @pytest.fixture(scope="module", params=REPORTS)
@@ -97,23 +87,12 @@ def test_a_missing_archive_fails(root, tmp_path):
         same_text(b"one\ntwo\n", b"one\n2\n", "a text")
 
 
-@pytest.mark.usefixtures("archive_build")
 def test_ibm370_is_the_same_under_all_flags(root, tmp_path):
     """Unoptimised, and with every liberty a compiler can be given: the same bytes."""
-    local = root / ".venv" / "bin" / "fpm"
-    fpm = local if local.exists() else shutil.which("fpm")
-    if fpm is None:
-        pytest.fail("fpm not found: run make setup")
-    results, executables = [], []
-    for number, flags in enumerate(FLAGS):
-        folder = tmp_path / str(number)
+    for end in ENDS:
+        folder = tmp_path / end
         folder.mkdir()
-        executables.append(last_line([fpm, "run", "asperity", "--flag", flags, "--runner", "echo"],
-                                     root))
-        results.append(run(executables[-1], root, "ibm370", folder))
-    assert executables[0].read_bytes() != executables[1].read_bytes(), "one build, run twice"
-    same_text(results[1][0], results[0][0], "report under " + FLAGS[1])
-    same_text(results[1][1], results[0][1], "contacts under " + FLAGS[1])
-    for (report, contacts), flags in zip(results, FLAGS):
-        same_text(report, archived(root, "thesis.ibm370.txt"), "report under " + flags)
-        same_text(contacts, archived(root, "thesis.ibm370.contacts.csv"), "contacts under " + flags)
+        report, contacts = run(build(end), root, "ibm370", folder)
+        same_text(report, archived(root, "thesis.ibm370.txt"), f"report of the build {end}")
+        same_text(contacts, archived(root, "thesis.ibm370.contacts.csv"),
+                  f"contacts of the build {end}")

@@ -9,8 +9,7 @@ import shlex
 import subprocess
 
 import pytest
-
-from conftest import ROOT
+from builds import ROOT
 
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*.md"),
                 *ROOT.glob("docs/effects/*.md")])

@@ -16,7 +16,9 @@ ON = {"interaction": ("coupled", "boundary"), "friction": ("on",), "plasticity":
       "adhesion": ("on",), "creep": ("on",)}
 NUMBERS = {"friction_coefficient": 0.1, "plastic_yield_stress": 6000.0, "work_of_adhesion": 1e-3,
            "equilibrium_distance": 1e-7, "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5,
-           "hold_time": 1.0}
+           "hold_time": 1.0,
+           # Coarse cells: what is asked is whether, not how much.
+           "boundary_tolerance": 0.1}
 # Why two effects are not added up.
 REFUSED = {
     ("adhesion", "plasticity"): "the theories of adhesion are elastic",

@@ -7,7 +7,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from conftest import ROOT, release_build
+from builds import ROOT, build
 from surfaces_csv import records, solve, write_csv_scene
 
 # The made-up case of example/close_to_a_load.f90, from its text.
@@ -21,7 +21,7 @@ def example(asperity):
     """Runs an example by name; fpm builds them beside the executable."""
     folder = asperity.parent.parent / "example"
     if not (folder / "read_a_scene").exists():
-        folder = release_build().parent.parent / "example"
+        folder = build("release").parent.parent / "example"
 
     def run(name, *words):
         done = subprocess.run([folder / name, *words], cwd=ROOT, capture_output=True, text=True,
