@@ -43,7 +43,7 @@ docs: ## API pages in docs/api
 	@echo docs/api/index.html
 
 bench: ## time, memory, what accuracy costs (SAVE=1 keeps the result, MOST=1e7 goes further)
-	@bash .ci/setup build bench images
+	@bash .ci/setup build test bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save)
 	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save)
 	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST))

@@ -128,7 +128,7 @@ def check_kept(case, left):
 
 
 def check(case, folder, outcome, most_seconds=math.inf, most_kilobytes=300_000):
-    """All that is wrong with a run. The time it takes is no matter of a test, only of `make fuzz`."""
+    """All that is wrong with a run. Its time is no matter of a test, only of `make fuzz`."""
     status, out, err, seconds, kilobytes = outcome
     wrong = []
     if on_cells(case):
