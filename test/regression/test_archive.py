@@ -13,7 +13,7 @@ from builds import build
 
 REPORTS = ("ibm370", "real32", "real64", "real128")
 CONTACTS = ("ibm370", "real64")
-# Two ends of what a compiler may do: nothing but look for faults, and more than the standard allows.
+# Two ends of what a compiler may do: look for faults alone, and more than the standard allows.
 ENDS = ("strict", "fast")
 # Builds of its own: nothing here is about the build under test.
 pytestmark = pytest.mark.once
