@@ -12,6 +12,9 @@ import pytest
 from digitised_tables import (DATA, DECK, ROWS, SUMMED, TABLES_VII, LABELS, approaches, interval,
                               loaded, read, records)
 
+# Says nothing about the build under test.
+pytestmark = pytest.mark.once
+
 INDEX = r"\d+"
 LENGTH = r"\d+\.\d{3}"
 AREA = r"0\.0|0\.\d{5}"

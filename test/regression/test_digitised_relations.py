@@ -13,6 +13,9 @@ import pytest
 from digitised_tables import (DATA, SUMMED, TABLES_VII, approaches, interval, legible, loaded,
                               loaded_records, pressure, records)
 
+# Says nothing about the build under test.
+pytestmark = pytest.mark.once
+
 
 def test_average_pressure_is_load_over_area():
     for where, record in loaded_records():

@@ -11,6 +11,9 @@ import subprocess
 import pytest
 from builds import ROOT
 
+# Says nothing about the build under test.
+pytestmark = pytest.mark.once
+
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*.md"),
                 *ROOT.glob("docs/effects/*.md")])
 COMMANDS = ("", "solve", "accuracy", "generate", "study")

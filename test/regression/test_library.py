@@ -107,6 +107,7 @@ end program outside
 """
 
 
+@pytest.mark.once
 def test_project_outside(asperity, tmp_path):
     """A project that names this one by its path builds with it, and runs. Two spheres of radius 1
     closed by 0.01: load 4/3 E sqrt(R) 0.01**1.5 (Hertz), E = 2e5 / (2 (1 - 0.3**2)), R = 1/2."""

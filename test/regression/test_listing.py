@@ -11,6 +11,9 @@ import pytest
 from listing_formats import BadFormat, fixed_texts, lines_of_format
 from thesis_report import CONTACT, MODEL, digitised, formats, table_cells
 
+# Says nothing about the build under test.
+pytestmark = pytest.mark.once
+
 # Columns of a table, the FORMAT of a row that places them, and the FORMATs of their heads.
 COLUMNS = {"V": (MODEL, "18", ("16", "17")),
            "III": (("index", "x", "y", "height"), "26", ("24", "25")),

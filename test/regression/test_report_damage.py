@@ -7,6 +7,9 @@ from report_comparison import Comparison
 from report_damage import COPIES, KINDS, damaged_copies, passing_copies
 from thesis_report import UNSETTLED, printed_lines
 
+# Says nothing about the build under test.
+pytestmark = pytest.mark.once
+
 
 @pytest.mark.parametrize("arithmetic", ["ibm370", "real64"])
 def test_damaged_copies_fail(asperity, arithmetic):
