@@ -14,10 +14,12 @@ module asperity_bracket_suite
   public :: collect_brackets
 
   ! Functions that rise from below zero at 0.
-  integer, parameter :: square = 1, steep = 2, jump = 3, flat = 4, small = 5, straight = 6
-  real(real64), parameter :: places(6) = [sqrt(2.0_real64), 0.001_real64, 0.7_real64, &
-                                          0.5_real64, 1.0e-200_real64, 1.0_real64 / 3]
-  integer, parameter :: most_guesses(6) = [30, 80, 75, 145, 65, 65]
+  integer, parameter :: square = 1, steep = 2, jump = 3, flat = 4, small = 5, straight = 6, &
+                        small_jump = 7
+  real(real64), parameter :: places(7) = [sqrt(2.0_real64), 0.001_real64, 0.7_real64, &
+                                          0.5_real64, 1.0e-200_real64, 1.0_real64 / 3, &
+                                          1.0e-200_real64]
+  integer, parameter :: most_guesses(7) = [30, 80, 75, 145, 65, 65, 120]
 
 contains
 
@@ -84,7 +86,7 @@ contains
       value_of = x * x - 2.0_real64
     case (steep)
       value_of = max(x, 0.0_real64)**0.1_real64 - places(which)**0.1_real64
-    case (jump)
+    case (jump, small_jump)
       value_of = merge(-1.0_real64, 1.0_real64, x < places(which))
     case (flat)
       value_of = (x - places(which))**9
