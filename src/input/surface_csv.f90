@@ -194,17 +194,17 @@ contains
     character(len=*), intent(in) :: text
     integer, intent(inout) :: first
     type(line_cells), intent(out) :: cells
-    integer :: last, comma
+    integer :: at, from
 
-    last = line_end(text, first)
-    do
-      comma = index(text(first:last), ',')
-      if (comma == 0) exit
-      call add_cell(text, first, first + comma - 2, cells)
-      first = first + comma
+    from = first
+    do at = first, len(text)
+      if (text(at:at) == achar(10)) exit
+      if (text(at:at) /= ',') cycle
+      call add_cell(text, from, at - 1, cells)
+      from = at + 1
     end do
-    call add_cell(text, first, last, cells)
-    first = last + 2
+    call add_cell(text, from, at - 1, cells)
+    first = at + 1
   end subroutine cut_line
 
   !> Adds the cell `from:to`, without the blanks around it.
@@ -226,6 +226,7 @@ contains
     integer :: last
 
     do while (first <= len(text))
+      if (verify(text(first:first), blanks // achar(10)) > 0) return
       last = line_end(text, first)
       if (verify(text(first:last), blanks) > 0) return
       if (last < len(text)) line = line + 1
