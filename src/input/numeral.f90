@@ -7,7 +7,7 @@ module asperity_numeral
   implicit none
   private
 
-  public :: read_numeral, read_whole_number, decimal_sum, is_a_double
+  public :: read_numeral, read_whole_number, decimal_sum, is_a_double, rounded_decimal
 
   integer, parameter :: most_digits = 18
   ! No number written with an exponent beyond this can be a double, whatever its length.
@@ -82,6 +82,19 @@ contains
            abs(number%digits) <= int(huge(value), int64)
     if (good) value = int(number%digits)
   end subroutine read_whole_number
+
+  !> A double rounded to so many digits; 17 give it back.
+  pure function rounded_decimal(value, digits) result(number)
+    real(real64), intent(in) :: value   !! finite
+    integer, intent(in) :: digits       !! from 2 to 18
+    type(decimal_value) :: number
+    character(len=32) :: text, form
+    logical :: good
+
+    write (form, '("(es32.", i0, "e3)")') digits - 1
+    write (text, form) value
+    call read_numeral(trim(adjustl(text)), number, good)
+  end function rounded_decimal
 
   !> Sum of two decimals: exact as long as it has at most 18 digits, else rounded there.
   elemental function decimal_sum(a, b) result(total)

@@ -4,6 +4,7 @@ module asperity_area_study_plan
   use asperity_generation_values, only: exact_value
   use asperity_greenwood_integrals, only: greenwood_law, greenwood_law_of, separation_at_pressure
   use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: rounded_decimal
   use asperity_random_philox, only: philox_block
   use asperity_study_spec, only: against_plane, places_grid, study_spec
   implicit none
@@ -48,7 +49,7 @@ contains
     if (spec%at_pressure) then
       call separation_at_pressure(plan%law, decimal_to_real64(spec%pressure), separation, failure)
       if (allocated(failure)) return
-      call round_to_decimal(separation, plan%separation)
+      plan%separation = rounded_decimal(separation, 15)
     else
       plan%separation = spec%separation
     end if
@@ -161,14 +162,11 @@ contains
     real(real64), intent(in) :: depth
     real(real64) :: largest_sum
 
-    margin_at = 2 * max(decimal_to_real64(spec%surfaces%sides(1)%least_distance), &
-                        decimal_to_real64(spec%surfaces%sides(2)%least_distance))
-    if (spec%against == against_plane) then
-      margin_at = 2 * decimal_to_real64(spec%surfaces%sides(1)%least_distance)
-      return
-    end if
+    margin_at = 2 * decimal_to_real64(spec%surfaces%sides(1)%least_distance)
+    if (spec%against == against_plane) return
     largest_sum = real(sum(spec%surfaces%sides%radius%highest), real64)
-    margin_at = margin_at + sqrt(depth * (2 * largest_sum - depth))
+    margin_at = max(margin_at, 2 * decimal_to_real64(spec%surfaces%sides(2)%least_distance)) + &
+                sqrt(depth * (2 * largest_sum - depth))
   end function margin_at
 
   !> The shorter of the two surfaces, along x or y.
@@ -177,31 +175,11 @@ contains
     integer, intent(in) :: direction
     real(real64) :: sides(2)
 
-    if (direction == 1) then
-      sides = real(exact_value(spec%surfaces%sides%length), real64)
-    else
-      sides = real(exact_value(spec%surfaces%sides%width), real64)
-    end if
+    sides = real(exact_value(merge(spec%surfaces%sides%length, spec%surfaces%sides%width, &
+                                   direction == 1)), real64)
     least_side = minval(sides)
     if (spec%against == against_plane) least_side = sides(1)
   end function least_side
-
-  !> A decimal of 15 digits.
-  pure subroutine round_to_decimal(number, value)
-    real(real64), intent(in) :: number
-    type(decimal_value), intent(out) :: value
-    character(len=22) :: text
-    integer(int64) :: fraction
-
-    ! For instance `-1.23456789012345E-001`.
-    write (text, '(es22.14e3)') number
-    read (text(2:2), '(i1)') value%digits
-    read (text(4:17), '(i14)') fraction
-    value%digits = value%digits * 10_int64**14 + fraction
-    if (number < 0.0_real64) value%digits = -value%digits
-    read (text(19:), '(i4)') value%exponent
-    value%exponent = value%exponent - 14
-  end subroutine round_to_decimal
 
   !> A number for a message.
   pure function number_text(number) result(text)

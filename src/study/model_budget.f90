@@ -4,10 +4,10 @@
 !> At a given load the error is in the approach instead: the scene's way is closed on to the load
 !> at which `boundary` would carry the one given.
 module asperity_model_budget
-  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_model_run, only: model_run, run_model, too_many_for_cells
-  use asperity_numeral, only: read_numeral
+  use asperity_numeral, only: rounded_decimal
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: control_approach, control_load, effect_boundary, effect_off, &
@@ -138,13 +138,13 @@ contains
     model%known([of_load, of_vertical_load]) = share_given
     share = 0.0_real64
     do m = 1, size(results%positions)
-      associate (position => results%positions(m))
+      associate (position => results%positions(m), last => last_state(results%positions(m)))
         one = scene_in
         one%motion%positions = 1
-        one%motion%x_first = as_decimal(position%x_displacement)
-        one%motion%y_first = as_decimal(position%y_displacement)
+        one%motion%x_first = rounded_decimal(position%x_displacement, 17)
+        one%motion%y_first = rounded_decimal(position%y_displacement, 17)
         one%loading%control = control_approach
-        one%loading%value = as_decimal(position%states(size(position%states))%approach)
+        one%loading%value = rounded_decimal(last%approach, 17)
       end associate
       call run_both(one, options, used, cells, model%why_not)
       if (allocated(model%why_not)) return
@@ -152,7 +152,8 @@ contains
         share = max(share, abs(used%factor(1) - cells%factor(1)) / cells%factor(1))
     end do
     one = scene_in
-    one%loading%value = as_decimal(decimal_to_real64(one%loading%value) * (1.0_real64 + share))
+    one%loading%value = rounded_decimal(decimal_to_real64(one%loading%value) * &
+                                        (1.0_real64 + share), 17)
     call run_model(one, model%interaction, options, used, model%why_not)
     if (allocated(model%why_not)) return
     do m = 1, size(results%positions)
@@ -175,16 +176,5 @@ contains
     if (.not. allocated(failure)) &
       call run_model(scene_in, effect_boundary, options, cells, failure)
   end subroutine run_both
-
-  ! A double as a decimal of 17 digits, which gives it back.
-  function as_decimal(value) result(number)
-    real(real64), intent(in) :: value
-    type(decimal_value) :: number
-    character(len=25) :: digits
-    logical :: good
-
-    write (digits, '(es25.16e3)') value
-    call read_numeral(trim(adjustl(digits)), number, good)
-  end function as_decimal
 
 end module asperity_model_budget
