@@ -12,7 +12,7 @@ module asperity_shared_work
   private
 
   public :: shared_work
-  public :: begin_work, begin_round, is_own, add_piece, add_failure, gather_round, end_round
+  public :: begin_work, begin_round, is_own, add_failure, gather_round, end_round
 
   ! A message travels with at most so many bytes, its length before it.
   integer, parameter :: longest_message = 512
@@ -25,7 +25,8 @@ module asperity_shared_work
     integer :: first = 1                             !! piece of this round ...
     integer :: last = 0                              !! ... to this
     logical :: packed = .false.                      !! results become words
-    !> words of the pieces that a former run kept, then of those of the round
+    !> words of the pieces that a former run kept, then of those of the round: whoever has done a
+    !> piece puts them there, when results are packed
     type(word_record), allocatable :: records(:)
     integer :: failed = huge(1)                      !! first piece that failed
     character(len=:), allocatable :: failure         !! why
@@ -92,15 +93,6 @@ contains
 
     dealt_to = 1 + modulo(m - work%first, image_count())
   end function dealt_to
-
-  !> A piece that this image has done, in words.
-  subroutine add_piece(work, m, words)
-    type(shared_work), intent(inout) :: work  !! in a round
-    integer, intent(in) :: m                  !! piece
-    integer(int64), intent(in) :: words(:)    !! its result
-
-    work%records(m)%words = words
-  end subroutine add_piece
 
   !> A piece that could not be done. The first of all is told.
   subroutine add_failure(work, m, failure)

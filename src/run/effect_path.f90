@@ -13,14 +13,10 @@ module asperity_effect_path
   public :: path_step, plan_states, plan_hold
   public :: to_closing, to_load, stay, as_before
 
-  !> The step ends at a closing.
-  integer, parameter :: to_closing = 1
-  !> The step ends at a load.
-  integer, parameter :: to_load = 2
-  !> The step keeps the closing of the last state.
-  integer, parameter :: stay = 3
-  !> The step keeps the load of the last state of loading.
-  integer, parameter :: as_before = 4
+  integer, parameter :: to_closing = 1  !! the step ends at a closing
+  integer, parameter :: to_load = 2     !! the step ends at a load
+  integer, parameter :: stay = 3        !! the step keeps the closing of the last state
+  integer, parameter :: as_before = 4   !! the step keeps the load of the last state of loading
 
   !> The way to one state.
   type :: path_step

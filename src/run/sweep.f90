@@ -15,7 +15,7 @@ module asperity_sweep
   use asperity_process, only: has_memory
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
-  use asperity_shared_work, only: add_failure, add_piece, begin_round, begin_work, end_round, &
+  use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
                                   gather_round, is_own, shared_work
   !$ use omp_lib, only: omp_get_max_threads
   implicit none
@@ -130,7 +130,7 @@ contains
       call add_failure(watch%work, m, failure)
       last = min(last, m)
     else if (watch%work%packed) then
-      call add_piece(watch%work, m, words)
+      call move_alloc(words, watch%work%records(m)%words)
     end if
     ! One up to the highest is too much. All before it are still solved.
     if (watch%rows > int(most_rows, int64)) last = min(last, watch%highest)

@@ -10,7 +10,7 @@ module asperity_area_study
   use asperity_problems, only: decimal_text
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
-  use asperity_shared_work, only: add_failure, add_piece, begin_round, begin_work, end_round, &
+  use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
                                   gather_round, is_own, shared_work
   use asperity_study_spec, only: study_spec
   use asperity_version, only: version
@@ -66,7 +66,7 @@ contains
           call add_failure(work, m, 'surface ' // decimal_text(m) // ': ' // failure)
           exit
         end if
-        if (work%packed) call add_piece(work, m, transfer(numbers(:, m), [0_int64]))
+        if (work%packed) work%records(m)%words = transfer(numbers(:, m), [0_int64])
         call progress%step()
       end do
       call gather_round(work)

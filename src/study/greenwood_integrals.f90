@@ -23,16 +23,11 @@ module asperity_greenwood_integrals
   public :: greenwood_law, greenwood_law_of, densities_at, separation_at_pressure
   public :: quantities, contacts_per_area, area_per_area, load_per_area, vertical_per_area
 
-  !> What there is of on an area.
-  integer, parameter :: quantities = 4
-  !> Number of contacts.
-  integer, parameter :: contacts_per_area = 1
-  !> Contact area.
-  integer, parameter :: area_per_area = 2
-  !> Sum of the forces normal to the contacts.
-  integer, parameter :: load_per_area = 3
-  !> Sum of their vertical parts: the mean pressure.
-  integer, parameter :: vertical_per_area = 4
+  integer, parameter :: quantities = 4        !! what there is of on an area
+  integer, parameter :: contacts_per_area = 1 !! number of contacts
+  integer, parameter :: area_per_area = 2     !! contact area
+  integer, parameter :: load_per_area = 3     !! sum of the forces normal to the contacts
+  integer, parameter :: vertical_per_area = 4 !! sum of their vertical parts: the mean pressure
 
   !> The statistics of two surfaces, or of one against a plane.
   type :: greenwood_law

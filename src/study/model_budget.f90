@@ -114,8 +114,9 @@ contains
         model%error(of_load) = max(model%error(of_load), share * last%load)
         model%error(of_vertical_load) = max(model%error(of_vertical_load), &
                                             share * last%vertical_load)
-        if (.not. used%projected_area(m) > 0.0_real64) cycle
-        share = abs(used%projected_area(m) - cells%projected_area(m)) / used%projected_area(m)
+        if (.not. used%last(m)%projected_area > 0.0_real64) cycle
+        share = abs(used%last(m)%projected_area - cells%last(m)%projected_area) / &
+                used%last(m)%projected_area
         model%error(of_area) = max(model%error(of_area), share * last%area)
       end associate
     end do
@@ -159,7 +160,7 @@ contains
     do m = 1, size(results%positions)
       associate (last => last_state(results%positions(m)))
         model%error(of_approach) = max(model%error(of_approach), &
-                                       abs(used%approach(m) - last%approach))
+                                       abs(used%last(m)%approach - last%approach))
       end associate
     end do
     model%known(of_approach) = share_measured

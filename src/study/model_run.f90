@@ -23,10 +23,8 @@ module asperity_model_run
 
   !> The last state of every position.
   type :: model_run
-    real(real64), allocatable :: factor(:)          !! load together over load alone, vertical
-    real(real64), allocatable :: load(:)            !! sum of the normal forces
-    real(real64), allocatable :: projected_area(:)  !! sum of the areas in plan
-    real(real64), allocatable :: approach(:)        !! separation of the reference planes
+    type(state_row), allocatable :: last(:)   !! its totals
+    real(real64), allocatable :: factor(:)    !! load together over load alone, vertical
   end type model_run
 
 contains
@@ -68,21 +66,15 @@ contains
       why = 'up to ' // decimal_text(most) // ' contacts at a position would take long on cells'
   end function too_many_for_cells
 
-  !> Factor, load, area and approach of every position.
+  !> The last state of every position, and its factor.
   subroutine take_last_states(results, run)
     type(scene_results), intent(in) :: results  !! solved
     type(model_run), intent(inout) :: run       !! gets them
-    type(state_row) :: last
-    integer :: m, number
+    integer :: m
 
-    number = size(results%positions)
-    allocate (run%factor(number), run%load(number), run%projected_area(number), &
-              run%approach(number))
-    do m = 1, number
-      last = last_state(results%positions(m))
-      run%load(m) = last%load
-      run%projected_area(m) = last%projected_area
-      run%approach(m) = last%approach
+    allocate (run%last(size(results%positions)), run%factor(size(results%positions)))
+    do m = 1, size(results%positions)
+      run%last(m) = last_state(results%positions(m))
       run%factor(m) = factor_of(results, m)
     end do
   end subroutine take_last_states
