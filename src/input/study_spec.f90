@@ -20,10 +20,8 @@ module asperity_study_spec
   public :: places_grid, places_random, places_words
   public :: reference_integral, reference_largest, reference_words
 
-  !> Sections of one size on one surface at most.
-  integer, parameter :: most_sections = 1000
-  !> Sizes at most.
-  integer, parameter :: most_sizes = 20
+  integer, parameter :: most_sections = 1000  !! sections of one size on one surface at most
+  integer, parameter :: most_sizes = 20       !! sizes at most
 
   !> The upper surface meets the lower one.
   integer, parameter :: against_surface = 1
@@ -32,15 +30,12 @@ module asperity_study_spec
   !> Their words.
   character(len=*), parameter :: against_words(2) = [character(len=7) :: 'surface', 'plane']
 
-  !> Sections side by side.
-  integer, parameter :: places_grid = 1
-  !> Sections anywhere.
-  integer, parameter :: places_random = 2
+  integer, parameter :: places_grid = 1       !! sections side by side
+  integer, parameter :: places_random = 2     !! sections anywhere
   !> Their words.
   character(len=*), parameter :: places_words(2) = [character(len=6) :: 'grid', 'random']
 
-  !> Sections are compared with the integral.
-  integer, parameter :: reference_integral = 1
+  integer, parameter :: reference_integral = 1!! sections are compared with the integral
   !> Sections are compared with the mean of the largest size.
   integer, parameter :: reference_largest = 2
   !> Their words.
