@@ -23,10 +23,8 @@ module asperity_study_spec
   integer, parameter :: most_sections = 1000  !! sections of one size on one surface at most
   integer, parameter :: most_sizes = 20       !! sizes at most
 
-  !> The upper surface meets the lower one.
-  integer, parameter :: against_surface = 1
-  !> The upper surface meets a plane: the lower surface's material, no asperities.
-  integer, parameter :: against_plane = 2
+  integer, parameter :: against_surface = 1   !! the upper surface meets the lower one
+  integer, parameter :: against_plane = 2     !! it meets a plane of the lower one's material
   !> Their words.
   character(len=*), parameter :: against_words(2) = [character(len=7) :: 'surface', 'plane']
 
@@ -36,8 +34,7 @@ module asperity_study_spec
   character(len=*), parameter :: places_words(2) = [character(len=6) :: 'grid', 'random']
 
   integer, parameter :: reference_integral = 1!! sections are compared with the integral
-  !> Sections are compared with the mean of the largest size.
-  integer, parameter :: reference_largest = 2
+  integer, parameter :: reference_largest = 2 !! compared with the mean of the largest size
   !> Their words.
   character(len=*), parameter :: reference_words(2) = [character(len=8) :: 'integral', 'largest']
 
