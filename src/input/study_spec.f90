@@ -33,8 +33,8 @@ module asperity_study_spec
   !> Their words.
   character(len=*), parameter :: places_words(2) = [character(len=6) :: 'grid', 'random']
 
-  integer, parameter :: reference_integral = 1!! sections are compared with the integral
-  integer, parameter :: reference_largest = 2 !! compared with the mean of the largest size
+  integer, parameter :: reference_integral = 1  !! sections are compared with the integral
+  integer, parameter :: reference_largest = 2   !! compared with the mean of the largest size
   !> Their words.
   character(len=*), parameter :: reference_words(2) = [character(len=8) :: 'integral', 'largest']
 
