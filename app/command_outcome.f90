@@ -45,7 +45,7 @@ contains
     if (image_number() == 1) then
       if (.not. allocated(outcome%failure)) &
         call write_standard_output(outcome%text%text(), outcome%failure)
-      if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
+      if (.not. allocated(outcome%failure)) call commit_files(outcome%failure, last=.true.)
       if (allocated(outcome%failure)) then
         call discard_files()
         call write_message(outcome%failure)

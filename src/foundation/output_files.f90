@@ -83,8 +83,9 @@ contains
 
   !> Gives all staged files their names. `failure` is allocated, with the reason, when one cannot
   !> have it; the rest is taken away then.
-  subroutine commit_files(failure)
+  subroutine commit_files(failure, last)
     character(len=:), allocatable, intent(out) :: failure  !! why not
+    logical, intent(in), optional :: last  !! all is done: from now on an interruption is too late
     integer(c_int) :: status
     integer :: i
 
@@ -99,7 +100,7 @@ contains
       end if
     end do
     call discard_files()
-    committing = .false.
+    committing = present(last) .and. .not. allocated(failure)
   end subroutine commit_files
 
   !> Takes all staged files away.

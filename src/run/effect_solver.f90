@@ -24,7 +24,7 @@ module asperity_effect_solver
   !> A scene with effects, made ready.
   type, extends(position_solver) :: effect_solver
     private
-    type(scene) :: scene_in
+    type(scene), pointer :: scene_in => null()
     type(placed_scene) :: placed
     type(effect_box), allocatable :: effects(:)  ! as they are before a position
     integer :: contact_columns = 0, state_columns = 0
@@ -37,14 +37,14 @@ contains
   !> Makes a scene ready to be solved with its effects. `failure` is allocated when a number is out
   !> of range.
   subroutine make_effect_solver(scene_in, solver, header, failure)
-    type(scene), intent(in) :: scene_in                    !! checked values
+    type(scene), intent(in), target :: scene_in            !! checked; must outlive the solver
     class(position_solver), allocatable, intent(out) :: solver
     type(effect_header), intent(out) :: header             !! what the effects tell
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(effect_solver), allocatable :: new
 
     allocate (new)
-    new%scene_in = scene_in
+    new%scene_in => scene_in
     call list_effects(scene_in, new%effects)
     call name_columns(new%effects, header)
     new%contact_columns = size(header%contact_columns)

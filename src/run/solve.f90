@@ -55,7 +55,7 @@ contains
 
   ! With the effects of the scene, in doubles.
   subroutine solve_effects(scene_in, options, results, failure)
-    type(scene), intent(in) :: scene_in
+    type(scene), intent(in), target :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure

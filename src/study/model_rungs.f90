@@ -98,7 +98,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     class(position_solver), allocatable :: solver
     type(scene_results) :: results
-    type(scene) :: copy
+    type(scene), target :: copy
 
     copy = bare
     call copy%effects%call_for('interaction', ladder(number))
