@@ -42,11 +42,12 @@ docs: ## API pages in docs/api
 	@PATH="$$PWD/.venv/bin:$$PATH" ford -q ford.md
 	@echo docs/api/index.html
 
-bench: ## time, memory, what accuracy costs (SAVE=1 keeps the result, MOST=1e7 goes further)
+bench: ## time, memory, what accuracy costs (SAVE=1 keeps it, MOST=1e7 goes further, SMALL=1: a bit)
 	@bash .ci/setup build test bench images
-	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save)
-	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save)
-	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST))
+	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--runs 2)
+	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save) $(if $(SMALL),--small)
+	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST)) \
+	  $(if $(SMALL),--small --most 1e4 --rounds 1)
 
 figures: ## draw the pictures in docs/figures anew
 	@bash .ci/setup build figures

@@ -50,6 +50,8 @@ def pytest_configure(config):
     config.addinivalue_line(
         "markers", "once: says nothing about the build under test; left out of builds that look "
         "for trouble")
+    config.addinivalue_line(
+        "markers", "long: runs the statements of shorter tests more often; left out there, too")
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -24,6 +24,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 DECK = "data/thesis.deck"
 ARITHMETICS = ("real64", "real32", "ibm370", "real128")
+# From which --accuracy chooses (src/study/accuracy_choice.f90).
+WAYS = [(arithmetic, "events", 0.0, "stable") for arithmetic in ("real64", "real128")]
 HEAD = ("arithmetic", "ratio", "median ms", "min ms", "max ms", "quartiles ms", "peak MiB")
 
 
@@ -142,7 +144,7 @@ def accuracy_study(path):
         table_text = output_of(path, "accuracy", DECK, "--csv", str(file))
         text = file.read_text(encoding="ascii")
     rows = {(r["arithmetic"], r["method"], float(r["step"]), r["overlap"]): r
-            for r in csv.DictReader(text.splitlines())}
+            for r in csv.DictReader(text.splitlines()) if r["method"] != "model"}
     events = rows["real64", "events", 0.0, "stable"]
 
     def slower(*key):
@@ -157,6 +159,10 @@ def accuracy_study(path):
         f"  exact events in real128                          "
         f"{slower('real128', 'events', 0.0, 'stable'):8.2f}",
     ]
+    front = [key for key, row in rows.items() if row["front"] == "1"]
+    ratios += ["the cheapest for their accuracy: " +
+               ", ".join(f"{way[1]} in {way[0]}, {way[3]} overlap" for way in front),
+               "  the ways of --accuracy" if front == WAYS else "  NOT the ways of --accuracy"]
     return ratios + ["", table_text], text
 
 

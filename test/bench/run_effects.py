@@ -1,6 +1,6 @@
 """What effects cost: milliseconds a position, with and without, and against the cells.
 
-    python test/bench/run_effects.py [--rounds R] [--save]
+    python test/bench/run_effects.py [--rounds R] [--small] [--save]
 
 A position's time is the difference of two runs, of one position and of many at the same place, so
 that starting, reading and writing do not count. One core; the least time of the rounds counts.
@@ -37,12 +37,12 @@ def thesis(folder, name, effects, number, first=5.6, step=0.0):
     return path
 
 
-def caps(folder, seed, number):
+def caps(folder, seed, number, less):
     place = folder / f"{seed}.{number}"
     place.mkdir()
-    return write_caps(place, *random_caps(CAPS, WIDTH, DEPTH, seed),
+    return write_caps(place, *random_caps(CAPS // less, WIDTH, DEPTH, seed),
                       motion={"positions": number, "x_step": 0.0},
-                      loading={"control": "load", "value": LOAD},
+                      loading={"control": "load", "value": LOAD / less},
                       effects={"interaction": "coupled"}).scene
 
 
@@ -55,7 +55,7 @@ def a_position(exe, scenes, rounds):
             for name, (one, many, more) in works.items()}
 
 
-def position_lines(exe, folder, rounds):
+def position_lines(exe, folder, rounds, less):
     yield "position 56 of the thesis, to the limit, ms"
     scenes = {}
     for name, effects, more in (
@@ -64,6 +64,7 @@ def position_lines(exe, folder, rounds):
             ("interaction boundary, 0.001", "interaction = 'boundary'", 10),
             ("friction", "friction = 'on', friction_coefficient = 0.2", 1000),
             ("plasticity", "plasticity = 'on', plastic_yield_stress = 8000.", 1000)):
+        more //= less
         word = name.replace(" ", "_").replace(",", "")
         scenes[name] = (thesis(folder, word, effects, 1), thesis(folder, word, effects, 1 + more),
                         more)
@@ -71,27 +72,29 @@ def position_lines(exe, folder, rounds):
         yield f"  {name:<40}{value:>10.4f}"
 
 
-def sweep_lines(exe, folder, rounds):
-    yield "the thesis sweep of 100 positions, whole process: s, share of boundary throughout"
+def sweep_lines(exe, folder, rounds, less):
+    yield (f"{100 // less} positions of the thesis sweep, whole process: s, "
+           "share of boundary throughout")
     works = {}
     for name, effects in (("no effect", "interaction = 'off'"),
                           ("auto, tolerance 0.01", "interaction = 'auto', tolerance = 0.01"),
                           ("coupled", "interaction = 'coupled'"),
                           ("boundary, 0.001", "interaction = 'boundary'")):
         word = name.replace(" ", "_").replace(",", "")
-        works[name] = Work(exe, "solve", thesis(folder, "sweep_" + word, effects, 100, 0.1, 0.1),
-                           "--quiet")
+        works[name] = Work(exe, "solve", thesis(folder, "sweep_" + word, effects, 100 // less, 0.1,
+                                                  0.1), "--quiet")
     take_turns(works.values(), rounds)
     whole = works["boundary, 0.001"].least
     for name, work in works.items():
         yield f"  {name:<40}{work.least:>10.3f}{work.least / whole:>10.3f}"
 
 
-def caps_lines(exe, folder, rounds):
-    yield f"{CAPS} caps on {WIDTH} by {DEPTH} cm pressed to {LOAD / 1e3:g} kN, coupled, ms"
+def caps_lines(exe, folder, rounds, less):
+    yield (f"{CAPS // less} caps on {WIDTH} by {DEPTH} cm pressed to {LOAD / less / 1e3:g} kN, "
+           "coupled, ms")
     more = 5
-    scenes = {f"seed {seed}": (caps(folder, seed, 1), caps(folder, seed, 1 + more), more)
-              for seed in SEEDS}
+    scenes = {f"seed {seed}": (caps(folder, seed, 1, less),
+                                 caps(folder, seed, 1 + more, less), more) for seed in SEEDS}
     for name, value in a_position(exe, scenes, rounds).items():
         yield f"  {name:<40}{value:>10.1f}"
 
@@ -99,14 +102,17 @@ def caps_lines(exe, folder, rounds):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=5, help="turns of all (default 5)")
+    parser.add_argument("--small", action="store_true",
+                        help="a tenth of everything, one turn: to see that it runs")
     parser.add_argument("--save", action="store_true", help="also to reference_output/bench")
     options = parser.parse_args()
 
+    rounds, less = (1, 10) if options.small else (options.rounds, 1)
     exe, flags = release_build()
     with tempfile.TemporaryDirectory() as name:
         parts = ["\n".join(machine(flags))]
         for part in (position_lines, sweep_lines, caps_lines):
-            parts.append("\n".join(part(exe, Path(name), options.rounds)))
+            parts.append("\n".join(part(exe, Path(name), rounds, less)))
     text = "\n\n".join(parts) + "\n"
     print(text, end="")
     if options.save:

@@ -72,13 +72,15 @@ def main():
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--runs", type=int, help="so many runs instead of a time")
     parser.add_argument("--seed", type=int, default=None, help="first seed (default: the clock)")
+    parser.add_argument("--without", type=int, nargs="*", default=(), help="seeds to leave out")
     parser.add_argument("--seconds", type=float, default=1.0, help="processor time for a run")
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     parser.add_argument("--keep", type=Path, help="folder for the cases with faults")
     parser.add_argument("--show", action="store_true", help="print each fault's command and errors")
     given = parser.parse_args()
     first = int(time.time()) * 1000 if given.seed is None else given.seed
-    seeds = range(first, first + (given.runs or 10 ** 9))
+    seeds = (seed for seed in range(first, first + (given.runs or 10 ** 9))
+             if seed not in given.without)
     until = None if given.runs else time.monotonic() + 60 * given.minutes
     exe = Path(given.exe).resolve()
     begun = time.monotonic()

@@ -20,6 +20,7 @@ from measure import NO_NUMBER, measure, measure_deck, run
 # bits: the last place of one number can be 16 of the next one's.
 ALLOWED = {"ibm370": 64.0, "real32": 16.0, "real64": 16.0, "real128": 1.0}
 
+LONG = ("positions_a_million",)
 SCENES = {case.name: case for case in scenes()}
 DECKS = {case.name: case for case in decks()}
 
@@ -37,7 +38,8 @@ def test_data_are_what_the_catalogue_says(data, tmp_path):
 
 
 @pytest.mark.parametrize("name, arithmetic", [
-    (case.name, arithmetic) for case in SCENES.values() for arithmetic in case.arithmetics])
+    pytest.param(case.name, arithmetic, marks=[pytest.mark.long] * (case.name in LONG))
+    for case in SCENES.values() for arithmetic in case.arithmetics])
 def test_scene(name, arithmetic, asperity, data, tmp_path):
     case = SCENES[name]
     outcome = measure(asperity, case, data / f"{name}.scene", arithmetic, tmp_path)

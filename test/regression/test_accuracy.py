@@ -13,7 +13,7 @@ from surfaces_csv import exact_csv_scene, records, solve, write_csv_scene, write
 
 # In the release build the whole study; in other builds what runs the same statements.
 SMALL = ("part", "pair")
-WHOLE = pytest.param("whole", marks=pytest.mark.once)
+WHOLE = pytest.param("whole", marks=pytest.mark.long)
 ERRORS = ("load", "area", "pressure", "approach", "contacts")
 ARITHMETICS = ("ibm370", "real32", "real64", "real128")
 STEPS = (0.01, 0.001, 0.0001, 0.00001)
@@ -132,7 +132,7 @@ def test_the_choice_needs_no_other_errors(name, request):
     assert all(way[0] == "real128" for way, error in worst.items() if 1.1 * error < cheap)
 
 
-@pytest.mark.once
+@pytest.mark.long
 def test_what_the_study_must_find(whole):
     """Errors that follow from the methods themselves, not from a run of ours."""
     rows = {name_of(row): row for row in whole[1]}
@@ -179,7 +179,7 @@ def test_the_rungs_are_what_the_solver_does(part, runs, tally):
     assert all(row["load_max"] == row["worst"] == row["front"] == "" for row in rungs)
 
 
-@pytest.mark.once
+@pytest.mark.long
 def test_each_rung_is_better(whole, root):
     """On the whole sweep: bounds that come from the ladder itself, and one truth from outside."""
     rungs = whole[2]

@@ -19,6 +19,7 @@ NUMBERS = {"friction_coefficient": 0.1, "plastic_yield_stress": 6000.0, "work_of
            "hold_time": 1.0,
            # Coarse cells: what is asked is whether, not how much.
            "boundary_tolerance": 0.1}
+LIGHT = {"control": "load", "value": 20.0}
 # Why two effects are not added up.
 REFUSED = {
     ("adhesion", "plasticity"): "the theories of adhesion are elastic",
@@ -51,7 +52,8 @@ def test_pairs(asperity, tmp_path, tally):
              for wa, wb in product(ON[a], ON[b])]
     refused = 0
     for first, second, first_word, second_word in pairs:
-        done = run(asperity, tmp_path, effects={first: first_word, second: second_word, **NUMBERS})
+        done = run(asperity, tmp_path, loading=LIGHT,
+                   effects={first: first_word, second: second_word, **NUMBERS})
         interaction = second_word if second == "interaction" else first_word
         sentence = why(first, second, interaction)
         if sentence:

@@ -289,7 +289,8 @@ def test_curve_of_a_sweep(sweeps):
         assert float(row["load"]) == pytest.approx(500.0, rel=1e-10)
 
 
-@pytest.mark.parametrize("mode", ("coupled", "boundary", "auto"))
+@pytest.mark.parametrize("mode", (
+    "coupled", pytest.param("boundary", marks=pytest.mark.long), "auto"))
 def test_same_bytes_again(mode, sweeps, asperity, tmp_path):
     """Also with another number of threads."""
     first = sweeps.solve(interaction=mode)
