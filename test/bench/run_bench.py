@@ -24,7 +24,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 DECK = "data/thesis.deck"
 ARITHMETICS = ("real64", "real32", "ibm370", "real128")
-# From which --accuracy chooses (src/study/accuracy_choice.f90).
+# From which --accuracy chooses (src/run/accuracy_bound.f90).
 WAYS = [(arithmetic, "events", 0.0, "stable") for arithmetic in ("real64", "real128")]
 HEAD = ("arithmetic", "ratio", "median ms", "min ms", "max ms", "quartiles ms", "peak MiB")
 
