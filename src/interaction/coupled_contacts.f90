@@ -1,330 +1,498 @@
-!> Contacts that share a half-space: each is lowered by what its neighbours displace.
+!> Contacts that share a half-space, coupled: loads and shifts that make one potential stationary.
 !>
-!> For contact i: p_i = closing - gap_i - h_i - sum over j of M_ij V_j(p_j), with M_ij V_j the mean
-!> of j's Hertz field over i's circle (see mutual_displacement) and V_j its vertical load, zero
-!> where p_j is not positive: contacts may open again. On the tilted surface its neighbours leave,
-!> a sphere finds its contact aside, where its gap and the surface together are least: its circle
-!> moves by s_i = -R_i times the slope, which raises its gap by h_i = s_i**2/(2 R_i). This is the
-!> largest of the second-order terms; without it neighbours that nearly touch lose half as much
-!> again too much as they should. The whole follows from one potential: Hertz pressures with loads
-!> and places that make the complementary energy least (Johnson 1985, section 5.9).
+!> For contact i: p_i = closing - gap_i - h_i - u_i, with u_i the displacement by its neighbours as
+!> i feels it and h_i = s_i**2/(2 R_i) for its shift s_i = -R_i times their slope (see
+!> circle_field). Newton's method on the contacts that carry load; between its steps contacts open
+!> and others join. Where a load is asked for, every state on the way carries it: all penetrations
+!> are raised alike until it does, and the closing follows.
 !>
-!> Newton's method on the contacts that touch, open ones joining and leaving between its steps.
-!> Its matrix, the derivative of M V by V, is the compliance between flat punches: symmetric. Of
-!> many contacts, the field is found in single precision while the residual is large; penetrations
-!> of open ones that are far from touching stay as exact as that.
+!> A step is cut until the slope of the potential along it has fallen, in size, to a share of what
+!> it was at the start.
 module asperity_coupled_contacts
+  use asperity_circle_field, only: circle_set, find_field, plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_acceleration, only: accelerate, forget, step_memory
-  use asperity_coupled_coarse, only: refine_start
-  use asperity_coupled_estimate, only: estimate_of_interaction
-  use asperity_coupled_field, only: spread_field
-  use asperity_coupled_open, only: settle_open
-  use asperity_coupled_start, only: start_at_closing, start_at_load
-  use asperity_coupled_state, only: compare, gather, go_back, look_at_waiting, many, &
-                                    mark_place, prepare, solve_state
-  use asperity_coupled_step, only: propose, push_worst, take
+  use asperity_coupled_open, only: look_around, open_places
+  use asperity_coupled_step, only: newton_step
   use asperity_kinds, only: real64
-  use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
-  public :: estimate_of_interaction, solve_coupled, solve_coupled_load
+  public :: coupled_solution, resolved_contacts, solve_coupled
 
-  ! The residual asked for, and the one that counts as converged where rounding allows no less.
-  real(real64), parameter :: tolerance = 1.0e-12_real64, tolerance_rounded = 1.0e-10_real64
-  real(real64), parameter :: tolerance_many = 5.0e-12_real64
-  integer, parameter :: most_iterations = 120, most_with_load = 100, most_trials = 100
-  integer, parameter :: most_cautious = 400, most_started_again = 500
-  ! Below this residual the matrix of an earlier step serves, and a rough field no longer.
-  real(real64), parameter :: rough = 1.0e-2_real64
-  ! From this residual on the contacts that wait are worth a look.
-  real(real64), parameter :: look_from = 0.1_real64
-  ! Below this residual full steps are taken; after one that failed, so many careful ones.
-  ! Of many contacts few fail: more is dared.
-  real(real64), parameter :: full_from = 5.0e-2_real64, full_from_many = 0.2_real64
-  real(real64), parameter :: full_gain = 0.7_real64, full_gain_many = 1.0_real64
-  integer, parameter :: careful_few = 3, careful_many = 2
-  ! After so many iterations without gain the worst contact is pushed, until it is worse by so much.
-  integer, parameter :: long_stalled = 8
-  real(real64), parameter :: passed = 30.0_real64
-  integer, parameter :: steps_past = 10
-  ! So many iterations are allowed whatever the work.
-  integer, parameter :: least_bounded = 60
-  ! Work allowed: pairs of loaded contacts times iterations.
-  real(real64), parameter :: most_work = 4.0e8_real64
-  ! Larger than any residual; may be doubled.
-  real(real64), parameter :: unknown = 0.25_real64 * huge(1.0_real64)
+  !> Contacts that are solved elsewhere: their answer to what is around them, by pair.
+  type :: resolved_contacts
+    logical, allocatable :: is_one(:)       !! this pair is
+    real(real64), allocatable :: x(:), y(:) !! centre of its pressure
+    real(real64), allocatable :: gap(:)     !! that makes its law answer with its load; huge: open
+  end type resolved_contacts
+
+  !> Coupled contacts, by pair.
+  type :: coupled_solution
+    real(real64) :: closing = 0.0_real64            !! past first touch of all
+    real(real64), allocatable :: penetration(:)     !! not positive where open
+    real(real64), allocatable :: move_x(:), move_y(:)  !! shifts
+    type(circle_set) :: set                         !! those that carry load, with their field
+    type(solve_ending) :: ending                    !! residual over the largest penetration
+    integer :: products = 0                         !! of the matrix, in all steps
+    integer :: fields = 0                           !! found in all steps
+    character(len=:), allocatable :: failure        !! why there is none
+  end type coupled_solution
+
+  ! What the solver carries from step to step.
+  type :: solve_state
+    integer, allocatable :: order(:)                ! candidates: pairs that may touch, by place
+    real(real64), allocatable :: gap(:)             ! of every pair
+    real(real64), allocatable :: along(:)           ! the step's change of p, by pair
+    real(real64), allocatable :: normal(:)          ! load along the normal, by circle, over modulus
+    real(real64), allocatable :: off(:)             ! gradient by load, by circle
+    real(real64), allocatable :: off_x(:), off_y(:) ! gradient by shift over load, by circle
+    real(real64) :: target = -1.0_real64            ! normal load over modulus; below 0: not asked
+    real(real64) :: residual = 0.0_real64
+    integer, allocatable :: joins(:)                ! how often a pair has joined
+    logical :: looked = .false.                     ! at all open contacts, once
+  end type solve_state
+
+  ! Residuals: asked for; accepted where rounding allows no less.
+  real(real64), parameter :: asked = 1.0e-10_real64, accepted = 1.0e-8_real64
+  integer, parameter :: most_iterations = 200, most_trials = 12
+  ! A step is taken when the slope of the potential has fallen to this share in size.
+  real(real64), parameter :: slope_left = 0.8_real64
+  ! Open contacts are looked at again when the residual has fallen to this share.
+  real(real64), parameter :: look_again = 0.1_real64
+  ! A circle that has grown by this factor, or shrunk as much, has other near neighbours.
+  real(real64), parameter :: outgrown = 1.2_real64
+  integer, parameter :: most_looks = 4
+  ! Open contacts deeper than this share of the largest penetration wait.
+  real(real64), parameter :: waiting = 0.1_real64
+  ! A contact that joins once more begins with this share of its penetration.
+  real(real64), parameter :: share_of_rejoined = 0.25_real64
+  ! A penetration stays below this share of the height between centres.
+  real(real64), parameter :: level = 0.999999_real64
 
 contains
 
-  !> Penetrations at a given closing.
-  pure recursive subroutine solve_coupled(pairs, law, closing, penetration, ending, start)
-    type(contact_pairs), intent(in) :: pairs         !! those that may touch, ascending gap
-    class(contact_law), intent(in) :: law            !! of each contact
-    real(real64), intent(in) :: closing              !! past first touch of all; below every zc
-    real(real64), intent(out) :: penetration(:)      !! a pair; not positive where it is open
-    type(solve_ending), intent(out) :: ending        !! residual over the largest penetration
-    !> near the solution, from solve_coupled_load: penetration and shift along x and y of every pair
-    real(real64), intent(in), optional :: start(:, :)
+  !> Solves at a given closing, or, where `target` is present, at a sum of the normal loads.
+  subroutine solve_coupled(pairs, law, solution, target, resolved)
+    type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
+    class(contact_law), intent(in) :: law              !! of each contact
+    !> closing: given, or found where there is a target; penetrations and shifts: a start when
+    !> allocated
+    type(coupled_solution), intent(inout) :: solution
+    real(real64), intent(in), optional :: target       !! more than 0
+    type(resolved_contacts), intent(in), optional :: resolved
     type(solve_state) :: state
+    real(real64) :: looked
+    integer :: iteration, joined
+    logical :: done
 
-    call prepare(pairs, state)
-    state%closing = closing
-    if (present(start)) then
-      state%near = .true.
-      state%p = start(:, 1)
-      state%shift_x = start(:, 2)
-      state%shift_y = start(:, 3)
-    else
-      call start_at_closing(pairs, law, closing, state%p)
-      call refine_start(pairs, law, state%target, closing, state%closing, state%p)
-    end if
-    call iterate(pairs, law, state, .false., ending)
-    if (.not. ending%converged) then
-      ! From a start that was none, from the beginning.
-      if (present(start)) then
-        call solve_coupled(pairs, law, closing, penetration, ending)
-        return
+    call prepare(pairs, law, solution, state, target, resolved)
+    if (allocated(solution%failure)) return
+    call evaluate(pairs, law, solution, state, resolved)
+    looked = 1.0_real64
+    joined = 0
+    do iteration = 0, most_iterations
+      if (allocated(solution%failure)) return
+      done = state%residual <= asked
+      if (done .or. state%residual <= look_again * looked) then
+        call look(pairs, law, solution, state, resolved, done, joined)
+        looked = state%residual
+        if (allocated(solution%failure)) return
+        if (done .and. joined == 0) exit
+        if (joined > 0) call evaluate(pairs, law, solution, state, resolved)
       end if
-      call start_again(pairs, law, closing, state, ending)
-    end if
-    penetration = state%p
+      call take_step(pairs, law, solution, state, resolved)
+      solution%ending%iterations = iteration + 1
+    end do
+    solution%ending%residual = state%residual
+    solution%ending%converged = state%residual <= accepted .and. joined == 0
   end subroutine solve_coupled
 
-  ! From the deepest contact alone, the others joining as they must, with careful steps only: for
-  ! contacts that nearly coincide, of which one or the other may carry.
-  pure subroutine start_again(pairs, law, closing, state, ending)
+  ! A start: contacts alone, at a load or at the closing less a mean displacement.
+  subroutine prepare(pairs, law, solution, state, target, resolved)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
-    real(real64), intent(in) :: closing
-    type(solve_state), intent(inout) :: state
-    type(solve_ending), intent(inout) :: ending
-    type(solve_state) :: again
-    type(solve_ending) :: ending_again
-
-    if (size(pairs%list) > most_started_again) return
-    call prepare(pairs, again)
-    again%closing = closing
-    again%p = min(0.0_real64, closing - pairs%list%gap)
-    again%p(1) = closing - pairs%list(1)%gap
-    call iterate(pairs, law, again, .true., ending_again)
-    ending_again%iterations = ending_again%iterations + ending%iterations
-    ending%iterations = ending_again%iterations
-    if (.not. ending_again%residual < ending%residual) return
-    ending = ending_again
-    state = again
-  end subroutine start_again
-
-  !> Closing and penetrations at which the loads normal to the contacts have a given sum.
-  pure subroutine solve_coupled_load(pairs, law, target, closing, penetration, ending, &
-                                     most_closing, failure, solution)
-    type(contact_pairs), intent(in) :: pairs         !! those that may touch, ascending gap
-    class(contact_law), intent(in) :: law            !! of each contact
-    real(real64), intent(in) :: target               !! sum of the loads, more than 0
-    real(real64), intent(out) :: closing             !! past first touch of all
-    real(real64), intent(out) :: penetration(:)      !! a pair; not positive where it is open
-    type(solve_ending), intent(out) :: ending        !! residual over the largest penetration
-    real(real64), intent(in), optional :: most_closing  !! not to be passed
-    character(:), allocatable, intent(out), optional :: failure  !! why the load is not reached
-    !> penetration and shift along x and y of every pair, for solve_coupled at this closing
-    real(real64), intent(out), optional :: solution(:, :)
-    type(solve_state) :: state
-    character(:), allocatable :: reason
-
-    closing = 0.0_real64
-    penetration = 0.0_real64
-    if (present(solution)) solution = 0.0_real64
-    if (size(pairs%list) == 0) then
-      reason = 'no contact can carry the load'
-    else if (.not. target > 0.0_real64) then
-      reason = 'the load is not positive'
-    else
-      call prepare(pairs, state)
-      state%target = target
-      if (present(most_closing)) state%most_closing = most_closing
-      call start_at_load(pairs, law, target, state%most_closing, state%closing, state%p)
-      call refine_start(pairs, law, target, state%most_closing, state%closing, state%p)
-      call iterate(pairs, law, state, .false., ending)
-      closing = state%closing
-      penetration = state%p
-      if (present(solution)) then
-        solution(:, 2) = state%shift_x
-        solution(:, 3) = state%shift_y
-      end if
-      if (.not. ending%converged .and. closing < state%most_closing .and. &
-          state%work < most_work) &
-        call search(pairs, law, target, state%most_closing, closing, penetration, ending)
-      if (.not. ending%converged) then
-        reason = 'the load is not reached at the largest closing'
-        if (closing < state%most_closing) reason = 'the iteration did not converge'
-      end if
-    end if
-    if (present(solution)) solution(:, 1) = penetration
-    if (present(failure) .and. allocated(reason)) failure = reason
-  end subroutine solve_coupled_load
-
-  ! The closing at a load by trial, each solved from the same start. Slow and safe: for contacts
-  ! that lie so deep in each other that many share one place in turn, where Newton's method with the
-  ! closing as one more unknown may circle.
-  pure subroutine search(pairs, law, target, most_closing, closing, penetration, ending)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    real(real64), intent(in) :: target, most_closing
-    real(real64), intent(inout) :: closing
-    real(real64), intent(out) :: penetration(:)
-    type(solve_ending), intent(inout) :: ending
-    type(root_bracket) :: bracket
-    real(real64) :: off, work
-    integer :: spent, trial
-    logical :: going_on, reached
-
-    spent = ending%iterations
-    work = 0.0_real64
-    reached = .false.
-    bracket = root_bracket(low=0.0_real64, high=most_closing, low_miss=-1.0_real64, &
-                           high_miss=-1.0_real64, halving=8)
-    do trial = 1, 2 * most_trials
-      call attempt(pairs, law, target, closing, penetration, ending, off)
-      spent = spent + ending%iterations
-      work = work + ending%iterations * real(count(penetration > 0.0_real64), real64)**2
-      reached = reached .or. .not. off < 0.0_real64
-      if (abs(off) <= tolerance .or. work > most_work) exit
-      call narrow_bracket(bracket, closing, off, off < 0.0_real64)
-      if (reached) then
-        call guess_root(bracket, closing, going_on)
-      else
-        going_on = closing < most_closing
-        closing = min(1.5_real64 * closing, most_closing)
-      end if
-      if (.not. going_on) exit
-    end do
-    ending%iterations = spent
-    ending%residual = max(ending%residual, abs(off))
-    ending%converged = ending%converged .and. abs(off) <= tolerance_rounded
-  end subroutine search
-
-  ! What the load at a closing is off by, as a share of the target.
-  pure subroutine attempt(pairs, law, target, closing, penetration, ending, off)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    real(real64), intent(in) :: target, closing
-    real(real64), intent(out) :: penetration(:), off
-    type(solve_ending), intent(out) :: ending
-    type(contact_response) :: response
-    integer :: i
-
-    call solve_coupled(pairs, law, closing, penetration, ending)
-    off = 0.0_real64
-    do i = 1, size(pairs%list)
-      if (.not. penetration(i) > 0.0_real64) cycle
-      call law%respond(pairs%list(i), i, penetration(i), response)
-      off = off + response%load
-    end do
-    off = off / target - 1.0_real64
-  end subroutine attempt
-
-  ! Newton's method until the residual is small and nobody who waits must wake.
-  pure subroutine iterate(pairs, law, state, cautious, ending)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    type(solve_state), intent(inout) :: state
-    logical, intent(in) :: cautious  ! no full steps
-    type(solve_ending), intent(out) :: ending
-    type(step_memory) :: memory
-    real(real64), allocatable :: step(:), off(:), shift_x(:), shift_y(:)
-    real(real64) :: residual, norm, norm_before, best
-    integer :: i, k, n, most, stalled, halvings, careful
-    logical :: woken, looked, same, done, full, was_full, pushed
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(out) :: state
+    real(real64), intent(in), optional :: target
+    type(resolved_contacts), intent(in), optional :: resolved
+    integer :: i, n
 
     n = size(pairs%list)
-    most = most_iterations
-    if (cautious) most = most_cautious
-    if (state%target > 0.0_real64) most = most_with_load
-    allocate (off(n), shift_x(n), shift_y(n), step(0))
-    norm_before = unknown
-    best = unknown
-    stalled = 0
-    halvings = 0
-    careful = 0
-    looked = .false.
-    full = .false.
-    do
-      ending%iterations = ending%iterations + 1
-      call gather(pairs, law, state, best < rough .or. state%near, same)
-      call spread_field(state%field, pairs%modulus)
-      call settle_open(pairs, state)
-      call compare(pairs, state, off, shift_x, shift_y, residual, norm)
-      state%work = state%work + real(state%field%loaded, real64)**2
-      if (.not. norm <= 2 * norm_before .and. halvings < 8) then
-        ! Too far: back half of the way, or all of it to take a careful step, without memory.
-        halvings = halvings + 1
-        call go_back(state, merge(1.0_real64, 0.5_real64, full))
-        full = .false.
-        careful = merge(careful_many, careful_few, n > many)
-        call forget(memory)
-        cycle
-      end if
-      if (careful > 0) careful = careful - 1
-      if (full .and. .not. norm <= merge(full_gain_many, full_gain, n > many) * norm_before) &
-        careful = merge(careful_many, careful_few, n > many)
-      halvings = 0
-      norm_before = norm
-      ending%residual = residual
-      stalled = stalled + 1
-      if (residual < 0.5_real64 * best) stalled = 0
-      best = min(best, residual)
-      pushed = stalled >= long_stalled .and. residual <= rough .and. n > many
-      if (pushed .and. residual > passed * best) then
-        stalled = 0
-        best = residual
-        pushed = .false.
-        careful = steps_past
-      end if
-      done = .false.
-      if (ending%iterations >= most) exit
-      if (state%work > most_work .and. ending%iterations >= least_bounded) exit
-      done = residual <= merge(tolerance_many, tolerance, n > many) .or. &
-             (residual <= tolerance_rounded .and. stalled >= 2)
-      done = done .and. .not. state%field%roughly
-      if (done .or. (residual <= look_from .and. .not. looked)) then
-        looked = .true.
-        call look_at_waiting(pairs, state, woken)
-        if (done .and. .not. woken) exit
-        if (woken) then
-          norm_before = unknown
-          if (residual > rough) best = unknown
-        end if
-      end if
-      was_full = full
-      full = careful == 0 .and. residual <= merge(full_from_many, full_from, n > many) .and. &
-             .not. (cautious .or. pushed)
-      call propose(pairs, state, off, shift_x, shift_y, residual, .not. full, step)
-      if (full .neqv. was_full) call forget(memory)
-      if (same .and. residual < 0.1_real64 .and. (n > many .or. .not. full)) then
-        call accelerate(memory, step)
-      else
-        call forget(memory)
-      end if
-      if (pushed) then
-        call push_worst(state, off, 2.0_real64**min(stalled - long_stalled + 1, 6), step)
-        norm_before = unknown
-        call forget(memory)
-      end if
-      call mark_place(state)
-      call take(state, step, off)
-    end do
-    do k = state%field%loaded + 1, state%awake
-      i = state%order(k)
-      state%p(i) = min(state%p(i) + off(k), 0.0_real64)
-    end do
-    ending%converged = ending%residual <= tolerance_rounded .and. .not. state%field%roughly
-    if (ending%converged .and. .not. done) then
-      call look_at_waiting(pairs, state, woken)
-      ending%converged = .not. woken
+    solution%ending = solve_ending()
+    state%gap = pairs%list%gap
+    if (present(resolved)) state%gap = merge(resolved%gap, state%gap, resolved%is_one)
+    state%order = [(i, i=1, n)]
+    allocate (state%joins(n), source=0)
+    if (.not. allocated(solution%penetration)) then
+      solution%penetration = solution%closing - state%gap
+      allocate (solution%move_x(n), source=0.0_real64)
+      allocate (solution%move_y(n), source=0.0_real64)
+      if (present(target)) solution%penetration = -state%gap
     end if
-  end subroutine iterate
+    if (present(target)) then
+      state%target = target / pairs%modulus
+      call raise(pairs, law, solution, state)
+    end if
+  end subroutine prepare
+
+  ! Raises all penetrations alike until the contacts carry the target.
+  subroutine raise(pairs, law, solution, state)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(in) :: state
+    real(real64) :: low, high, by, total, slope, most, before
+    integer :: k, i, try
+
+    ! No more than until the first centres are level.
+    most = minval(level * pairs%list%zc - solution%penetration)
+    low = -maxval(solution%penetration)
+    high = most
+    by = min(max(0.0_real64, low), most)
+    before = by
+    do try = 1, 200
+      call total_at(by, total, slope)
+      if (abs(total - state%target) <= 1.0e-13_real64 * state%target) exit
+      if (total < state%target) then
+        low = by
+      else
+        high = by
+      end if
+      if (.not. high - low > epsilon(high) * max(abs(low), abs(high))) exit
+      before = by
+      by = 0.5_real64 * (low + high)
+      ! Newton's method on load**(2/3), nearly straight.
+      if (total > 0.0_real64 .and. slope > 0.0_real64) &
+        by = before + 1.5_real64 * total / slope * &
+             ((state%target / total)**(2.0_real64 / 3.0_real64) - 1.0_real64)
+      if (by <= low .or. by >= high) then
+        by = 0.5_real64 * (low + high)
+        if (high >= most .and. total < state%target) by = max(by, most - 0.1_real64 * (most - low))
+      end if
+    end do
+    do k = 1, size(state%order)
+      i = state%order(k)
+      solution%penetration(i) = solution%penetration(i) + by
+    end do
+
+  contains
+
+    subroutine total_at(by, total, slope)
+      real(real64), intent(in) :: by
+      real(real64), intent(out) :: total, slope
+      type(contact_response) :: response
+
+      total = 0.0_real64
+      slope = 0.0_real64
+      do k = 1, size(state%order)
+        i = state%order(k)
+        if (.not. solution%penetration(i) + by > 0.0_real64) cycle
+        call law%respond(pairs%list(i), i, solution%penetration(i) + by, response)
+        total = total + response%load
+        slope = slope + response%stiffness / response%cosine
+      end do
+      total = total / pairs%modulus
+      slope = slope / pairs%modulus
+    end subroutine total_at
+
+  end subroutine raise
+
+  ! The circles of the present penetrations, their field, and what the equations leave over.
+  subroutine evaluate(pairs, law, solution, state, resolved)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(inout) :: state
+    type(resolved_contacts), intent(in), optional :: resolved
+    real(real64) :: deepest, aside
+    integer :: i, k
+    logical :: same
+
+    call gather(pairs, law, solution, state, resolved, same)
+    associate (set => solution%set)
+      if (size(set%x) == 0) then
+        state%residual = 0.0_real64
+        return
+      end if
+      if (same) same = all(set%circle < outgrown * set%planted .and. &
+                           set%planted < outgrown * set%circle)
+      if (.not. same) call plant_circles(set)
+      if (allocated(set%tree%failure)) then
+        solution%failure = set%tree%failure
+        return
+      end if
+      call find_field(set)
+      solution%fields = solution%fields + 1
+      deepest = 0.0_real64
+      do k = 1, size(set%x)
+        i = set%number(k)
+        deepest = max(deepest, solution%penetration(i))
+        state%off(k) = solution%penetration(i) + state%gap(i) + set%lift(k) + &
+                       0.5_real64 * set%curvature(k) * (set%move_x(k)**2 + set%move_y(k)**2)
+        state%off_x(k) = set%curvature(k) * set%move_x(k) + set%tilt_x(k)
+        state%off_y(k) = set%curvature(k) * set%move_y(k) + set%tilt_y(k)
+        if (set%still(k)) then
+          state%off_x(k) = 0.0_real64
+          state%off_y(k) = 0.0_real64
+        end if
+      end do
+      if (state%target > 0.0_real64) &
+        solution%closing = dot_product(set%stiffness, state%off) / sum(set%stiffness)
+      state%residual = 0.0_real64
+      do k = 1, size(set%x)
+        state%off(k) = state%off(k) - solution%closing
+        ! A shift that is off changes the penetration by no more than this times the slope.
+        aside = 0.0_real64
+        if (.not. set%still(k)) aside = hypot(state%off_x(k), state%off_y(k)) / set%curvature(k) * &
+                                        hypot(set%tilt_x(k), set%tilt_y(k))
+        state%residual = max(state%residual, abs(state%off(k)), aside)
+      end do
+      state%residual = state%residual / deepest
+    end associate
+  end subroutine evaluate
+
+  ! Sets out the circles of those that carry load.
+  subroutine gather(pairs, law, solution, state, resolved, same)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(inout) :: state
+    type(resolved_contacts), intent(in), optional :: resolved
+    logical, intent(out) :: same  ! the same contacts as before
+    type(contact_response), allocatable :: answer(:)
+    integer, allocatable :: number(:)
+    integer :: i, k, n
+
+    allocate (answer(size(state%order)), number(size(state%order)))
+    !$omp parallel do schedule(static) private(i)
+    do k = 1, size(state%order)
+      i = state%order(k)
+      if (.not. solution%penetration(i) > 0.0_real64) cycle
+      call law%respond(pairs%list(i), i, &
+                       min(solution%penetration(i), level * pairs%list(i)%zc), answer(k))
+    end do
+    !$omp end parallel do
+    n = 0
+    do k = 1, size(state%order)
+      if (.not. answer(k)%vertical_load > 0.0_real64) cycle
+      n = n + 1
+      number(n) = state%order(k)
+      answer(n) = answer(k)
+    end do
+    associate (set => solution%set)
+      same = .false.
+      if (allocated(set%number)) then
+        if (size(set%number) == n) same = all(set%number == number(:n))
+      end if
+      if (.not. same) call make_room(set, state, n)
+      set%number = number(:n)
+      do k = 1, n
+        i = number(k)
+        set%x(k) = pairs%list(i)%x
+        set%y(k) = pairs%list(i)%y
+        set%still(k) = .false.
+        if (present(resolved)) set%still(k) = resolved%is_one(i)
+        if (set%still(k)) then
+          set%x(k) = resolved%x(i)
+          set%y(k) = resolved%y(i)
+        end if
+        set%curvature(k) = 1.0_real64 / pairs%list(i)%radius
+        set%move_x(k) = solution%move_x(i)
+        set%move_y(k) = solution%move_y(i)
+        if (set%still(k)) then
+          set%curvature(k) = 0.0_real64
+          set%move_x(k) = 0.0_real64
+          set%move_y(k) = 0.0_real64
+        end if
+        set%load(k) = answer(k)%vertical_load / pairs%modulus
+        state%normal(k) = answer(k)%load / pairs%modulus
+        set%stiffness(k) = answer(k)%stiffness / pairs%modulus
+        set%circle(k) = answer(k)%contact_radius
+      end do
+    end associate
+  end subroutine gather
+
+  ! Room for n circles.
+  subroutine make_room(set, state, n)
+    type(circle_set), intent(inout) :: set
+    type(solve_state), intent(inout) :: state
+    integer, intent(in) :: n
+    type(circle_set) :: new
+
+    allocate (new%x(n), new%y(n), new%curvature(n), new%still(n), new%move_x(n), new%move_y(n), &
+              new%load(n), new%circle(n), new%stiffness(n), new%lift(n), new%growth(n), &
+              new%tilt_x(n), new%tilt_y(n), new%steer_x(n), new%steer_y(n), new%number(n))
+    set = new
+    if (allocated(state%off)) deallocate (state%off, state%off_x, state%off_y, state%normal)
+    allocate (state%off(n), state%off_x(n), state%off_y(n), state%normal(n))
+  end subroutine make_room
+
+  ! One step of Newton's method, cut until it helps.
+  subroutine take_step(pairs, law, solution, state, resolved)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(inout) :: state
+    type(resolved_contacts), intent(in), optional :: resolved
+    real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
+    real(real64) :: slope, slope_first, slope_low, slope_high, low, high, t
+    integer :: k, n, trial
+
+    n = size(solution%set%x)
+    if (n == 0) return
+    allocate (gradient(3, n), step(3, n))
+    gradient(1, :) = state%off
+    gradient(2, :) = solution%set%load * state%off_x
+    gradient(3, :) = solution%set%load * state%off_y
+    call newton_step(solution%set, gradient, state%target > 0.0_real64, &
+                     min(0.1_real64, state%residual), step, solution%products)
+    p = solution%penetration
+    x = solution%move_x
+    y = solution%move_y
+    allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
+    do k = 1, n
+      associate (i => solution%set%number(k))
+        dp(i) = step(1, k) / solution%set%stiffness(k)
+        dx(i) = step(2, k)
+        dy(i) = step(3, k)
+      end associate
+    end do
+    slope_first = sum(gradient * step)
+    low = 0.0_real64
+    slope_low = slope_first
+    slope_high = 0.0_real64
+    high = 0.0_real64
+    t = 1.0_real64
+    do trial = 1, most_trials
+      solution%penetration = p + t * dp
+      solution%move_x = x + t * dx
+      solution%move_y = y + t * dy
+      call hold_shifts(pairs, solution)
+      if (state%target > 0.0_real64) call raise(pairs, law, solution, state)
+      call evaluate(pairs, law, solution, state, resolved)
+      if (allocated(solution%failure)) return
+      slope = slope_along()
+      if (abs(slope) <= slope_left * abs(slope_first)) exit
+      if (slope > 0.0_real64) then
+        high = t
+        slope_high = slope
+      else
+        ! Still going down: as far as it was tried.
+        if (.not. high > 0.0_real64) exit
+        low = t
+        slope_low = slope
+      end if
+      t = low + (high - low) * min(max(slope_low / (slope_low - slope_high), 0.1_real64), &
+                                   0.5_real64)
+    end do
+
+  contains
+
+    ! Change of the potential with t.
+    real(real64) function slope_along()
+      real(real64) :: raised
+      integer :: j
+
+      associate (set => solution%set)
+        raised = 0.0_real64
+        if (state%target > 0.0_real64) &
+          raised = -sum(set%stiffness * dp(set%number)) / sum(set%stiffness)
+        slope_along = 0.0_real64
+        do j = 1, size(set%x)
+          associate (i => set%number(j))
+            slope_along = slope_along + state%off(j) * set%stiffness(j) * (dp(i) + raised) + &
+                          set%load(j) * (state%off_x(j) * dx(i) + state%off_y(j) * dy(i))
+          end associate
+        end do
+      end associate
+    end function slope_along
+
+  end subroutine take_step
+
+  ! Surfaces are only pushed down: who carries load has s**2/(2 R) below the closing. On the way to
+  ! the solution twice the shift is let pass; what is farther off has lost its way.
+  subroutine hold_shifts(pairs, solution)
+    type(contact_pairs), intent(in) :: pairs
+    type(coupled_solution), intent(inout) :: solution
+    real(real64) :: most, moved
+    integer :: i
+
+    do i = 1, size(pairs%list)
+      moved = solution%move_x(i)**2 + solution%move_y(i)**2
+      most = 8 * pairs%list(i)%radius * solution%closing
+      if (.not. moved > most) cycle
+      solution%move_x(i) = solution%move_x(i) * sqrt(most / moved)
+      solution%move_y(i) = solution%move_y(i) * sqrt(most / moved)
+    end do
+  end subroutine hold_shifts
+
+  ! Where open contacts stand, and who of them joins.
+  subroutine look(pairs, law, solution, state, resolved, all_of_them, joined)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(inout) :: state
+    type(resolved_contacts), intent(in), optional :: resolved
+    logical, intent(in) :: all_of_them
+    integer, intent(out) :: joined
+    type(open_places) :: places
+    type(contact_response) :: answer
+    logical, allocatable :: is_open(:)
+    integer, allocatable :: number(:)
+    integer :: i, k, pass
+    real(real64) :: deepest
+
+    joined = 0
+    if (size(solution%set%x) == 0) return
+    deepest = maxval(solution%penetration(solution%set%number))
+    is_open = state%gap < solution%closing
+    is_open(solution%set%number) = .false.
+    if (present(resolved)) is_open = is_open .and. .not. resolved%is_one
+    ! Once all were looked at, those that are far from touching wait for the end.
+    if (state%looked .and. .not. all_of_them) &
+      is_open = is_open .and. solution%penetration > -waiting * deepest
+    state%looked = .true.
+    number = pack(state%order, is_open(state%order))
+    do i = 1, size(number)
+      ! From farther than it can be it starts at home.
+      associate (x => solution%move_x(number(i)), y => solution%move_y(number(i)))
+        if (x**2 + y**2 < 2 * pairs%list(number(i))%radius * &
+            (solution%closing - state%gap(number(i)))) cycle
+        x = 0.0_real64
+        y = 0.0_real64
+      end associate
+    end do
+    do pass = 1, most_looks
+      if (size(number) == 0) exit
+      places%x = pairs%list(number)%x
+      places%y = pairs%list(number)%y
+      places%radius = pairs%list(number)%radius
+      places%move_x = solution%move_x(number)
+      places%move_y = solution%move_y(number)
+      places%lift = places%x
+      call look_around(solution%set, places, 0.1_real64 * asked * deepest, solution%failure)
+      if (allocated(solution%failure)) return
+      solution%penetration(number) = solution%closing - state%gap(number) - places%lift
+      solution%move_x(number) = places%move_x
+      solution%move_y(number) = places%move_y
+      ! Those that would join are looked at from where they would: the far field bends.
+      number = pack(number, solution%penetration(number) > asked * deepest)
+    end do
+    where (is_open .and. .not. solution%penetration > asked * deepest) &
+      solution%penetration = min(solution%penetration, 0.0_real64)
+    do k = 1, size(number)
+      i = number(k)
+      call law%respond(pairs%list(i), i, min(solution%penetration(i), level * pairs%list(i)%zc), &
+                       answer)
+      if (.not. answer%vertical_load > 0.0_real64) cycle
+      ! Who has opened again had more than its place can bear.
+      solution%penetration(i) = solution%penetration(i) * share_of_rejoined**state%joins(i)
+      state%joins(i) = state%joins(i) + 1
+      joined = joined + 1
+    end do
+    if (joined > 0 .and. state%target > 0.0_real64) call raise(pairs, law, solution, state)
+  end subroutine look
 
 end module asperity_coupled_contacts

@@ -1,5 +1,5 @@
 !> How much interaction may lower the load: a bound from contacts each solved alone.
-module asperity_coupled_estimate
+module asperity_interaction_estimate
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -72,4 +72,4 @@ contains
     share = min(lost / enough, 1.0_real64)
   end function estimate_of_interaction
 
-end module asperity_coupled_estimate
+end module asperity_interaction_estimate

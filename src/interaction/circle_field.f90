@@ -1,0 +1,227 @@
+!> Contacts under load as circles with Hertz' pressure, and what they do to each other.
+!>
+!> One potential has loads V and shifts s as its variables; g gap, R radius, p(V) penetration:
+!>
+!>     Phi = sum W(V_i) + 1/2 sum V_i V_j G_ij + sum V_i (g_i + s_i**2/(2 R_i)) - c sum V_i
+!>
+!> W' = p, and G_ij is the displacement by a unit load with Hertz' pressure on circle j, mean with
+!> Hertz' pressure on circle i, at the shifted places. As a circle grows with the third root of its
+!> load, d(V_i V_j G_ij)/dV_i = V_j M_ij, the mean with a flat punch on i, which is the exact loss
+!> of approach to first order (reciprocal theorem). So dPhi/dV = p + u + g + s**2/(2 R) - c, and
+!> dPhi/ds = V (s/R + slope of the field): equilibrium makes Phi stationary.
+!>
+!> Loads here are over the combined modulus. Near pairs act by closed forms; all others by two terms
+!> of their series, which a tree sums: with five sums of radii as the least distance the rest is
+!> below 7e-5 times the share of the area in contact, over the penetration.
+module asperity_circle_field
+  use asperity_constants, only: pi
+  use asperity_kinds, only: real64
+  use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
+  use asperity_source_tree, only: plant_tree, source_tree, sum_sources
+  implicit none
+  private
+
+  public :: circle_set, plant_circles, find_field, multiply
+
+  !> Sums of radii below which a pair is near.
+  real(real64), parameter, public :: near_factor = 5.0_real64
+
+  ! Mean squares of a Hertz row and of a flat one, halved: what widens 1/r by its Laplacian.
+  real(real64), parameter :: hertz_spread = 0.1_real64, flat_spread = 1.0_real64 / 6
+
+  ! Pairs whose terms are found together.
+  integer, parameter :: a_batch = 65536
+
+  !> Circles under load, and their field. Sizes of all arrays: the number of circles.
+  type :: circle_set
+    integer, allocatable :: number(:)            !! place in the list of pairs
+    real(real64), allocatable :: x(:), y(:)      !! places without shift
+    real(real64), allocatable :: curvature(:)    !! 1/R; 0 where a circle may not shift
+    logical, allocatable :: still(:)             !! may not shift
+    real(real64), allocatable :: move_x(:), move_y(:)  !! the shifts
+    real(real64), allocatable :: load(:)         !! over the modulus
+    real(real64), allocatable :: circle(:)       !! radius of the contact
+    real(real64), allocatable :: stiffness(:)    !! of the load by the penetration, over the modulus
+    real(real64), allocatable :: lift(:)         !! u: displacement by the others
+    real(real64), allocatable :: growth(:)       !! d(lift)/d(log of the own radius)
+    real(real64), allocatable :: tilt_x(:), tilt_y(:)    !! slope with Hertz' weight
+    real(real64), allocatable :: steer_x(:), steer_y(:)  !! slope of `lift`
+    real(real64) :: energy = 0.0_real64          !! 1/2 sum V V G
+    type(source_tree) :: tree                    !! of the places
+    real(real64), allocatable :: planted(:)      !! radii at planting
+    integer, allocatable :: pair(:)              !! of each near neighbour
+    integer, allocatable :: one(:), other(:)     !! circles of each near pair
+    real(real64), allocatable :: terms(:, :)     !! (quantity, near pair), see the constants below
+  end type circle_set
+
+  ! Quantities of a near pair: compliance; slope of lift of one and of the other; slope over
+  ! distance and the rest of the bend, for the tilt; direction from the other to the one.
+  integer, parameter :: comply = 1, steer_one = 2, steer_other = 3, turn = 4, bend = 5, east = 6
+  integer, parameter :: north = 7
+
+contains
+
+  !> Finds who is near whom. To be called when circles come, go or have grown.
+  subroutine plant_circles(set)
+    type(circle_set), intent(inout) :: set  !! places and radii are set
+    integer, allocatable :: cursor(:)
+    integer :: i, j, k, pairs
+
+    set%planted = set%circle
+    call plant_tree(set%tree, set%x, set%y, set%circle, near_factor)
+    if (allocated(set%tree%failure)) return
+    pairs = size(set%tree%near) / 2
+    if (allocated(set%pair)) deallocate (set%pair, set%one, set%other, set%terms)
+    allocate (set%pair(2 * pairs), set%one(pairs), set%other(pairs), set%terms(north, pairs))
+    cursor = set%tree%first(:size(set%x))
+    pairs = 0
+    do i = 1, size(set%x)
+      do k = set%tree%first(i), set%tree%first(i + 1) - 1
+        j = set%tree%near(k)
+        if (j < i) cycle
+        pairs = pairs + 1
+        set%pair(k) = pairs
+        ! Neighbours ascend, so that each meets those before it in their order.
+        set%pair(cursor(j)) = pairs
+        cursor(j) = cursor(j) + 1
+        set%one(pairs) = i
+        set%other(pairs) = j
+      end do
+    end do
+  end subroutine plant_circles
+
+  !> Finds the field at every circle by all others.
+  subroutine find_field(set)
+    type(circle_set), intent(inout) :: set  !! planted; loads, radii and shifts are set
+    real(real64), allocatable :: potential(:), lap(:)
+    type(mutual_terms), allocatable :: batch(:)
+    integer :: from, k, n, to
+
+    n = size(set%x)
+    allocate (potential(n), lap(n), batch(min(a_batch, size(set%one))))
+    call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, potential, lap, &
+                     set%tilt_x, set%tilt_y, set%move_x, set%move_y, set%move_x, set%move_y)
+    set%energy = sum(set%load * (potential + hertz_spread * set%circle**2 * lap)) / (2 * pi)
+    set%lift = (potential + flat_spread * set%circle**2 * lap) / pi
+    set%growth = 2 * flat_spread * set%circle**2 * lap / pi
+    set%tilt_x = set%tilt_x / pi
+    set%tilt_y = set%tilt_y / pi
+    set%steer_x = set%tilt_x
+    set%steer_y = set%tilt_y
+    do from = 1, size(set%one), a_batch
+      to = min(from + a_batch - 1, size(set%one))
+      !$omp parallel do schedule(static)
+      do k = from, to
+        call find_terms(set, k, batch(k - from + 1))
+      end do
+      !$omp end parallel do
+      do k = from, to
+        call add_terms(set, k, batch(k - from + 1))
+      end do
+    end do
+  end subroutine find_field
+
+  ! The terms of one near pair, kept for products.
+  subroutine find_terms(set, k, terms)
+    type(circle_set), intent(inout) :: set
+    integer, intent(in) :: k
+    type(mutual_terms), intent(out) :: terms
+    real(real64) :: dx, dy, r
+
+    associate (i => set%one(k), j => set%other(k))
+      dx = (set%x(i) - set%x(j)) + (set%move_x(i) - set%move_x(j))
+      dy = (set%y(i) - set%y(j)) + (set%move_y(i) - set%move_y(j))
+      r = hypot(dx, dy)
+      call mutual_displacement(r, set%circle(i), set%circle(j), terms)
+    end associate
+    set%terms(comply, k) = terms%compliance
+    set%terms(steer_one, k) = terms%first_slope
+    set%terms(steer_other, k) = terms%second_slope
+    ! In one place the slope is zero and all directions are alike.
+    set%terms(turn, k) = terms%bend
+    set%terms(bend:north, k) = 0.0_real64
+    if (.not. r > 0.0_real64) return
+    set%terms(turn, k) = terms%slope / r
+    set%terms(bend, k) = terms%bend - terms%slope / r
+    set%terms(east, k) = dx / r
+    set%terms(north, k) = dy / r
+  end subroutine find_terms
+
+  ! Adds what two near circles do to each other.
+  subroutine add_terms(set, k, terms)
+    type(circle_set), intent(inout) :: set
+    integer, intent(in) :: k
+    type(mutual_terms), intent(in) :: terms
+    real(real64) :: slope
+
+    associate (i => set%one(k), j => set%other(k), x => set%terms(east, k), &
+               y => set%terms(north, k), load => set%load)
+      set%energy = set%energy + load(i) * load(j) * terms%mean
+      set%lift(i) = set%lift(i) + load(j) * terms%on_first
+      set%lift(j) = set%lift(j) + load(i) * terms%on_second
+      set%growth(i) = set%growth(i) + load(j) * terms%first_growth
+      set%growth(j) = set%growth(j) + load(i) * terms%second_growth
+      slope = load(j) * terms%slope
+      set%tilt_x(i) = set%tilt_x(i) + slope * x
+      set%tilt_y(i) = set%tilt_y(i) + slope * y
+      slope = load(i) * terms%slope
+      set%tilt_x(j) = set%tilt_x(j) - slope * x
+      set%tilt_y(j) = set%tilt_y(j) - slope * y
+      slope = load(j) * terms%first_slope
+      set%steer_x(i) = set%steer_x(i) + slope * x
+      set%steer_y(i) = set%steer_y(i) + slope * y
+      slope = load(i) * terms%second_slope
+      set%steer_x(j) = set%steer_x(j) - slope * x
+      set%steer_y(j) = set%steer_y(j) - slope * y
+    end associate
+  end subroutine add_terms
+
+  !> The second derivatives of Phi times changes of loads and shifts. Those of far pairs by shifts
+  !> are left out: they are of the order (circle/distance)**3.
+  subroutine multiply(set, change, image)
+    type(circle_set), intent(inout) :: set      !! its field is known; stays
+    real(real64), intent(in) :: change(:, :)    !! (3, circle): of load, of shift along x and y
+    real(real64), intent(out) :: image(:, :)    !! (3, circle)
+    real(real64), allocatable :: potential(:), lap(:)
+    real(real64) :: along, mine(3), moved_x, moved_y, sign_of, slope_here, slope_there, x, y
+    integer :: i, j, k, l, n
+
+    n = size(set%x)
+    allocate (potential(n), lap(n))
+    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, potential, lap, &
+                     move_x=set%move_x, move_y=set%move_y, target_move_x=set%move_x, &
+                     target_move_y=set%move_y)
+    !$omp parallel do schedule(static) private(i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
+    !$omp   slope_here, slope_there, x, y)
+    do i = 1, n
+      x = set%move_x(i) * set%curvature(i) + set%steer_x(i)
+      y = set%move_y(i) * set%curvature(i) + set%steer_y(i)
+      mine(1) = (potential(i) + flat_spread * set%circle(i)**2 * lap(i)) / pi + &
+                (1.0_real64 / set%stiffness(i) + set%growth(i) / (3 * set%load(i))) * &
+                change(1, i) + x * change(2, i) + y * change(3, i)
+      mine(2) = x * change(1, i) + set%load(i) * set%curvature(i) * change(2, i)
+      mine(3) = y * change(1, i) + set%load(i) * set%curvature(i) * change(3, i)
+      do l = set%tree%first(i), set%tree%first(i + 1) - 1
+        j = set%tree%near(l)
+        k = set%pair(l)
+        sign_of = merge(1.0_real64, -1.0_real64, i < j)
+        slope_here = set%terms(merge(steer_one, steer_other, i < j), k)
+        slope_there = set%terms(merge(steer_other, steer_one, i < j), k)
+        x = sign_of * set%terms(east, k)
+        y = sign_of * set%terms(north, k)
+        mine(1) = mine(1) + set%terms(comply, k) * change(1, j) - &
+                  slope_here * set%load(j) * (x * change(2, j) + y * change(3, j))
+        moved_x = change(2, i) - change(2, j)
+        moved_y = change(3, i) - change(3, j)
+        along = set%load(i) * slope_there * change(1, j) + &
+                set%load(i) * set%load(j) * set%terms(bend, k) * (x * moved_x + y * moved_y)
+        mine(2) = mine(2) + along * x + set%load(i) * set%load(j) * set%terms(turn, k) * moved_x
+        mine(3) = mine(3) + along * y + set%load(i) * set%load(j) * set%terms(turn, k) * moved_y
+      end do
+      if (set%still(i)) mine(2:) = 0.0_real64
+      image(:, i) = mine
+    end do
+    !$omp end parallel do
+  end subroutine multiply
+
+end module asperity_circle_field

@@ -1,0 +1,190 @@
+!> What one contact's pressure does to another contact, for two circles anywhere in plan.
+!>
+!> A unit load with Hertz' pressure on a circle of radius b lifts the surface around it; a contact
+!> of radius a feels that field through its mean with the weight of a flat punch,
+!> 1/(2 pi a sqrt(a**2 - rho**2)): by the reciprocal theorem this mean is, to first order, the exact
+!> loss of approach. The field itself is Johnson, Contact Mechanics (1985), eq. 3.41 and 3.42.
+!>
+!> All means are one integral. In Hankel transforms the flat punch is a uniform row of cosines
+!> cos(k t), |t| < a, Hertz' pressure a row with the weight 3 (b**2 - t**2)/(4 b**3), and the
+!> integral of J0(k r) cos(k tau) over k is 1/sqrt(r**2 - tau**2) for |tau| < r, else zero
+!> (Sneddon, Mixed Boundary Value Problems, 1966). So pi E times a mean is that root averaged over
+!> tau = t1 + t2, with closed antiderivatives, and holds for circles that overlap as well.
+module asperity_mutual_displacement
+  use asperity_constants, only: pi, pi_128
+  use asperity_kinds, only: real128, real64
+  implicit none
+  private
+
+  public :: mutual_terms, mutual_displacement
+
+  !> The terms between a first circle and a second. All are for a modulus of 1 and are to be
+  !> divided by the combined modulus; per unit load.
+  type :: mutual_terms
+    real(real64) :: on_first = 0.0_real64    !! displacement of the first by Hertz on the second
+    real(real64) :: on_second = 0.0_real64   !! displacement of the second by Hertz on the first
+    real(real64) :: first_growth = 0.0_real64   !! d(on_first)/d(log of first radius)
+    real(real64) :: second_growth = 0.0_real64  !! d(on_second)/d(log of second radius)
+    real(real64) :: compliance = 0.0_real64  !! flat punch on one, mean of a flat punch on the other
+    real(real64) :: first_slope = 0.0_real64   !! d(on_first)/dr
+    real(real64) :: second_slope = 0.0_real64  !! d(on_second)/dr
+    real(real64) :: mean = 0.0_real64        !! Hertz on one, mean with Hertz' weight on the other
+    real(real64) :: slope = 0.0_real64       !! d/dr of the same
+    real(real64) :: bend = 0.0_real64        !! d2/dr2 of the same
+  end type mutual_terms
+
+  ! The closed forms lose digits with the third power of the ratio of radii: below the first ratio
+  ! they are found with twice the digits, below the second the smaller circle is a point. What is
+  ! left out then is a share of the ratio itself, of a contact with its third power of the load.
+  real(real64), parameter :: small_ratio = 0.04_real64, no_ratio = 1.0e-7_real64
+  ! From so many sums of radii on the closed forms, made of differences of r**4, lose digits; seven
+  ! terms of the series leave 1e-12 there.
+  real(real64), parameter :: series_from = 4.0_real64
+  !> Terms of the series behind the first.
+  integer, parameter :: terms_kept = 6
+  integer :: loop
+  !> 1/sqrt(1 - z) in powers of z.
+  real(real64), parameter :: root_terms(0:terms_kept) = &
+    [1.0_real64, 0.5_real64, 0.375_real64, 0.3125_real64, 0.2734375_real64, 0.24609375_real64, &
+     0.2255859375_real64]
+  !> Means of t**(2 k) over a row of radius 1, of a flat punch.
+  real(real64), parameter :: flat_means(0:terms_kept) = &
+    [(1.0_real64 / (2 * loop + 1), loop=0, terms_kept)]
+  !> The same with Hertz' weight.
+  real(real64), parameter :: hertz_means(0:terms_kept) = &
+    [(3.0_real64 / ((2 * loop + 1) * (2 * loop + 3)), loop=0, terms_kept)]
+  !> Even places of Pascal's triangle, by 2 k and 2 m.
+  real(real64), parameter :: binomial(0:terms_kept, 0:terms_kept) = reshape(real([ &
+    1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 6, 1, 0, 0, 0, 0, 1, 15, 15, 1, 0, 0, 0, &
+    1, 28, 70, 28, 1, 0, 0, 1, 45, 210, 210, 45, 1, 0, 1, 66, 495, 924, 495, 66, 1], real64), &
+    [terms_kept + 1, terms_kept + 1])
+
+contains
+
+  !> All terms between two circles.
+  pure subroutine mutual_displacement(r, first, second, terms)
+    real(real64), intent(in) :: r            !! distance of the centres, 0 or more
+    real(real64), intent(in) :: first        !! radius of the first circle, 0 or more
+    real(real64), intent(in) :: second       !! radius of the second circle; one is more than 0
+    type(mutual_terms), intent(out) :: terms !! the terms
+    real(real64) :: ratio
+
+    ratio = min(first, second) / max(first, second)
+    if (r > series_from * (first + second)) then
+      call by_series(r, first, second, terms)
+    else if (ratio < no_ratio) then
+      call with_a_point(r, first, second, terms)
+    else if (ratio < small_ratio) then
+      call closed_form_128(r, first, second, terms)
+    else
+      call closed_form_64(r, first, second, terms)
+    end if
+  end subroutine mutual_displacement
+
+  pure subroutine closed_form_64(r_in, first, second, terms)
+    integer, parameter :: kind_of_real = real64
+#include "mutual_closed_form.inc"
+  end subroutine closed_form_64
+
+  pure subroutine closed_form_128(r_in, first, second, terms)
+    integer, parameter :: kind_of_real = real128
+#include "mutual_closed_form.inc"
+  end subroutine closed_form_128
+
+  ! Circles well apart: the root in powers of tau/r, averaged term by term.
+  pure subroutine by_series(r, first, second, terms)
+    real(real64), intent(in) :: r, first, second
+    type(mutual_terms), intent(out) :: terms
+    real(real64), dimension(0:terms_kept) :: a, b
+    real(real64) :: unit, mean, grown, bent
+    integer :: k
+
+    unit = 1.0_real64 / (pi * r)
+    a(0) = 1.0_real64
+    b(0) = 1.0_real64
+    do k = 1, terms_kept
+      a(k) = a(k - 1) * (first / r)**2
+      b(k) = b(k - 1) * (second / r)**2
+    end do
+    terms%bend = 0.0_real64
+    do k = terms_kept, 0, -1
+      call average(k, flat_means, hertz_means, mean, grown)
+      terms%on_first = terms%on_first + unit * mean
+      terms%first_growth = terms%first_growth + unit * grown
+      terms%first_slope = terms%first_slope - unit * (2 * k + 1) * mean / r
+      call average(k, hertz_means, flat_means, mean, grown)
+      terms%on_second = terms%on_second + unit * mean
+      terms%second_slope = terms%second_slope - unit * (2 * k + 1) * mean / r
+      ! By its own radius: what is left of the degree 2 k.
+      terms%second_growth = terms%second_growth + unit * (2 * k * mean - grown)
+      call average(k, flat_means, flat_means, mean, grown)
+      terms%compliance = terms%compliance + unit * mean
+      call average(k, hertz_means, hertz_means, mean, grown)
+      terms%mean = terms%mean + unit * mean
+      terms%slope = terms%slope - unit * (2 * k + 1) * mean / r
+      bent = unit * (2 * k + 1) * (2 * k + 2) * mean / r**2
+      terms%bend = terms%bend + bent
+    end do
+
+  contains
+
+    ! Mean of the k-th term over two rows, and its derivative by the log of the first radius.
+    pure subroutine average(k, first_means, second_means, mean, grown)
+      integer, intent(in) :: k
+      real(real64), intent(in) :: first_means(0:), second_means(0:)
+      real(real64), intent(out) :: mean, grown
+      real(real64) :: part
+      integer :: m
+
+      mean = 0.0_real64
+      grown = 0.0_real64
+      do m = 0, k
+        part = root_terms(k) * binomial(m, k) * (a(m) * first_means(m)) * &
+               (b(k - m) * second_means(k - m))
+        mean = mean + part
+        grown = grown + 2 * m * part
+      end do
+    end subroutine average
+
+  end subroutine by_series
+
+  ! One circle is a point: the fields of the other at it (Johnson 1985, eq. 3.41 and 3.42).
+  pure subroutine with_a_point(r, first, second, terms)
+    real(real64), intent(in) :: r, first, second
+    type(mutual_terms), intent(out) :: terms
+    real(real64) :: b, arc, root, hertz, slope, bend, flat, flat_slope
+
+    b = max(first, second)
+    arc = 0.5_real64 * pi
+    root = 0.0_real64
+    if (r > b) then
+      root = sqrt((r - b) * (r + b))
+      arc = atan2(b, root)
+    end if
+    hertz = 0.75_real64 / (pi * b**3) * ((2 * b**2 - r**2) * arc + b * root)
+    slope = -1.5_real64 / (pi * b**3) * (r * arc - merge(b * root / r, 0.0_real64, r > b))
+    bend = -1.5_real64 / (pi * b**3) * arc
+    flat = arc / (pi * b)
+    flat_slope = 0.0_real64
+    if (r > b) then
+      bend = bend + 1.5_real64 / (pi * b**2) * (1.0_real64 + (b / r)**2) / max(root, no_ratio * b)
+      flat_slope = -1.0_real64 / (pi * r * max(root, no_ratio * b))
+    end if
+    terms%compliance = flat
+    terms%mean = hertz
+    terms%slope = slope
+    terms%bend = bend
+    if (first < second) then
+      terms%on_first = hertz
+      terms%first_slope = slope
+      terms%on_second = flat
+      terms%second_slope = flat_slope
+    else
+      terms%on_second = hertz
+      terms%second_slope = slope
+      terms%on_first = flat
+      terms%first_slope = flat_slope
+    end if
+  end subroutine with_a_point
+
+end module asperity_mutual_displacement
