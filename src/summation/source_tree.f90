@@ -150,7 +150,7 @@ contains
                          target_move_x, target_move_y)
     type(source_tree), intent(inout) :: tree                  !! the tree
     real(real64), intent(in) :: charge(:)                     !! of sources
-    real(real64), intent(in) :: spread(:)                     !! of sources, a length squared
+    real(real64), intent(in) :: spread(:)                     !! of sources, at most reach**2
     real(real64), intent(inout) :: potential(:)               !! at targets
     real(real64), intent(inout), optional :: lap(:)           !! its Laplacian in the plane
     real(real64), intent(inout), optional :: slope_x(:)       !! its slope; both or none

@@ -19,6 +19,7 @@ program unit_tests
   use asperity_plasticity_suite, only: collect_plasticity
   use asperity_test_pair_search, only: collect_pair_search
   use asperity_study_suite, only: collect_study
+  use asperity_summation_suite, only: collect_summation
   use asperity_test_cards, only: collect_cards
   use asperity_test_hex32, only: collect_hex32
   use asperity_test_overlap, only: collect_overlap
@@ -36,6 +37,7 @@ program unit_tests
   call run_suite('circles', collect_circles, tally)
   call run_suite('brackets of roots', collect_brackets, tally)
   call run_suite('cells', collect_boundary, tally)
+  call run_suite('sums over many circles', collect_summation, tally)
   call run_suite('coupled contacts', collect_coupled, tally)
   call run_suite('friction', collect_friction, tally)
   call run_suite('curves of adhesion', collect_adhesion_curves, tally)

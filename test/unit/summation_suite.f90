@@ -1,0 +1,426 @@
+!> Tests of the sums over many circles.
+!>
+!> The reference is a sum over all pairs, written here from the definition; the near pairs are
+!> those of all pairs, too. Bounds: sums by expansions differ by 1e-6 of the mean potential, slopes
+!> by 3e-4 of the mean slope; what is told of symmetry and of bytes is exact or of rounding.
+module asperity_summation_suite
+  use, intrinsic :: iso_fortran_env, only: int64
+  use asperity_kinds, only: real64
+  use asperity_random_philox, only: philox_block
+  use asperity_source_tree, only: plant_tree, source_tree, sum_sources
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+  implicit none
+  private
+
+  public :: collect_summation
+
+  real(real64), parameter :: potential_bound = 1.0e-6_real64, slope_bound = 3.0e-4_real64
+  real(real64), parameter :: factor = 3.0_real64
+
+  ! Circles, what they bear and how they move.
+  type :: circles
+    real(real64), allocatable, dimension(:) :: x, y, reach, charge, spread, move_x, move_y
+  end type circles
+
+  ! What is summed.
+  type :: sums
+    real(real64), allocatable, dimension(:) :: potential, lap, slope_x, slope_y
+  end type sums
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_summation(suite)
+    type(unittest_type), allocatable, intent(out) :: suite(:)  !! the tests
+
+    suite = [new_unittest('few places', few), &
+             new_unittest('places all over a square', square), &
+             new_unittest('clusters in clusters', clusters), &
+             new_unittest('places on a line', line), &
+             new_unittest('a point-like cluster and one place far away', far_away), &
+             new_unittest('reaches from 1 to 1000', unequal), &
+             new_unittest('coincident places', coincident), &
+             new_unittest('a lattice whose neighbours are just near', lattice), &
+             new_unittest('targets other than the sources', other_targets), &
+             new_unittest('what two sets of charges do to each other is the same', symmetry), &
+             new_unittest('slopes are differences of potentials', differences), &
+             new_unittest('the same bytes with one thread and with two', threads)]
+  end subroutine collect_summation
+
+  subroutine few(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: n
+
+    do n = 0, 3
+      call compare(error, spread_out(n, 1), factor)
+    end do
+    call compare(error, spread_out(300, 2), factor)
+  end subroutine few
+
+  subroutine square(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call compare(error, spread_out(2500, 3), factor)
+  end subroutine square
+
+  ! Each place is the sum of steps that are a third of those before, chosen by digits of its number.
+  subroutine clusters(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call compare(error, clustered(2000), factor)
+  end subroutine clusters
+
+  subroutine line(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: some
+
+    some = spread_out(2000, 4)
+    some%y = 0.7_real64
+    some%reach = 1.0e-4_real64 * some%reach / maxval(some%reach)
+    some%spread = some%reach**2
+    call compare(error, some, factor)
+  end subroutine line
+
+  subroutine far_away(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: some
+
+    some = spread_out(2000, 5)
+    some%x(:1999) = 1.0e-5_real64 * some%x(:1999)
+    some%y(:1999) = 1.0e-5_real64 * some%y(:1999)
+    some%reach(:1999) = 1.0e-5_real64 * some%reach(:1999)
+    some%move_x(:1999) = 1.0e-5_real64 * some%move_x(:1999)
+    some%move_y(:1999) = 1.0e-5_real64 * some%move_y(:1999)
+    some%spread = some%reach**2
+    call compare(error, some, factor)
+  end subroutine far_away
+
+  subroutine unequal(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: some
+
+    some = spread_out(2000, 6)
+    some%reach = 1.0e-4_real64 * 1000.0_real64**(uniform(2000, 7)**4)
+    some%spread = 0.3_real64 * some%reach**2
+    some%charge = some%reach**2 * some%charge
+    some%move_x = 0.05_real64 * some%reach
+    some%move_y = -0.05_real64 * some%reach
+    call compare(error, some, factor)
+  end subroutine unequal
+
+  subroutine coincident(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: some
+
+    some = spread_out(1000, 8)
+    some%x(501:) = some%x(:500)
+    some%y(501:) = some%y(:500)
+    some%move_x = 0.0_real64
+    some%move_y = 0.0_real64
+    call compare(error, some, factor)
+    ! Without reaches nothing is near; what coincides does not act.
+    some%reach = 0.0_real64
+    some%spread = 0.0_real64
+    some%x(1:300) = some%x(1)
+    some%y(1:300) = some%y(1)
+    some%x(501:800) = some%x(1)
+    some%y(501:800) = some%y(1)
+    call compare(error, some, factor)
+  end subroutine coincident
+
+  subroutine lattice(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: some
+    integer :: i
+
+    some = spread_out(1600, 9)
+    do i = 1, 1600
+      some%x(i) = 0.25_real64 * mod(i, 40)
+      some%y(i) = 0.25_real64 * ((i - mod(i, 40)) / 40)
+    end do
+    ! Neighbours in a row touch exactly: they are not near, as all numbers are exact.
+    some%reach = 0.125_real64
+    some%spread = 0.003_real64
+    call compare(error, some, 1.0_real64)
+    call compare(error, some, 1.5_real64)
+  end subroutine lattice
+
+  subroutine other_targets(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: sources, targets
+
+    sources = spread_out(1500, 10)
+    targets = spread_out(1000, 11)
+    targets%x = 0.5_real64 * targets%x + 0.8_real64
+    call compare(error, sources, factor, targets)
+    targets%x(:3) = sources%x(:3)
+    targets%y(:3) = sources%y(:3)
+    call compare(error, targets, factor, sources)
+    call compare(error, spread_out(0, 1), factor, sources)
+    call compare(error, sources, factor, spread_out(0, 1))
+  end subroutine other_targets
+
+  ! The sums are symmetric but for rounding, also where they are not exact. The mean over a circle
+  ! is the potential and its spread times the Laplacian.
+  subroutine symmetry(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: one, other
+    type(sums) :: of_one, of_other
+    type(source_tree) :: tree
+    real(real64) :: forth, back
+
+    one = clustered(3000)
+    other = one
+    other%charge = uniform(3000, 12)
+    call plant_tree(tree, one%x, one%y, one%reach, factor)
+    of_one = sum_over(tree, one, one, .true.)
+    of_other = sum_over(tree, other, other, .true.)
+    forth = sum(other%charge * (of_one%potential + one%spread * of_one%lap))
+    back = sum(one%charge * (of_other%potential + one%spread * of_other%lap))
+    call check(error, forth, back, 1.0e-13_real64 * abs(back), 'energy of two sets of charges')
+  end subroutine symmetry
+
+  ! Central differences over 2e-4 of the square's side: their own error is some 1e-8 of the slope
+  ! per far source, 2e-4 by near ones.
+  subroutine differences(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: some, moved
+    type(sums) :: here, left, right
+    type(source_tree) :: tree
+    real(real64), parameter :: step = 1.0e-7_real64
+    integer :: way
+
+    some = spread_out(2000, 13)
+    call plant_tree(tree, some%x, some%y, some%reach, factor)
+    here = sum_over(tree, some, some, .true.)
+    do way = 1, 2
+      moved = some
+      if (way == 1) moved%move_x = moved%move_x + step
+      if (way == 2) moved%move_y = moved%move_y + step
+      right = sum_over(tree, some, moved, .true.)
+      if (way == 1) moved%move_x = moved%move_x - 2 * step
+      if (way == 2) moved%move_y = moved%move_y - 2 * step
+      left = sum_over(tree, some, moved, .true.)
+      if (way == 2) here%slope_x = here%slope_y
+      ! Rounding: 1e-16 of a potential of 1e4 over the step.
+      call check(error, maxval(abs((right%potential - left%potential) / (2 * step) &
+                                   - here%slope_x)), 0.0_real64, &
+                 1.0e-6_real64 * maxval(abs(here%slope_x)), 'slope')
+    end do
+  end subroutine differences
+
+  subroutine threads(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(circles) :: some
+    type(sums) :: of_one, of_two
+    type(source_tree) :: tree
+    integer :: usual
+
+    some = clustered(3000)
+    usual = 1
+    !$ usual = omp_get_max_threads()
+    !$ call omp_set_num_threads(1)
+    call plant_tree(tree, some%x, some%y, some%reach, factor)
+    of_one = sum_over(tree, some, some, .true.)
+    !$ call omp_set_num_threads(2)
+    call plant_tree(tree, some%x, some%y, some%reach, factor)
+    of_two = sum_over(tree, some, some, .true.)
+    !$ call omp_set_num_threads(usual)
+    call check(error, all(bits(of_one) == bits(of_two)), 'other bytes with two threads')
+  end subroutine threads
+
+  pure function bits(of)
+    type(sums), intent(in) :: of
+    integer(int64), allocatable :: bits(:)
+
+    bits = transfer([of%potential, of%lap, of%slope_x, of%slope_y], [0_int64])
+  end function bits
+
+  ! Checks near pairs and sums against all pairs; without moves, with them, and without slopes.
+  subroutine compare(error, sources, near_factor, targets)
+    type(error_type), allocatable, intent(inout) :: error
+    type(circles), intent(in) :: sources
+    real(real64), intent(in) :: near_factor
+    type(circles), intent(in), optional :: targets
+    type(circles) :: still, goal
+    type(source_tree) :: tree
+    logical :: same
+
+    if (allocated(error)) return
+    same = .not. present(targets)
+    if (same) then
+      goal = sources
+      call plant_tree(tree, sources%x, sources%y, sources%reach, near_factor)
+    else
+      goal = targets
+      call plant_tree(tree, sources%x, sources%y, sources%reach, near_factor, goal%x, goal%y, &
+                      goal%reach)
+    end if
+    call check(error, .not. allocated(tree%failure), 'not planted')
+    call check_near(error, tree, sources, goal, near_factor, same)
+    if (allocated(error)) return
+    call check_sums(error, tree, sources, goal, near_factor, same)
+    still = sources
+    still%move_x = 0.0_real64
+    still%move_y = 0.0_real64
+    goal%move_x = 0.0_real64
+    goal%move_y = 0.0_real64
+    call check_sums(error, tree, still, goal, near_factor, same)
+  end subroutine compare
+
+  subroutine check_near(error, tree, sources, targets, near_factor, same)
+    type(error_type), allocatable, intent(inout) :: error
+    type(source_tree), intent(in) :: tree
+    type(circles), intent(in) :: sources, targets
+    real(real64), intent(in) :: near_factor
+    logical, intent(in) :: same
+    integer :: i, j, at
+
+    call check(error, size(tree%first), size(targets%x) + 1, 'first')
+    if (allocated(error)) return
+    at = 1
+    do i = 1, size(targets%x)
+      call check(error, tree%first(i), at, 'where the near ones of a target begin')
+      do j = 1, size(sources%x)
+        if (.not. near(sources, j, targets, i, near_factor)) cycle
+        if (same .and. i == j) cycle
+        call check(error, at <= size(tree%near), 'near pairs are lost')
+        if (allocated(error)) return
+        call check(error, tree%near(at), j, 'a near source')
+        at = at + 1
+      end do
+      if (allocated(error)) return
+    end do
+    call check(error, size(tree%near), at - 1, 'number of near pairs')
+  end subroutine check_near
+
+  pure logical function near(sources, j, targets, i, near_factor)
+    type(circles), intent(in) :: sources, targets
+    integer, intent(in) :: j, i
+    real(real64), intent(in) :: near_factor
+
+    near = hypot(sources%x(j) - targets%x(i), sources%y(j) - targets%y(i)) &
+           < near_factor * (sources%reach(j) + targets%reach(i))
+  end function near
+
+  subroutine check_sums(error, tree, sources, targets, near_factor, same)
+    type(error_type), allocatable, intent(inout) :: error
+    type(source_tree), intent(inout) :: tree
+    type(circles), intent(in) :: sources, targets
+    real(real64), intent(in) :: near_factor
+    logical, intent(in) :: same
+    type(sums) :: found, without
+    real(real64), dimension(size(targets%x)) :: potential, lap, slope_x, slope_y
+    real(real64) :: x, y, r2, r, mean, mean_slope
+    integer :: i, j
+
+    potential = 0.0_real64
+    lap = 0.0_real64
+    slope_x = 0.0_real64
+    slope_y = 0.0_real64
+    do i = 1, size(potential)
+      do j = 1, size(sources%x)
+        if (near(sources, j, targets, i, near_factor) .or. (same .and. i == j)) cycle
+        if (hypot(sources%x(j) - targets%x(i), sources%y(j) - targets%y(i)) < tiny(r)) cycle
+        x = targets%x(i) + targets%move_x(i) - sources%x(j) - sources%move_x(j)
+        y = targets%y(i) + targets%move_y(i) - sources%y(j) - sources%move_y(j)
+        r2 = x * x + y * y
+        r = sqrt(r2)
+        potential(i) = potential(i) + sources%charge(j) * (1 + sources%spread(j) / r2) / r
+        lap(i) = lap(i) + sources%charge(j) * (1 + 9 * sources%spread(j) / r2) / (r * r2)
+        r = sources%charge(j) * (1 + 3 * sources%spread(j) / r2) / (r * r2)
+        slope_x(i) = slope_x(i) - r * x
+        slope_y(i) = slope_y(i) - r * y
+      end do
+    end do
+    found = sum_over(tree, sources, targets, .true.)
+    without = sum_over(tree, sources, targets, .false.)
+    call check(error, all(abs([found%potential - without%potential, &
+                                   found%lap - without%lap]) <= 0.0_real64), 'another potential without slopes')
+    if (size(potential) == 0) return
+    mean = sum(potential) / size(potential)
+    mean_slope = sum(hypot(slope_x, slope_y)) / size(potential)
+    call check(error, maxval(abs(found%potential - potential)), 0.0_real64, &
+               potential_bound * mean, 'potential')
+    call check(error, maxval(abs(found%lap - lap) * targets%spread), 0.0_real64, &
+               potential_bound * mean, 'spread times Laplacian')
+    call check(error, maxval(hypot(found%slope_x - slope_x, found%slope_y - slope_y)), 0.0_real64, &
+               slope_bound * mean_slope, 'slope')
+  end subroutine check_sums
+
+  function sum_over(tree, sources, targets, slopes) result(of)
+    type(source_tree), intent(inout) :: tree
+    type(circles), intent(in) :: sources, targets
+    logical, intent(in) :: slopes
+    type(sums) :: of
+
+    allocate (of%potential(size(targets%x)), of%lap(size(targets%x)), &
+              of%slope_x(size(targets%x)), of%slope_y(size(targets%x)))
+    if (slopes) then
+      call sum_sources(tree, sources%charge, sources%spread, of%potential, of%lap, of%slope_x, &
+                       of%slope_y, sources%move_x, sources%move_y, targets%move_x, targets%move_y)
+    else
+      of%slope_x = 0.0_real64
+      of%slope_y = 0.0_real64
+      call sum_sources(tree, sources%charge, sources%spread, of%potential, of%lap, &
+                       move_x=sources%move_x, move_y=sources%move_y, &
+                       target_move_x=targets%move_x, target_move_y=targets%move_y)
+    end if
+  end function sum_over
+
+  ! Circles of mixed reach that cover some ten per cent of a square of side 1.
+  function spread_out(n, key) result(some)
+    integer, intent(in) :: n, key
+    type(circles) :: some
+
+    allocate (some%x(n), some%y(n), some%reach(n), some%charge(n), some%spread(n), &
+              some%move_x(n), some%move_y(n))
+    some%x(:) = uniform(n, 20 * key)
+    some%y(:) = uniform(n, 20 * key + 1)
+    some%charge(:) = 0.5_real64 + uniform(n, 20 * key + 2)
+    some%reach(:) = (0.1_real64 + 0.1_real64 * uniform(n, 20 * key + 3)) / sqrt(max(n, 4) * 1.0_real64)
+    some%spread(:) = 0.2_real64 * some%reach**2
+    some%move_x(:) = 0.1_real64 * some%reach * (uniform(n, 20 * key + 4) - 0.5_real64)
+    some%move_y(:) = 0.1_real64 * some%reach * (uniform(n, 20 * key + 5) - 0.5_real64)
+  end function spread_out
+
+  function clustered(n) result(some)
+    integer, intent(in) :: n
+    type(circles) :: some
+    real(real64) :: choice(5), step
+    integer :: i, k, digits
+
+    some = spread_out(n, 15)
+    choice = uniform(5, 400)
+    do i = 1, n
+      digits = i
+      step = 1.0_real64 / 3
+      some%x(i) = step**7 * some%x(i)
+      some%y(i) = step**7 * some%y(i)
+      do k = 1, 6
+        some%x(i) = some%x(i) + step**k * choice(1 + mod(digits, 4))
+        some%y(i) = some%y(i) + step**k * choice(2 + mod(digits, 4))
+        digits = digits / 4
+      end do
+    end do
+    some%reach = 0.1_real64 * some%reach
+    some%spread = 0.01_real64 * some%spread
+    some%move_x = 0.1_real64 * some%move_x
+    some%move_y = 0.1_real64 * some%move_y
+  end function clustered
+
+  ! Numbers from [0, 1).
+  function uniform(n, key)
+    integer, intent(in) :: n, key
+    real(real64) :: uniform(n)
+    integer(int64) :: words(4)
+    integer :: i
+
+    do i = 1, n
+      words = philox_block([int(i, int64), 0_int64, 0_int64, 0_int64], [int(key, int64), 13_int64])
+      uniform(i) = real(words(1), real64) / 2.0_real64**32
+    end do
+  end function uniform
+
+end module asperity_summation_suite
