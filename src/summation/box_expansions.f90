@@ -14,7 +14,7 @@ module asperity_box_expansions
 
   !> Greatest degree of the polynomials. The largest error of potentials over their mean, at 1e4 to
   !> 1e6 places, uniform and in clusters: see docs.
-  integer, parameter :: order = 7
+  integer, parameter :: order = 8
 
   !> Ways between the moments of boxes; those of a parent and its four children by quarter.
   type :: translations

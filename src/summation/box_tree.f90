@@ -15,7 +15,7 @@ module asperity_box_tree
 
   ! Levels below the root: Morton's key and a level, together, stay exact in a double.
   integer, parameter :: deepest = 24
-  ! Pairs of places that take the time of one translation (measured: 50 to 150 do as well), and
+  ! Pairs of places that take the time of one translation (measured: 100 to 200 do as well), and
   ! above which boxes that touch are split: 27 translations a box save 3/4 of 9 * pairs.
   real(real64), parameter :: worth_a_translation = 100.0_real64
   real(real64), parameter :: worth_a_split = 16 * worth_a_translation
