@@ -342,8 +342,8 @@ contains
     found = sum_over(tree, sources, targets, .true.)
     without = sum_over(tree, sources, targets, .false.)
     call check(error, all(abs([found%potential - without%potential, &
-                                   found%lap - without%lap]) <= 0.0_real64), 'another potential &
-                     without slopes')
+                                   found%lap - without%lap]) <= 0.0_real64), &
+               'another potential without slopes')
     if (size(potential) == 0) return
     mean = sum(potential) / size(potential)
     mean_slope = sum(hypot(slope_x, slope_y)) / size(potential)
