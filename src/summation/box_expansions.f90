@@ -12,8 +12,9 @@ module asperity_box_expansions
 
   public :: translations, prepare, add_moments, add_field, multiply
 
-  !> Greatest degree of the polynomials. The largest error of potentials over their mean, at 1e4 to
-  !> 1e6 places, uniform and in clusters: see docs.
+  ! Greatest degree. Measured, the largest error of what one source does, and of sums over 1e4 to
+  ! 1e6 places by their mean, all over a square and in clusters: order 6: 2e-4, 5e-7, 2e-6;
+  ! 7: 4e-5, 9e-8, 4e-7; 8: 1.3e-5, 1.5e-8, 9e-8, at a tenth more time than 7.
   integer, parameter :: order = 8
 
   !> Ways between the moments of boxes; those of a parent and its four children by quarter.
@@ -55,14 +56,15 @@ contains
       to_terms(i, :) = to_terms(i, :) / sum(to_terms(i, :)**2)
     end do
     from_nodes = transpose(to_terms)
-    do row = -3, 3
+    do row = 0, 3
       do column = -3, 3
-        if (max(abs(row), abs(column)) < 2) cycle
+        if (max(row, abs(column)) < 2 .or. 7 * row + column < 0) cycle
         do k = 1, nodes
           kernel(:, k) = 1.0_real64 / sqrt((x - x(k) - 2 * column)**2 + (y - y(k) - 2 * row)**2)
         end do
         call multiply(to_terms, kernel, nodes, half)
         call multiply(half, from_nodes, terms, ways%across(:, :, 7 * row + column))
+        ways%across(:, :, -7 * row - column) = transpose(ways%across(:, :, 7 * row + column))
       end do
     end do
     do i = 0, 3

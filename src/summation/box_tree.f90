@@ -19,6 +19,9 @@ module asperity_box_tree
   ! above which boxes that touch are split: 27 translations a box save 3/4 of 9 * pairs.
   real(real64), parameter :: worth_a_translation = 100.0_real64
   real(real64), parameter :: worth_a_split = 16 * worth_a_translation
+  ! Pairs of places up to which all are summed place by place: 600 places, where trees of any depth
+  ! took as long (measured) and expansions need not be prepared.
+  real(real64), parameter :: few_pairs = 3.6e5_real64
 
   !> The boxes of one width, in Morton's order.
   type :: box_level
@@ -98,7 +101,7 @@ contains
     do l = 0, deepest
       tree%last = l
       tree%level(l)%half = scale(0.5_real64 * width, -l)
-      call meet(tree%level(l - 1), tree%level(l))
+      call meet(tree%level(l - 1), tree%level(l), merge(few_pairs, worth_a_split, l == 0))
       if (any(tree%level(l)%partner > 0)) tree%top = min(tree%top, l)
       if (l == deepest) exit
       call divide(tree%level(l), tree%level(l + 1), source_key, target_key, deepest - l - 1)
@@ -142,9 +145,10 @@ contains
   end subroutine make_level
 
   ! Settles, for every box, how the boxes act whose parents touch its own.
-  pure subroutine meet(above, this)
+  pure subroutine meet(above, this, enough)
     type(box_level), intent(in) :: above
     type(box_level), intent(inout) :: this
+    real(real64), intent(in) :: enough  ! pairs of places, above which boxes that touch are split
     real(real64) :: pairs
     integer :: a, b, k, n, shift(2)
 
@@ -163,7 +167,7 @@ contains
           else
             n = n + 1
             this%near(n) = b
-            if (maxval(abs(shift)) <= 1 .and. pairs > worth_a_split) this%near(n) = -b
+            if (maxval(abs(shift)) <= 1 .and. pairs > enough) this%near(n) = -b
           end if
         end do
       end do
