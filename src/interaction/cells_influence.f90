@@ -1,0 +1,77 @@
+!> How far the pressure on one square cell presses down another: Love's rectangle.
+!>
+!> Love (1929) gives the displacement of a half-space at a point under uniform pressure on a
+!> rectangle (Johnson, Contact Mechanics, 1985, section 3.4, eq. 3.25). Here it is averaged over
+!> the receiving cell as well. So the cells' equations are those of the least energy among all
+!> pressures that are uniform on each cell, and the total load comes out an order better than from
+!> displacements at the cells' centres.
+module asperity_cells_influence
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: influence_table
+
+  ! From there the expansion is better than the closed form, whose terms cancel.
+  integer, parameter :: far_offset = 16
+
+contains
+
+  !> Mean of 1/r over two square cells of side 1 whose centres are (i, j) apart.
+  !>
+  !> Where cells have side h the mean is the entry over h; a force F spread over one cell presses
+  !> the other down by F/(pi E h) times the entry.
+  pure subroutine influence_table(table)
+    real(real64), intent(out) :: table(0:, 0:)  !! the mean at offset i, j; the same at -i and -j
+    integer :: i, j
+
+    do j = 0, ubound(table, 2)
+      do i = 0, ubound(table, 1)
+        if (max(i, j) < far_offset) then
+          table(i, j) = near_mean(i, j)
+        else
+          table(i, j) = far_mean(real(i, real64), real(j, real64))
+        end if
+      end do
+    end do
+  end subroutine influence_table
+
+  ! Second differences, in both directions, of a function whose fourth derivative d4/dx2dy2 is 1/r.
+  pure function near_mean(i, j) result(mean)
+    integer, intent(in) :: i, j
+    real(real64) :: mean
+    real(real64), parameter :: weight(-1:1) = [1.0_real64, -2.0_real64, 1.0_real64]
+    integer :: k, l
+
+    mean = 0.0_real64
+    do l = -1, 1
+      do k = -1, 1
+        mean = mean + weight(k) * weight(l) * &
+               potential(real(abs(i + k), real64), real(abs(j + l), real64))
+      end do
+    end do
+  end function near_mean
+
+  ! Fourfold integral of 1/r: Love's logarithms, integrated twice more.
+  pure function potential(x, y) result(k)
+    real(real64), intent(in) :: x, y  ! 0 or more
+    real(real64) :: k
+
+    k = -hypot(x, y)**3 / 6.0_real64
+    if (x > 0.0_real64 .and. y > 0.0_real64) &
+      k = k + 0.5_real64 * x * y * (x * asinh(y / x) + y * asinh(x / y))
+  end function potential
+
+  ! Taylor's series of the mean: the difference of two places in the cells has the moments 1/6,
+  ! 1/15 and 1/36 (xx, xxxx, xxyy).
+  pure function far_mean(x, y) result(mean)
+    real(real64), intent(in) :: x, y  ! not both small
+    real(real64) :: mean, r2, r
+
+    r2 = x * x + y * y
+    r = sqrt(r2)
+    mean = (1.0_real64 + (1.0_real64 / 12.0_real64 + (0.025_real64 + &
+           (105.0_real64 * (x / r)**2 * (y / r)**2 - 12.0_real64) / 720.0_real64) / r2) / r2) / r
+  end function far_mean
+
+end module asperity_cells_influence

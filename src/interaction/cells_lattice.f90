@@ -1,0 +1,141 @@
+!> Where pressure can be: square cells of one lattice under all contacts of a cluster.
+!>
+!> Pressure only opens the gap, so that there is none where the undeformed gap is not below zero:
+!> outside discs of radius sqrt(2) times the contact radius. A cell on which several of them lie has
+!> the least gap and belongs to the contact that comes deepest, of equals to the first.
+module asperity_cells_lattice
+  use asperity_cells_gap, only: gap_at, gap_nowhere, gap_shape
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: cell_frame, cell_lattice, frame_of, box_of, lay_cells, cells_expected
+
+  ! Place of the lattice in a cluster's largest contact, in coarse cells. Any but a symmetric one:
+  ! there the errors of many cells at the contact's edge are the same and add up.
+  real(real64), parameter :: lattice_x = 0.29_real64, lattice_y = 0.13_real64
+
+  ! Gauss' two places in a cell, from its centre, over its side.
+  real(real64), parameter :: gauss = 0.5_real64 / sqrt(3.0_real64)
+
+  !> What all lattices of a cluster have in common. Lengths in the unit of the pairs.
+  type :: cell_frame
+    real(real64) :: x = 0.0_real64       !! first touch of the largest contact
+    real(real64) :: y = 0.0_real64       !! first touch of the largest contact
+    real(real64) :: coarse = 0.0_real64  !! side of a cell before any halving
+    real(real64) :: scale = 0.0_real64   !! deepest penetration: gaps on cells are over it
+  end type cell_frame
+
+  !> A rectangle of cells. Cell (1, 1) has its lower left corner at (left, bottom) cells from the
+  !> origin.
+  type :: cell_lattice
+    real(real64) :: cell = 0.0_real64      !! side of a cell
+    real(real64) :: origin_x = 0.0_real64  !! of the lattice, in plan, from the frame's place
+    real(real64) :: origin_y = 0.0_real64  !! of the lattice, in plan, from the frame's place
+    integer :: left = 0                    !! columns between the origin and the first
+    integer :: bottom = 0                  !! rows between the origin and the first
+    real(real64), allocatable :: gap(:, :) !! mean over the cell, over the scale
+    integer, allocatable :: owner(:, :)    !! place of its contact in the list; 0: no pressure here
+  end type cell_lattice
+
+contains
+
+  !> The rectangle in plan outside which there is no pressure.
+  pure subroutine box_of(shapes, low, high)
+    type(gap_shape), intent(in) :: shapes(:)       !! the contacts, at least one
+    real(real64), intent(out) :: low(2), high(2)   !! x, y of two corners
+
+    low = [minval(shapes%x - shapes%reach), minval(shapes%y - shapes%reach)]
+    high = [maxval(shapes%x + shapes%reach), maxval(shapes%y + shapes%reach)]
+  end subroutine box_of
+
+  !> The frame of a cluster.
+  pure type(cell_frame) function frame_of(shapes, cells_per_radius)
+    type(gap_shape), intent(in) :: shapes(:)      !! the contacts, at least one
+    !> for the contact that would bear most alone, across its ellipse
+    real(real64), intent(in) :: cells_per_radius
+    integer :: k
+
+    ! A load alone is 4/3 of the modulus times that.
+    k = maxloc(shapes%contact_radius * shapes%penetration * shapes%cosine, 1)
+    frame_of%x = shapes(k)%x
+    frame_of%y = shapes(k)%y
+    ! A sphere's slope curves it more: by 1/cosine across, by its third power along.
+    frame_of%coarse = shapes(k)%contact_radius * sqrt(shapes(k)%cosine)**3 / cells_per_radius
+    frame_of%scale = maxval(shapes%penetration)
+  end function frame_of
+
+  !> Cells that a lattice will have, at most.
+  pure real(real64) function cells_expected(frame, shapes, halvings) result(cells)
+    type(cell_frame), intent(in) :: frame     !! of the cluster
+    type(gap_shape), intent(in) :: shapes(:)  !! the contacts, at least one
+    integer, intent(in) :: halvings           !! 0 or more
+    real(real64) :: low(2), high(2)
+
+    call box_of(shapes, low, high)
+    cells = product((high - low) / frame%coarse * 2.0_real64**halvings + 2.0_real64)
+  end function cells_expected
+
+  !> Lays the cells under some contacts of a cluster.
+  subroutine lay_cells(frame, shapes, halvings, lattice)
+    type(cell_frame), intent(in) :: frame         !! of the cluster
+    type(gap_shape), intent(in) :: shapes(:)      !! the contacts, at least one
+    integer, intent(in) :: halvings               !! how often to halve the coarse cell
+    type(cell_lattice), intent(out) :: lattice    !! the cells
+    real(real64), allocatable :: least(:, :)
+    real(real64) :: low(2), high(2), gaps(4), x, y, step
+    integer :: columns, rows, i, j, k, first, last
+
+    call box_of(shapes, low, high)
+    lattice%cell = frame%coarse * 0.5_real64**halvings
+    lattice%origin_x = -lattice_x * frame%coarse
+    lattice%origin_y = -lattice_y * frame%coarse
+    lattice%left = line_of(low(1) - frame%x - lattice%origin_x)
+    lattice%bottom = line_of(low(2) - frame%y - lattice%origin_y)
+    columns = line_of(high(1) - frame%x - lattice%origin_x) - lattice%left + 1
+    rows = line_of(high(2) - frame%y - lattice%origin_y) - lattice%bottom + 1
+    allocate (lattice%gap(columns, rows), lattice%owner(columns, rows), least(4, columns))
+    lattice%gap = gap_nowhere
+    lattice%owner = 0
+    step = gauss * lattice%cell
+    do j = 1, rows
+      least = gap_nowhere
+      do k = 1, size(shapes)
+        associate (s => shapes(k))
+          y = frame%y - s%y + lattice%origin_y + (lattice%bottom + j - 0.5_real64) * lattice%cell
+          if (abs(y) > s%reach + lattice%cell) cycle
+          x = frame%x - s%x + lattice%origin_x + lattice%left * lattice%cell
+          first = max(1, floor((-s%reach - x) / lattice%cell) + 1)
+          last = min(columns, floor((s%reach - x) / lattice%cell) + 1)
+          do i = first, last
+            associate (c => x + (i - 0.5_real64) * lattice%cell)
+              gaps = [gap_at(s, c - step, y - step), gap_at(s, c + step, y - step), &
+                      gap_at(s, c - step, y + step), gap_at(s, c + step, y + step)]
+            end associate
+            if (minval(gaps) < min(0.0_real64, minval(least(:, i)))) lattice%owner(i, j) = k
+            least(:, i) = min(least(:, i), gaps)
+          end do
+        end associate
+      end do
+      do i = 1, columns
+        if (lattice%owner(i, j) == 0) cycle
+        ! Exact for a cubic.
+        lattice%gap(i, j) = 0.25_real64 * sum(least(:, i)) / frame%scale
+        if (lattice%gap(i, j) < 0.0_real64) cycle
+        lattice%gap(i, j) = gap_nowhere
+        lattice%owner(i, j) = 0
+      end do
+    end do
+
+  contains
+
+    ! Cells from the origin to the one in which a place lies.
+    pure integer function line_of(place)
+      real(real64), intent(in) :: place
+
+      line_of = floor(place / lattice%cell)
+    end function line_of
+
+  end subroutine lay_cells
+
+end module asperity_cells_lattice

@@ -1,0 +1,96 @@
+!> How far contacts outside a cluster press the cells of the cluster down.
+module asperity_cells_outside
+  use asperity_cells_lattice, only: cell_frame, cell_lattice
+  use asperity_chebyshev_basis, only: lagrange_at_cells
+  use asperity_constants, only: pi
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: outside_field, add_outside, beside_circle
+
+  !> The field of the contacts outside. Lengths and loads in the units of the pairs.
+  type :: outside_field
+    real(real64) :: x0 = 0.0_real64               !! rectangle of the nodes, in plan
+    real(real64) :: x1 = 0.0_real64               !! more than x0
+    real(real64) :: y0 = 0.0_real64               !! rectangle of the nodes, in plan
+    real(real64) :: y1 = 0.0_real64               !! more than y0
+    !> displacement at the nodes of Chebyshev in x, y; not allocated: none
+    real(real64), allocatable :: at_nodes(:, :)
+    real(real64), allocatable :: x(:)             !! circles near by: centre; not allocated: none
+    real(real64), allocatable :: y(:)             !! centre
+    real(real64), allocatable :: circle(:)        !! radius; 0: a force at a point
+    real(real64), allocatable :: load(:)          !! under the pressure of Hertz
+  end type outside_field
+
+contains
+
+  !> Opens the gaps of a lattice by the displacement at the centres of its cells.
+  subroutine add_outside(outside, frame, modulus, lattice)
+    type(outside_field), intent(in) :: outside      !! the field
+    type(cell_frame), intent(in) :: frame           !! of the cluster
+    real(real64), intent(in) :: modulus             !! combined
+    type(cell_lattice), intent(inout) :: lattice    !! gets its gaps changed
+    real(real64), allocatable :: across(:), along(:)
+    real(real64) :: x, y, field
+    integer :: i, j, k, n, m
+
+    x = frame%x + lattice%origin_x + lattice%left * lattice%cell
+    y = frame%y + lattice%origin_y + lattice%bottom * lattice%cell
+    n = 0
+    m = 0
+    if (allocated(outside%at_nodes)) then
+      n = size(outside%at_nodes, 1)
+      m = size(outside%at_nodes, 2)
+      allocate (across(n * size(lattice%gap, 1)), along(m * size(lattice%gap, 2)))
+      call at_line(n, size(lattice%gap, 1), x, outside%x0, outside%x1, across)
+      call at_line(m, size(lattice%gap, 2), y, outside%y0, outside%y1, along)
+    end if
+    do j = 1, size(lattice%gap, 2)
+      do i = 1, size(lattice%gap, 1)
+        if (lattice%owner(i, j) == 0) cycle
+        field = 0.0_real64
+        if (n > 0) field = dot_product(across((i - 1) * n + 1:i * n), &
+                                       matmul(outside%at_nodes, along((j - 1) * m + 1:j * m)))
+        if (allocated(outside%x)) then
+          do k = 1, size(outside%x)
+            field = field + outside%load(k) / modulus * beside_circle(outside%circle(k), &
+                    hypot(x + (i - 0.5_real64) * lattice%cell - outside%x(k), &
+                          y + (j - 0.5_real64) * lattice%cell - outside%y(k)))
+          end do
+        end if
+        lattice%gap(i, j) = lattice%gap(i, j) + field / frame%scale
+      end do
+    end do
+
+  contains
+
+    pure subroutine at_line(n, cells, begin, low, high, values)
+      integer, intent(in) :: n, cells
+      real(real64), intent(in) :: begin, low, high
+      real(real64), intent(inout) :: values(:)
+
+      call lagrange_at_cells(n, cells, (2.0_real64 * begin - low - high) / (high - low), &
+                             2.0_real64 * lattice%cell / (high - low), values)
+    end subroutine at_line
+
+  end subroutine add_outside
+
+  !> Displacement times modulus over load at a distance from the centre of a circle under the
+  !> pressure of Hertz (Johnson, Contact Mechanics, 1985, eq. 3.41a and 3.42a).
+  elemental real(real64) function beside_circle(a, r) result(u)
+    real(real64), intent(in) :: a  !! radius, 0 or more; one of both more than 0
+    real(real64), intent(in) :: r  !! distance
+
+    if (r <= a) then
+      u = 0.375_real64 * (2.0_real64 - (r / a)**2) / a
+    else if (r > 100.0_real64 * a) then
+      ! There the closed form loses ten digits, and the series' next term is 4e-10.
+      u = (1.0_real64 + 0.1_real64 * (a / r)**2) / (pi * r)
+    else
+      u = 0.75_real64 / (pi * a) * ((2.0_real64 - (r / a)**2) * asin(a / r) + &
+                                    sqrt((r / a)**2 - 1.0_real64))
+    end if
+  end function beside_circle
+
+end module asperity_cells_outside

@@ -1,0 +1,147 @@
+!> What forces on all cells of a rectangular lattice do at all its cells, through FFTW.
+!>
+!> The influence depends on the offset of two cells alone. On a lattice padded with zeros to twice
+!> its size the periodic images do not reach it: the sum is exact but for rounding.
+module asperity_cell_convolution
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_int, c_loc, &
+                                         c_null_ptr, c_ptr
+  use asperity_constants, only: pi
+  use asperity_fftw, only: fftw_complex_to_real, fftw_destroy, fftw_estimate, &
+                           fftw_plan_complex_to_real, fftw_plan_real_to_complex, &
+                           fftw_real_to_complex
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: cell_convolution, padded_length
+
+  !> A sum over one lattice. It owns its plans: it must not be copied.
+  type :: cell_convolution
+    private
+    integer :: columns = 0
+    integer :: rows = 0
+    real(real64), public :: norm = 0.0_real64  !! the matrix of the sum has no larger eigenvalue
+    real(c_double), allocatable :: spectrum(:, :)
+    real(c_double), allocatable :: values(:, :)
+    complex(c_double_complex), allocatable :: transform(:, :)
+    real(c_double), allocatable :: wave_across(:)
+    real(c_double), allocatable :: wave_along(:)
+    type(c_ptr) :: forward = c_null_ptr
+    type(c_ptr) :: backward = c_null_ptr
+  contains
+    procedure :: prepare
+    procedure :: apply
+    procedure :: apply_inverse
+    final :: destroy
+  end type cell_convolution
+
+contains
+
+  !> Prepares the sum for an influence that is the same at an offset and at its mirror images.
+  subroutine prepare(sum, influence)
+    class(cell_convolution), intent(inout), target :: sum  !! not prepared before
+    real(real64), intent(in) :: influence(0:, 0:)          !! by offset, of the lattice's size
+    integer :: i, j, wide, high
+
+    sum%columns = size(influence, 1)
+    sum%rows = size(influence, 2)
+    wide = padded_length(2 * sum%columns - 1)
+    high = padded_length(2 * sum%rows - 1)
+    allocate (sum%values(0:wide - 1, 0:high - 1), sum%transform(wide / 2 + 1, high))
+    !$omp critical (fftw_plans)
+    sum%forward = fftw_plan_real_to_complex(int(high, c_int), int(wide, c_int), &
+                                            c_loc(sum%values), c_loc(sum%transform), fftw_estimate)
+    sum%backward = fftw_plan_complex_to_real(int(high, c_int), int(wide, c_int), &
+                                             c_loc(sum%transform), c_loc(sum%values), fftw_estimate)
+    !$omp end critical (fftw_plans)
+    sum%values = 0.0_c_double
+    do j = 0, sum%rows - 1
+      do i = 0, sum%columns - 1
+        sum%values(i, j) = influence(i, j)
+        sum%values(modulo(-i, wide), j) = influence(i, j)
+        sum%values(i, modulo(-j, high)) = influence(i, j)
+        sum%values(modulo(-i, wide), modulo(-j, high)) = influence(i, j)
+      end do
+    end do
+    call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
+    allocate (sum%spectrum(wide / 2 + 1, high))
+    sum%spectrum = real(sum%transform, c_double)
+    ! The lattice's matrix is a part of the padded one, whose eigenvalues these are.
+    sum%norm = maxval(abs(sum%spectrum))
+    sum%spectrum = sum%spectrum / (real(wide, c_double) * high)
+    sum%wave_across = [(sin(i * pi / wide)**2, i=0, wide / 2)]
+    sum%wave_along = [(sin(j * pi / high)**2, j=0, high - 1)]
+  end subroutine prepare
+
+  !> Sums influence times force.
+  subroutine apply(sum, force, displacement)
+    class(cell_convolution), intent(inout), target :: sum  !! prepared
+    real(real64), intent(in) :: force(:, :)                !! on every cell
+    real(real64), intent(out) :: displacement(:, :)        !! at every cell
+
+    sum%values = 0.0_c_double
+    sum%values(:sum%columns - 1, :sum%rows - 1) = force
+    call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
+    sum%transform = sum%transform * sum%spectrum
+    call fftw_complex_to_real(sum%backward, c_loc(sum%transform), c_loc(sum%values))
+    displacement = sum%values(:sum%columns - 1, :sum%rows - 1)
+  end subroutine apply
+
+  !> Nearly the forces, but for a factor, that cause a displacement, for an influence like 1/r.
+  !>
+  !> The transform of 1/r is as 1/k, of wave number k. On a lattice k is as the root of the sum of
+  !> the squares of sin(pi i/n), as for the second difference. The lowest k on the lattice is added:
+  !> none is 0. So this is symmetric and positive definite, also on a part of the cells.
+  subroutine apply_inverse(sum, displacement, force)
+    class(cell_convolution), intent(inout), target :: sum  !! prepared
+    real(real64), intent(in) :: displacement(:, :)         !! at every cell
+    real(real64), intent(out) :: force(:, :)               !! on every cell
+    real(real64) :: least, scale
+    integer :: i, j
+
+    sum%values = 0.0_c_double
+    sum%values(:sum%columns - 1, :sum%rows - 1) = displacement
+    call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
+    least = sin(pi / size(sum%values, 1))**2 + sin(pi / size(sum%values, 2))**2
+    scale = 1.0_real64 / size(sum%values)
+    do j = 1, size(sum%transform, 2)
+      do i = 1, size(sum%transform, 1)
+        sum%transform(i, j) = sum%transform(i, j) * &
+          (scale * sqrt(sum%wave_across(i) + sum%wave_along(j) + least))
+      end do
+    end do
+    call fftw_complex_to_real(sum%backward, c_loc(sum%transform), c_loc(sum%values))
+    force = sum%values(:sum%columns - 1, :sum%rows - 1)
+  end subroutine apply_inverse
+
+  subroutine destroy(sum)
+    type(cell_convolution), intent(inout) :: sum
+
+    if (.not. c_associated(sum%forward)) return
+    !$omp critical (fftw_plans)
+    call fftw_destroy(sum%forward)
+    call fftw_destroy(sum%backward)
+    !$omp end critical (fftw_plans)
+    sum%forward = c_null_ptr
+  end subroutine destroy
+
+  !> The least length from n on without other factors than 2, 3 and 5: FFTW is quick with those.
+  pure integer function padded_length(n)
+    integer, intent(in) :: n  !! 1 or more
+    integer :: rest, k
+    integer, parameter :: factors(3) = [2, 3, 5]
+
+    padded_length = n
+    do
+      rest = padded_length
+      do k = 1, size(factors)
+        do while (modulo(rest, factors(k)) == 0)
+          rest = rest / factors(k)
+        end do
+      end do
+      if (rest == 1) return
+      padded_length = padded_length + 1
+    end do
+  end function padded_length
+
+end module asperity_cell_convolution
