@@ -28,7 +28,7 @@ contains
     do j = 0, ubound(table, 2)
       do i = 0, ubound(table, 1)
         if (max(i, j) < far_offset) then
-          table(i, j) = near_mean(i, j)
+          table(i, j) = near_mean(max(i, j), min(i, j))
         else
           table(i, j) = far_mean(real(i, real64), real(j, real64))
         end if

@@ -41,12 +41,13 @@ module asperity_cells_lattice
 contains
 
   !> The rectangle in plan outside which there is no pressure.
-  pure subroutine box_of(shapes, low, high)
+  pure subroutine box_of(shapes, x, y, low, high)
     type(gap_shape), intent(in) :: shapes(:)       !! the contacts, at least one
-    real(real64), intent(out) :: low(2), high(2)   !! x, y of two corners
+    real(real64), intent(in) :: x, y               !! a place in plan
+    real(real64), intent(out) :: low(2), high(2)   !! x, y of two corners, from that place
 
-    low = [minval(shapes%x - shapes%reach), minval(shapes%y - shapes%reach)]
-    high = [maxval(shapes%x + shapes%reach), maxval(shapes%y + shapes%reach)]
+    low = [minval(shapes%x - x - shapes%reach), minval(shapes%y - y - shapes%reach)]
+    high = [maxval(shapes%x - x + shapes%reach), maxval(shapes%y - y + shapes%reach)]
   end subroutine box_of
 
   !> The frame of a cluster.
@@ -72,7 +73,7 @@ contains
     integer, intent(in) :: halvings           !! 0 or more
     real(real64) :: low(2), high(2)
 
-    call box_of(shapes, low, high)
+    call box_of(shapes, frame%x, frame%y, low, high)
     cells = product((high - low) / frame%coarse * 2.0_real64**halvings + 2.0_real64)
   end function cells_expected
 
@@ -86,14 +87,14 @@ contains
     real(real64) :: low(2), high(2), gaps(4), x, y, step
     integer :: columns, rows, i, j, k, first, last
 
-    call box_of(shapes, low, high)
+    call box_of(shapes, frame%x, frame%y, low, high)
     lattice%cell = frame%coarse * 0.5_real64**halvings
     lattice%origin_x = -lattice_x * frame%coarse
     lattice%origin_y = -lattice_y * frame%coarse
-    lattice%left = line_of(low(1) - frame%x - lattice%origin_x)
-    lattice%bottom = line_of(low(2) - frame%y - lattice%origin_y)
-    columns = line_of(high(1) - frame%x - lattice%origin_x) - lattice%left + 1
-    rows = line_of(high(2) - frame%y - lattice%origin_y) - lattice%bottom + 1
+    lattice%left = line_of(low(1) - lattice%origin_x)
+    lattice%bottom = line_of(low(2) - lattice%origin_y)
+    columns = line_of(high(1) - lattice%origin_x) - lattice%left + 1
+    rows = line_of(high(2) - lattice%origin_y) - lattice%bottom + 1
     allocate (lattice%gap(columns, rows), lattice%owner(columns, rows), least(4, columns))
     lattice%gap = gap_nowhere
     lattice%owner = 0

@@ -3,7 +3,7 @@ program unit_tests
   use asperity_testing, only: finish, run_suite, tally_type
   use asperity_adhesion_curves_suite, only: collect_adhesion_curves
   use asperity_adhesion_suite, only: collect_adhesion
-  use asperity_boundary_suite, only: collect_boundary
+  use asperity_cells_suite, only: collect_cells
   use asperity_circles_suite, only: collect_circles
   use asperity_bracket_suite, only: collect_brackets
   use asperity_coupled_suite, only: collect_coupled
@@ -36,7 +36,7 @@ program unit_tests
   call run_suite('scene', collect_scene, tally)
   call run_suite('circles', collect_circles, tally)
   call run_suite('brackets of roots', collect_brackets, tally)
-  call run_suite('cells', collect_boundary, tally)
+  call run_suite('cells', collect_cells, tally)
   call run_suite('sums over many circles', collect_summation, tally)
   call run_suite('coupled contacts', collect_coupled, tally)
   call run_suite('friction', collect_friction, tally)

@@ -1,0 +1,510 @@
+!> Tests of the cells: influence, single contacts, contacts together, hard cases.
+!>
+!> The truths are closed forms (Hertz; the displacement beside a Hertz contact), quadrature of the
+!> definition, and one case evaluated apart in numpy: a lattice turned along the line of the two
+!> contacts, Love's displacement at the cells' centres, a dense matrix solved directly.
+module asperity_cells_suite
+  use asperity_cell_convolution, only: cell_convolution, padded_length
+  use asperity_cells_influence, only: influence_table
+  use asperity_cells_solver, only: cells_answer, outside_field, reach_of_cluster, solve_cells
+  use asperity_chebyshev_basis, only: chebyshev_nodes
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_kinds, only: real64
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_cells
+
+  real(real64), parameter :: pi = acos(-1.0_real64)
+
+  ! Asked of the solver, and allowed to a load against a closed form.
+  real(real64), parameter :: asked = 1.0e-3_real64, allowed = 1.0e-3_real64
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_cells(suite)
+    !> all tests
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    suite = [ &
+      new_unittest('influence of a cell against quadrature', influence_by_quadrature), &
+      new_unittest('an aligned pair is Hertz, down to 1e-12 of the radius', single_is_hertz), &
+      new_unittest('an inclined pair is that of its vertical gap', inclined_pair), &
+      new_unittest('two contacts apart, near and far', two_apart), &
+      new_unittest('two contact circles that overlap, against numpy', two_overlapping), &
+      new_unittest('a small contact far off feels the field of a large one', small_and_large), &
+      new_unittest('nine in a square: corners alike, the middle least, totals agree', nine), &
+      new_unittest('coincident, covered, open and refused contacts', hard_cases), &
+      new_unittest('a sum over cells through FFTW against a sum term by term', sum_over_cells), &
+      new_unittest('two far contacts in one cluster, and each outside the other', outside), &
+      new_unittest('tiny caps on a flank, overlapping and far apart', tiny_and_far), &
+      new_unittest('the same input gives the same bytes', repeatable)]
+  end subroutine collect_cells
+
+  ! Equal spheres, first touch at (x, y), centres offset by (dx, dy).
+  function pair_at(x, y, dx, dy, radius) result(pair)
+    real(real64), intent(in) :: x, y, dx, dy
+    real(real64), intent(in) :: radius  ! of both spheres
+    type(contact_pair) :: pair
+
+    pair%upper = 1
+    pair%lower = 1
+    pair%x = x
+    pair%y = y
+    pair%upper_x = x - 0.5_real64 * dx
+    pair%upper_y = y - 0.5_real64 * dy
+    pair%lower_x = x + 0.5_real64 * dx
+    pair%lower_y = y + 0.5_real64 * dy
+    pair%upper_radius = radius
+    pair%lower_radius = radius
+    pair%d = hypot(dx, dy)
+    pair%s = 2.0_real64 * radius
+    pair%zc = sqrt((pair%s - pair%d) * (pair%s + pair%d))
+    pair%radius = 0.5_real64 * radius
+  end function pair_at
+
+  ! All contacts in one cluster, nothing outside. Penetrations come as gaps below a closing of 0.
+  subroutine solve(pairs, penetration, tolerance, answer)
+    type(contact_pairs), intent(inout) :: pairs
+    real(real64), intent(in) :: penetration(:), tolerance
+    type(cells_answer), intent(out) :: answer
+    type(outside_field) :: nothing
+    integer :: i
+
+    pairs%list%gap = -penetration
+    call solve_cells(pairs, [(i, i=1, size(penetration))], 0.0_real64, nothing, tolerance, answer)
+  end subroutine solve
+
+  real(real64) function total(answer)
+    type(cells_answer), intent(in) :: answer
+
+    total = sum(answer%vertical_load)
+  end function total
+
+  real(real64) function alone_total(answer)
+    type(cells_answer), intent(in) :: answer
+
+    alone_total = sum(answer%alone_load)
+  end function alone_total
+
+  ! Mean of 1/r: Love's displacement at a point, and Gauss over the receiving cell.
+  subroutine influence_by_quadrature(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: cases(2, 9) = reshape([0, 0, 1, 0, 1, 1, 2, 1, 15, 0, 15, 15, 16, 0, &
+                                                 16, 7, 40, 33], [2, 9])
+    integer, parameter :: parts = 400
+    real(real64), allocatable :: table(:, :)
+    real(real64) :: mean, x, y, off
+    integer :: i, k, l
+    character(60) :: text
+
+    allocate (table(0:40, 0:33))
+    call influence_table(table)
+    do i = 1, size(cases, 2)
+      mean = 0.0_real64
+      do l = 1, parts
+        do k = 1, parts
+          x = cases(1, i) + (k - 0.5_real64) / parts - 0.5_real64
+          y = cases(2, i) + (l - 0.5_real64) / parts - 0.5_real64
+          mean = mean + love(x, y) / parts**2
+        end do
+      end do
+      off = table(cases(1, i), cases(2, i)) / mean - 1
+      write (text, '(a, 2i4, es12.3)') 'influence at', cases(:, i), off
+      ! The midpoints' own error falls with the square of the distance.
+      call check(error, abs(off) < merge(8.0e-6_real64, 5.0e-9_real64, cases(1, i) < 15), text)
+    end do
+    ! Closed form of the mean distance's inverse within one square.
+    off = table(0, 0) - 4.0_real64 * (log(1.0_real64 + sqrt(2.0_real64)) + &
+                                      (1.0_real64 - sqrt(2.0_real64)) / 3.0_real64)
+    call check(error, abs(off) < 1.0e-14_real64, 'a cell on itself')
+    call check(error, abs(table(3, 2) - table(2, 3)) < 1.0e-15_real64, 'not symmetric')
+  end subroutine influence_by_quadrature
+
+  ! Integral of 1/r from a point over the square of side 1 around the origin (Love 1929).
+  pure function love(x, y) result(integral)
+    real(real64), intent(in) :: x, y
+    real(real64) :: integral
+
+    integral = corner(x + 0.5_real64, y + 0.5_real64) - corner(x - 0.5_real64, y + 0.5_real64) - &
+               corner(x + 0.5_real64, y - 0.5_real64) + corner(x - 0.5_real64, y - 0.5_real64)
+  end function love
+
+  pure function corner(x, y) result(integral)
+    real(real64), intent(in) :: x, y  ! not 0
+    real(real64) :: integral
+
+    integral = x * asinh(y / abs(x)) + y * asinh(x / abs(y))
+  end function corner
+
+  subroutine single_is_hertz(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: depths(5) = [1.0e-3_real64, 1.0e-6_real64, 1.0e-12_real64, &
+                                            1.0e-24_real64, 1.0e-50_real64]
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+    real(real64) :: hertz, p0
+    integer :: i
+
+    allocate (pairs%list(1))
+    pairs%modulus = 0.7_real64
+    ! Radii 3 and 1.5: combined 1.
+    pairs%list(1) = pair_at(5.3_real64, -2.1_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    pairs%list(1)%upper_radius = 3.0_real64
+    pairs%list(1)%lower_radius = 1.5_real64
+    pairs%list(1)%s = 4.5_real64
+    pairs%list(1)%zc = 4.5_real64
+    do i = 1, size(depths)
+      call solve(pairs, depths(i:i), asked, outcome)
+      hertz = 4.0_real64 / 3.0_real64 * 0.7_real64 * depths(i) * sqrt(depths(i))
+      p0 = 2.0_real64 / pi * 0.7_real64 * sqrt(depths(i))
+      call check(error, outcome%ending%converged, 'not converged')
+      call check(error, total(outcome) / hertz, 1.0_real64, allowed, 'load over Hertz')
+      call check(error, alone_total(outcome) / total(outcome), 1.0_real64, 1.0e-5_real64, 'alone')
+      call check(error, outcome%area(1) / (pi * depths(i)), 1.0_real64, 0.007_real64, 'area')
+      call check(error, outcome%maximum_pressure(1) / p0, 1.0_real64, 0.005_real64, 'pressure')
+    end do
+  end subroutine single_is_hertz
+
+  ! To first order in the penetration: an elliptical contact of curvatures 1/(R c**3) and 1/(R c),
+  ! c the cosine. The eccentricity lowers its load by less than the square of the slope squared,
+  ! so that it is the round one of the geometric mean radius R c**2.
+  subroutine inclined_pair(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+    real(real64) :: cosine, hertz
+    real(real64), parameter :: depth = 1.0e-6_real64
+
+    allocate (pairs%list(1))
+    pairs%modulus = 1.0_real64
+    pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.6_real64, 0.3_real64, 2.0_real64)
+    cosine = pairs%list(1)%zc / pairs%list(1)%s
+    call solve(pairs, [depth], asked, outcome)
+    hertz = 4.0_real64 / 3.0_real64 * cosine * depth * sqrt(depth)
+    call check(error, total(outcome) / hertz, 1.0_real64, allowed, 'load over the round contact')
+  end subroutine inclined_pair
+
+  ! Each contact stands in the displacement that a Hertz pressure causes beside its circle
+  ! (Johnson, Contact Mechanics, 1985, eq. 3.42); the mean over the other's circle is taken with
+  ! its second derivative. The next term is of the order (a/r)**5.
+  subroutine two_apart(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+    real(real64), parameter :: depth = 1.0e-4_real64, radius = 1.0_real64
+    real(real64), parameter :: apart(4) = [4.5_real64, 5.55_real64, 5.75_real64, 40.0_real64]
+    real(real64) :: alone, factor, lowered, slope, a, r
+    integer :: i, k
+
+    allocate (pairs%list(2))
+    pairs%modulus = 1.0_real64
+    alone = sqrt(radius * depth)
+    do i = 1, size(apart)
+      r = apart(i) * alone
+      pairs%list(1) = pair_at(3.0_real64, 1.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+      pairs%list(2) = pair_at(3.0_real64 + 0.6_real64 * r, 1.0_real64 + 0.8_real64 * r, &
+                              0.0_real64, 0.0_real64, 2.0_real64)
+      lowered = depth
+      do k = 1, 100
+        a = sqrt(radius * lowered)
+        ! The slope of the field shifts each contact away from the other and deepens it.
+        slope = (plain(a, 0.99_real64 * r) - plain(a, 1.01_real64 * r)) / (0.02_real64 * r) / radius
+        lowered = depth - beside(a, r + slope * radius) / radius + 0.5_real64 * radius * slope**2
+      end do
+      factor = (lowered / depth) * sqrt(lowered / depth)
+      call solve(pairs, [depth, depth], asked, outcome)
+      call check(error, total(outcome) / alone_total(outcome), factor, 5.0e-4_real64, 'factor')
+      call check(error, outcome%vertical_load(1) / outcome%vertical_load(2), 1.0_real64, &
+                 5.0e-4_real64, 'two alike')
+    end do
+  end subroutine two_apart
+
+  ! Displacement beside a Hertz contact of radius a, times the combined radius: the mean weighted
+  ! with the pressure that a flat punch has on a circle of radius a at r, which is what counts for
+  ! that contact's load (Betti's theorem): over the circle the weight has the mean square a**2/3
+  ! in each direction.
+  pure function beside(a, r) result(u)
+    real(real64), intent(in) :: a, r
+    real(real64) :: u, step, here
+
+    here = plain(a, r)
+    step = 0.05_real64 * r
+    ! Laplacian in two dimensions.
+    u = here + a * a / 6.0_real64 * ((plain(a, r + step) - 2.0_real64 * here + &
+        plain(a, r - step)) / step**2 + (plain(a, r + step) - plain(a, r - step)) / (2.0_real64 * &
+        step * r))
+  end function beside
+
+  pure function plain(a, r) result(u)
+    real(real64), intent(in) :: a, r
+    real(real64) :: u
+
+    u = ((2.0_real64 * a * a - r * r) * asin(a / r) + a * sqrt(r * r - a * a)) / pi
+  end function plain
+
+  ! The two deepest contacts of the thesis' position 56, in cm and N: 0.160 cm apart, circles of
+  ! 0.094 cm. Evaluated apart: 8, 12, 16 and 20 cells a radius, total 431.76, 431.77, 431.68 and
+  ! 431.66; factors 0.74346, 0.74358, 0.74358 and 0.74361.
+  subroutine two_overlapping(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+
+    allocate (pairs%list(2))
+    pairs%modulus = 275760.0_real64 / (2.0_real64 * (1.0_real64 - 0.42_real64**2))
+    pairs%list(1) = pair_at(9.97423_real64, 2.12598_real64, 0.37154_real64, 0.16256_real64, &
+                            1.27_real64)
+    pairs%list(2) = pair_at(9.82945_real64, 2.19456_real64, 0.08198_real64, 0.29972_real64, &
+                            1.27_real64)
+    call solve(pairs, [0.013997549934151452_real64, 0.013920271076202782_real64], &
+               1.0e-4_real64, outcome)
+    call check(error, total(outcome), 431.63_real64, 0.13_real64, 'total')
+    call check(error, outcome%vertical_load(1), 216.63_real64, 0.1_real64, 'first')
+    call check(error, total(outcome) / alone_total(outcome), 0.74361_real64, 2.0e-4_real64, &
+               'factor')
+  end subroutine two_overlapping
+
+  ! The large contact's field at the small one, which itself does next to nothing.
+  subroutine small_and_large(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+    real(real64), parameter :: depth = 1.0e-2_real64, small = 1.0e-5_real64
+    real(real64) :: field, slope, hertz
+
+    allocate (pairs%list(2))
+    pairs%modulus = 1.0_real64
+    pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    pairs%list(2) = pair_at(0.5_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    field = plain(0.1_real64, 0.5_real64)
+    call solve(pairs, [depth, field + small], 1.0e-4_real64, outcome)
+    ! On a slope a sphere of radius 1 comes deeper by half the square. A thousandth of the field is
+    ! a tenth of what is left to the small one.
+    slope = (plain(0.1_real64, 0.499_real64) - plain(0.1_real64, 0.501_real64)) / 2.0e-3_real64
+    hertz = 4.0_real64 / 3.0_real64 * (small + 0.5_real64 * slope**2)**1.5_real64
+    call check(error, outcome%vertical_load(2) / hertz, 1.0_real64, 0.1_real64, 'small load')
+    ! Without that it opens.
+    call solve(pairs, [depth, 0.9_real64 * field], asked, outcome)
+    call check(error, outcome%vertical_load(2), 0.0_real64, 0.0_real64, 'open')
+    call check(error, outcome%alone_load(2) > 0.0_real64, 'alone it touches')
+    ! A contact a million times smaller than the cells.
+    call solve(pairs, [depth, 1.0e-14_real64], asked, outcome)
+    call check(error, outcome%ending%converged, 'not converged')
+    call check(error, outcome%vertical_load(2), 0.0_real64, 0.0_real64, 'too small for the cells')
+  end subroutine small_and_large
+
+  subroutine nine(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+    real(real64) :: depth(9), corners(4)
+    integer :: i
+
+    allocate (pairs%list(9))
+    pairs%modulus = 1.0_real64
+    do i = 1, 9
+      pairs%list(i) = pair_at(0.21_real64 * modulo(i - 1, 3), 0.21_real64 * ((i - 1) / 3), &
+                              0.0_real64, 0.0_real64, 2.0_real64)
+    end do
+    depth = 1.0e-2_real64
+    call solve(pairs, depth, asked, outcome)
+    corners = outcome%vertical_load([1, 3, 7, 9])
+    call check(error, maxval(corners) / minval(corners), 1.0_real64, 2.0e-3_real64, 'corners')
+    call check(error, minloc(outcome%vertical_load, 1), 5, 'the middle is not the least')
+    call check(error, total(outcome) < 0.7_real64 * alone_total(outcome), 'no interaction')
+  end subroutine nine
+
+  subroutine hard_cases(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: one, outcome
+    integer :: i
+
+    allocate (pairs%list(3))
+    pairs%modulus = 1.0_real64
+    do i = 1, 3
+      pairs%list(i) = pair_at(1.0_real64, 1.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    end do
+    call solve(pairs, [1.0e-2_real64, 0.0_real64, -1.0_real64], asked, one)
+    call check(error, one%vertical_load(2) + one%vertical_load(3), 0.0_real64, 0.0_real64, 'open')
+    ! Three times the same surface is the same surface.
+    call solve(pairs, spread(1.0e-2_real64, 1, 3), asked, outcome)
+    call check(error, total(outcome), total(one), 1.0e-12_real64, 'coincident')
+    call check(error, alone_total(outcome) / total(one), 3.0_real64, 1.0e-5_real64, &
+               'coincident, alone')
+    ! One whose own overlap lies within a deeper one's.
+    call solve(pairs, [1.0e-3_real64, 1.0e-2_real64, 1.0e-12_real64], asked, outcome)
+    call check(error, total(outcome), total(one), 1.0e-12_real64, 'covered')
+    call check(error, outcome%vertical_load(2), total(one), 1.0e-12_real64, 'load of the deepest')
+    call solve(pairs, [0.0_real64, 0.0_real64, 0.0_real64], asked, outcome)
+    call check(error, outcome%ending%converged, 'nothing touches: not converged')
+    call check(error, total(outcome), 0.0_real64, 0.0_real64, 'nothing touches: a load')
+    ! Nearly level centres; flanks end inside the overlap. A hundredth is enough to ask for.
+    pairs%list(1) = pair_at(1.0_real64, 1.0_real64, 3.6_real64, 1.0_real64, 2.0_real64)
+    call solve(pairs, [0.9_real64 * pairs%list(1)%zc, 0.0_real64, 0.0_real64], 0.01_real64, &
+               outcome)
+    call check(error, outcome%ending%converged .or. allocated(outcome%failure), 'flanks: silent')
+    call solve(pairs, [4.0_real64, 0.0_real64, 0.0_real64], asked, outcome)
+    call check(error, allocated(outcome%failure), 'level centres not refused')
+    call check(error, .not. outcome%ending%converged, 'refused, yet converged')
+    call solve(pairs, [1.0e-130_real64, 0.0_real64, 0.0_real64], asked, outcome)
+    call check(error, allocated(outcome%failure), 'too shallow not refused')
+  end subroutine hard_cases
+
+  ! An influence that falls as 1/r, on lattices of even, odd and prime sides.
+  subroutine sum_over_cells(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: sides(2, 4) = reshape([1, 1, 7, 4, 13, 16, 1, 9], [2, 4])
+    real(real64), allocatable :: influence(:, :), force(:, :), found(:, :), back(:, :)
+    type(cell_convolution), allocatable :: cells
+    real(real64) :: direct, worst
+    integer :: i, j, k, l, n
+
+    do n = 1, size(sides, 2)
+      allocate (influence(0:sides(1, n) - 1, 0:sides(2, n) - 1))
+      allocate (force(sides(1, n), sides(2, n)), found(sides(1, n), sides(2, n)))
+      do j = 1, sides(2, n)
+        do i = 1, sides(1, n)
+          influence(i - 1, j - 1) = 1.0_real64 / hypot(i - 0.5_real64, j - 0.25_real64)
+          force(i, j) = modulo(37 * i + 101 * j, 17) - 8.0_real64
+        end do
+      end do
+      allocate (cells)
+      call cells%prepare(influence)
+      call cells%apply(force, found)
+      worst = 0.0_real64
+      do j = 1, sides(2, n)
+        do i = 1, sides(1, n)
+          direct = 0.0_real64
+          do l = 1, sides(2, n)
+            do k = 1, sides(1, n)
+              direct = direct + influence(abs(i - k), abs(j - l)) * force(k, l)
+            end do
+          end do
+          worst = max(worst, abs(found(i, j) - direct))
+        end do
+      end do
+      call check(error, worst, 0.0_real64, 1.0e-13_real64 * sum(abs(force)), 'a sum')
+      ! The energy of forces is within the norm; that of the rough inverse is more than 0.
+      call check(error, sum(force * found) <= cells%norm * sum(force**2), 'norm')
+      allocate (back, mold=force)
+      call cells%apply_inverse(force, back)
+      call check(error, sum(force * back) > 0.0_real64, 'rough inverse')
+      deallocate (cells, influence, force, found, back)
+    end do
+    call check(error, padded_length(2 * 7 - 1), 15, 'padded length of 13')
+    call check(error, padded_length(121), 125, 'padded length of 121')
+  end subroutine sum_over_cells
+
+  ! The field of a contact apart is that of its circle of Hertz, but for what the other's field
+  ! makes oval: of the order of (a/r)**3 times 1/18, below 1e-4 at six radii. Told at nodes of
+  ! Chebyshev or as a circle is the same but for the interpolation.
+  subroutine outside(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: both, one
+    type(outside_field) :: field, nodes
+    integer, parameter :: n = 12
+    real(real64) :: load, x(n), y(n), a
+    integer :: i, j
+
+    allocate (pairs%list(2))
+    pairs%modulus = 0.7_real64
+    pairs%list(1) = pair_at(0.2_real64, 0.1_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    pairs%list(2) = pair_at(0.56_real64, 0.58_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    call solve(pairs, [1.0e-2_real64, 0.9e-2_real64], 1.0e-4_real64, both)
+    ! Each lies outside the other.
+    allocate (field%x(1), field%y(1), field%circle(1), field%load(1))
+    field%load = 4.0_real64 / 3.0_real64 * 0.7_real64 * 1.0e-3_real64
+    do i = 1, 9
+      j = modulo(i, 2) + 1
+      field%x = pairs%list(3 - j)%x
+      field%y = pairs%list(3 - j)%y
+      field%circle = (0.75_real64 * field%load / 0.7_real64)**(1.0_real64 / 3.0_real64)
+      call solve_cells(pairs, [j], 0.0_real64, field, 1.0e-4_real64, one)
+      load = field%load(1)
+      field%load = one%vertical_load(1)
+    end do
+    call check(error, one%vertical_load(1) / both%vertical_load(2), 1.0_real64, 2.0e-4_real64, '2')
+    call check(error, load / both%vertical_load(1), 1.0_real64, 2.0e-4_real64, '1')
+    call check(error, one%centre_x(1), both%centre_x(2), 1.0e-4_real64, 'centre')
+    call check(error, one%alone_load(1) / both%alone_load(2), 1.0_real64, 1.0e-4_real64, 'alone')
+    ! The same circle through nodes.
+    field%load = load
+    a = (0.75_real64 * load / 0.7_real64)**(1.0_real64 / 3.0_real64)
+    field%circle = a
+    call solve_cells(pairs, [2], 0.0_real64, field, 1.0e-4_real64, one)
+    call reach_of_cluster(pairs, [2], 0.0_real64, nodes%x0, nodes%x1, nodes%y0, nodes%y1)
+    call check(error, nodes%x1 - nodes%x0, 2.0_real64 * sqrt(2.0_real64 * 0.9e-2_real64), &
+               1.0e-12_real64, 'rectangle')
+    allocate (nodes%at_nodes(n, n))
+    x = 0.5_real64 * (nodes%x0 + nodes%x1 + chebyshev_nodes(n) * (nodes%x1 - nodes%x0))
+    y = 0.5_real64 * (nodes%y0 + nodes%y1 + chebyshev_nodes(n) * (nodes%y1 - nodes%y0))
+    do j = 1, n
+      do i = 1, n
+        nodes%at_nodes(i, j) = plain(a, hypot(x(i) - pairs%list(1)%x, y(j) - pairs%list(1)%y)) * &
+                               load / (4.0_real64 / 3.0_real64 * 0.7_real64 * a**3)
+      end do
+    end do
+    call solve_cells(pairs, [2], 0.0_real64, nodes, 1.0e-4_real64, both)
+    call check(error, both%vertical_load(1) / one%vertical_load(1), 1.0_real64, 1.0e-6_real64, &
+               'nodes')
+    ! A field that lifts all load off.
+    nodes%at_nodes = 1.0e-2_real64
+    call solve_cells(pairs, [2], 0.0_real64, nodes, 1.0e-4_real64, both)
+    call check(error, both%ending%converged, 'lifted: not converged')
+    call check(error, both%vertical_load(1), 0.0_real64, 0.0_real64, 'lifted: a load')
+  end subroutine outside
+
+  ! More overlap everywhere is more load. So the load lies between those of two spheres of radius 1:
+  ! the large one alone, and one that all caps lie within, .0115 deep (the first cap comes highest
+  ! over it where its slope is the sphere's: .01145 + 1.6e-5).
+  subroutine tiny_and_far(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: answer
+    real(real64) :: hertz
+    integer :: i
+
+    allocate (pairs%list(3))
+    pairs%modulus = 1.0_real64
+    do i = 1, 3
+      pairs%list(i) = pair_at(0.03_real64 * i, 0.0_real64, 0.0_real64, 0.0_real64, &
+                              merge(2.0_real64, 0.07_real64, i == 1))
+    end do
+    call solve(pairs, [1.0e-2_real64, 1.1e-2_real64, 0.9e-2_real64], asked, answer)
+    call check(error, answer%ending%converged, 'tiny caps: not converged')
+    hertz = 4.0_real64 / 3.0_real64 * 1.0e-3_real64
+    call check(error, total(answer) > 0.999_real64 * hertz, 'tiny caps: less than without')
+    call check(error, total(answer) < 1.15_real64**1.5_real64 * hertz, 'tiny caps: too much')
+    call check(error, answer%vertical_load(2) > 0.0_real64, 'the cap that stands out is open')
+    ! So far apart that the cells between them are too many.
+    pairs%list(3) = pair_at(1.0e5_real64, 1.0e5_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    call solve(pairs, [1.0e-2_real64, 0.9e-2_real64, 0.6e-2_real64], asked, answer)
+    call check(error, .not. answer%ending%converged, 'far apart: not refused')
+    call check(error, answer%failure, 'cells fine enough would need more than 2 GiB of memory', &
+               'words of the refusal')
+  end subroutine tiny_and_far
+
+  subroutine repeatable(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: one, other
+    real(real64), parameter :: depth(2) = [1.0e-2_real64, 0.9e-2_real64]
+
+    allocate (pairs%list(2))
+    pairs%modulus = 1.0_real64
+    pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.1_real64, 0.0_real64, 2.0_real64)
+    pairs%list(2) = pair_at(0.2_real64, 0.1_real64, 0.0_real64, 0.2_real64, 2.0_real64)
+    call solve(pairs, depth, asked, one)
+    call solve(pairs, depth, asked, other)
+    call check(error, all(transfer(one%vertical_load, [0]) == transfer(other%vertical_load, [0])), &
+               'loads differ')
+    call check(error, all(transfer(one%alone_load, [0]) == transfer(other%alone_load, [0])), &
+               'loads alone differ')
+  end subroutine repeatable
+
+end module asperity_cells_suite
