@@ -61,7 +61,7 @@ contains
       if (slope_before > 0.0_real64) step = slope / slope_before
       where (force > 0.0_real64)
         direction = steepest + step * direction
-      elsewhere
+      else where
         direction = 0.0_real64
       end where
       slope_before = slope
