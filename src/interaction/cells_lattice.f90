@@ -36,6 +36,8 @@ module asperity_cells_lattice
     integer :: bottom = 0                  !! rows between the origin and the first
     real(real64), allocatable :: gap(:, :) !! mean over the cell, over the scale
     integer, allocatable :: owner(:, :)    !! place of its contact in the list; 0: no pressure here
+    !> over the modulus, the scale and the side of a cell; 0 at first
+    real(real64), allocatable :: force(:, :)
   end type cell_lattice
 
 contains
@@ -95,9 +97,11 @@ contains
     lattice%bottom = line_of(low(2) - lattice%origin_y)
     columns = line_of(high(1) - lattice%origin_x) - lattice%left + 1
     rows = line_of(high(2) - lattice%origin_y) - lattice%bottom + 1
-    allocate (lattice%gap(columns, rows), lattice%owner(columns, rows), least(4, columns))
+    allocate (lattice%gap(columns, rows), lattice%owner(columns, rows))
+    allocate (lattice%force(columns, rows), least(4, columns))
     lattice%gap = gap_nowhere
     lattice%owner = 0
+    lattice%force = 0.0_real64
     step = gauss * lattice%cell
     do j = 1, rows
       least = gap_nowhere

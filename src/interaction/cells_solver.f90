@@ -35,6 +35,9 @@ module asperity_cells_solver
   ! What is left scatters by 1 %, .25 % and .12 % of the area at 7, 13 and 27 cells per radius.
   real(real64), parameter :: rim = 1.0_real64 / 30.0_real64
 
+  ! What is taken off an area at the rim may be twice the error allowed, or twice this.
+  real(real64), parameter :: area_allowed = 5.0e-3_real64
+
   ! A load is told as exactly as if it were at least that of the largest contact alone, times this.
   real(real64), parameter :: least_share = 1.0e-3_real64
 
@@ -135,13 +138,12 @@ contains
     type(cells_answer), intent(inout) :: answer
     type(cell_frame) :: frame
     type(cell_lattice) :: lattice, coarse
-    real(real64), allocatable :: force(:, :), coarse_force(:, :)
-    real(real64) :: before, total, worth
+    real(real64) :: before, total, worth, off
     integer :: i
 
     frame = frame_of(shapes, coarse_cells)
     ! Hertz.
-    worth = least_share * 4.0_real64 / 3.0_real64 / frame%scale * &
+    worth = least_share * 4.0_real64 / 3.0_real64 * modulus * &
             maxval(shapes%contact_radius * shapes%penetration * shapes%cosine)
     total = 0.0_real64
     do
@@ -152,27 +154,26 @@ contains
       end if
       call lay_cells(frame, shapes, answer%halvings, lattice)
       call add_outside(outside, frame, modulus, lattice)
-      allocate (force, mold=lattice%gap)
       if (answer%halvings == 0) then
-        call start_forces(frame, shapes, lattice, force)
+        call start_forces(frame, shapes, lattice)
       else
-        call refine_forces(coarse, coarse_force, lattice, force)
+        call refine_forces(coarse, lattice)
       end if
-      call solve_on(lattice, tolerance, force, answer%ending)
-      before = total
-      total = sum(force) * lattice%cell
-      if (answer%halvings > 0) answer%change = abs(before - total) / max(total, worth)
+      call solve_on(lattice, tolerance, answer%ending)
       if (.not. answer%ending%converged) then
         answer%failure = 'the pressures on the cells did not converge'
         return
       end if
-      if (answer%change <= tolerance .and. expected_error(answer%halvings) <= tolerance) exit
+      call tell(modulus, frame, shapes, lattice, answer, off)
+      before = total
+      total = sum(answer%vertical_load)
+      if (answer%halvings > 0) answer%change = abs(before - total) / max(total, worth)
+      if (answer%change <= tolerance .and. &
+          expected_error(answer%halvings, 1.0_real64) <= tolerance .and. (total < worth .or. &
+          off <= 2.0_real64 * max(area_allowed, tolerance) * sum(answer%area))) exit
       answer%halvings = answer%halvings + 1
       coarse = lattice
-      call move_alloc(force, coarse_force)
     end do
-    answer%cells = size(force)
-    call tell(modulus, frame, shapes, lattice, force, answer)
     do i = 1, size(shapes)
       call solve_alone(modulus, frame, shapes(i:i), tolerance, answer)
     end do
@@ -181,158 +182,156 @@ contains
   ! What the cells may be off in the load of a round contact: the largest over 64 places of the
   ! lattice was 9e-3, 1.2e-3, 2.7e-4 and 4.2e-5 at 3, 6, 12 and 24 cells per radius. A small change
   ! alone may be luck.
-  pure real(real64) function expected_error(halvings)
+  pure real(real64) function expected_error(halvings, size)
     integer, intent(in) :: halvings
+    real(real64), intent(in) :: size  ! of its radius, over that of the largest
 
-    expected_error = 0.13_real64 / (coarse_cells * 2.0_real64**halvings)**2.5_real64
+    expected_error = 0.13_real64 / (coarse_cells * size * 2.0_real64**halvings)**2.5_real64
   end function expected_error
 
-  ! A contact by itself on cells as fine as the cluster's.
+  ! A contact by itself: on the same lattice, so that the cells' errors cancel; coarser where they
+  ! are small even so.
   subroutine solve_alone(modulus, frame, shape, tolerance, answer)
     real(real64), intent(in) :: modulus, tolerance
     type(cell_frame), intent(in) :: frame
     type(gap_shape), intent(in) :: shape(1)
     type(cells_answer), intent(inout) :: answer
+    type(cell_frame) :: own
     type(cell_lattice) :: lattice
     type(solve_ending) :: ending
-    real(real64), allocatable :: force(:, :)
+    integer :: halvings
 
-    call lay_cells(frame, shape, answer%halvings, lattice)
-    allocate (force, mold=lattice%gap)
-    call start_forces(frame, shape, lattice, force)
-    call solve_on(lattice, tolerance, force, ending)
-    answer%alone_load(shape(1)%pair) = modulus * frame%scale * lattice%cell * sum(force)
+    own = frame
+    own%scale = shape(1)%penetration
+    do halvings = 0, answer%halvings - 1
+      if (expected_error(halvings, shape(1)%contact_radius * sqrt(shape(1)%cosine)**3 / &
+                         (coarse_cells * frame%coarse)) < tolerance / 3.0_real64) exit
+    end do
+    call lay_cells(own, shape, halvings, lattice)
+    call start_forces(own, shape, lattice)
+    call solve_on(lattice, tolerance, ending)
+    answer%alone_load(shape(1)%pair) = modulus * own%scale * lattice%cell * sum(lattice%force)
     if (.not. ending%converged) &
       answer%failure = 'the pressures on the cells of a contact alone did not converge'
   end subroutine solve_alone
 
-  ! Forces are over the modulus, the scale and the side of a cell.
-  subroutine solve_on(lattice, tolerance, force, ending)
-    type(cell_lattice), intent(in) :: lattice
+  subroutine solve_on(lattice, tolerance, ending)
+    type(cell_lattice), intent(inout) :: lattice
     real(real64), intent(in) :: tolerance
-    real(real64), intent(inout) :: force(:, :)
     type(solve_ending), intent(out) :: ending
     type(cell_convolution) :: influence
     real(real64), allocatable :: table(:, :)
 
-    allocate (table(size(force, 1), size(force, 2)))
+    allocate (table, mold=lattice%gap)
     call influence_table(table)
-    table = table / pi
-    call influence%prepare(table)
+    call influence%prepare(table / pi)
     deallocate (table)
-    call relax(influence, lattice%gap, max(1.0e-10_real64, 1.0e-2_real64 * tolerance), force, &
-               ending)
+    call relax(influence, lattice%gap, max(1.0e-10_real64, 1.0e-2_real64 * tolerance), &
+               lattice%force, ending)
   end subroutine solve_on
 
   ! The pressure of Hertz under every contact as if alone: 2/pi E (a/R) sqrt(1 - (r/a)**2), and its
   ! undeformed gap is p (r**2/(2 a**2) - 1).
-  subroutine start_forces(frame, shapes, lattice, force)
+  subroutine start_forces(frame, shapes, lattice)
     type(cell_frame), intent(in) :: frame
     type(gap_shape), intent(in) :: shapes(:)
-    type(cell_lattice), intent(in) :: lattice
-    real(real64), intent(out) :: force(:, :)
+    type(cell_lattice), intent(inout) :: lattice
     integer :: i, j
 
-    force = 0.0_real64
-    do j = 1, size(force, 2)
-      do i = 1, size(force, 1)
+    do j = 1, size(lattice%gap, 2)
+      do i = 1, size(lattice%gap, 1)
         if (lattice%owner(i, j) == 0) cycle
-        associate (s => shapes(lattice%owner(i, j)))
-          force(i, j) = 2.0_real64 / pi * (s%penetration / frame%scale) * &
-                        (lattice%cell / s%contact_radius) * sqrt(max(0.0_real64, &
-                        -1.0_real64 - 2.0_real64 * lattice%gap(i, j) * frame%scale / s%penetration))
+        associate (s => shapes(lattice%owner(i, j)), gap => lattice%gap(i, j) * frame%scale)
+          lattice%force(i, j) = 2.0_real64 / pi * lattice%cell / s%contact_radius * sqrt(max( &
+            0.0_real64, -1.0_real64 - 2.0_real64 * gap / s%penetration)) * &
+            (s%penetration / frame%scale)
         end associate
       end do
     end do
   end subroutine start_forces
 
-  ! Forces on halved cells, interpolated in both directions from the cells before.
-  subroutine refine_forces(coarse, coarse_force, fine, force)
-    type(cell_lattice), intent(in) :: coarse, fine
-    real(real64), intent(in) :: coarse_force(:, :)
-    real(real64), intent(out) :: force(:, :)
-    integer :: i, j, x, y, across, along
+  ! The force of a cell shared out over its four parts. A coarse lattice covers the fine one.
+  subroutine refine_forces(coarse, fine)
+    type(cell_lattice), intent(in) :: coarse
+    type(cell_lattice), intent(inout) :: fine
+    integer :: i, j
 
-    force = 0.0_real64
-    do j = 1, size(force, 2)
-      y = floor_half(fine%bottom + j - 1) - coarse%bottom + 1
-      along = 2 * modulo(fine%bottom + j - 1, 2) - 1
-      do i = 1, size(force, 1)
-        if (fine%owner(i, j) == 0) cycle
-        x = floor_half(fine%left + i - 1) - coarse%left + 1
-        across = 2 * modulo(fine%left + i - 1, 2) - 1
-        ! The fine cell's centre is a quarter of a coarse cell from the coarse one's; its area a
-        ! quarter; its unit of force a half.
-        force(i, j) = (9.0_real64 * at(x, y) + 3.0_real64 * at(x + across, y) + &
-                       3.0_real64 * at(x, y + along) + at(x + across, y + along)) / 32.0_real64
+    do j = 1, size(fine%gap, 2)
+      do i = 1, size(fine%gap, 1)
+        ! A quarter, and the unit is half.
+        if (fine%owner(i, j) > 0) fine%force(i, j) = 0.5_real64 * &
+          coarse%force(half(fine%left + i - 1) - coarse%left + 1, &
+                       half(fine%bottom + j - 1) - coarse%bottom + 1)
       end do
     end do
 
   contains
 
-    pure real(real64) function at(x, y)
-      integer, intent(in) :: x, y
+    pure integer function half(i)
+      integer, intent(in) :: i
 
-      at = 0.0_real64
-      if (min(x, y) < 1 .or. x > size(coarse_force, 1) .or. y > size(coarse_force, 2)) return
-      at = coarse_force(x, y)
-    end function at
+      half = (i - modulo(i, 2)) / 2
+    end function half
 
   end subroutine refine_forces
 
-  pure integer function floor_half(i)
-    integer, intent(in) :: i
-
-    floor_half = (i - modulo(i, 2)) / 2
-  end function floor_half
-
-  subroutine tell(modulus, frame, shapes, lattice, force, answer)
+  ! What the forces of a lattice mean for every contact, and all area taken off at the rim.
+  subroutine tell(modulus, frame, shapes, lattice, answer, off)
     real(real64), intent(in) :: modulus
     type(cell_frame), intent(in) :: frame
     type(gap_shape), intent(in) :: shapes(:)
     type(cell_lattice), intent(in) :: lattice
-    real(real64), intent(in) :: force(:, :)
     type(cells_answer), intent(inout) :: answer
-    real(real64) :: sums(3, size(shapes)), sides(size(shapes)), unit
-    integer :: i, j, k
+    real(real64), intent(out) :: off
+    real(real64), dimension(size(shapes)) :: load, across, along, highest
+    integer :: cells(size(shapes)), sides(size(shapes)), i, j, k
 
-    sums = 0.0_real64
-    sides = 0.0_real64
-    do j = 1, size(force, 2)
-      do i = 1, size(force, 1)
-        if (.not. force(i, j) > 0.0_real64) cycle
-        k = lattice%owner(i, j)
-        sums(:, k) = sums(:, k) + force(i, j) * [1.0_real64, lattice%left + i - 0.5_real64, &
-                                                 lattice%bottom + j - 0.5_real64]
-        answer%area(shapes(k)%pair) = answer%area(shapes(k)%pair) + lattice%cell**2
-        sides(k) = sides(k) + open_at(i - 1, j) + open_at(i + 1, j) + open_at(i, j - 1) + &
-                   open_at(i, j + 1)
-        answer%maximum_pressure(shapes(k)%pair) = max(answer%maximum_pressure(shapes(k)%pair), &
-                                                      force(i, j))
+    load = 0.0_real64
+    across = 0.0_real64
+    along = 0.0_real64
+    highest = 0.0_real64
+    cells = 0
+    sides = 0
+    do j = 1, size(lattice%force, 2)
+      do i = 1, size(lattice%force, 1)
+        associate (force => lattice%force(i, j))
+          if (.not. force > 0.0_real64) cycle
+          k = lattice%owner(i, j)
+          load(k) = load(k) + force
+          across(k) = across(k) + force * (lattice%left + i - 0.5_real64)
+          along(k) = along(k) + force * (lattice%bottom + j - 0.5_real64)
+          highest(k) = max(highest(k), force)
+          cells(k) = cells(k) + 1
+          sides(k) = sides(k) + count([unloaded(i - 1, j), unloaded(i + 1, j), &
+                                       unloaded(i, j - 1), unloaded(i, j + 1)])
+        end associate
       end do
     end do
-    unit = modulus * frame%scale * lattice%cell
-    do k = 1, size(shapes)
-      i = shapes(k)%pair
-      if (.not. sums(1, k) > 0.0_real64) cycle
-      answer%vertical_load(i) = unit * sums(1, k)
-      answer%maximum_pressure(i) = modulus * (frame%scale / lattice%cell) * &
-                                   answer%maximum_pressure(i)
-      answer%area(i) = answer%area(i) - rim * sides(k) * lattice%cell**2
-      answer%centre_x(i) = frame%x + lattice%origin_x + lattice%cell * sums(2, k) / sums(1, k)
-      answer%centre_y(i) = frame%y + lattice%origin_y + lattice%cell * sums(3, k) / sums(1, k)
-    end do
+    answer%cells = size(lattice%force)
+    answer%vertical_load(shapes%pair) = modulus * frame%scale * lattice%cell * load
+    answer%maximum_pressure(shapes%pair) = modulus * (frame%scale / lattice%cell) * highest
+    answer%area(shapes%pair) = lattice%cell**2 * (cells - rim * sides)
+    off = lattice%cell**2 * rim * sum(sides)
+    where (cells == 0) load = 1.0_real64
+    where (cells > 0)
+      across = frame%x + lattice%origin_x + lattice%cell * across / load
+      along = frame%y + lattice%origin_y + lattice%cell * along / load
+    else where
+      across = shapes%x
+      along = shapes%y
+    end where
+    answer%centre_x(shapes%pair) = across
+    answer%centre_y(shapes%pair) = along
 
   contains
 
-    ! 1 for a cell without force.
-    pure real(real64) function open_at(i, j)
+    pure logical function unloaded(i, j)
       integer, intent(in) :: i, j
 
-      open_at = 1.0_real64
-      if (i < 1 .or. j < 1 .or. i > size(force, 1) .or. j > size(force, 2)) return
-      if (force(i, j) > 0.0_real64) open_at = 0.0_real64
-    end function open_at
+      unloaded = .true.
+      if (i < 1 .or. j < 1 .or. i > size(lattice%force, 1) .or. j > size(lattice%force, 2)) return
+      unloaded = .not. lattice%force(i, j) > 0.0_real64
+    end function unloaded
 
   end subroutine tell
 

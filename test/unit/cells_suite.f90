@@ -333,7 +333,8 @@ contains
     ! Three times the same surface is the same surface.
     call solve(pairs, spread(1.0e-2_real64, 1, 3), asked, outcome)
     call check(error, total(outcome), total(one), 1.0e-12_real64, 'coincident')
-    call check(error, alone_total(outcome) / total(one), 3.0_real64, 1.0e-5_real64, &
+    ! A gap off by a hundredth of what is asked moves a load by 1.5 of that.
+    call check(error, alone_total(outcome) / total(one), 3.0_real64, 4.5e-5_real64, &
                'coincident, alone')
     ! One whose own overlap lies within a deeper one's.
     call solve(pairs, [1.0e-3_real64, 1.0e-2_real64, 1.0e-12_real64], asked, outcome)
