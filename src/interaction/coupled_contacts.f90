@@ -19,7 +19,7 @@ module asperity_coupled_contacts
   implicit none
   private
 
-  public :: coupled_solution, resolved_contacts, solve_coupled
+  public :: adopt, coupled_solution, resolved_contacts, solve_coupled
 
   !> Contacts that are solved elsewhere: their answer to what is around them, by pair.
   type :: resolved_contacts
@@ -108,6 +108,28 @@ contains
     solution%ending%residual = state%residual
     solution%ending%converged = state%residual <= accepted .and. joined == 0
   end subroutine solve_coupled
+
+  !> Takes the penetrations as they are: finds their circles and field, and the gaps of resolved
+  !> contacts with which the equations hold for them.
+  subroutine adopt(pairs, law, solution, resolved)
+    type(contact_pairs), intent(in) :: pairs               !! the position
+    class(contact_law), intent(in) :: law                  !! of each contact
+    type(coupled_solution), intent(inout) :: solution      !! closing, penetrations and shifts are set
+    type(resolved_contacts), intent(inout) :: resolved     !! gets its gaps
+    type(solve_state) :: state
+    integer :: i, k
+
+    allocate (state%joins(0))
+    state%gap = pairs%list%gap
+    state%order = [(i, i=1, size(pairs%list))]
+    call evaluate(pairs, law, solution, state, resolved)
+    resolved%gap = huge(1.0_real64)
+    do k = 1, size(solution%set%number)
+      i = solution%set%number(k)
+      if (resolved%is_one(i)) resolved%gap(i) = solution%closing - solution%set%lift(k) - &
+                                                solution%penetration(i)
+    end do
+  end subroutine adopt
 
   ! A start: contacts alone, at a load or at the closing less a mean displacement.
   subroutine prepare(pairs, law, solution, state, target, resolved)

@@ -1,0 +1,207 @@
+!> How wrong contacts as circles are, contact by contact.
+!>
+!> Away from overlap what is missing is ovality: the harmonics n >= 2 of the neighbours' field on
+!> the edge of a circle. The load gains E R/(2 a) (U0**2 + 1/2 sum U_n**2) to second order, and the
+!> oval contact presses its neighbours down less. Of a point load V at r the harmonics from 2 on are
+!> below B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add up to B**2/18 at most. Where
+!> circles overlap, one of the two takes from the other at most a share of the smaller load.
+module asperity_circle_error
+  use asperity_constants, only: pi
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_coupled_contacts, only: coupled_solution
+  use asperity_kinds, only: real64
+  use asperity_source_tree, only: plant_tree, source_tree
+  implicit none
+  private
+
+  public :: find_errors, open_about
+
+  ! Of the smaller load of an overlapping pair, measured on two to thirty caps against cells: .23 at
+  ! most, and all of it where one centre is nearer to the other than this share of a radius.
+  real(real64), parameter :: taken = 0.25_real64, taken_inside = 1.0_real64, inside = 0.35_real64
+  ! How much an oval contact presses its neighbours down less, over its own gain.
+  real(real64), parameter :: emitted = 1.2_real64
+  ! Share of the square of the harmonics above the second.
+  real(real64), parameter :: higher = 1.0_real64 / 18
+  ! A contact on a flank steeper than that, R slope over a, has lost this share of its rise.
+  real(real64), parameter :: steep = 0.6_real64, flank = 0.3_real64
+
+contains
+
+  !> Loads that the contacts may be off by, over the modulus: a bound observed, not proved. Zero
+  !> where open and with nothing to tell. Elastic contacts.
+  subroutine find_errors(pairs, solution, hosts, error)
+    type(contact_pairs), intent(in) :: pairs           !! the position
+    type(coupled_solution), intent(in) :: solution     !! solved
+    integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
+    real(real64), intent(out) :: error(:)              !! by pair
+    type(source_tree) :: tree
+    integer, allocatable :: number(:)
+    real(real64), allocatable :: none(:)
+    integer :: i, j, k, l
+
+    error = 0.0_real64
+    hosts = 0
+    associate (set => solution%set)
+      !$omp parallel do schedule(static)
+      do k = 1, size(set%number)
+        error(set%number(k)) = of_circle(pairs, solution, k)
+      end do
+      !$omp end parallel do
+      call open_about(pairs, solution, 1.0_real64, tree, number)
+      do l = 1, size(number)
+        i = number(l)
+        associate (s2 => solution%move_x(i)**2 + solution%move_y(i)**2, r => pairs%list(i)%radius)
+          error(i) = gained(r, solution%penetration(i), flank * s2 / (2 * r))
+        end associate
+        do k = tree%first(l), tree%first(l + 1) - 1
+          j = set%number(tree%near(k))
+          if (hosts(i) == 0) hosts(i) = j
+          error(i) = error(i) + 2 * set%circle(tree%near(k)) * higher_by(pairs, solution, i, &
+                                                                          tree%near(k))
+        end do
+      end do
+    end associate
+  end subroutine find_errors
+
+  !> The open pairs that could touch, and which circles are about them.
+  subroutine open_about(pairs, solution, radii, tree, number)
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(coupled_solution), intent(in) :: solution  !! solved
+    real(real64), intent(in) :: radii               !! of a circle: who is within is about it
+    type(source_tree), intent(out) :: tree          !! circles of the solution; targets: open pairs
+    integer, allocatable, intent(out) :: number(:)  !! places of the open pairs in the list
+    logical :: is_open(size(pairs%list))
+    real(real64), allocatable :: none(:)
+    integer :: i
+
+    is_open = pairs%list%gap < solution%closing
+    is_open(solution%set%number) = .false.
+    number = pack([(i, i=1, size(is_open))], is_open)
+    allocate (none(size(number)), source=0.0_real64)
+    associate (set => solution%set)
+      call plant_tree(tree, set%x + set%move_x, set%y + set%move_y, set%circle, radii, &
+                      pairs%list(number)%x, pairs%list(number)%y, none)
+    end associate
+  end subroutine open_about
+
+  ! One circle.
+  real(real64) function of_circle(pairs, solution, k) result(error)
+    type(contact_pairs), intent(in) :: pairs
+    type(coupled_solution), intent(in) :: solution
+    integer, intent(in) :: k
+    real(real64) :: a, p, r, x, y, with_all(2), apart(2), overlap, shift
+    integer :: l, j
+
+    associate (set => solution%set)
+      a = set%circle(k)
+      p = solution%penetration(set%number(k))
+      r = pairs%list(set%number(k))%radius
+      overlap = 0.0_real64
+      do l = set%tree%first(k), set%tree%first(k + 1) - 1
+        j = set%tree%near(l)
+        x = set%x(j) + set%move_x(j) - set%x(k) - set%move_x(k)
+        y = set%y(j) + set%move_y(j) - set%y(k) - set%move_y(k)
+        if (.not. hypot(x, y) < a + set%circle(j)) cycle
+        overlap = overlap + merge(taken_inside, taken, hypot(x, y) < inside * &
+                                  max(a, set%circle(j))) * min(set%load(k), set%load(j))
+      end do
+      with_all = oval(.true.)
+      error = sum(with_all)
+      if (overlap > 0.0_real64) then
+        apart = oval(.false.)
+        error = min(error, sum(apart) + overlap)
+      end if
+      shift = hypot(set%move_x(k), set%move_y(k))
+      if (shift > steep * a) error = error + gained(r, p, flank * shift**2 / (2 * r))
+    end associate
+
+  contains
+
+    ! Own gain, and what the neighbours gain.
+    function oval(all_of_them) result(gain)
+      logical, intent(in) :: all_of_them
+      real(real64) :: gain(2), b, rr, cosine, sine, part_x, part_y, part, about
+
+      associate (set => solution%set)
+        part_x = 0.0_real64
+        part_y = 0.0_real64
+        part = 0.0_real64
+        gain = 0.0_real64
+        do l = set%tree%first(k), set%tree%first(k + 1) - 1
+          call harmonics(set%tree%near(l), all_of_them, b, cosine, sine)
+          part_x = part_x + b * cosine
+          part_y = part_y + b * sine
+          part = part + b
+        end do
+        rr = r / (4 * a)
+        gain(1) = rr * (part_x**2 + part_y**2 + higher * part**2)
+        do l = set%tree%first(k), set%tree%first(k + 1) - 1
+          call harmonics(set%tree%near(l), all_of_them, b, cosine, sine)
+          about = solution%penetration(set%number(set%tree%near(l)))
+          gain(2) = gain(2) + emitted * rr * p / about * &
+                    (b * (cosine * part_x + sine * part_y) + higher * b * part)
+        end do
+        gain(2) = abs(gain(2))
+      end associate
+    end function oval
+
+    subroutine harmonics(j, all_of_them, b, cosine, sine)
+      integer, intent(in) :: j
+      logical, intent(in) :: all_of_them
+      real(real64), intent(out) :: b, cosine, sine
+      real(real64) :: rr
+
+      associate (set => solution%set)
+        x = set%x(j) + set%move_x(j) - set%x(k) - set%move_x(k)
+        y = set%y(j) + set%move_y(j) - set%y(k) - set%move_y(k)
+        rr = x * x + y * y
+        b = 0.0_real64
+        cosine = 1.0_real64
+        sine = 0.0_real64
+        if (.not. rr > 0.0_real64) return
+        if (.not. all_of_them .and. rr < (a + set%circle(j))**2) return
+        b = 2 * set%load(j) * a**2 / (pi * sqrt(rr) * max(rr - a**2, 0.1_real64 * rr))
+        cosine = (x * x - y * y) / rr
+        sine = 2 * x * y / rr
+      end associate
+    end subroutine harmonics
+
+  end function of_circle
+
+  ! Load that a contact gains by a rise of its penetration.
+  pure real(real64) function gained(radius, p, rise)
+    real(real64), intent(in) :: radius, p, rise
+
+    gained = 4.0_real64 / 3.0_real64 * sqrt(radius) * &
+             (max(0.0_real64, p + rise)**1.5_real64 - max(0.0_real64, p)**1.5_real64)
+  end function gained
+
+  ! Mean over a circle, weighed as a flat punch, of how far the surface of an open pair stands above
+  ! that of the circle's own.
+  pure real(real64) function higher_by(pairs, solution, i, k) result(mean)
+    type(contact_pairs), intent(in) :: pairs
+    type(coupled_solution), intent(in) :: solution
+    integer, intent(in) :: i, k
+    integer, parameter :: rings = 6, spokes = 12
+    real(real64) :: rho, x, y
+    integer :: ring, spoke
+
+    mean = 0.0_real64
+    associate (set => solution%set, own => pairs%list(solution%set%number(k)), other => pairs%list(i))
+      do ring = 1, rings
+        ! The weight is even in the root of 1 - (rho/a)**2.
+        rho = set%circle(k) * sqrt(1.0_real64 - ((ring - 0.5_real64) / rings)**2)
+        do spoke = 1, spokes
+          x = set%x(k) + set%move_x(k) + rho * cos(2 * pi * spoke / spokes)
+          y = set%y(k) + set%move_y(k) + rho * sin(2 * pi * spoke / spokes)
+          mean = mean + max(0.0_real64, own%gap - other%gap + &
+                            ((x - own%x)**2 + (y - own%y)**2) / (2 * own%radius) - &
+                            ((x - other%x)**2 + (y - other%y)**2) / (2 * other%radius))
+        end do
+      end do
+    end associate
+    mean = mean / (rings * spokes)
+  end function higher_by
+
+end module asperity_circle_error
