@@ -32,7 +32,7 @@ contains
   !> Prepares the ways between boxes.
   pure subroutine prepare(ways)
     type(translations), intent(out) :: ways  !! the ways
-    integer, parameter :: n = order + 3, nodes = n * n
+    integer, parameter :: n = order + 1, nodes = n * n
     real(real64) :: node(n), x(nodes), y(nodes)
     real(real64), allocatable :: value(:, :), to_terms(:, :), from_nodes(:, :), kernel(:, :), &
                                  half(:, :)

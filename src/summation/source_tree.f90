@@ -17,8 +17,9 @@ module asperity_source_tree
 
   ! Boxes whose translations are made together, and fewest places for which threads are started.
   integer, parameter :: batch = 64, many = 512
-  ! Bytes of a place without its near ones; measured on 1e6: 210 all over a square, 200 in clusters.
-  integer(int64), parameter :: bytes_per_place = 400_int64
+  ! Bytes of a source or target without near ones. A million circles that are both took 210 each
+  ! all over a square, 200 in clusters (measured); the rest is for worse.
+  integer(int64), parameter :: bytes_per_place = 200_int64
   character(*), parameter :: no_memory = 'no memory for the sum over all contacts'
 
   !> Sources and targets at their places.
