@@ -32,6 +32,7 @@ contains
     character(len=:), allocatable, intent(out) :: text           !! its bytes
     character(len=:), allocatable, intent(out) :: failure        !! why not
     character(len=:), allocatable :: larger
+    character(len=block_size) :: block
     integer(c_long) :: known, place
     integer(c_size_t) :: got
     integer(c_int) :: descriptor, status
@@ -50,19 +51,25 @@ contains
     used = 0
     if (known <= int(longest, c_long)) then
       deallocate (text)
-      allocate (character(len=max(block_size, int(known) + 1)) :: text)
+      ! As long as the file: it need not be copied to be cut.
+      allocate (character(len=max(0, int(known))) :: text)
       do while (used <= longest)
-        if (used == len(text)) then
-          allocate (character(len=2 * used) :: larger)
-          larger(:used) = text
-          call move_alloc(larger, text)
+        if (used < len(text)) then
+          got = posix_read(descriptor, text(used + 1:), int(len(text) - used, c_size_t))
+        else
+          got = posix_read(descriptor, block, int(len(block), c_size_t))
         end if
-        got = posix_read(descriptor, text(used + 1:), int(len(text) - used, c_size_t))
         if (got < 0_c_size_t) failure = path // ': cannot be read: ' // system_reason()
         if (got <= 0_c_size_t) exit
+        if (used == len(text)) then
+          allocate (character(len=2 * used + block_size) :: larger)
+          larger(:used) = text
+          larger(used + 1:used + int(got)) = block(:got)
+          call move_alloc(larger, text)
+        end if
         used = used + int(got)
       end do
-      if (used <= longest) text = text(:used)
+      if (used <= longest .and. used < len(text)) text = text(:used)
     end if
     if (known > int(longest, c_long) .or. used > longest) then
       text = ' '

@@ -52,7 +52,7 @@ contains
     character(len=*), intent(in) :: text  !! the whole file
 
     text_start = 1
-    if (index(text, char(239) // char(187) // char(191)) == 1) text_start = 4
+    if (index(text(:min(3, len(text))), char(239) // char(187) // char(191)) == 1) text_start = 4
   end function text_start
 
   !> Last character of the line, its line feed left out; `at - 1` when nothing is there.

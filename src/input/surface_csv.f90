@@ -51,11 +51,25 @@ contains
     type(surface_table), intent(out) :: table           !! its numbers
     type(problem_list), intent(out) :: problems         !! all that is wrong
     real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
+    type(problem_list) :: strange
+
+    call parse_numbers(path, text, table, problems, common_radius)
+    if (problems%count() == 0) return
+    ! Where every cell is a number there is no byte that no text has. Such a byte says enough.
+    call strange%start(path)
+    call check_text(text, 'comma-separated numbers', strange)
+    if (strange%count() > 0) problems = strange
+  end subroutine parse_surface_csv
+
+  ! The same for what may have bytes that no text has.
+  pure subroutine parse_numbers(path, text, table, problems, common_radius)
+    character(len=*), intent(in) :: path, text
+    type(surface_table), intent(out) :: table
+    type(problem_list), intent(out) :: problems
+    real(real64), intent(in), optional :: common_radius
     integer :: column_of(4), first, line, columns, rows
 
     call problems%start(path)
-    call check_text(text, 'comma-separated numbers', problems)
-    if (problems%count() > 0) return
     line = 1
     first = text_start(text)
     call skip_blank_lines(text, first, line)
@@ -75,7 +89,7 @@ contains
     if (rows == 0 .and. problems%count() == 0) &
       call problems%add_at(line, 1, 'no asperity: found the end of the file, expected a row')
     call cut(table, rows)
-  end subroutine parse_surface_csv
+  end subroutine parse_numbers
 
   !> Which column holds which number.
   pure subroutine read_header(text, first, line, column_of, columns, problems)
@@ -215,8 +229,14 @@ contains
 
     cells%count = cells%count + 1
     if (cells%count > size(cells%first)) return
-    cells%first(cells%count) = from + max(0, verify(text(from:to), blanks) - 1)
-    cells%last(cells%count) = from + verify(text(from:to), blanks, back=.true.) - 1
+    cells%first(cells%count) = from
+    cells%last(cells%count) = to
+    if (to < from) return
+    ! As a rule there are none.
+    if (iachar(text(from:from)) <= iachar(' ')) &
+      cells%first(cells%count) = from + max(0, verify(text(from:to), blanks) - 1)
+    if (iachar(text(to:to)) <= iachar(' ')) &
+      cells%last(cells%count) = from + verify(text(from:to), blanks, back=.true.) - 1
   end subroutine add_cell
 
   !> Steps over blank lines; `first` is left at the first byte of a line, or behind the text.
@@ -246,13 +266,20 @@ contains
     if (allocated(table%radius)) table%radius = table%radius(:rows)
   end subroutine cut
 
+  ! Piece by piece of a fixed length: such loops work on many bytes at once.
   pure integer function count_line_feeds(text)
     character(len=*), intent(in) :: text
-    integer :: i
+    integer, parameter :: piece = 64
+    integer :: i, begin
 
     count_line_feeds = 0
-    do i = 1, len(text)
-      if (text(i:i) == achar(10)) count_line_feeds = count_line_feeds + 1
+    do begin = 0, len(text) - piece, piece
+      do i = begin + 1, begin + piece
+        count_line_feeds = count_line_feeds + merge(1, 0, text(i:i) == achar(10))
+      end do
+    end do
+    do i = begin + 1, len(text)
+      count_line_feeds = count_line_feeds + merge(1, 0, text(i:i) == achar(10))
     end do
   end function count_line_feeds
 

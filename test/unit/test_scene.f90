@@ -2,8 +2,8 @@
 !>
 !> In the texts of these tests a `|` stands for a line end.
 module asperity_test_scene
-  use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_kinds, only: int64, real64
+  use asperity_decimal, only: decimal_numeral, decimal_to_real64, decimal_value
+  use asperity_kinds, only: int64, real128, real64
   use asperity_numeral, only: decimal_sum, read_numeral
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: parse_scene, read_scene
@@ -107,24 +107,59 @@ contains
     end do
   end subroutine test_bad_numerals
 
-  !> Digits of all lengths and all exponents on either side of the quick range.
+  !> Digits of all lengths, all exponents on either side of the quick range, and what is nearest to
+  !> the middle of two doubles, as the library reads them: it rounds correctly.
   subroutine test_decimal_to_real64(error)
     type(error_type), allocatable, intent(out) :: error
-    type(decimal_value) :: value
     integer(int64) :: state
     integer :: i, exponent
 
     state = 88172645463325252_int64
     do i = 1, 2000
       do exponent = -30, 26, 7
-        state = ieor(state, ishft(state, 13))
-        state = ieor(state, ishft(state, -7))
-        state = ieor(state, ishft(state, 17))
-        value = decimal_value(mod(state, 10_int64**(1 + mod(i, 18))), exponent + mod(i, 7))
-        call check(error, transfer(decimal_to_real64(value), 0_int64), &
-                   transfer(decimal_to_real64(value), 0_int64), 'bits of a converted number')
+        call next(state)
+        call one(decimal_value(mod(state, 10_int64**(1 + mod(i, 18))), exponent + mod(i, 7)))
       end do
+      call next(state)
+      call one(middle(scale(real(state, real64), -63 - mod(i, 40))))
+      ! Exactly in the middle: above 2**53 every other whole number is.
+      state = 2_int64**53 + 2_int64 * mod(state, 2_int64**40) + 1_int64
+      call one(decimal_value(state, 0))
+      call one(decimal_value(10_int64 * state, -1))
     end do
+
+  contains
+
+    subroutine next(state)
+      integer(int64), intent(inout) :: state
+
+      state = ieor(state, ishft(state, 13))
+      state = ieor(state, ishft(state, -7))
+      state = ieor(state, ishft(state, 17))
+    end subroutine next
+
+    !> The middle of a double below 1 and the next one, to 18 digits.
+    function middle(x) result(value)
+      real(real64), intent(in) :: x
+      type(decimal_value) :: value
+      character(len=32) :: text
+      logical :: good
+
+      write (text, '(es32.17e3)') real(x, real128) + real(spacing(x), real128) / 2
+      call read_numeral(trim(adjustl(text)), value, good)
+    end function middle
+
+    subroutine one(value)
+      type(decimal_value), intent(in) :: value
+      real(real64) :: expected
+      character(len=40) :: numeral
+
+      numeral = decimal_numeral(value)
+      read (numeral, '(f40.0)') expected
+      call check(error, transfer(decimal_to_real64(value), 0_int64), transfer(expected, 0_int64), &
+                 'bits of ' // trim(adjustl(numeral)))
+    end subroutine one
+
   end subroutine test_decimal_to_real64
 
   subroutine test_decimal_sum(error)
