@@ -32,6 +32,7 @@ module asperity_contact_records
     integer :: path = by_events               !! `by_events` or `by_marching`
     integer :: overlap = overlap_stable       !! `overlap_stable` or `overlap_original`
     real(real64) :: step = 0.0_real64         !! marching step, in the scene's unit of length
+    logical :: past_the_end = .false.         !! all pairs that may touch under a larger load, too
   end type solve_method
 
   !> One contact in one state of one position.

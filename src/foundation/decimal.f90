@@ -26,7 +26,6 @@ module asperity_decimal
   real(real64), parameter :: upper_powers(0:most_exact_power) = &
     two_27 * exact_powers - (two_27 * exact_powers - exact_powers)
   real(real64), parameter :: lower_powers(0:most_exact_power) = exact_powers - upper_powers
-  real(real64), parameter :: reciprocals(0:most_exact_power) = 1.0_real64 / exact_powers
 
 contains
 
@@ -39,13 +38,10 @@ contains
     type(decimal_value), intent(in) :: value  !! exact decimal
     real(real64) :: nearest                   !! the nearest double
     character(len=40) :: numeral
-    logical :: settled
 
-    settled = .false.
-    if (value%exponent <= 0 .and. value%exponent >= -most_exact_power) &
-      call divide_in_doubles(value%digits, -value%exponent, nearest, settled)
-    if (settled) return
-    if (value%exponent >= 0 .and. value%exponent <= most_positive_power) then
+    if (value%exponent <= 0 .and. value%exponent >= -most_exact_power) then
+      nearest = quotient_in_doubles(value%digits, -value%exponent)
+    else if (value%exponent >= 0 .and. value%exponent <= most_positive_power) then
       nearest = real(real(value%digits, real128) * powers(value%exponent), real64)
     else if (value%exponent < 0 .and. value%exponent >= most_negative_power) then
       nearest = real(real(value%digits, real128) / powers(-value%exponent), real64)
@@ -60,18 +56,18 @@ contains
     end if
   end function decimal_to_real64
 
-  ! Nearest double of digits / 10**power without numbers of 113 bits, ten times as fast. `settled`
-  ! is false where the rounding error might matter, which is near the middle of two doubles.
+  ! The double nearest to digits / 10**power, without numbers of 113 bits: several times as fast.
   !
-  ! The digits are high + low exactly. The remainder high - q 10**power of a quotient q is a double,
-  ! and Dekker's product (1971) finds it exactly. So the correction to q is rounded a few times, by
-  ! less than 2**-50 of itself. Where the sum is the same with that more or less, it is the nearest.
-  elemental subroutine divide_in_doubles(digits, power, nearest, settled)
-    integer(int64), intent(in) :: digits
-    integer, intent(in) :: power
-    real(real64), intent(out) :: nearest
-    logical, intent(out) :: settled
-    real(real64) :: high, low, q, upper, lower, product, rest, correction, doubt
+  ! The digits are high + low exactly. What a quotient q of doubles leaves, high - q 10**power, is a
+  ! double, and Dekker's product (1971) finds it. With low it is a whole number, in units of a power
+  ! of two, of at most 1.5 * 5**22, so it is exact too. Divided it is what q lacks, rounded once, by
+  ! less than 2**-53 of itself: halves of a unit of the last place of q become themselves, and all
+  ! else differs from them by at least 1/(3 * 5**22) of itself, which is more.
+  elemental function quotient_in_doubles(digits, power) result(nearest)
+    integer(int64), intent(in) :: digits  ! less than 2**62
+    integer, intent(in) :: power          ! from 0 to 22
+    real(real64) :: nearest
+    real(real64) :: high, low, q, upper, lower, product, rest
 
     high = real(digits, real64)
     low = real(digits - int(high, int64), real64)
@@ -81,11 +77,8 @@ contains
     lower = q - upper
     rest = (((upper * upper_powers(power) - product) + upper * lower_powers(power)) + &
             lower * upper_powers(power)) + lower * lower_powers(power)
-    correction = (((high - product) - rest) + low) * reciprocals(power)
-    doubt = abs(correction) * 2.0_real64**(-50)
-    nearest = q + (correction - doubt)
-    settled = .not. nearest < q + (correction + doubt)
-  end subroutine divide_in_doubles
+    nearest = q + (((high - product) - rest) + low) / exact_powers(power)
+  end function quotient_in_doubles
 
   !> The least n with |value| < 10**n; a very negative number for zero.
   elemental integer function decimal_order(value)

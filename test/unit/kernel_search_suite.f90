@@ -124,8 +124,11 @@ contains
       call compare(error, scene_in, what // ': approach', failures)
     end do
     scene_in%loading%control = control_load
-    scene_in%loading%value = decimal_value(3000_int64, 0)
-    call compare(error, scene_in, what // ': load', failures)
+    ! One level holds the contacts of the first, or all asperities must.
+    do i = 0, 3, 3
+      scene_in%loading%value = decimal_value(3_int64, i)
+      call compare(error, scene_in, what // ': load', failures)
+    end do
   end subroutine compare_controls
 
   ! The positions of a scene, in two arithmetics; `failures` counts those that cannot be solved.
