@@ -9,6 +9,7 @@
 module asperity_cell_grid
   use asperity_cell_layer, only: build_layer, grid_layer
   use asperity_kinds, only: int32, real64
+  use asperity_number_span, only: number_span, span_of
   implicit none
   private
 
@@ -18,7 +19,7 @@ module asperity_cell_grid
   !> A surface, ready to be searched.
   type :: cell_grid
     type(grid_layer), allocatable :: layers(:)  !! ascending radius
-    real(real64), allocatable :: radius(:)      !! of each asperity, by index
+    real(real64), allocatable :: radius(:)      !! of each asperity, by index; one: of all
   end type cell_grid
 
 contains
@@ -33,16 +34,22 @@ contains
     real(real64), intent(in) :: reach                  !! height of `squared_reach` that will be
                                                        !! searched; any other is right, but slower
     integer(int32), allocatable :: members(:), ends(:)
+    type(number_span) :: radii
     integer :: power, i, begin, layers
 
-    allocate (grid%radius(size(radius)))
-    grid%radius(:) = radius
-    if (exponent(minval(radius)) == exponent(maxval(radius))) then
+    radii = span_of(radius)
+    if (radii%least < radii%largest) then
+      allocate (grid%radius(size(radius)))
+    else
+      allocate (grid%radius(1))
+    end if
+    grid%radius(:) = radius(:size(grid%radius))
+    if (exponent(radii%least) == exponent(radii%largest)) then
       allocate (grid%layers(1), members(0))
       call build_layer(grid%layers(1), x, y, height, radius, members, reach)
       return
     end if
-    call part_by_power(radius, members, ends)
+    call part_by_power(radius, exponent(radii%least), exponent(radii%largest), members, ends)
     layers = 0
     begin = 0
     do i = lbound(ends, 1), ubound(ends, 1)
@@ -62,12 +69,13 @@ contains
   end subroutine build_grid
 
   ! Indices by ascending power of two of the radius; each power's end among them.
-  subroutine part_by_power(radius, members, ends)
+  subroutine part_by_power(radius, first, last, members, ends)
     real(real64), contiguous, intent(in) :: radius(:)
+    integer, intent(in) :: first, last
     integer(int32), allocatable, intent(out) :: members(:), ends(:)
     integer :: i, power, before, own
 
-    allocate (members(size(radius)), ends(exponent(minval(radius)):exponent(maxval(radius))))
+    allocate (members(size(radius)), ends(first:last))
     ends(:) = 0_int32
     do i = 1, size(radius)
       power = exponent(radius(i))

@@ -143,7 +143,8 @@ contains
     end do
     if (seekers%smallest < seekers%largest .or. points%smallest < points%largest) then
       do i = 1, n
-        s(i) = seeking%radius(near%seeker(i)) + sought%radius(near%sought(i))
+        s(i) = seeking%radius(min(int(near%seeker(i)), size(seeking%radius))) + &
+               sought%radius(min(int(near%sought(i)), size(sought%radius)))
       end do
       bound(:n) = reach_with_margin(task, s(:n))
     else

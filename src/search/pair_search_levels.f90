@@ -8,6 +8,7 @@ module asperity_pair_search_levels
   use asperity_cell_grid, only: build_grid, cell_grid
   use asperity_cell_reach, only: any_height, margin_of_arithmetic, squared_reach
   use asperity_kinds, only: int32, real64
+  use asperity_number_span, only: number_span, span_of
   use asperity_pair_search_blocks, only: found_pairs
   use asperity_pair_search_layers, only: search_pairs
   implicit none
@@ -60,22 +61,31 @@ contains
     real(real64), intent(in) :: height         !! how near pairs are, see `squared_reach`
     real(real64), intent(in) :: unit           !! spacing of the arithmetic at 1
     real(real64), allocatable :: drops(:)
+    type(number_span) :: above, below, radii(2)
     real(real64) :: top
     integer :: k, n
 
+    above = span_of(upper%height)
+    below = span_of(lower%height)
+    radii = [span_of(upper%radius), span_of(lower%radius)]
     levels%height = height
     levels%unit = unit
-    levels%widest = maxval(upper%radius) + maxval(lower%radius)
+    levels%widest = sum(radii%largest)
     levels%tall = sqrt(squared_reach(height, levels%widest))
     levels%extent = extent_of(upper) + extent_of(lower) + levels%widest
-    top = maxval(upper%height) + maxval(lower%height)
-    call choose_drops(upper, lower, drops)
+    top = above%largest + below%largest
+    call choose_drops(upper, lower, above, below, drops)
     n = size(drops)
     allocate (levels%level(n + 1), levels%complete_from(n + 1))
-    do k = 1, n
+    ! Every level is part of the next.
+    do k = n, 1, -1
       levels%complete_from(k) = top - drops(k)
-      call build_part(upper, drops(k), height, levels%level(k)%upper, levels%level(k)%upper_index)
-      call build_part(lower, drops(k), height, levels%level(k)%lower, levels%level(k)%lower_index)
+      associate (level => levels%level(k), next => levels%level(k + 1))
+        call build_part(upper, above%largest - drops(k), next%upper_index, height, level%upper, &
+                        level%upper_index)
+        call build_part(lower, below%largest - drops(k), next%lower_index, height, level%lower, &
+                        level%lower_index)
+      end associate
     end do
     levels%complete_from(n + 1) = -huge(top)
     call build_grid(levels%level(n + 1)%upper, upper%x, upper%y, upper%height, upper%radius, height)
@@ -135,76 +145,78 @@ contains
 
   ! Drops below the highest summits that leave some of the asperities, then `growth` times as many,
   ! and so on. Drops that leave no fewer than half are none: equal heights have no levels.
-  subroutine choose_drops(upper, lower, drops)
+  subroutine choose_drops(upper, lower, above, below, drops)
     type(surface_points), intent(in) :: upper, lower
+    type(number_span), intent(in) :: above, below
     real(real64), allocatable, intent(out) :: drops(:)
     real(real64) :: deepest, scale
     integer, allocatable :: counts(:)
-    integer :: all_of_them, below, k, wanted, used
+    integer :: all_of_them, counted, k, wanted, used
 
     all_of_them = size(upper%x) + size(lower%x)
-    deepest = max(maxval(upper%height) - minval(upper%height), &
-                  maxval(lower%height) - minval(lower%height))
+    deepest = max(above%largest - above%least, below%largest - below%least)
     allocate (drops(0))
     if (.not. deepest > tiny(deepest) * steps) return
     scale = real(steps, real64) / deepest
     allocate (counts(0:steps))
     counts(:) = 0
-    call count_drops(upper%height, scale, counts)
-    call count_drops(lower%height, scale, counts)
+    call count_drops(upper%height, above%largest, scale, counts)
+    call count_drops(lower%height, below%largest, scale, counts)
     wanted = all_of_them
     do while (wanted / growth >= fewest)
       wanted = wanted / growth
     end do
-    below = 0
+    counted = 0
     used = 0
     do k = 0, steps - 1
-      below = below + counts(k)
-      if (2 * below > all_of_them) exit
-      if (below < wanted) cycle
+      counted = counted + counts(k)
+      if (2 * counted > all_of_them) exit
+      if (counted < wanted) cycle
       used = used + 1
       drops = [drops, real(k + 1, real64) / scale]
-      wanted = growth * below
+      wanted = growth * counted
     end do
   end subroutine choose_drops
 
   ! Counts asperities by the step of their drop.
-  pure subroutine count_drops(height, scale, counts)
-    real(real64), intent(in) :: height(:), scale
+  pure subroutine count_drops(height, top, scale, counts)
+    real(real64), contiguous, intent(in) :: height(:)
+    real(real64), intent(in) :: top, scale
     integer, intent(inout) :: counts(0:)
-    real(real64) :: top
     integer :: i, step
 
-    top = maxval(height)
     do i = 1, size(height)
       step = min(int((top - height(i)) * scale), steps)
       counts(step) = counts(step) + 1
     end do
   end subroutine count_drops
 
-  ! The asperities less than a drop below the highest one, in order, and their indices.
-  subroutine build_part(surface, drop, height, grid, index)
+  ! The asperities not lower than `least` in order, and their indices. All of them are among some,
+  ! if those are known.
+  subroutine build_part(surface, least, among, height, grid, index)
     type(surface_points), intent(in) :: surface
-    real(real64), intent(in) :: drop, height
+    real(real64), intent(in) :: least, height
+    integer(int32), allocatable, intent(in) :: among(:)
     type(cell_grid), intent(out) :: grid
     integer(int32), allocatable, intent(out) :: index(:)
     type(surface_points) :: part
-    real(real64) :: least
     integer :: i, n
 
-    least = maxval(surface%height) - drop
-    n = count(surface%height >= least)
-    allocate (index(n), part%x(n), part%y(n), part%height(n), part%radius(n))
-    n = 0
-    do i = 1, size(surface%height)
-      if (.not. surface%height(i) >= least) cycle
-      n = n + 1
-      index(n) = int(i, int32)
-      part%x(n) = surface%x(i)
-      part%y(n) = surface%y(i)
-      part%height(n) = surface%height(i)
-      part%radius(n) = surface%radius(i)
-    end do
+    if (allocated(among)) then
+      index = pack(among, surface%height(among) >= least)
+    else
+      allocate (index(count(surface%height >= least)))
+      n = 0
+      do i = 1, size(surface%height)
+        if (.not. surface%height(i) >= least) cycle
+        n = n + 1
+        index(n) = int(i, int32)
+      end do
+    end if
+    part%x = surface%x(index)
+    part%y = surface%y(index)
+    part%height = surface%height(index)
+    part%radius = surface%radius(index)
     call build_grid(grid, part%x, part%y, part%height, part%radius, height)
   end subroutine build_part
 
@@ -212,11 +224,16 @@ contains
   subroutine build_again(from, grid)
     type(cell_grid), intent(in) :: from
     type(cell_grid), intent(out) :: grid
-    real(real64), allocatable :: x(:), y(:), height(:)
+    real(real64), allocatable :: x(:), y(:), height(:), radius(:)
     integer :: i, k, n
 
-    n = size(from%radius)
-    allocate (x(n), y(n), height(n))
+    n = 0
+    do k = 1, size(from%layers)
+      n = n + from%layers(k)%first(from%layers(k)%strips + 1) - 1
+    end do
+    allocate (x(n), y(n), height(n), radius(n))
+    radius(:) = from%radius(1)
+    if (size(from%radius) == n) radius(:) = from%radius
     do k = 1, size(from%layers)
       associate (layer => from%layers(k))
         do i = 1, layer%first(layer%strips + 1) - 1
@@ -226,7 +243,7 @@ contains
         end do
       end associate
     end do
-    call build_grid(grid, x, y, height, from%radius, any_height)
+    call build_grid(grid, x, y, height, radius, any_height)
   end subroutine build_again
 
   ! The largest |x| + |y|, at least.
@@ -234,7 +251,11 @@ contains
     type(surface_points), intent(in) :: surface
     real(real64) :: extent
 
-    extent = maxval(abs(surface%x)) + maxval(abs(surface%y))
+    type(number_span) :: x, y
+
+    x = span_of(surface%x)
+    y = span_of(surface%y)
+    extent = max(abs(x%least), abs(x%largest)) + max(abs(y%least), abs(y%largest))
   end function extent_of
 
 end module asperity_pair_search_levels
