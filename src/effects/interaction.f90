@@ -1,33 +1,27 @@
 !> Interaction of neighbouring contacts, as an effect that a scene names.
 !>
-!> `coupled`: every contact is lowered by the surface displacement of its neighbours. `boundary`:
-!> the pressure on cells of all contacts together. `auto`: coupled where the estimate asks for it;
-!> contacts whose circles overlap are then solved on cells, a cluster at a time, as no pairwise
-!> displacement is exact there.
+!> `coupled`: every contact is lowered by the surface displacement of its neighbours, as circles.
+!> `boundary`: all are resolved on cells. `auto`: as many as the tolerance calls for.
 module asperity_interaction
-  use asperity_boundary_solver, only: boundary_outcome, solve_boundary
   use asperity_constants, only: pi
-  use asperity_cluster_cells, only: lowered_for, solve_clusters
   use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, plain
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
-  use asperity_coupled_contacts, only: estimate_of_interaction, solve_coupled, solve_coupled_load
   use asperity_hertz_law, only: hertz_law
+  use asperity_interaction_estimate, only: estimate_of_interaction
+  use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, resolve_none, &
+                                     solve_joint
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
-  use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
   public :: new_interaction
 
-  !> How far `coupled` may be off where contact circles overlap, as a share of the total load: at
-  !> most 0.02 at the positions of the thesis, against cells.
-  real(real64), parameter :: coupled_error = 0.02_real64
-
-  ! So many contacts can be solved often.
-  integer, parameter :: few = 100
+  ! The relative error of the closing at a load, over that of the load at a closing: 2/3 where the
+  ! load grows with its power 3/2, less where it grows faster; .5 to .75 were measured.
+  real(real64), parameter :: of_closing = 0.75_real64
 
   !> Interaction of neighbouring contacts.
   type, extends(contact_effect) :: interaction_effect
@@ -57,7 +51,10 @@ contains
     new%state_columns = [ &
       column('alone_load', force, of_load=1.0_real64), & ! sum of those of the contacts
       column('factor', plain, otherwise=1.0_real64), &   ! load together over load alone
-      column('cells', plain)]                            ! how many
+      column('cells', plain), &                          ! how many
+      column('resolved', plain), &                       ! contacts on cells
+      column('error_estimate', plain), &                 ! of the load, or of the closing at a load
+      column('area_error_estimate', plain)]
     allocate (effect, source=new)
   end subroutine new_interaction
 
@@ -79,22 +76,40 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! the position
     type(contact_state), intent(inout) :: state     !! gets the answers of contacts together
     type(effect_outcome), intent(inout) :: outcome  !! what it did
+    type(joint_solution) :: solution
     real(real64) :: together, alone
 
-    allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(3))
+    allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(6))
     outcome%of_state = 0.0_real64
     outcome%of_contacts(:, 2) = state%answers%vertical_load
-    if (self%mode == effect_boundary) then
-      call apply_boundary(self, pairs, state, outcome)
+    outcome%simulated = 'coupled'
+    if (self%mode == effect_boundary) outcome%simulated = 'boundary'
+    if (allocated(state%found)) then
+      call unpack_solution(state%found, solution)
     else
-      call apply_coupled(pairs, state, outcome)
-      if (allocated(outcome%failure)) return
-      ! Cells are elastic: contacts of another law stay coupled.
-      if (self%mode == effect_auto .and. self%tolerance < coupled_error .and. &
-          same_type_as(state%law, hertz_law())) &
-        call apply_to_clusters(self, pairs, state, outcome)
+      solution%coupled%closing = state%closing
+      call solve_joint(pairs, state%law, what_to_resolve(self, state%law), self%tolerance, &
+                       self%boundary_tolerance, solution)
     end if
-    if (allocated(outcome%failure)) return
+    outcome%ending = solution%coupled%ending
+    if (allocated(solution%failure)) then
+      outcome%failure = solution%failure
+      return
+    end if
+    if (self%mode == effect_auto .and. solution%cells > 0) then
+      outcome%simulated = 'coupled+boundary'
+      outcome%why = 'circles alone are not good enough'
+    end if
+    state%penetration = solution%coupled%penetration
+    call answer_all(pairs, state)
+    where (state%answers%load > 0.0_real64)
+      state%answers%contact_radius = sqrt(solution%area / pi)
+      ! Those of cells are areas in plan.
+      where (solution%is_resolved) state%answers%contact_radius = &
+        state%answers%contact_radius / sqrt(state%answers%cosine)
+      where (solution%maximum_pressure > 0.0_real64) &
+        state%answers%maximum_pressure = solution%maximum_pressure
+    end where
     outcome%of_contacts(:, 1) = max(0.0_real64, &
                                     state%closing - pairs%list%gap - state%penetration)
     alone = sum(outcome%of_contacts(:, 2))
@@ -102,113 +117,81 @@ contains
     outcome%of_state(1) = alone
     outcome%of_state(2) = 1.0_real64
     if (alone > 0.0_real64) outcome%of_state(2) = together / alone
+    outcome%of_state(3) = solution%cells
+    outcome%of_state(4) = count(solution%is_resolved .and. state%answers%load > 0.0_real64)
+    outcome%of_state(5) = solution%error
+    outcome%of_state(6) = solution%area_error
     outcome%influence = outcome%of_state(2) - 1.0_real64
     outcome%influence_known = .true.
   end subroutine apply
 
-  ! Every contact lowered by its neighbours.
-  subroutine apply_coupled(pairs, state, outcome)
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(inout) :: state
-    type(effect_outcome), intent(inout) :: outcome
-
-    outcome%simulated = 'coupled'
-    ! What was not found is not there: an unallocated argument counts as absent.
-    call solve_coupled(pairs, state%law, state%closing, state%penetration, outcome%ending, &
-                       state%found)
-    if (.not. outcome%ending%converged) then
-      outcome%failure = not_converged(outcome%ending)
-      return
-    end if
-    call answer_all(pairs, state)
-  end subroutine apply_coupled
-
-  ! All contacts on cells. Cells know vertical gaps only: load and area are those in plan.
-  subroutine apply_boundary(self, pairs, state, outcome)
-    class(interaction_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(inout) :: state
-    type(effect_outcome), intent(inout) :: outcome
-    type(boundary_outcome) :: cells
-    integer :: i
-
-    outcome%simulated = 'boundary'
-    call solve_boundary(pairs, state%penetration, self%boundary_tolerance, .true., cells)
-    outcome%ending = cells%ending
-    if (allocated(cells%failure)) then
-      outcome%failure = cells%failure
-      return
-    end if
-    do i = 1, size(pairs%list)
-      associate (answer => state%answers(i))
-        outcome%of_contacts(i, 2) = cells%alone_load(i)
-        answer%load = cells%vertical_load(i)
-        answer%vertical_load = cells%vertical_load(i)
-        answer%cosine = 1.0_real64
-        answer%contact_radius = sqrt(cells%area(i) / pi)
-        answer%maximum_pressure = cells%maximum_pressure(i)
-        if (.not. cells%alone_load(i) > 0.0_real64) cycle
-        state%penetration(i) = lowered_for(cells%vertical_load(i) / cells%alone_load(i), &
-                                           state%penetration(i))
-      end associate
-    end do
-    outcome%of_state(3) = real(cells%cells, real64)
-  end subroutine apply_boundary
-
-  ! Contacts whose circles overlap, a cluster at a time on cells.
-  subroutine apply_to_clusters(self, pairs, state, outcome)
-    class(interaction_effect), intent(in) :: self
-    type(contact_pairs), intent(in) :: pairs
-    type(contact_state), intent(inout) :: state
-    type(effect_outcome), intent(inout) :: outcome
-    integer :: clusters, cells
-    real(real64) :: residual
-
-    ! Errors of the cells cancel in the ratio: half the tolerance on the load is ample.
-    call solve_clusters(pairs, max(self%boundary_tolerance, self%tolerance / 2), state, clusters, &
-                        cells, residual, outcome%failure)
-    if (clusters == 0) return
-    outcome%simulated = 'coupled+boundary'
-    outcome%why = 'contact circles overlap'
-    outcome%ending%residual = max(outcome%ending%residual, residual)
-    outcome%of_state(3) = real(cells, real64)
-  end subroutine apply_to_clusters
-
-  !> Where the coupled contacts carry a load. `auto` that has no call for it leaves the closing.
+  !> Where the contacts together carry a load. `auto` that has no call for it leaves the closing.
   subroutine closing_at_load(self, pairs, law, target, closing, found, failure)
     class(interaction_effect), intent(in) :: self              !! interaction
     type(contact_pairs), intent(in) :: pairs                   !! the position
     class(contact_law), intent(in) :: law                      !! of every contact
     real(real64), intent(in) :: target                         !! sum of the normal forces
     real(real64), intent(inout) :: closing                     !! past first touch
-    !> penetration and shift along x and y of every pair there; as it was where the search fails
-    real(real64), allocatable, intent(inout) :: found(:, :)
-    character(len=:), allocatable, intent(inout) :: failure    !! the search does not converge
-    type(solve_ending) :: ending
-    real(real64) :: penetration(size(pairs%list)), solution(size(pairs%list), 3), before
+    real(real64), allocatable, intent(inout) :: found(:, :)    !! the solution there
+    character(len=:), allocatable, intent(inout) :: failure    !! why there is none
+    type(joint_solution) :: solution
 
     if (self%mode == effect_auto) then
       if (.not. estimate_of_interaction(pairs, law, closing) > self%tolerance) return
     end if
-    before = closing
-    call solve_coupled_load(pairs, law, target, closing, penetration, ending, solution=solution)
-    if (ending%converged) then
-      found = solution
+    call solve_joint(pairs, law, what_to_resolve(self, law), self%tolerance, &
+                     self%boundary_tolerance, solution, target)
+    if (allocated(solution%failure)) then
+      failure = 'interaction: ' // solution%failure
       return
     end if
-    ! Few contacts: the search by closings alone may still find it, as on steep slopes.
-    closing = before
-    if (size(pairs%list) > few) failure = 'interaction: ' // not_converged(ending)
+    closing = solution%coupled%closing
+    solution%error = of_closing * solution%error
+    call pack_solution(solution, found)
   end subroutine closing_at_load
 
-  ! Why a solve is not used.
-  function not_converged(ending) result(text)
-    type(solve_ending), intent(in) :: ending
-    character(len=:), allocatable :: text
-    character(len=40) :: digits
+  ! Cells are elastic: contacts of another law stay circles.
+  integer function what_to_resolve(self, law)
+    class(interaction_effect), intent(in) :: self
+    class(contact_law), intent(in) :: law
 
-    write (digits, '(es9.1e3, ", iteration ", i0)') ending%residual, ending%iterations
-    text = 'did not converge: residual ' // trim(adjustl(digits))
-  end function not_converged
+    what_to_resolve = resolve_none
+    if (self%mode == effect_boundary) what_to_resolve = resolve_all
+    if (self%mode == effect_auto .and. same_type_as(law, hertz_law())) &
+      what_to_resolve = resolve_called_for
+  end function what_to_resolve
+
+  ! A solution as numbers: by pair, then what is of all.
+  subroutine pack_solution(solution, found)
+    type(joint_solution), intent(in) :: solution
+    real(real64), allocatable, intent(out) :: found(:, :)
+
+    allocate (found(size(solution%area), 9))
+    found(:, 1) = solution%coupled%penetration
+    found(:, 2) = solution%area
+    found(:, 3) = solution%maximum_pressure
+    found(:, 4) = merge(1.0_real64, 0.0_real64, solution%is_resolved)
+    found(:, 5) = solution%cells
+    found(:, 6) = solution%error
+    found(:, 7) = solution%area_error
+    found(:, 8) = solution%coupled%ending%residual
+    found(:, 9) = solution%coupled%ending%iterations
+  end subroutine pack_solution
+
+  subroutine unpack_solution(found, solution)
+    real(real64), intent(in) :: found(:, :)
+    type(joint_solution), intent(out) :: solution
+
+    solution%coupled%penetration = found(:, 1)
+    solution%area = found(:, 2)
+    solution%maximum_pressure = found(:, 3)
+    solution%is_resolved = found(:, 4) > 0.5_real64
+    solution%cells = nint(found(1, 5))
+    solution%error = found(1, 6)
+    solution%area_error = found(1, 7)
+    solution%coupled%ending%residual = found(1, 8)
+    solution%coupled%ending%iterations = nint(found(1, 9))
+    solution%coupled%ending%converged = .true.
+  end subroutine unpack_solution
 
 end module asperity_interaction

@@ -52,6 +52,8 @@ module asperity_circle_field
     integer, allocatable :: pair(:)              !! of each near neighbour
     integer, allocatable :: one(:), other(:)     !! circles of each near pair
     real(real64), allocatable :: terms(:, :)     !! (quantity, near pair), see the constants below
+  contains
+    procedure :: make_room                       !! for a number of circles
   end type circle_set
 
   ! Quantities of a near pair: compliance; slope of lift of one and of the other; slope over
@@ -60,6 +62,20 @@ module asperity_circle_field
   integer, parameter :: north = 7
 
 contains
+
+  !> Makes room for circles, without shift.
+  subroutine make_room(self, n)
+    class(circle_set), intent(out) :: self  !! empty before
+    integer, intent(in) :: n                !! number of circles
+    real(real64) :: none(n)
+
+    none = 0.0_real64
+    self%number = nint(none)
+    allocate (self%still(n), source=.false.)
+    allocate (self%x, self%y, self%curvature, self%move_x, self%move_y, self%load, self%circle, &
+              self%stiffness, self%lift, self%growth, self%tilt_x, self%tilt_y, self%steer_x, &
+              self%steer_y, source=none)
+  end subroutine make_room
 
   !> Finds who is near whom. To be called when circles come, go or have grown.
   subroutine plant_circles(set)

@@ -45,7 +45,6 @@ module asperity_coupled_contacts
     integer, allocatable :: order(:)                ! candidates: pairs that may touch, by place
     real(real64), allocatable :: gap(:)             ! of every pair
     real(real64), allocatable :: along(:)           ! the step's change of p, by pair
-    real(real64), allocatable :: normal(:)          ! load along the normal, by circle, over modulus
     real(real64), allocatable :: off(:)             ! gradient by load, by circle
     real(real64), allocatable :: off_x(:), off_y(:) ! gradient by shift over load, by circle
     real(real64) :: target = -1.0_real64            ! normal load over modulus; below 0: not asked
@@ -308,7 +307,9 @@ contains
       if (allocated(set%number)) then
         if (size(set%number) == n) same = all(set%number == number(:n))
       end if
-      if (.not. same) call make_room(set, state, n)
+      if (.not. same) call set%make_room(n)
+      if (allocated(state%off)) deallocate (state%off, state%off_x, state%off_y)
+      allocate (state%off(n), state%off_x(n), state%off_y(n))
       set%number = number(:n)
       do k = 1, n
         i = number(k)
@@ -329,27 +330,11 @@ contains
           set%move_y(k) = 0.0_real64
         end if
         set%load(k) = answer(k)%vertical_load / pairs%modulus
-        state%normal(k) = answer(k)%load / pairs%modulus
         set%stiffness(k) = answer(k)%stiffness / pairs%modulus
         set%circle(k) = answer(k)%contact_radius
       end do
     end associate
   end subroutine gather
-
-  ! Room for n circles.
-  subroutine make_room(set, state, n)
-    type(circle_set), intent(inout) :: set
-    type(solve_state), intent(inout) :: state
-    integer, intent(in) :: n
-    type(circle_set) :: new
-
-    allocate (new%x(n), new%y(n), new%curvature(n), new%still(n), new%move_x(n), new%move_y(n), &
-              new%load(n), new%circle(n), new%stiffness(n), new%lift(n), new%growth(n), &
-              new%tilt_x(n), new%tilt_y(n), new%steer_x(n), new%steer_y(n), new%number(n))
-    set = new
-    if (allocated(state%off)) deallocate (state%off, state%off_x, state%off_y, state%normal)
-    allocate (state%off(n), state%off_x(n), state%off_y(n), state%normal(n))
-  end subroutine make_room
 
   ! One step of Newton's method, cut until it helps.
   subroutine take_step(pairs, law, solution, state, resolved)

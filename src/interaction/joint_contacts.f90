@@ -221,7 +221,7 @@ contains
 
     number = pack([(i, i=1, size(pairs%list))], solution%is_resolved)
     n = size(number)
-    allocate (reach(n), of(n), source=0.0_real64)
+    allocate (reach(n), of(n))
     parent = [(i, i=1, n)]
     row = [(0, i=1, size(pairs%list))]
     row(solution%coupled%set%number) = [(i, i=1, size(solution%coupled%set%number))]
