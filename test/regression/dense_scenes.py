@@ -200,7 +200,7 @@ def chains(rng, count):
 
 
 def flanks(rng, count):
-    """Small caps on the slope of a large one; some hardly stand out of it, some are in its shade."""
+    """Small caps on the slope of a large one; some hardly stand out, some are hidden."""
     for k in range(count):
         c, n = depth_of(rng), 1 + int(7 * rng.random() ** 2)
         distance = rng.uniform(0.35, 1.5, n)

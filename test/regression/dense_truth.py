@@ -121,7 +121,7 @@ def solve(gap, product, start, scale):
 
 
 def area_of(pressure, side):
-    """Area of the squares under pressure, and what their edge counts: its length times their side."""
+    """Area of the squares under pressure, and the length of their edge times their side."""
     inside = np.pad(pressure > 0, ((0, 0), (1, 1), (1, 1)))
     edge = (inside[:, 1:] != inside[:, :-1]).sum((1, 2)) + \
         (inside[:, :, 1:] != inside[:, :, :-1]).sum((1, 2))
@@ -136,8 +136,7 @@ class Gap:
         self.reach = np.sqrt(2 * pairs.radius * pairs.penetration)
         # Horizontal offset and height of the touch over (under) each centre.
         self.spheres = []
-        for centre, radius in ((pairs.upper, pairs.upper_radius), (pairs.lower, pairs.lower_radius)):
-            sign = 1 if centre is pairs.upper else -1
+        for sign, radius in ((1, pairs.upper_radius), (-1, pairs.lower_radius)):
             offset = sign * (radius / pairs.sum)[:, None] * (pairs.lower - pairs.upper)
             self.spheres.append((offset, radius * pairs.rise / pairs.sum))
 
@@ -162,7 +161,8 @@ class Grid:
                       np.ceil(((self.gap.place + reach).max(0) + side - self.low) / side)]
         # The window of each pair: as many squares for several of them, so that they go together.
         self.size = np.array([good(2 * r / side + 4) for r in self.gap.reach])
-        self.first = np.floor((self.gap.place - self.low) / side - self.size[:, None] / 2).astype(int)
+        middle = (self.gap.place - self.low) / side
+        self.first = np.floor(middle - self.size[:, None] / 2).astype(int)
 
     def window(self, k):
         """Gap of pair k in its window."""
@@ -233,7 +233,7 @@ def share(part, whole):
 
 
 def on_grids(pairs):
-    """Of every grid: vertical load, area, how far an error of RIM_ERROR moves it, normal load."""
+    """Of every grid: vertical load, area, what an error of RIM_ERROR moves it by, normal load."""
     law_load, law_normal, law_area = pairs.law()
     results, start, before = [], None, None
     for size in GRIDS:

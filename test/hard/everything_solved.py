@@ -1,0 +1,315 @@
+"""Whether `coupled` solves everything that has a solution: random scenes, loads of a table, summits.
+
+    python test/hard/everything_solved.py EXECUTABLE [--parts random,loads,rough] [--count 10000]
+        [--first 1] [--processes 2] [--timeout 300] [--mode coupled] [--out results.csv]
+        [--surface SUMMITS.csv ...]
+
+Random scenes: 2 to 5000 contacts, from .1 to 30 % of the area, heights from one level to widely
+spread, equal and mixed radii (to 1:30), at random, in heaps, in packed lattices and with coincident
+caps, under an approach or a load. Scene K is made of the seed K: `--first K --count 1` runs it
+alone. Loads: 2000 to 32000 caps at 40 loads from 3 to 90 N a cap. Rough: the summits of a made-up
+rough surface, and of others (`x,y,height,radius`), up to 20 % contact.
+
+Prints every failure with its seed, and counts, steps and times at the end; status 1 if any failed.
+"""
+
+import argparse
+import csv
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, fields
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "regression"))
+
+from surfaces_csv import records, write_csv_scene  # noqa: E402
+
+MODULUS, RATIO = 275760.0, 0.42
+COMBINED = MODULUS / (2 * (1 - RATIO ** 2))
+SPHERE = 1e6
+MOST_CAPS = 20_000
+
+
+@dataclass
+class Case:
+    """Caps under a sphere so large that it is a flat; `area`: the nominal one."""
+
+    name: str
+    kind: str
+    caps: np.ndarray    # x, y, height above the flat's level of first touch, radius
+    area: float
+    loading: dict
+
+    def write(self, folder, mode):
+        """The scene; what the sphere rises by away from its middle is added to the heights."""
+        caps = self.caps.copy()
+        caps[:, :2] -= (caps[:, :2].max(0) + caps[:, :2].min(0)) / 2
+        square, total = (caps[:, :2] ** 2).sum(1), SPHERE + caps[:, 3]
+        caps[:, 2] += square / (total + np.sqrt(total ** 2 - square))
+        return write_csv_scene(folder, [(0.0, 0.0, 0.0, SPHERE)], caps, name="case",
+                               modulus=(MODULUS,) * 2, ratio=(RATIO,) * 2,
+                               loading=self.loading, effects={"interaction": mode})
+
+
+@dataclass
+class Outcome:
+    """How a case ended."""
+
+    name: str
+    kind: str
+    caps: int
+    status: int = -1
+    contacts: int = 0
+    share: float = np.nan     # of the nominal area
+    steps: float = np.nan
+    seconds: float = 0.0
+    message: str = ""
+
+
+def run(exe, mode, timeout, case):
+    """Solve a case."""
+    outcome = Outcome(case.name, case.kind, len(case.caps))
+    with tempfile.TemporaryDirectory(dir=ROOM) as folder:
+        path = case.write(Path(folder), mode)
+        positions = path.with_name("positions.csv")
+        start = time.perf_counter()
+        try:
+            done = subprocess.run([exe, "solve", path, "--positions", positions, "--quiet",
+                                   "--threads", "1"], capture_output=True, text=True,
+                                  timeout=timeout)
+            outcome.status = done.returncode
+            outcome.message = done.stderr.strip().replace(f"{path}: ", "")
+        except subprocess.TimeoutExpired:
+            outcome.message = f"no end in {timeout:g} s"
+        outcome.seconds = time.perf_counter() - start
+        for row in records(positions):
+            outcome.contacts = int(row["contacts"])
+            outcome.share = float(row["area"]) / case.area
+            outcome.steps = float(row.get("interaction_iterations") or "nan")
+    return outcome
+
+
+# Many small files: in memory where there is room for them.
+ROOM = "/dev/shm" if Path("/dev/shm").is_dir() else None
+
+
+# ---------------------------------------------------------------- random scenes
+
+def heights_of(rng, contacts):
+    """Heights below first touch, as many as touch at the closing 1, and the rest."""
+    kind = ("level", "within", "rough", "rough", "wide")[int(5 * rng.random())]
+    if kind == "level":
+        return kind, np.zeros(contacts)
+    if kind == "within":
+        below = 10 ** rng.uniform(-3, 0) * rng.random(contacts)
+        return kind, below - below.min()
+    # Of so many caps that more stay open; the closing is where the wanted number touches.
+    most = max(1.5, min(100.0 if kind == "wide" else 10.0, MOST_CAPS / contacts))
+    count = int(contacts * 10 ** rng.uniform(np.log10(1.5), np.log10(most))) + 1
+    below = np.sort(-rng.standard_normal(count))
+    below -= below[0]
+    closing = (below[contacts - 1] + below[contacts]) / 2
+    return kind, below / closing
+
+
+def places_of(rng, count, width):
+    """In a square of this width."""
+    kind = ("strewn", "strewn", "strewn", "heaps", "square", "hexagonal",
+            "coincident")[int(7 * rng.random())]
+    if kind in ("square", "hexagonal"):
+        n = int(np.ceil(np.sqrt(count)))
+        i, j = (v.ravel()[:count] for v in np.indices((n, n)))
+        places = np.stack([i + 0.5 * (j % 2), np.sqrt(0.75) * j], 1) if kind == "hexagonal" else \
+            np.stack([i, j], 1).astype(float)
+        places += (rng.random() < 0.5) * 0.1 * rng.standard_normal((count, 2))
+        return kind, width / n * places
+    places = width * rng.random((count, 2))
+    if kind == "heaps":
+        heaps = width * rng.random((max(1, count // 20), 2))
+        near = 0.3 * width / np.sqrt(len(heaps))
+        places = heaps[rng.integers(len(heaps), size=count)] + near * rng.standard_normal((count,
+                                                                                           2))
+    if kind == "coincident":
+        # Some exactly, some within a rounding or a hundredth of where they would touch.
+        twins = rng.integers(count, size=max(1, count // 10))
+        apart = np.array([0, 1e-12, 1e-8, 1e-3])[rng.integers(4, size=len(twins))]
+        places[rng.integers(count, size=len(twins))] = \
+            places[twins] + width / np.sqrt(count) * apart[:, None]
+    return kind, places
+
+
+def random_case(seed):
+    """The scene of a seed."""
+    rng = np.random.default_rng([13, seed])
+    contacts = int(2 * 2500 ** (rng.random() ** 2))
+    heights, below = heights_of(rng, contacts)
+    count = len(below)
+    below = rng.permutation(below)
+    radii = np.ones(count)
+    if rng.random() < 0.5:
+        radii = 30 ** -rng.uniform(0, rng.random(), count)
+    closing = 10 ** rng.uniform(-5, -2.3)
+    lone = np.pi * radii * closing * np.maximum(1 - below, 0)
+    # Together they cover less than each alone, the more so the closer they are.
+    share = 10 ** rng.uniform(np.log10(0.002), np.log10(0.45))
+    area = lone.sum() / share
+    places_kind, places = places_of(rng, count, np.sqrt(area))
+    caps = np.column_stack([places, -closing * below, radii])
+    load = (4 / 3 * COMBINED * np.sqrt(radii) * (closing * np.maximum(1 - below, 0)) ** 1.5).sum()
+    loading = {"control": "approach", "value": -closing}
+    if rng.random() < 0.5:
+        loading = {"control": "load", "value": float(load * rng.uniform(0.1, 0.7))}
+    return Case(f"random {seed}", f"{heights}, {places_kind}, {loading['control']}", caps, area,
+                loading)
+
+
+# ---------------------------------------------------------------- loads
+
+def load_cases():
+    """26 caps of 1.27 cm a cm2, heights normal .127 +- .03 cm; 40 loads for each number."""
+    for count in (2000, 4000, 8000, 16000, 32000):
+        rng = np.random.default_rng([26, count])
+        area = count / 26
+        caps = np.column_stack([np.sqrt(area) * rng.random((count, 2)),
+                                0.127 + 0.03 * rng.standard_normal(count),
+                                np.full(count, 1.27)])
+        # A half of the loads are round: 40, 45, 50, 60 and 90 N a cap among them.
+        for each in sorted({*np.arange(5, 91, 5.0), *np.round(np.geomspace(3, 88, 22), 2)}):
+            yield Case(f"{count} caps, {each:g} N a cap", f"{count} caps", caps, area,
+                       {"control": "load", "value": each * count})
+
+
+# ---------------------------------------------------------------- summits of rough surfaces
+
+def rough_surface(n=512, hurst=0.8, long=64, short=4, seed=5):
+    """Heights of a self-affine surface, periods from `short` to n samples, flat above `long`."""
+    rng = np.random.default_rng(seed)
+    k = np.fft.fftfreq(n) * n
+    k = np.hypot(k[:, None], k[None])
+    size = np.where(k > 0, np.maximum(k, n / long) ** -(1 + hurst), 0) * (k <= n / short)
+    heights = np.fft.ifft2(np.fft.fft2(rng.standard_normal((n, n))) * size).real
+    slope = np.sqrt(2) * np.diff(heights, axis=0).std()
+    return 0.1 * heights / slope
+
+
+def summits(heights):
+    """Samples higher than their eight neighbours; radius: of the mean of both curvatures."""
+    inner = heights[1:-1, 1:-1]
+    top = np.ones(inner.shape, bool)
+    for i in (0, 1, 2):
+        for j in (0, 1, 2):
+            if (i, j) != (1, 1):
+                n, m = heights.shape
+                top &= inner > heights[i:n - 2 + i, j:m - 2 + j]
+    bend = (4 * inner - heights[2:, 1:-1] - heights[:-2, 1:-1] - heights[1:-1, 2:]
+            - heights[1:-1, :-2]) / 2
+    x, y = np.nonzero(top)
+    return np.column_stack([x, y, inner[top], 1 / bend[top]]).astype(float)
+
+
+def rough_cases(name, caps):
+    """Up to 20 % of the area: nominal pressure E* slope/2 times that, the slope from summits."""
+    area = np.ptp(caps[:, 0]) * np.ptp(caps[:, 1])
+    caps = caps.copy()
+    caps[:, 2] -= caps[:, 2].max()
+    for share in (0.003, 0.01, 0.03, 0.1, 0.2):
+        # The load of lone contacts that cover the share: together they need more closing for it.
+        low, high = 0.0, float(-caps[:, 2].min())
+        for _ in range(60):
+            closing = (low + high) / 2
+            deep = np.maximum(closing + caps[:, 2], 0)
+            low, high = (closing, high) if np.pi * (caps[:, 3] * deep).sum() < share * area else \
+                (low, closing)
+        load = float((4 / 3 * COMBINED * np.sqrt(caps[:, 3]) * deep ** 1.5).sum())
+        for control, value in (("load", load), ("approach", -closing)):
+            yield Case(f"{name}, {100 * share:g} %, {control}", name, caps, area,
+                       {"control": control, "value": value})
+
+
+def read_summits(path):
+    """Rows x, y, height, radius of a file."""
+    return np.array([[float(row[c]) for c in ("x", "y", "height", "radius")]
+                     for row in records(Path(path))])
+
+
+def rough_parts(surfaces):
+    """The made-up surface and those of files."""
+    yield from rough_cases("made-up rough surface", summits(rough_surface()))
+    for path in surfaces:
+        yield from rough_cases(Path(path).stem, read_summits(path))
+
+
+# ---------------------------------------------------------------- running
+
+def told(outcomes):
+    """Lines that sum up."""
+    for word in dict.fromkeys(w for o in outcomes for w in sorted(o.kind.split(", "))):
+        yield summed(word, [o for o in outcomes if word in o.kind.split(", ")])
+    yield summed("all", outcomes)
+
+
+def summed(kind, outcomes):
+    good = [o for o in outcomes if o.status == 0]
+    steps = np.array([o.steps for o in good if np.isfinite(o.steps)])
+    seconds = [o.seconds for o in outcomes]
+    share = [o.share for o in good] or [np.nan]
+    return (f"{kind:<34} {len(outcomes):>6} {len(outcomes) - len(good):>6} "
+            + (f"{steps.mean():>6.1f} {steps.max():>6.0f} " if steps.size else f"{'-':>6} {'-':>6} ")
+            + f"{max((o.contacts for o in good), default=0):>8} {100 * min(share):>6.2f} "
+            f"{100 * max(share):>6.1f} {sum(seconds):>8.1f} {max(seconds):>7.2f}")
+
+
+def run_seed(exe, mode, timeout, seed):
+    """Made where it runs: scenes are not sent between processes."""
+    return run(exe, mode, timeout, random_case(seed))
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Whether everything is solved.")
+    parser.add_argument("exe")
+    parser.add_argument("--parts", default="random,loads,rough")
+    parser.add_argument("--count", type=int, default=10_000)
+    parser.add_argument("--first", type=int, default=1)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--timeout", type=float, default=300)
+    parser.add_argument("--mode", default="coupled")
+    parser.add_argument("--surface", nargs="*", default=[])
+    parser.add_argument("--out")
+    words = parser.parse_args()
+    exe, parts = Path(words.exe).resolve(), words.parts.split(",")
+    how = (exe, words.mode, words.timeout)
+    outcomes = []
+    with ProcessPoolExecutor(words.processes) as pool:
+        for part in parts:
+            if part == "random":
+                seeds = range(words.first, words.first + words.count)
+                ended = pool.map(partial(run_seed, *how), seeds, chunksize=4)
+            else:
+                cases = load_cases() if part == "loads" else rough_parts(words.surface)
+                ended = pool.map(partial(run, *how), cases)
+            for outcome in ended:
+                outcomes.append(outcome)
+                if outcome.status != 0:
+                    print(f"NOT SOLVED: {outcome.name} ({outcome.kind}), {outcome.caps} caps: "
+                          f"status {outcome.status}, {outcome.message[:200]}", flush=True)
+    print(f"{'kind':<34} {'runs':>6} {'failed':>6} {'steps':>6} {'most':>6} {'contacts':>8} "
+          f"{'% from':>6} {'to':>6} {'s':>8} {'most':>7}")
+    for line in told(outcomes):
+        print(line)
+    if words.out:
+        with open(words.out, "w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            names = [f.name for f in fields(Outcome)]
+            writer.writerow(names)
+            writer.writerows([getattr(o, n) for n in names] for o in outcomes)
+    return int(any(o.status != 0 for o in outcomes))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
