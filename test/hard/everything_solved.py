@@ -1,4 +1,4 @@
-"""Whether `coupled` solves everything that has a solution: random scenes, loads of a table, summits.
+"""Whether `coupled` solves all that has a solution: random scenes, loads of a table, summits.
 
     python test/hard/everything_solved.py EXECUTABLE [--parts random,loads,rough] [--count 10000]
         [--first 1] [--processes 2] [--timeout 300] [--mode coupled] [--out results.csv]
@@ -259,9 +259,9 @@ def summed(kind, outcomes):
     steps = np.array([o.steps for o in good if np.isfinite(o.steps)])
     seconds = [o.seconds for o in outcomes]
     share = [o.share for o in good] or [np.nan]
-    return (f"{kind:<34} {len(outcomes):>6} {len(outcomes) - len(good):>6} "
-            + (f"{steps.mean():>6.1f} {steps.max():>6.0f} " if steps.size else f"{'-':>6} {'-':>6} ")
-            + f"{max((o.contacts for o in good), default=0):>8} {100 * min(share):>6.2f} "
+    mean, most = (f"{steps.mean():.1f}", f"{steps.max():.0f}") if steps.size else ("-", "-")
+    return (f"{kind:<24} {len(outcomes):>6} {len(outcomes) - len(good):>6} {mean:>6} {most:>6} "
+            f"{max((o.contacts for o in good), default=0):>8} {100 * min(share):>6.2f} "
             f"{100 * max(share):>6.1f} {sum(seconds):>8.1f} {max(seconds):>7.2f}")
 
 
@@ -298,7 +298,7 @@ def main():
                 if outcome.status != 0:
                     print(f"NOT SOLVED: {outcome.name} ({outcome.kind}), {outcome.caps} caps: "
                           f"status {outcome.status}, {outcome.message[:200]}", flush=True)
-    print(f"{'kind':<34} {'runs':>6} {'failed':>6} {'steps':>6} {'most':>6} {'contacts':>8} "
+    print(f"{'kind':<24} {'runs':>6} {'failed':>6} {'steps':>6} {'most':>6} {'contacts':>8} "
           f"{'% from':>6} {'to':>6} {'s':>8} {'most':>7}")
     for line in told(outcomes):
         print(line)

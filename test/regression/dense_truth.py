@@ -13,25 +13,31 @@ under pressure count too much, in proportion to the length of their edge (Yastre
 Molinari 2017). `settled` makes one number of three grids and states its error.
 
     python test/regression/dense_truth.py reference_output/interaction/dense.csv [PROCESSES]
+
+Rows that are there are kept; remove the file to make it anew. `--rim` prints what RIM is made of.
 """
 
 import csv
 import sys
 from multiprocessing import Pool
+from pathlib import Path
 
 import numpy as np
 
 from dense_scenes import COMBINED, dense_scenes
+from surfaces_csv import records
 
 # Of the edge of the squares under pressure (a staircase), in sides of a square: area counted too
 # much. Measured on 98 circles of Hertz of 5 to 80 squares, places at random: .087 to .003 (`--rim`
 # makes it again). Yastrebov's (pi - 1 + ln 2)/24 = .118 is for displacements of another grid.
 RIM, RIM_ERROR = 0.087, 0.005
-# Sizes of squares over the finest. Squares on the finest grid: at most so many in the domain, and
-# no more than so many in the radius of the largest contact alone.
+# Sizes of squares over the finest.
 GRIDS = (1.7, 1.3, 1.0)
+# Squares on the finest grid: at most so many in the domain, and in the radius of the largest contact
+# alone. Of many contacts the errors of squares are averaged.
+MANY = 60
 MOST, RADIUS = 160_000, 80
-MOST_OF_MANY = 1_440_000
+MOST_OF_MANY, RADIUS_OF_MANY = 1_440_000, 32
 # Of the largest penetration: residual at which a solve ends.
 CONVERGED = 2e-7
 STEPS = 600
@@ -223,8 +229,8 @@ def finest(pairs):
     gap = Gap(pairs)
     reach = gap.reach[:, None]
     extent = (gap.place + reach).max(0) - (gap.place - reach).min(0)
-    most = MOST_OF_MANY if len(pairs.gap) > 60 else MOST
-    return max(np.sqrt(extent.prod() / most), gap.reach.max() / np.sqrt(2) / RADIUS)
+    most, radius = (MOST_OF_MANY, RADIUS_OF_MANY) if len(pairs.gap) > MANY else (MOST, RADIUS)
+    return max(np.sqrt(extent.prod() / most), gap.reach.max() / np.sqrt(2) / radius)
 
 
 def share(part, whole):
@@ -286,8 +292,9 @@ def truth_of(scene):
     normal = load * results[-1, 3] / results[-1, 0]
     return {"scene": scene.name, "checksum": scene.checksum(), "contacts": len(pairs.gap),
             "closing": repr(pairs.closing), "alone": f"{alone:.9g}", "load": f"{load:.9g}",
-            "load_error": f"{load_error:.1e}", "normal_load": f"{normal:.9g}", "alone_area": f"{alone_area:.6g}",
-            "area": f"{area:.6g}", "area_error": f"{area_error:.1e}",
+            "load_error": f"{load_error:.1e}", "normal_load": f"{normal:.9g}",
+            "alone_area": f"{alone_area:.6g}", "area": f"{area:.6g}",
+            "area_error": f"{area_error:.1e}",
             "squares": f"{Gap(pairs).reach.max() / np.sqrt(2) / finest(pairs):.0f}"}
 
 
@@ -315,15 +322,16 @@ def main(words):
     if words[0] == "--rim":
         rim()
         return
-    with Pool(int(words[1]) if len(words) > 1 else 2) as pool, \
-            open(words[0], "w", encoding="ascii", newline="") as file:
-        writer = None
-        for row in pool.imap(truth_of, dense_scenes()):
-            if writer is None:
+    path = Path(words[0])
+    rows = {row["scene"]: row for row in records(path)}
+    wanted = [s for s in dense_scenes() if s.checksum() != rows.get(s.name, {}).get("checksum")]
+    with Pool(int(words[1]) if len(words) > 1 else 2) as pool:
+        for row in pool.imap_unordered(truth_of, wanted):
+            rows[row["scene"]] = row
+            with open(path, "w", encoding="ascii", newline="") as file:
                 writer = csv.DictWriter(file, list(row), lineterminator="\n")
                 writer.writeheader()
-            writer.writerow(row)
-            file.flush()
+                writer.writerows(rows[s.name] for s in dense_scenes() if s.name in rows)
 
 
 if __name__ == "__main__":
