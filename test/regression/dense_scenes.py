@@ -122,7 +122,7 @@ def caps(name, family, places, radii, gaps, closing, sphere=1e5):
     radii = np.round(np.broadcast_to(np.asarray(radii, float), len(places)), 12)
     total, square = sphere + radii, (places ** 2).sum(1)
     # A cap is lower than twice its radius.
-    top = min(TOP, radii.min())
+    top = min(TOP, float(radii.min()))
     heights = top - np.asarray(gaps) + square / (total + np.sqrt(total ** 2 - square))
     return Dense(name, family, ((0.0, 0.0, 0.0, sphere),),
                  rounded(places[:, 0], places[:, 1], heights, radii), round(top - closing, 12))

@@ -89,7 +89,7 @@ def test_the_truth_is_of_these_scenes(tally):
     for scene in scenes:
         row = truths()[scene.name]
         assert row["checksum"] == scene.checksum(), scene.name
-        assert float(row["load_error"]) <= 1e-4 and float(row["area_error"]) <= 2e-3, row
+        assert float(row["load_error"]) <= 2e-4 and float(row["area_error"]) <= 5e-3, row
         assert 2 <= int(row["contacts"]) <= 200
         assert 0 < float(row["load"]) < float(row["alone"]), row
     assert {f for f, in groups(FEW, "family")} == {f for f, in groups(scenes, "family")}
