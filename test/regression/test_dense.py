@@ -73,11 +73,13 @@ def test_boundary_agrees_with_the_truth(asperity, scenes):
 
 @ALL_AND_FEW
 def test_coupled_solves_all_and_errs_low(asperity, scenes):
-    """No contact resolved: how far it is off is in the table; it carries less, never more."""
+    """No contact resolved: how far it is off is in the table; caps carry less, never more (steep
+    pairs, whose contacts are oval, may carry more)."""
     results = solved(asperity, scenes, "coupled")
     failed = [r for r in results if r.status != 0]
     assert not failed, told(failed)
-    low = [r for r in results if r.control == "approach" and r.error > CELLS + r.bound]
+    low = [r for r in results if r.control == "approach" and r.family != "steep"
+           and r.error > CELLS + r.bound]
     assert not low, told(low)
 
 
@@ -89,7 +91,7 @@ def test_the_truth_is_of_these_scenes(tally):
     for scene in scenes:
         row = truths()[scene.name]
         assert row["checksum"] == scene.checksum(), scene.name
-        assert float(row["load_error"]) <= 2e-4 and float(row["area_error"]) <= 5e-3, row
+        assert float(row["load_error"]) <= 1e-4 and float(row["area_error"]) <= 4e-3, row
         assert 2 <= int(row["contacts"]) <= 200
         assert 0 < float(row["load"]) < float(row["alone"]), row
     assert {f for f, in groups(FEW, "family")} == {f for f, in groups(scenes, "family")}
