@@ -30,22 +30,25 @@ contains
 
   !> Loads that the contacts may be off by, over the modulus: a bound observed, not proved. Zero
   !> where open and with nothing to tell. Elastic contacts.
-  subroutine find_errors(pairs, solution, hosts, error)
+  subroutine find_errors(pairs, solution, hosts, error, emission)
     type(contact_pairs), intent(in) :: pairs           !! the position
     type(coupled_solution), intent(in) :: solution     !! solved
     integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
-    real(real64), intent(out) :: error(:)              !! by pair
+    real(real64), intent(out) :: error(:)              !! of each by itself, by pair
+    !> what each circle's being oval changes at its near neighbours, in the order of the tree's list
+    real(real64), allocatable, intent(out) :: emission(:)
     type(source_tree) :: tree
     integer, allocatable :: number(:)
-    real(real64), allocatable :: none(:)
     integer :: i, j, k, l
 
     error = 0.0_real64
     hosts = 0
+    allocate (emission(size(solution%set%tree%near)))
     associate (set => solution%set)
       !$omp parallel do schedule(static)
       do k = 1, size(set%number)
-        error(set%number(k)) = of_circle(pairs, solution, k)
+        call judge_circle(pairs, solution, k, error(set%number(k)), &
+                          emission(set%tree%first(k):set%tree%first(k + 1) - 1))
       end do
       !$omp end parallel do
       call open_about(pairs, solution, 1.0_real64, tree, number)
@@ -86,11 +89,12 @@ contains
   end subroutine open_about
 
   ! One circle.
-  real(real64) function of_circle(pairs, solution, k) result(error)
+  subroutine judge_circle(pairs, solution, k, error, emission)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
-    real(real64) :: a, p, r, x, y, with_all(2), apart(2), overlap, shift
+    real(real64), intent(out) :: error, emission(:)
+    real(real64) :: a, p, r, x, y, with_all, apart, overlap, shift, cut
     integer :: l, j
 
     associate (set => solution%set)
@@ -106,11 +110,13 @@ contains
         overlap = overlap + merge(taken_inside, taken, hypot(x, y) < inside * &
                                   max(a, set%circle(j))) * min(set%load(k), set%load(j))
       end do
-      with_all = oval(.true.)
-      error = sum(with_all)
+      call oval(.true., with_all, emission)
+      error = with_all
       if (overlap > 0.0_real64) then
-        apart = oval(.false.)
-        error = min(error, sum(apart) + overlap)
+        cut = sum(emission)
+        call oval(.false., apart, emission)
+        error = min(with_all + cut, apart + sum(emission) + overlap)
+        emission = 0.0_real64
       end if
       shift = hypot(set%move_x(k), set%move_y(k))
       if (shift > steep * a) error = error + gained(r, p, flank * shift**2 / (2 * r))
@@ -119,32 +125,31 @@ contains
   contains
 
     ! Own gain, and what the neighbours gain.
-    function oval(all_of_them) result(gain)
+    subroutine oval(all_of_them, gain, emission)
       logical, intent(in) :: all_of_them
-      real(real64) :: gain(2), b, rr, cosine, sine, part_x, part_y, part, about
+      real(real64), intent(out) :: gain, emission(:)
+      real(real64) :: b, rr, cosine, sine, part_x, part_y, part, about
 
-      associate (set => solution%set)
+      associate (set => solution%set, first => solution%set%tree%first(k))
         part_x = 0.0_real64
         part_y = 0.0_real64
         part = 0.0_real64
-        gain = 0.0_real64
-        do l = set%tree%first(k), set%tree%first(k + 1) - 1
-          call harmonics(set%tree%near(l), all_of_them, b, cosine, sine)
+        do l = 1, size(emission)
+          call harmonics(set%tree%near(first + l - 1), all_of_them, b, cosine, sine)
           part_x = part_x + b * cosine
           part_y = part_y + b * sine
           part = part + b
         end do
         rr = r / (4 * a)
-        gain(1) = rr * (part_x**2 + part_y**2 + higher * part**2)
-        do l = set%tree%first(k), set%tree%first(k + 1) - 1
-          call harmonics(set%tree%near(l), all_of_them, b, cosine, sine)
-          about = solution%penetration(set%number(set%tree%near(l)))
-          gain(2) = gain(2) + emitted * rr * p / about * &
-                    (b * (cosine * part_x + sine * part_y) + higher * b * part)
+        gain = rr * (part_x**2 + part_y**2 + higher * part**2)
+        do l = 1, size(emission)
+          call harmonics(set%tree%near(first + l - 1), all_of_them, b, cosine, sine)
+          about = solution%penetration(set%number(set%tree%near(first + l - 1)))
+          emission(l) = emitted * rr * p / about * abs(b * (cosine * part_x + sine * part_y) + &
+                                                       higher * b * part)
         end do
-        gain(2) = abs(gain(2))
       end associate
-    end function oval
+    end subroutine oval
 
     subroutine harmonics(j, all_of_them, b, cosine, sine)
       integer, intent(in) :: j
@@ -167,7 +172,7 @@ contains
       end associate
     end subroutine harmonics
 
-  end function of_circle
+  end subroutine judge_circle
 
   ! Load that a contact gains by a rise of its penetration.
   pure real(real64) function gained(radius, p, rise)

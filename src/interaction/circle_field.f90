@@ -21,7 +21,7 @@ module asperity_circle_field
   implicit none
   private
 
-  public :: circle_set, plant_circles, find_field, multiply
+  public :: circle_set, plant_circles, find_field, inclination, multiply
 
   !> Sums of radii below which a pair is near.
   real(real64), parameter, public :: near_factor = 5.0_real64
@@ -76,6 +76,18 @@ contains
               self%stiffness, self%lift, self%growth, self%tilt_x, self%tilt_y, self%steer_x, &
               self%steer_y, source=none)
   end subroutine make_room
+
+  !> What an inclined contact presses the surface down with, over its vertical load.
+  !>
+  !> Seen through its vertical gap on a level half-space, as cells see it, a shallow pair of slope m
+  !> carries (1 + m**2)**(1/4) of Hertz' load along the line of centres, which is (1 + m**2)**(3/4)
+  !> of its vertical part. Circles and cells must press alike; the theory is good to the order m**2
+  !> in either way.
+  elemental real(real64) function inclination(cosine)
+    real(real64), intent(in) :: cosine  !! of the contact's inclination, more than 0
+
+    inclination = 1.0_real64 / (cosine * sqrt(cosine))
+  end function inclination
 
   !> Finds who is near whom. To be called when circles come, go or have grown.
   subroutine plant_circles(set)

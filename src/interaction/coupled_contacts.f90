@@ -9,7 +9,7 @@
 !> A step is cut until the slope of the potential along it has fallen, in size, to a share of what
 !> it was at the start.
 module asperity_coupled_contacts
-  use asperity_circle_field, only: circle_set, find_field, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, inclination, plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_open, only: look_around, open_places
@@ -284,6 +284,7 @@ contains
     logical, intent(out) :: same  ! the same contacts as before
     type(contact_response), allocatable :: answer(:)
     integer, allocatable :: number(:)
+    real(real64) :: inclined
     integer :: i, k, n
 
     allocate (answer(size(state%order)), number(size(state%order)))
@@ -329,8 +330,9 @@ contains
           set%move_x(k) = 0.0_real64
           set%move_y(k) = 0.0_real64
         end if
-        set%load(k) = answer(k)%vertical_load / pairs%modulus
-        set%stiffness(k) = answer(k)%stiffness / pairs%modulus
+        inclined = inclination(answer(k)%cosine) / pairs%modulus
+        set%load(k) = answer(k)%vertical_load * inclined
+        set%stiffness(k) = answer(k)%stiffness * inclined
         set%circle(k) = answer(k)%contact_radius
       end do
     end associate

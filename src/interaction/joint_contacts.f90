@@ -70,9 +70,9 @@ contains
     real(real64), intent(in), optional :: target       !! normal load
     type(resolved_contacts) :: resolved
     type(cluster), allocatable :: clusters(:)
-    real(real64), allocatable :: error(:)
+    real(real64), allocatable :: error(:), emission(:)
     integer, allocatable :: hosts(:)
-    real(real64) :: before, now, total, allowed
+    real(real64) :: before, now, total, allowed, left
     integer :: k
 
     call solve_coupled(pairs, law, solution%coupled, target)
@@ -80,10 +80,16 @@ contains
     associate (n => size(pairs%list))
       allocate (error(n), hosts(n), solution%is_resolved(n))
     end associate
-    call find_errors(pairs, solution%coupled, hosts, error)
+    call find_errors(pairs, solution%coupled, hosts, error, emission)
     total = sum(solution%coupled%set%load)
     solution%is_resolved = .false.
-    call choose(pairs, solution, which, left_share * tolerance * total, error, hosts)
+    left = left_out(solution, error, emission)
+    if (which == resolve_all) solution%is_resolved = pairs%list%gap < solution%coupled%closing
+    do while (which == resolve_called_for .and. left > left_share * tolerance * total)
+      call choose(pairs, solution, left_share * tolerance * total, error, emission, hosts)
+      left = left_out(solution, error, emission)
+    end do
+    left = left_out(solution, error, emission)
     if (any(solution%is_resolved)) then
       call form_clusters(pairs, solution, clusters)
       allocate (resolved%is_one(size(error)), resolved%x(size(error)), resolved%y(size(error)), &
@@ -117,7 +123,7 @@ contains
       total = sum(solution%coupled%set%load)
     end if
     call tell_areas(pairs, law, clusters, solution)
-    solution%error = sum(error, mask=.not. solution%is_resolved) / max(total, tiny(total))
+    solution%error = left / max(total, tiny(total))
     if (allocated(clusters)) then
       do k = 1, size(clusters)
         solution%error = solution%error + clusters(k)%answer%change * &
@@ -153,32 +159,55 @@ contains
     failed = allocated(solution%failure)
   end function failed
 
-  ! Who goes on cells: the largest errors until the rest is small enough, and what is close to them.
-  subroutine choose(pairs, solution, which, allowed, error, hosts)
+  ! What circles leave out: each by itself, and at its neighbours, unless both are on cells.
+  real(real64) function left_out(solution, error, emission) result(left)
+    type(joint_solution), intent(in) :: solution
+    real(real64), intent(in) :: error(:), emission(:)
+    integer :: k, l
+
+    left = sum(error, mask=.not. solution%is_resolved)
+    associate (set => solution%coupled%set, is_one => solution%is_resolved)
+      do k = 1, size(set%number)
+        do l = set%tree%first(k), set%tree%first(k + 1) - 1
+          if (.not. (is_one(set%number(k)) .and. is_one(set%number(set%tree%near(l))))) &
+            left = left + emission(l)
+        end do
+      end do
+    end associate
+  end function left_out
+
+  ! Who goes on cells: the largest errors, the more the farther off the rest is, and what is close.
+  subroutine choose(pairs, solution, allowed, error, emission, hosts)
     type(contact_pairs), intent(in) :: pairs
     type(joint_solution), intent(inout) :: solution
-    integer, intent(in) :: which, hosts(:)
-    real(real64), intent(in) :: allowed, error(:)
+    integer, intent(in) :: hosts(:)
+    real(real64), intent(in) :: allowed, error(:), emission(:)
     type(source_tree) :: tree
-    real(real64) :: left, largest
+    real(real64) :: most(size(error)), gone, over
     integer, allocatable :: number(:)
     integer :: i, k, l
     logical :: more
 
-    if (which == resolve_none) return
-    if (which == resolve_all) then
-      solution%is_resolved = pairs%list%gap < solution%coupled%closing
-      return
-    end if
     associate (is_one => solution%is_resolved, set => solution%coupled%set)
-      left = sum(error)
-      do while (left > allowed)
-        i = maxloc(error, dim=1, mask=.not. is_one)
-        largest = error(i)
-        if (.not. largest > 0.0_real64) exit
+      most = error
+      where (is_one) most = 0.0_real64
+      ! A pair of neighbours of which one is not on cells counts for both.
+      do k = 1, size(set%number)
+        do l = set%tree%first(k), set%tree%first(k + 1) - 1
+          i = set%number(set%tree%near(l))
+          if (.not. is_one(i)) most(i) = most(i) + emission(l)
+          if (.not. is_one(set%number(k))) most(set%number(k)) = most(set%number(k)) + emission(l)
+        end do
+      end do
+      over = left_out(solution, error, emission) - allowed
+      gone = 0.0_real64
+      do while (gone < 0.5_real64 * over .or. .not. gone > 0.0_real64)
+        i = maxloc(most, dim=1)
+        if (.not. most(i) > 0.0_real64) exit
         is_one(i) = .true.
         if (hosts(i) > 0) is_one(hosts(i)) = .true.
-        left = sum(error, mask=.not. is_one)
+        gone = gone + most(i)
+        most(i) = 0.0_real64
       end do
       if (.not. any(is_one)) return
       ! Circles that overlap a member.
