@@ -197,7 +197,7 @@ contains
   end function expected_error
 
   ! A contact by itself: on the same lattice, so that the cells' errors cancel; coarser where they
-  ! are small even so.
+  ! are below a third of the tolerance even so.
   subroutine solve_alone(modulus, frame, shape, tolerance, answer)
     real(real64), intent(in) :: modulus, tolerance
     type(cell_frame), intent(in) :: frame

@@ -162,7 +162,7 @@ contains
       p0 = 2.0_real64 / pi * 0.7_real64 * sqrt(depths(i))
       call check(error, outcome%ending%converged, 'not converged')
       call check(error, total(outcome) / hertz, 1.0_real64, allowed, 'load over Hertz')
-      call check(error, alone_total(outcome) / total(outcome), 1.0_real64, 1.0e-5_real64, 'alone')
+      call check(error, alone_total(outcome) / total(outcome), 1.0_real64, asked / 3.0_real64, 'alone')
       call check(error, outcome%area(1) / (pi * depths(i)), 1.0_real64, 0.007_real64, 'area')
       call check(error, outcome%maximum_pressure(1) / p0, 1.0_real64, 0.005_real64, 'pressure')
     end do
@@ -333,9 +333,8 @@ contains
     ! Three times the same surface is the same surface.
     call solve(pairs, spread(1.0e-2_real64, 1, 3), asked, outcome)
     call check(error, total(outcome), total(one), 1.0e-12_real64, 'coincident')
-    ! A gap off by a hundredth of what is asked moves a load by 1.5 of that.
-    call check(error, alone_total(outcome) / total(one), 3.0_real64, 4.5e-5_real64, &
-               'coincident, alone')
+    ! A contact alone may stand on coarser cells, off by a third of what is asked.
+    call check(error, alone_total(outcome) / total(one), 3.0_real64, asked, 'coincident, alone')
     ! One whose own overlap lies within a deeper one's.
     call solve(pairs, [1.0e-3_real64, 1.0e-2_real64, 1.0e-12_real64], asked, outcome)
     call check(error, total(outcome), total(one), 1.0e-12_real64, 'covered')
