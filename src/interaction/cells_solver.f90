@@ -36,8 +36,9 @@ module asperity_cells_solver
   real(real64), parameter :: rim = 1.0_real64 / 30.0_real64
 
   ! What is taken off an area at the rim may be as much as this, with 17 cells to a radius, or .7 of
-  ! the error allowed: at 6 cells the scatter is .7 of it, more below. The scatter of n contacts is less by their root; counted up to 4, 8 cells a
-  ! radius, as below that the mean is off by more than .5 %, too.
+  ! the error allowed: at 6 cells the scatter is .7 of it, more below. The scatter of n contacts is
+  ! less by their root; counted up to 4, 8 cells a radius: below that the mean is off by more than
+  ! .5 %, too.
   real(real64), parameter :: area_allowed = 5.0e-3_real64
 
   ! The gaps are closed to that times the tolerance, of the penetration. A gap off by as much

@@ -162,7 +162,8 @@ contains
       p0 = 2.0_real64 / pi * 0.7_real64 * sqrt(depths(i))
       call check(error, outcome%ending%converged, 'not converged')
       call check(error, total(outcome) / hertz, 1.0_real64, allowed, 'load over Hertz')
-      call check(error, alone_total(outcome) / total(outcome), 1.0_real64, asked / 3.0_real64, 'alone')
+      call check(error, alone_total(outcome) / total(outcome), 1.0_real64, asked / 3.0_real64, &
+                 'alone')
       call check(error, outcome%area(1) / (pi * depths(i)), 1.0_real64, 0.007_real64, 'area')
       call check(error, outcome%maximum_pressure(1) / p0, 1.0_real64, 0.005_real64, 'pressure')
     end do
