@@ -60,8 +60,8 @@ contains
         do k = tree%first(l), tree%first(l + 1) - 1
           j = set%number(tree%near(k))
           if (hosts(i) == 0) hosts(i) = j
-          error(i) = error(i) + 2 * set%circle(tree%near(k)) * higher_by(pairs, solution, i, &
-                                                                          tree%near(k))
+          error(i) = error(i) + &
+                     2 * set%circle(tree%near(k)) * higher_by(pairs, solution, i, tree%near(k))
         end do
       end do
     end associate

@@ -54,6 +54,8 @@ module asperity_joint_contacts
   ! Radii from a circle within which an open contact shares its cells.
   real(real64), parameter :: about_member = 1.3_real64
   integer, parameter :: most_rounds = 30
+  ! Penetration of a resolved contact that the cells leave open: it joins no more.
+  real(real64), parameter :: far_below = -1.0e-3_real64 * huge(1.0_real64)
   ! Of the change by the last halving, what the finest cells are off by: their error falls by 4 to 7.
   real(real64), parameter :: change_left = 1.0_real64 / 3.0_real64
   ! Chebyshev nodes of a field whose sources are farther off than so many half diagonals: 8 nodes
@@ -125,6 +127,8 @@ contains
         end if
       end do
       total = sum(solution%coupled%set%load)
+      where (solution%coupled%penetration < 0.5_real64 * far_below) &
+        solution%coupled%penetration = 0.0_real64
     end if
     call tell_areas(pairs, law, clusters, solution)
     solution%error = left / max(total, tiny(total))
@@ -401,7 +405,7 @@ contains
           i = clusters(k)%members(m)
           resolved%x(i) = answer%centre_x(m)
           resolved%y(i) = answer%centre_y(m)
-          coupled%penetration(i) = 0.0_real64
+          coupled%penetration(i) = far_below
           coupled%move_x(i) = 0.0_real64
           coupled%move_y(i) = 0.0_real64
           if (.not. (answer%vertical_load(m) > 0.0_real64 .and. &
