@@ -23,6 +23,8 @@ module asperity_circle_error
   real(real64), parameter :: emitted = 1.2_real64
   ! Share of the square of the harmonics above the second.
   real(real64), parameter :: higher = 1.0_real64 / 18
+  ! Over the radius of its host, a cap that stands out by less is narrow.
+  real(real64), parameter :: narrow = 0.3_real64
   ! A contact on a flank steeper than that, R slope over a, has lost this share of its rise.
   real(real64), parameter :: steep = 0.6_real64, flank = 0.3_real64
 
@@ -189,11 +191,25 @@ contains
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: i, k
     integer, parameter :: rings = 6, spokes = 12
-    real(real64) :: rho, x, y
+    real(real64) :: rho, x, y, sharp, peak
     integer :: ring, spoke
 
     mean = 0.0_real64
     associate (set => solution%set, own => pairs%list(solution%set%number(k)), other => pairs%list(i))
+      sharp = 1.0_real64 / other%radius - 1.0_real64 / own%radius
+      if (sharp > 0.0_real64) then
+        ! A narrow cap that stands out is missed by samples: the volume of its paraboloid.
+        peak = own%gap - other%gap + ((own%x - other%x)**2 + (own%y - other%y)**2) / &
+               (2 * own%radius * other%radius * sharp)
+        if (.not. peak > 0.0_real64) return
+        if (2 * peak / sharp < (narrow * set%circle(k))**2) then
+          x = own%x + (other%x - own%x) / (other%radius * sharp) - set%x(k) - set%move_x(k)
+          y = own%y + (other%y - own%y) / (other%radius * sharp) - set%y(k) - set%move_y(k)
+          mean = peak**2 / sharp / (2 * set%circle(k)**2 * &
+                 sqrt(max(narrow**2, 1.0_real64 - (x**2 + y**2) / set%circle(k)**2)))
+          return
+        end if
+      end if
       do ring = 1, rings
         ! The weight is even in the root of 1 - (rho/a)**2.
         rho = set%circle(k) * sqrt(1.0_real64 - ((ring - 0.5_real64) / rings)**2)

@@ -264,10 +264,11 @@ contains
       state%residual = 0.0_real64
       do k = 1, size(set%x)
         state%off(k) = state%off(k) - solution%closing
-        ! A shift that is off changes the penetration by no more than this times the slope.
+        ! A shift that is off changes the penetration by no more than this times the slopes.
         aside = 0.0_real64
         if (.not. set%still(k)) aside = hypot(state%off_x(k), state%off_y(k)) / set%curvature(k) * &
-                                        hypot(set%tilt_x(k), set%tilt_y(k))
+                                        (hypot(set%tilt_x(k), set%tilt_y(k)) + &
+                                         set%curvature(k) * hypot(set%move_x(k), set%move_y(k)))
         state%residual = max(state%residual, abs(state%off(k)), aside)
       end do
       state%residual = state%residual / deepest
