@@ -10,8 +10,8 @@ module asperity_interaction
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
-  use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, resolve_none, &
-                                     solve_joint
+  use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
+                                     resolve_none, solve_joint
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
   implicit none

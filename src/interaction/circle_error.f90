@@ -195,7 +195,8 @@ contains
     integer :: ring, spoke
 
     mean = 0.0_real64
-    associate (set => solution%set, own => pairs%list(solution%set%number(k)), other => pairs%list(i))
+    associate (set => solution%set, own => pairs%list(solution%set%number(k)), &
+               other => pairs%list(i))
       sharp = 1.0_real64 / other%radius - 1.0_real64 / own%radius
       if (sharp > 0.0_real64) then
         ! A narrow cap that stands out is missed by samples: the volume of its paraboloid.

@@ -101,7 +101,7 @@ contains
     pairs = size(set%tree%near) / 2
     if (allocated(set%pair)) deallocate (set%pair, set%one, set%other, set%terms)
     allocate (set%pair(2 * pairs), set%one(pairs), set%other(pairs), set%terms(north, pairs))
-    cursor = set%tree%first(:size(set%x))
+    allocate (cursor(size(set%x)), source=set%tree%first(:size(set%x)))
     pairs = 0
     do i = 1, size(set%x)
       do k = set%tree%first(i), set%tree%first(i + 1) - 1

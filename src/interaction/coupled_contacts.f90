@@ -113,7 +113,7 @@ contains
   subroutine adopt(pairs, law, solution, resolved)
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
-    type(coupled_solution), intent(inout) :: solution      !! closing, penetrations and shifts are set
+    type(coupled_solution), intent(inout) :: solution      !! all but its circles is set
     type(resolved_contacts), intent(inout) :: resolved     !! gets its gaps
     type(solve_state) :: state
     integer :: i, k
@@ -358,9 +358,9 @@ contains
     gradient(3, :) = solution%set%load * state%off_y
     call newton_step(solution%set, gradient, state%target > 0.0_real64, &
                      min(0.1_real64, state%residual), step, solution%products)
-    p = solution%penetration
-    x = solution%move_x
-    y = solution%move_y
+    allocate (p, source=solution%penetration)
+    allocate (x, source=solution%move_x)
+    allocate (y, source=solution%move_y)
     allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
     do k = 1, n
       associate (i => solution%set%number(k))
@@ -457,7 +457,7 @@ contains
     joined = 0
     if (size(solution%set%x) == 0) return
     deepest = maxval(solution%penetration(solution%set%number))
-    is_open = state%gap < solution%closing
+    allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%number) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_one
     ! Once all were looked at, those that are far from touching wait for the end.

@@ -65,7 +65,8 @@ contains
     real(real64), intent(in) :: far_lift, far_slope(2), accuracy
     type(open_places), intent(inout) :: places
     type(local_field) :: here, there
-    real(real64) :: first(2), s(2), trial(2), move(2), slope(2), height, least, part, xx, yy, half, mean, more
+    real(real64) :: first(2), s(2), trial(2), move(2), slope(2), height, least, part, xx, yy
+    real(real64) :: half, mean, more
     integer :: step, cut
 
     first = [places%move_x(i), places%move_y(i)]

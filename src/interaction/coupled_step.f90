@@ -27,7 +27,7 @@ contains
     integer :: round
 
     allocate (scaled, direction, image, mold=gradient)
-    left = -gradient
+    allocate (left, source=-gradient)
     step = 0.0_real64
     call precondition(set, keep_sum, left, scaled)
     direction = scaled

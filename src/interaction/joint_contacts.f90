@@ -70,7 +70,7 @@ contains
     type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
     class(contact_law), intent(in) :: law              !! of each contact
     integer, intent(in) :: which                       !! `resolve_none` ...
-    real(real64), intent(in) :: tolerance              !! share of load and area, for what is called for
+    real(real64), intent(in) :: tolerance              !! share of load and area, where called for
     real(real64), intent(in) :: cells_tolerance        !! relative change by the last halving
     type(joint_solution), intent(inout) :: solution    !! closing; then all
     real(real64), intent(in), optional :: target       !! normal load
@@ -260,7 +260,7 @@ contains
     n = size(number)
     allocate (reach(n), of(n))
     parent = [(i, i=1, n)]
-    row = [(0, i=1, size(pairs%list))]
+    allocate (row(size(pairs%list)), source=0)
     row(solution%coupled%set%number) = [(i, i=1, size(solution%coupled%set%number))]
     do i = 1, n
       reach(i) = 1.0e-3_real64 * sqrt(pairs%list(number(i))%radius * &
@@ -342,12 +342,12 @@ contains
     real(real64), intent(out) :: least
     real(real64), allocatable :: x(:), y(:), node(:)
     logical, allocatable :: is_near(:)
-    real(real64) :: half, middle(2)
+    real(real64) :: half, middle(2), place(2)
     integer :: i, j, k
 
     associate (set => coupled%set)
-      x = set%x(others) + set%move_x(others)
-      y = set%y(others) + set%move_y(others)
+      allocate (x, source=set%x(others) + set%move_x(others))
+      allocate (y, source=set%y(others) + set%move_y(others))
       middle = 0.5_real64 * [outside%x0 + outside%x1, outside%y0 + outside%y1]
       half = 0.5_real64 * hypot(outside%x1 - outside%x0, outside%y1 - outside%y0)
       is_near = hypot(x - middle(1), y - middle(2)) < far_off * half + set%circle(others)
@@ -362,10 +362,10 @@ contains
         if (is_near(k)) cycle
         do j = 1, nodes
           do i = 1, nodes
+            place = middle + 0.5_real64 * [node(i) * (outside%x1 - outside%x0), &
+                                           node(j) * (outside%y1 - outside%y0)]
             outside%at_nodes(i, j) = outside%at_nodes(i, j) + set%load(others(k)) * &
-              beside_circle(set%circle(others(k)), &
-                            hypot(middle(1) + 0.5_real64 * node(i) * (outside%x1 - outside%x0) - x(k), &
-                                  middle(2) + 0.5_real64 * node(j) * (outside%y1 - outside%y0) - y(k)))
+              beside_circle(set%circle(others(k)), hypot(place(1) - x(k), place(2) - y(k)))
           end do
         end do
       end do

@@ -33,8 +33,8 @@ from surfaces_csv import records
 RIM, RIM_ERROR = 0.087, 0.005
 # Sizes of squares over the finest.
 GRIDS = (1.7, 1.3, 1.0)
-# Squares on the finest grid: at most so many in the domain, and in the radius of the largest contact
-# alone. Of many contacts the errors of squares are averaged.
+# Squares on the finest grid: at most so many in the domain, and in the radius of the largest
+# contact alone. Of many contacts the errors of squares are averaged.
 MANY = 60
 MOST, RADIUS = 160_000, 80
 MOST_OF_MANY, RADIUS_OF_MANY = 1_440_000, 32
