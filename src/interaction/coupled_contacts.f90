@@ -455,7 +455,19 @@ contains
     real(real64) :: deepest
 
     joined = 0
-    if (size(solution%set%x) == 0) return
+    if (size(solution%set%x) == 0) then
+      ! A step may have opened all of them: then the first one begins again.
+      i = minloc(state%gap, dim=1)
+      if (i == 0) return
+      if (.not. state%gap(i) < solution%closing) return
+      solution%penetration(i) = (solution%closing - state%gap(i)) * &
+                                share_of_rejoined**state%joins(i)
+      solution%move_x(i) = 0.0_real64
+      solution%move_y(i) = 0.0_real64
+      state%joins(i) = state%joins(i) + 1
+      joined = 1
+      return
+    end if
     deepest = maxval(solution%penetration(solution%set%number))
     allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%number) = .false.
