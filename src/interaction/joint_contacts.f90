@@ -56,7 +56,7 @@ module asperity_joint_contacts
   integer, parameter :: most_rounds = 30
   ! Penetration of a resolved contact that the cells leave open: it joins no more.
   real(real64), parameter :: far_below = -1.0e-3_real64 * huge(1.0_real64)
-  ! Of the change by the last halving, what the finest cells are off by: their error falls by 4 to 7.
+  ! Of the change by the last halving, what the finest cells are off by: errors fall by 4 to 7.
   real(real64), parameter :: change_left = 1.0_real64 / 3.0_real64
   ! Chebyshev nodes of a field whose sources are farther off than so many half diagonals: 8 nodes
   ! are right within (3 + sqrt(8))**-8 = 1e-6 of it.
