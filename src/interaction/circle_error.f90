@@ -162,11 +162,11 @@ contains
       associate (set => solution%set)
         x = set%x(j) + set%move_x(j) - set%x(k) - set%move_x(k)
         y = set%y(j) + set%move_y(j) - set%y(k) - set%move_y(k)
-        rr = x * x + y * y
+        ! In one place nothing is known: very much.
+        rr = max(x * x + y * y, 1.0e-6_real64 * a**2)
         b = 0.0_real64
-        cosine = 1.0_real64
+        cosine = 0.0_real64
         sine = 0.0_real64
-        if (.not. rr > 0.0_real64) return
         if (.not. all_of_them .and. rr < (a + set%circle(j))**2) return
         b = 2 * set%load(j) * a**2 / (pi * sqrt(rr) * max(rr - a**2, 0.1_real64 * rr))
         cosine = (x * x - y * y) / rr
