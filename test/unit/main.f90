@@ -12,6 +12,7 @@ program unit_tests
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
   use asperity_kernel_search_suite, only: collect_kernel_search
+  use asperity_mutual_suite, only: collect_mutual
   use asperity_new_effect_suite, only: collect_new_effect
   use asperity_packet_suite, only: collect_packets
   use asperity_philox_suite, only: collect_philox
@@ -38,6 +39,7 @@ program unit_tests
   call run_suite('brackets of roots', collect_brackets, tally)
   call run_suite('cells', collect_cells, tally)
   call run_suite('sums over many circles', collect_summation, tally)
+  call run_suite('circles on each other', collect_mutual, tally)
   call run_suite('coupled contacts', collect_coupled, tally)
   call run_suite('friction', collect_friction, tally)
   call run_suite('curves of adhesion', collect_adhesion_curves, tally)
