@@ -104,9 +104,6 @@ contains
     call answer_all(pairs, state)
     where (state%answers%load > 0.0_real64)
       state%answers%contact_radius = sqrt(solution%area / pi)
-      ! Those of cells are areas in plan.
-      where (solution%is_resolved) state%answers%contact_radius = &
-        state%answers%contact_radius / sqrt(state%answers%cosine)
       where (solution%maximum_pressure > 0.0_real64) &
         state%answers%maximum_pressure = solution%maximum_pressure
     end where

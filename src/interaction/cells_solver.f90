@@ -53,6 +53,7 @@ module asperity_cells_solver
     real(real64), allocatable :: vertical_load(:)     !! all members together
     real(real64), allocatable :: alone_load(:)        !! of each alone, nothing outside, same cells
     real(real64), allocatable :: area(:)              !! in plan, corrected at the rim
+    real(real64), allocatable :: alone_area(:)        !! the same of each alone
     real(real64), allocatable :: maximum_pressure(:)  !! mean over a cell
     real(real64), allocatable :: centre_x(:)          !! of its pressure; unloaded: first touch
     real(real64), allocatable :: centre_y(:)          !! of its pressure; unloaded: first touch
@@ -97,12 +98,8 @@ contains
     real(real64), intent(in) :: tolerance          !! relative change by the last halving
     type(cells_answer), intent(out) :: answer      !! the answer
     type(gap_shape), allocatable :: shapes(:)
-    real(real64), allocatable :: zero(:)
 
-    allocate (zero(size(members)))
-    zero = 0.0_real64
-    allocate (answer%vertical_load, answer%alone_load, answer%area, answer%maximum_pressure, &
-              answer%centre_x, answer%centre_y, source=zero)
+    call make_room(answer, size(members))
     answer%centre_x = pairs%list(members)%x
     answer%centre_y = pairs%list(members)%y
     call find_shapes(pairs, members, closing, shapes)
@@ -176,7 +173,7 @@ contains
       total = sum(answer%vertical_load)
       if (answer%halvings > 0) answer%change = abs(before - total) / max(total, worth)
       if (answer%change <= tolerance .and. &
-          expected_error(answer%halvings, 1.0_real64) <= tolerance .and. (total < worth .or. &
+          expected_error(answer%halvings) <= tolerance .and. (total < worth .or. &
           off <= max(area_allowed, 0.7_real64 * tolerance) * sum(answer%area) * &
           sqrt(real(min(4, count(answer%area > 0.0_real64)), real64)))) exit
       answer%halvings = answer%halvings + 1
@@ -190,15 +187,13 @@ contains
   ! What the cells may be off in the load of a round contact: the largest over 64 places of the
   ! lattice was 9e-3, 1.2e-3, 2.7e-4 and 4.2e-5 at 3, 6, 12 and 24 cells per radius. A small change
   ! alone may be luck.
-  pure real(real64) function expected_error(halvings, size)
+  pure real(real64) function expected_error(halvings)
     integer, intent(in) :: halvings
-    real(real64), intent(in) :: size  ! of its radius, over that of the largest
 
-    expected_error = 0.13_real64 / (coarse_cells * size * 2.0_real64**halvings)**2.5_real64
+    expected_error = 0.13_real64 / (coarse_cells * 2.0_real64**halvings)**2.5_real64
   end function expected_error
 
-  ! A contact by itself: on the same lattice, so that the cells' errors cancel; coarser where they
-  ! are below a third of the tolerance even so.
+  ! A contact by itself, on the same lattice, so that the cells' errors cancel in the ratio.
   subroutine solve_alone(modulus, frame, shape, tolerance, answer)
     real(real64), intent(in) :: modulus, tolerance
     type(cell_frame), intent(in) :: frame
@@ -206,22 +201,31 @@ contains
     type(cells_answer), intent(inout) :: answer
     type(cell_frame) :: own
     type(cell_lattice) :: lattice
-    type(solve_ending) :: ending
-    integer :: halvings
+    type(cells_answer) :: alone
+    real(real64) :: off
 
     own = frame
     own%scale = shape(1)%penetration
-    do halvings = 0, answer%halvings - 1
-      if (expected_error(halvings, shape(1)%contact_radius * sqrt(shape(1)%cosine)**3 / &
-                         (coarse_cells * frame%coarse)) < tolerance / 3.0_real64) exit
-    end do
-    call lay_cells(own, shape, halvings, lattice)
+    call lay_cells(own, shape, answer%halvings, lattice)
     call start_forces(own, shape, lattice)
-    call solve_on(lattice, tolerance, ending)
-    answer%alone_load(shape(1)%pair) = modulus * own%scale * lattice%cell * sum(lattice%force)
-    if (.not. ending%converged) &
+    call solve_on(lattice, tolerance, alone%ending)
+    if (.not. alone%ending%converged) &
       answer%failure = 'the pressures on the cells of a contact alone did not converge'
+    call make_room(alone, size(answer%area))
+    call tell(modulus, own, shape, lattice, alone, off)
+    answer%alone_load(shape(1)%pair) = alone%vertical_load(shape(1)%pair)
+    answer%alone_area(shape(1)%pair) = alone%area(shape(1)%pair)
   end subroutine solve_alone
+
+  pure subroutine make_room(answer, members)
+    type(cells_answer), intent(inout) :: answer
+    integer, intent(in) :: members
+    real(real64) :: zero(members)
+
+    zero = 0.0_real64
+    allocate (answer%vertical_load, answer%alone_load, answer%area, answer%alone_area, &
+              answer%maximum_pressure, answer%centre_x, answer%centre_y, source=zero)
+  end subroutine make_room
 
   subroutine solve_on(lattice, tolerance, ending)
     type(cell_lattice), intent(inout) :: lattice
