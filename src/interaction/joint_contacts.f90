@@ -46,7 +46,7 @@ module asperity_joint_contacts
   integer, parameter, public :: resolve_none = 0, resolve_all = 1, resolve_called_for = 2
 
   ! Shares of a tolerance: what circles may leave out, the last halving of cells, the last round.
-  real(real64), parameter :: left_share = 0.6_real64, cells_share = 0.2_real64
+  real(real64), parameter :: left_share = 0.5_real64, cells_share = 0.25_real64
   real(real64), parameter :: round_share = 0.2_real64
   ! Sums of radii between members of two clusters, at least: farther off, that a contact is oval
   ! changes what it does to another by less than 4e-5 of its load.
@@ -104,7 +104,7 @@ contains
       allocate (resolved%is_one(size(error)), resolved%x(size(error)), resolved%y(size(error)), &
                 resolved%gap(size(error)))
       resolved%is_one = solution%is_resolved
-      allowed = merge(cells_tolerance, max(cells_tolerance, cells_share * tolerance), &
+      allowed = merge(cells_tolerance, cells_share * tolerance, &
                       which == resolve_all)
       now = measure()
       do
@@ -122,8 +122,12 @@ contains
         now = measure()
         if (abs(now - before) <= round_share * merge(cells_tolerance, tolerance, &
                                                      which == resolve_all) * now) exit
+        ! All contacts in one cluster, at a closing: there is nothing to go back to.
         if (size(clusters) == 1 .and. .not. present(target) .and. &
-            size(clusters(1)%members) == count(pairs%list%gap < solution%coupled%closing)) exit
+            size(clusters(1)%members) == count(pairs%list%gap < solution%coupled%closing)) then
+          before = now
+          exit
+        end if
         if (solution%rounds == most_rounds) then
           solution%failure = 'circles and cells do not settle'
           return
