@@ -6,6 +6,7 @@
 !> below B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add up to B**2/18 at most. Where
 !> circles overlap, one of the two takes from the other at most a share of the smaller load.
 module asperity_circle_error
+  use asperity_circle_field, only: many
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
@@ -47,7 +48,7 @@ contains
     hosts = 0
     allocate (emission(size(solution%set%tree%near)))
     associate (set => solution%set)
-      !$omp parallel do schedule(static)
+      !$omp parallel do schedule(static) if(size(set%number) > many)
       do k = 1, size(set%number)
         call judge_circle(pairs, solution, k, error(set%number(k)), &
                           emission(set%tree%first(k):set%tree%first(k + 1) - 1))

@@ -29,6 +29,9 @@ module asperity_circle_field
   ! Mean squares of a Hertz row and of a flat one, halved: what widens 1/r by its Laplacian.
   real(real64), parameter :: hertz_spread = 0.1_real64, flat_spread = 1.0_real64 / 6
 
+  !> Circles or near pairs from which on threads share the work: less takes microseconds.
+  integer, parameter, public :: many = 1000
+
   ! Pairs whose terms are found together.
   integer, parameter :: a_batch = 65536
 
@@ -138,7 +141,7 @@ contains
     set%steer_y = set%tilt_y
     do from = 1, size(set%one), a_batch
       to = min(from + a_batch - 1, size(set%one))
-      !$omp parallel do schedule(static)
+      !$omp parallel do schedule(static) if(to - from > many)
       do k = from, to
         call find_terms(set, k, batch(k - from + 1))
       end do
@@ -219,7 +222,8 @@ contains
     call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, potential, lap, &
                      move_x=set%move_x, move_y=set%move_y, target_move_x=set%move_x, &
                      target_move_y=set%move_y)
-    !$omp parallel do schedule(static) private(i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
+    !$omp parallel do schedule(static) if(n > many) &
+    !$omp   private(i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
     !$omp   slope_here, slope_there, x, y)
     do i = 1, n
       x = set%move_x(i) * set%curvature(i) + set%steer_x(i)

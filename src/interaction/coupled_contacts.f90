@@ -9,7 +9,8 @@
 !> A step is cut until the slope of the potential along it has fallen, in size, to a share of what
 !> it was at the start.
 module asperity_coupled_contacts
-  use asperity_circle_field, only: circle_set, find_field, inclination, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, inclination, many, &
+                                   plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_open, only: look_around, open_places
@@ -289,7 +290,7 @@ contains
     integer :: i, k, n
 
     allocate (answer(size(state%order)), number(size(state%order)))
-    !$omp parallel do schedule(static) private(i)
+    !$omp parallel do schedule(static) private(i) if(size(state%order) > many)
     do k = 1, size(state%order)
       i = state%order(k)
       if (.not. solution%penetration(i) > 0.0_real64) cycle

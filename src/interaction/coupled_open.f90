@@ -1,6 +1,6 @@
 !> Where open contacts would touch first on the surface that the loaded ones leave.
 module asperity_coupled_open
-  use asperity_circle_field, only: circle_set, near_factor
+  use asperity_circle_field, only: circle_set, many, near_factor
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
@@ -50,7 +50,7 @@ contains
     end if
     call sum_sources(tree, set%load, 0.1_real64 * set%circle**2, potential, lap, slope_x, slope_y, &
                      set%move_x, set%move_y, places%move_x, places%move_y)
-    !$omp parallel do schedule(dynamic, 64)
+    !$omp parallel do schedule(dynamic, 64) if(n > many)
     do i = 1, n
       call settle(set, tree%near(tree%first(i):tree%first(i + 1) - 1), potential(i) / pi, &
                   [slope_x(i), slope_y(i)] / pi, accuracy, places, i)

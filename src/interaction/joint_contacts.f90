@@ -109,7 +109,7 @@ contains
       now = measure()
       do
         solution%rounds = solution%rounds + 1
-        !$omp parallel do schedule(dynamic)
+        !$omp parallel do schedule(dynamic) if(size(clusters) > 1)
         do k = 1, size(clusters)
           call solve_cluster(pairs, solution%coupled, allowed, clusters(k))
         end do

@@ -17,7 +17,7 @@ module asperity_sweep
   use asperity_run_options, only: run_options
   use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
                                   gather_round, is_own, shared_work
-  !$ use omp_lib, only: omp_get_max_threads
+  !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private
 
@@ -48,7 +48,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(sweep_watch) :: watch
     integer(int64) :: states
-    integer :: m, threads
+    integer :: m, threads, usual
     logical :: going_on
 
     states = int(solver%positions, int64) * int(max(1, solver%states), int64)
@@ -58,6 +58,10 @@ contains
     end if
     allocate (positions(solver%positions))
     threads = threads_for(solver, options)
+    ! A position by itself may use the threads within.
+    usual = 1
+    !$ usual = omp_get_max_threads()
+    !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
     watch%last = solver%positions
     call begin_work(watch%work, solver%positions, options%all_images, kept)
     do m = 1, watch%work%done * merge(1, 0, image_number() == 1)
@@ -77,6 +81,7 @@ contains
       call end_round(watch%work)
       call watch%progress%reach(watch%work%done)
     end do
+    !$ call omp_set_num_threads(usual)
     call watch%progress%finish()
     if (allocated(watch%work%ending)) failure = watch%work%ending
   end subroutine run_sweep
