@@ -18,6 +18,7 @@ program unit_tests
   use asperity_philox_suite, only: collect_philox
   use asperity_plastic_curves_suite, only: collect_plastic_curves
   use asperity_plasticity_suite, only: collect_plasticity
+  use asperity_potential_suite, only: collect_potential
   use asperity_test_pair_search, only: collect_pair_search
   use asperity_study_suite, only: collect_study
   use asperity_summation_suite, only: collect_summation
@@ -40,6 +41,7 @@ program unit_tests
   call run_suite('cells', collect_cells, tally)
   call run_suite('sums over many circles', collect_summation, tally)
   call run_suite('circles on each other', collect_mutual, tally)
+  call run_suite('potential of contacts', collect_potential, tally)
   call run_suite('coupled contacts', collect_coupled, tally)
   call run_suite('friction', collect_friction, tally)
   call run_suite('curves of adhesion', collect_adhesion_curves, tally)

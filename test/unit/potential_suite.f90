@@ -1,0 +1,263 @@
+!> Tests of the potential of loads and shifts: its derivatives, and that it is least where the
+!> solver ends. Truths: differences of the energy itself.
+module asperity_potential_suite
+  use asperity_circle_field, only: circle_set, find_field, multiply, plant_circles
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_coupled_contacts, only: coupled_solution
+  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
+                                     set_out, solve_at
+  use asperity_hertz_law, only: hertz_law
+  use asperity_kinds, only: int64, real64
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_potential
+
+  real(real64), parameter :: third = 1.0_real64 / 3
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_potential(suite)
+    !> all tests
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    suite = [ &
+      new_unittest('the gradient is that of the energy, near and far', gradient), &
+      new_unittest('a product is the change of the gradient, near', hessian_near), &
+      new_unittest('a product is the change of the gradient by loads, far', hessian_far), &
+      new_unittest('the solution has the least energy of a hundred states about it', least)]
+  end subroutine collect_potential
+
+  ! Circles of spheres of radius 1 in a square of some circles' side, all shifted a little.
+  subroutine scatter(n, side, set)
+    integer, intent(in) :: n
+    real(real64), intent(in) :: side
+    type(circle_set), intent(out) :: set
+    integer(int64) :: seed
+    integer :: i
+
+    seed = 7_int64
+    call set%make_room(n)
+    do i = 1, n
+      set%number(i) = i
+      set%x(i) = side * random(seed)
+      set%y(i) = side * random(seed)
+      set%move_x(i) = 0.2_real64 * random(seed)
+      set%move_y(i) = 0.2_real64 * random(seed)
+      set%load(i) = 0.1_real64 + 1.2_real64 * random(seed)
+    end do
+    set%curvature = 1.0_real64
+    call load_up(set)
+    call plant_circles(set)
+    call find_field(set)
+  end subroutine scatter
+
+  ! Circles and stiffness of the loads, by Hertz: V = 4/3 p**1.5, a = sqrt(p).
+  subroutine load_up(set)
+    type(circle_set), intent(inout) :: set
+
+    set%circle = (0.75_real64 * set%load)**third
+    set%stiffness = 2 * set%circle
+  end subroutine load_up
+
+  ! Three changes of a set: state = (load, shift along x and y; circle).
+  subroutine change_by(before, step, change, after)
+    type(circle_set), intent(in) :: before
+    real(real64), intent(in) :: step, change(:, :)
+    type(circle_set), intent(inout) :: after
+
+    after%load = before%load + step * change(1, :)
+    after%move_x = before%move_x + step * change(2, :)
+    after%move_y = before%move_y + step * change(3, :)
+    call load_up(after)
+    call find_field(after)
+  end subroutine change_by
+
+  ! The potential without gaps and closing, whose terms are plain.
+  pure real(real64) function potential(set)
+    type(circle_set), intent(in) :: set
+
+    potential = sum(0.6_real64 * set%circle**2 * set%load) + set%energy + &
+                sum(set%load * set%curvature * (set%move_x**2 + set%move_y**2)) / 2
+  end function potential
+
+  pure function gradient_of(set) result(gradient)
+    type(circle_set), intent(in) :: set
+    real(real64) :: gradient(3, size(set%x))
+
+    gradient(1, :) = set%circle**2 + set%lift + &
+                     set%curvature * (set%move_x**2 + set%move_y**2) / 2
+    gradient(2, :) = set%load * (set%curvature * set%move_x + set%tilt_x)
+    gradient(3, :) = set%load * (set%curvature * set%move_y + set%tilt_y)
+  end function gradient_of
+
+  ! A direction: all at random, or one number of one circle.
+  function direction(n, seed, loads_only) result(change)
+    integer, intent(in) :: n
+    integer(int64), intent(inout) :: seed
+    logical, intent(in) :: loads_only
+    real(real64) :: change(3, n)
+    integer :: i, k
+
+    do i = 1, n
+      do k = 1, 3
+        change(k, i) = random(seed) - 0.5_real64
+      end do
+    end do
+    if (loads_only) change(2:, :) = 0.0_real64
+  end function direction
+
+  subroutine gradient(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: step = 1.0e-4_real64
+    integer, parameter :: n = 24
+    type(circle_set) :: set, more, less
+    real(real64) :: change(3, n), slope
+    integer(int64) :: seed
+    integer :: k
+
+    seed = 3_int64
+    ! All near, overlapping; then some far, of which the tilt knows all but its own circle's width:
+    ! .3 (a/r)**2 at ten radii.
+    do k = 1, 20
+      call scatter(n, merge(4.0_real64, 60.0_real64, k <= 10), set)
+      call check(error, size(set%one) == n * (n - 1) / 2 .eqv. k <= 10, 'far ones or none')
+      more = set
+      less = set
+      change = direction(n, seed, .false.)
+      call change_by(set, step, change, more)
+      call change_by(set, -step, change, less)
+      slope = (potential(more) - potential(less)) / (2 * step)
+      call check(error, sum(gradient_of(set) * change), slope, &
+                 merge(1.0e-6_real64, 1.0e-4_real64, k <= 10), 'slope along a direction')
+      change = direction(n, seed, .true.)
+      call change_by(set, step, change, more)
+      call change_by(set, -step, change, less)
+      slope = (potential(more) - potential(less)) / (2 * step)
+      call check(error, sum(gradient_of(set) * change), slope, 1.0e-6_real64, 'slope along loads')
+    end do
+  end subroutine gradient
+
+  subroutine hessian_near(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call compare_products(error, 4.0_real64, .false.)
+  end subroutine hessian_near
+
+  subroutine hessian_far(error)
+    type(error_type), allocatable, intent(out) :: error
+
+    call compare_products(error, 60.0_real64, .true.)
+  end subroutine hessian_far
+
+  subroutine compare_products(error, side, loads_only)
+    type(error_type), allocatable, intent(inout) :: error
+    real(real64), intent(in) :: side
+    logical, intent(in) :: loads_only
+    real(real64), parameter :: step = 1.0e-4_real64
+    integer, parameter :: n = 24
+    type(circle_set) :: set, more, less
+    real(real64), dimension(3, n) :: change, image, truth
+    integer(int64) :: seed
+    integer :: k, rows
+
+    rows = merge(1, 3, loads_only)
+    seed = 5_int64
+    do k = 1, 10
+      call scatter(n, side, set)
+      more = set
+      less = set
+      change = direction(n, seed, loads_only)
+      call change_by(set, step, change, more)
+      call change_by(set, -step, change, less)
+      truth = (gradient_of(more) - gradient_of(less)) / (2 * step)
+      call multiply(set, change, image)
+      call check(error, maxval(abs(image(:rows, :) - truth(:rows, :))), 0.0_real64, &
+                 1.0e-5_real64 * maxval(abs(truth)), 'product')
+      call check(error, maxval(abs(image(:rows, :))) > 0.1_real64, 'nothing to compare')
+      if (loads_only) cycle
+      ! Who may not shift has no row.
+      set%still(1) = .true.
+      call multiply(set, change, image)
+      call check(error, maxval(abs(image(2:, 1))), 0.0_real64, 0.0_real64, 'a still one')
+    end do
+  end subroutine compare_products
+
+  subroutine least(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(known_scene) :: scenes(18)
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(coupled_solution) :: solution
+    real(real64) :: x(30), y(30), gap(30)
+    integer(int64) :: seed
+    integer :: i
+
+    scenes = known_scenes()
+    do i = 1, size(scenes)
+      call lay_known(scenes(i), pairs, law)
+      call solve_at(pairs, law, solution)
+      call try_about(error, pairs, solution, scenes(i)%name)
+    end do
+    seed = 11_int64
+    do i = 1, 30
+      x(i) = 12 * random(seed)
+      y(i) = 12 * random(seed)
+      gap(i) = i / 40.0_real64
+    end do
+    call set_out(x, y, gap, pairs, law)
+    call solve_at(pairs, law, solution)
+    call try_about(error, pairs, solution, 'thirty')
+  end subroutine least
+
+  ! Loads by up to a tenth up and down, shifts by up to a twentieth of a circle. One in four changes
+  ! one contact alone. The closing is 1 in units in which the set has the depth as its length.
+  subroutine try_about(error, pairs, solution, what)
+    type(error_type), allocatable, intent(inout) :: error
+    type(contact_pairs), intent(in) :: pairs
+    type(coupled_solution), intent(in) :: solution
+    character(*), intent(in) :: what
+    type(circle_set) :: other
+    real(real64), allocatable :: change(:, :)
+    real(real64) :: least_energy, energy, size_of
+    integer(int64) :: seed
+    integer :: k, only
+
+    other = solution%set
+    least_energy = total(other)
+    seed = 13_int64
+    do k = 1, 100
+      change = direction(size(other%x), seed, .false.)
+      if (modulo(k, 4) == 0) then
+        only = 1 + modulo(k / 4, size(other%x))
+        change(:, :only - 1) = 0.0_real64
+        change(:, only + 1:) = 0.0_real64
+      end if
+      size_of = 0.2_real64 * random(seed)
+      other%load = solution%set%load * (1 + size_of * change(1, :))
+      other%move_x = solution%set%move_x + 0.5_real64 * size_of * change(2, :) * &
+                     solution%set%circle
+      other%move_y = solution%set%move_y + 0.5_real64 * size_of * change(3, :) * &
+                     solution%set%circle
+      other%circle = solution%set%circle * (other%load / solution%set%load)**third
+      call find_field(other)
+      energy = total(other)
+      call check(error, energy > least_energy, trim(what) // ': less energy')
+    end do
+
+  contains
+
+    ! With gaps and closing. W = 3/5 p V, and p = a**2/R.
+    real(real64) function total(set)
+      type(circle_set), intent(in) :: set
+
+      total = sum(set%load * (0.6_real64 * set%circle**2 * set%curvature + &
+                              pairs%list(set%number)%gap - depth + &
+                              set%curvature * (set%move_x**2 + set%move_y**2) / 2)) + set%energy
+    end function total
+
+  end subroutine try_about
+
+end module asperity_potential_suite
