@@ -11,6 +11,7 @@ program unit_tests
   use asperity_creep_suite, only: collect_creep
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
+  use asperity_joint_suite, only: collect_joint
   use asperity_kernel_search_suite, only: collect_kernel_search
   use asperity_mutual_suite, only: collect_mutual
   use asperity_new_effect_suite, only: collect_new_effect
@@ -43,6 +44,7 @@ program unit_tests
   call run_suite('circles on each other', collect_mutual, tally)
   call run_suite('potential of contacts', collect_potential, tally)
   call run_suite('coupled contacts', collect_coupled, tally)
+  call run_suite('circles and cells', collect_joint, tally)
   call run_suite('friction', collect_friction, tally)
   call run_suite('curves of adhesion', collect_adhesion_curves, tally)
   call run_suite('adhesion', collect_adhesion, tally)

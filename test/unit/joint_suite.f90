@@ -1,0 +1,228 @@
+!> Tests of circles and cells together, and of the error they tell.
+!>
+!> Truths: boundary elements (see coupled_scenes); one contact alone; all contacts on one lattice.
+module asperity_joint_suite
+  use asperity_cells_solver, only: cells_answer, outside_field, solve_cells
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, set_out, &
+                                     share_of, truth_noise
+  use asperity_hertz_law, only: hertz_law
+  use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
+                                     resolve_none, solve_joint
+  use asperity_kinds, only: real64
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+  implicit none
+  private
+
+  public :: collect_joint
+
+  real(real64), parameter :: zeros(8) = 0.0_real64
+  ! The error told is observed, not proved: of four circles in a square that overlap it is 5 % less.
+  real(real64), parameter :: seen = 0.9_real64
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_joint(suite)
+    !> all tests
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    suite = [ &
+      new_unittest('circles: the error told is the error, at most ten times it', circles), &
+      new_unittest('cells: the loads are those known', cells), &
+      new_unittest('a tolerance is kept, with cells where it calls for them', called_for), &
+      new_unittest('a load asked for is met', load_met), &
+      new_unittest('clusters far apart are as all on one lattice', clusters), &
+      new_unittest('contacts in one place bear what one bears', in_one_place), &
+      new_unittest('one thread and two give the same bytes', same_bytes)]
+  end subroutine collect_joint
+
+  ! Solves at one depth, or at a load; tells what went wrong.
+  subroutine solve(error, pairs, law, which, tolerance, solution, what, target)
+    type(error_type), allocatable, intent(inout) :: error
+    type(contact_pairs), intent(in) :: pairs
+    type(hertz_law), intent(in) :: law
+    integer, intent(in) :: which
+    real(real64), intent(in) :: tolerance
+    type(joint_solution), intent(out) :: solution
+    character(*), intent(in) :: what
+    real(real64), intent(in), optional :: target
+
+    solution%coupled%closing = depth
+    call solve_joint(pairs, law, which, tolerance, 0.2_real64 * tolerance, solution, target)
+    call check(error, .not. allocated(solution%failure), trim(what) // ': failed')
+  end subroutine solve
+
+  subroutine circles(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(known_scene) :: scenes(18)
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: solution
+    real(real64) :: off
+    integer :: i
+
+    scenes = known_scenes()
+    do i = 1, size(scenes)
+      call lay_known(scenes(i), pairs, law)
+      call solve(error, pairs, law, resolve_none, 0.01_real64, solution, scenes(i)%name)
+      off = abs(share_of(pairs, solution%coupled) / scenes(i)%truth - 1)
+      call check(error, .not. any(solution%is_resolved) .and. solution%cells == 0, 'cells')
+      call check(error, solution%error >= seen * off - truth_noise, &
+                 trim(scenes(i)%name) // ': below')
+      if (.not. scenes(i)%overlapping) &
+        call check(error, solution%error <= 10 * (off + truth_noise), &
+                   trim(scenes(i)%name) // ': far above')
+    end do
+  end subroutine circles
+
+  subroutine cells(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(known_scene) :: scenes(18)
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: solution
+    integer :: i
+
+    scenes = known_scenes()
+    do i = 1, size(scenes)
+      call lay_known(scenes(i), pairs, law)
+      call solve(error, pairs, law, resolve_all, 0.005_real64, solution, scenes(i)%name)
+      call check(error, all(solution%is_resolved), 'not all')
+      call check(error, share_of(pairs, solution%coupled) / scenes(i)%truth, 1.0_real64, &
+                 0.001_real64, scenes(i)%name)
+    end do
+  end subroutine cells
+
+  subroutine called_for(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: tolerances(3) = [0.01_real64, 0.003_real64, 0.001_real64]
+    type(known_scene) :: scenes(18)
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: solution
+    real(real64) :: off
+    integer :: i, k, with_cells(3)
+
+    scenes = known_scenes()
+    with_cells = 0
+    do k = 1, 3
+      do i = 1, size(scenes)
+        call lay_known(scenes(i), pairs, law)
+        call solve(error, pairs, law, resolve_called_for, tolerances(k), solution, scenes(i)%name)
+        off = abs(share_of(pairs, solution%coupled) / scenes(i)%truth - 1)
+        call check(error, off, 0.0_real64, tolerances(k), scenes(i)%name)
+        call check(error, solution%error >= seen * off - truth_noise, &
+                   trim(scenes(i)%name) // ': below')
+        ! On cells alone they are far better than asked.
+        if (all(solution%is_resolved)) call check(error, solution%error < 0.5_real64 * &
+                                                  tolerances(k), trim(scenes(i)%name) // ': above')
+        if (any(solution%is_resolved)) with_cells(k) = with_cells(k) + 1
+      end do
+    end do
+    ! Two at ten radii need none; the tighter the tolerance, the more.
+    call check(error, with_cells(1) > 0 .and. with_cells(3) < size(scenes), 'all or none')
+    call check(error, with_cells(1) < with_cells(3), 'no more for a tighter tolerance')
+  end subroutine called_for
+
+  subroutine load_met(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(known_scene) :: scenes(18)
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: solution
+    real(real64) :: target, alone
+    integer :: i, which
+
+    scenes = known_scenes()
+    do i = 1, size(scenes)
+      call lay_known(scenes(i), pairs, law)
+      alone = law%modulus * 4.0_real64 / 3.0_real64 * sum(sqrt(pairs%list%radius) * &
+              (depth - pairs%list%gap)**1.5_real64)
+      target = scenes(i)%truth * alone
+      do which = resolve_none, resolve_called_for
+        call solve(error, pairs, law, which, 0.003_real64, solution, scenes(i)%name, target)
+        associate (coupled => solution%coupled)
+          call check(error, law%modulus * sum(coupled%set%load) / target, 1.0_real64, &
+                     1.0e-10_real64, trim(scenes(i)%name) // ': load')
+          ! Two thirds of the error of a load.
+          if (which /= resolve_none) &
+            call check(error, coupled%closing / depth, 1.0_real64, 0.003_real64, &
+                       trim(scenes(i)%name) // ': closing')
+        end associate
+      end do
+    end do
+  end subroutine load_met
+
+  subroutine clusters(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: solution
+    type(cells_answer) :: answer
+    type(outside_field) :: nothing
+    real(real64) :: together
+    integer :: i
+
+    call set_out([0.0_real64, 1.5_real64, 9.0_real64, 10.8_real64, 9.9_real64], &
+                 [0.0_real64, 0.3_real64, 0.0_real64, 0.0_real64, 1.3_real64], &
+                 [0.0_real64, 0.1_real64, 0.15_real64, 0.2_real64, 0.4_real64], pairs, law)
+    call solve(error, pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
+    call check(error, solution%clusters, 2, 'clusters')
+    call solve_cells(pairs, [(i, i=1, 5)], depth, nothing, 5.0e-4_real64, answer)
+    together = sum(answer%vertical_load) / sum(answer%alone_load)
+    call check(error, share_of(pairs, solution%coupled) / together, 1.0_real64, 1.0e-3_real64, &
+               'load')
+    ! Each of both is within half a percent.
+    call check(error, sum(solution%area) / sum(answer%area), 1.0_real64, 0.01_real64, 'area')
+  end subroutine clusters
+
+  subroutine in_one_place(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: solution
+    integer :: n
+
+    do n = 2, 5
+      call set_out(zeros(:n), zeros(:n), zeros(:n), pairs, law)
+      call solve(error, pairs, law, resolve_called_for, 0.003_real64, solution, 'in one place')
+      call check(error, n * share_of(pairs, solution%coupled), 1.0_real64, 0.003_real64, &
+                 'in one place')
+    end do
+  end subroutine in_one_place
+
+  subroutine same_bytes(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: one, two
+    integer :: before, i
+    real(real64) :: x(24), y(24), gap(24)
+
+    do i = 1, 24
+      x(i) = 9.0_real64 * modulo(i, 4) + 1.4_real64 * modulo(i, 3)
+      y(i) = 7.0_real64 * modulo(i, 2) + 0.4_real64 * modulo(i, 5)
+      gap(i) = i / 48.0_real64
+    end do
+    call set_out(x, y, gap, pairs, law)
+    before = omp_get_max_threads()
+    call omp_set_num_threads(1)
+    call solve(error, pairs, law, resolve_called_for, 0.01_real64, one, 'one thread')
+    call omp_set_num_threads(2)
+    call solve(error, pairs, law, resolve_called_for, 0.01_real64, two, 'two threads')
+    call omp_set_num_threads(before)
+    call check(error, one%clusters > 1, 'one cluster')
+    call check(error, bytes_of(one) == bytes_of(two), 'penetrations or areas')
+  end subroutine same_bytes
+
+  pure function bytes_of(solution) result(bytes)
+    type(joint_solution), intent(in) :: solution
+    character(24 * size(solution%area)) :: bytes
+
+    bytes = transfer([solution%coupled%penetration, solution%area, solution%maximum_pressure], &
+                     bytes)
+  end function bytes_of
+
+end module asperity_joint_suite
