@@ -15,8 +15,9 @@
 !> below 7e-5 times the share of the area in contact, over the penetration.
 module asperity_circle_field
   use asperity_constants, only: pi
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
+  use asperity_process, only: has_memory
   use asperity_source_tree, only: plant_tree, source_tree, sum_sources
   implicit none
   private
@@ -31,6 +32,9 @@ module asperity_circle_field
 
   !> Circles or near pairs from which on threads share the work: less takes microseconds.
   integer, parameter, public :: many = 1000
+
+  ! Of a near pair: its terms, its two circles, its place in both lists.
+  integer(int64), parameter :: bytes_of_pair = 80_int64
 
   ! Pairs whose terms are found together.
   integer, parameter :: a_batch = 65536
@@ -103,6 +107,10 @@ contains
     if (allocated(set%tree%failure)) return
     pairs = size(set%tree%near) / 2
     if (allocated(set%pair)) deallocate (set%pair, set%one, set%other, set%terms)
+    if (.not. has_memory(bytes_of_pair * pairs)) then
+      set%tree%failure = 'no memory for the near pairs of contacts'
+      return
+    end if
     allocate (set%pair(2 * pairs), set%one(pairs), set%other(pairs), set%terms(north, pairs))
     allocate (cursor(size(set%x)), source=set%tree%first(:size(set%x)))
     pairs = 0

@@ -107,7 +107,29 @@ contains
     end do
     solution%ending%residual = state%residual
     solution%ending%converged = state%residual <= accepted .and. joined == 0
+    if (.not. present(target)) return
+    if (.not. normal_load(pairs, law, solution) >= (1.0_real64 - accepted) * target) &
+      solution%failure = 'the load is more than the surfaces can bear before the centres of two ' &
+                         // 'asperities are level'
   end subroutine solve_coupled
+
+  ! Sum of the loads along the normals.
+  real(real64) function normal_load(pairs, law, solution) result(total)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(coupled_solution), intent(in) :: solution
+    type(contact_response) :: answer
+    integer :: k
+
+    total = 0.0_real64
+    do k = 1, size(solution%set%number)
+      associate (i => solution%set%number(k))
+        call law%respond(pairs%list(i), i, min(solution%penetration(i), &
+                                               level * pairs%list(i)%zc), answer)
+      end associate
+      total = total + answer%load
+    end do
+  end function normal_load
 
   !> Takes the penetrations as they are: finds their circles and field, and the gaps of resolved
   !> contacts with which the equations hold for them.
