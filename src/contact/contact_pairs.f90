@@ -37,7 +37,7 @@ module asperity_contact_pairs
     integer :: length_power = 0                     !! unit of length is 16**length_power
     type(contact_pair), allocatable :: list(:)      !! ascending gap
     real(real64) :: first_touch = 0.0_real64        !! approach at which the first pair touches
-    real(real64) :: complete_to = 0.0_real64        !! largest closing for which no pair is missing
+    real(real64) :: complete_to = huge(1.0_real64)  !! largest closing for which no pair is missing
     real(real64) :: closing = 0.0_real64            !! where independent elastic contacts end
     real(real64) :: target = 0.0_real64             !! load to reach, in modulus times length**2
     real(real64) :: x_displacement = 0.0_real64     !! of the upper surface, in the scene's unit

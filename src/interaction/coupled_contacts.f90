@@ -51,7 +51,6 @@ module asperity_coupled_contacts
     real(real64) :: target = -1.0_real64            ! normal load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64
     integer, allocatable :: joins(:)                ! how often a pair has joined
-    logical :: looked = .false.                     ! at all open contacts, once
   end type solve_state
 
   ! Residuals: asked for; accepted where rounding allows no less.
@@ -59,13 +58,13 @@ module asperity_coupled_contacts
   integer, parameter :: most_iterations = 200, most_trials = 12
   ! A step is taken when the slope of the potential has fallen to this share in size.
   real(real64), parameter :: slope_left = 0.8_real64
+  ! Shares of the gradient that a step may leave: little is gained by less.
+  real(real64), parameter :: most_left = 0.1_real64, least_left = 0.01_real64
   ! Open contacts are looked at again when the residual has fallen to this share.
   real(real64), parameter :: look_again = 0.1_real64
   ! A circle that has grown by this factor, or shrunk as much, has other near neighbours.
   real(real64), parameter :: outgrown = 1.2_real64
   integer, parameter :: most_looks = 4
-  ! Open contacts deeper than this share of the largest penetration wait.
-  real(real64), parameter :: waiting = 0.1_real64
   ! A contact that joins once more begins with this share of its penetration.
   real(real64), parameter :: share_of_rejoined = 0.25_real64
   ! A penetration stays below this share of the height between centres.
@@ -95,8 +94,10 @@ contains
     do iteration = 0, most_iterations
       if (allocated(solution%failure)) return
       done = state%residual <= asked
+      ! Pairs that were not listed may touch: whoever asked must come again with all.
+      if (solution%closing > pairs%complete_to .and. state%residual < look_again) exit
       if (done .or. state%residual <= look_again * looked) then
-        call look(pairs, law, solution, state, resolved, done, joined)
+        call look(pairs, law, solution, state, resolved, joined)
         looked = state%residual
         if (allocated(solution%failure)) return
         if (done .and. joined == 0) exit
@@ -107,6 +108,7 @@ contains
     end do
     solution%ending%residual = state%residual
     solution%ending%converged = state%residual <= accepted .and. joined == 0
+    if (solution%closing > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
     if (.not. normal_load(pairs, law, solution) >= (1.0_real64 - accepted) * target) &
       solution%failure = 'the load is more than the surfaces can bear before the centres of two ' &
@@ -380,7 +382,7 @@ contains
     gradient(2, :) = solution%set%load * state%off_x
     gradient(3, :) = solution%set%load * state%off_y
     call newton_step(solution%set, gradient, state%target > 0.0_real64, &
-                     min(0.1_real64, state%residual), step, solution%products)
+                     min(most_left, max(least_left, state%residual)), step, solution%products)
     allocate (p, source=solution%penetration)
     allocate (x, source=solution%move_x)
     allocate (y, source=solution%move_y)
@@ -462,13 +464,12 @@ contains
   end subroutine hold_shifts
 
   ! Where open contacts stand, and who of them joins.
-  subroutine look(pairs, law, solution, state, resolved, all_of_them, joined)
+  subroutine look(pairs, law, solution, state, resolved, joined)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    logical, intent(in) :: all_of_them
     integer, intent(out) :: joined
     type(open_places) :: places
     type(contact_response) :: answer
@@ -495,10 +496,6 @@ contains
     allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%number) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_one
-    ! Once all were looked at, those that are far from touching wait for the end.
-    if (state%looked .and. .not. all_of_them) &
-      is_open = is_open .and. solution%penetration > -waiting * deepest
-    state%looked = .true.
     number = pack(state%order, is_open(state%order))
     do i = 1, size(number)
       ! From farther than it can be it starts at home.

@@ -1,6 +1,7 @@
 !> One Newton step of coupled contacts, by conjugate gradients.
 module asperity_coupled_step
-  use asperity_circle_field, only: circle_set, multiply
+  use asperity_circle_field, only: circle_set, many, multiply
+  use asperity_coarse_circles, only: add_coarse, coarse_circles, gather_circles
   use asperity_kinds, only: real64
   implicit none
   private
@@ -24,12 +25,20 @@ contains
     integer, intent(inout) :: rounds            !! products, counted on
     real(real64), allocatable :: left(:, :), scaled(:, :), direction(:, :), image(:, :)
     real(real64) :: size_now, size_first, size_before, curvature, part
+    type(coarse_circles) :: coarse
+    real(real64), allocatable :: even(:)
     integer :: round
 
     allocate (scaled, direction, image, mold=gradient)
     allocate (left, source=-gradient)
     step = 0.0_real64
-    call precondition(set, keep_sum, left, scaled)
+    if (size(set%x) > many) call gather_circles(set, coarse)
+    ! What all alike would change, to be taken off where the sum is kept.
+    allocate (even(size(set%x)))
+    even = set%stiffness
+    if (allocated(coarse%square)) call add_coarse(set, coarse, spread(1.0_real64, 1, size(even)), even)
+    if (.not. keep_sum) even = 0.0_real64
+    call precondition(set, coarse, even, left, scaled)
     direction = scaled
     size_now = sum(left * scaled)
     size_first = size_now
@@ -45,27 +54,26 @@ contains
       part = size_now / curvature
       step = step + part * direction
       left = left - part * image
-      call precondition(set, keep_sum, left, scaled)
+      call precondition(set, coarse, even, left, scaled)
       size_before = size_now
       size_now = sum(left * scaled)
       direction = scaled + (size_now / size_before) * direction
     end do
   end subroutine newton_step
 
-  ! As if each contact were alone.
-  subroutine precondition(set, keep_sum, left, scaled)
+  ! As if each contact were alone; many also in squares.
+  subroutine precondition(set, coarse, even, left, scaled)
     type(circle_set), intent(in) :: set
-    logical, intent(in) :: keep_sum
-    real(real64), intent(in) :: left(:, :)
+    type(coarse_circles), intent(in) :: coarse
+    real(real64), intent(in) :: even(:), left(:, :)
     real(real64), intent(out) :: scaled(:, :)
-    real(real64) :: mean
     integer :: i
 
-    mean = 0.0_real64
-    if (keep_sum) mean = dot_product(set%stiffness, left(1, :)) / sum(set%stiffness)
+    scaled = 0.0_real64
+    scaled(1, :) = set%stiffness * left(1, :)
+    if (allocated(coarse%square)) call add_coarse(set, coarse, left(1, :), scaled(1, :))
+    if (sum(even) > 0.0_real64) scaled(1, :) = scaled(1, :) - even * (sum(scaled(1, :)) / sum(even))
     do i = 1, size(set%x)
-      scaled(1, i) = set%stiffness(i) * (left(1, i) - mean)
-      scaled(2:, i) = 0.0_real64
       if (.not. set%still(i)) scaled(2:, i) = left(2:, i) / (set%load(i) * set%curvature(i))
     end do
   end subroutine precondition
