@@ -200,6 +200,11 @@ contains
     call check(error, maxval(abs(max(again%penetration, 0.0_real64) - &
                                  max(solution%penetration, 0.0_real64))) / depth, 0.0_real64, &
                1.0e-9_real64, 'the same at that closing')
+    ! One contact with its centres level bears less than 4/3 E sqrt(R) (4 R)**1.5.
+    call set_out([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
+    deallocate (solution%penetration, solution%move_x, solution%move_y)
+    call solve_coupled(pairs, law, solution, 11.0_real64 * law%modulus)
+    call check(error, allocated(solution%failure), 'a load out of reach')
   end subroutine load_met
 
   ! A shallow contact beside a deep one, as the gap of the shallow one falls.
