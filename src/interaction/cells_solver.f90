@@ -35,10 +35,9 @@ module asperity_cells_solver
   ! What is left scatters by 1 %, .25 % and .12 % of the area at 7, 13 and 27 cells per radius.
   real(real64), parameter :: rim = 1.0_real64 / 30.0_real64
 
-  ! What is taken off an area at the rim may be as much as this, with 17 cells to a radius, or .7 of
-  ! the error allowed: at 6 cells the scatter is .7 of it, more below. The scatter of n contacts is
-  ! less by their root; counted up to 4, 8 cells a radius: below that the mean is off by more than
-  ! .5 %, too.
+  ! What is taken off an area at the rim may be as much as the error allowed, or this: a radius has
+  ! 17 cells then. The scatter of many contacts is less by their root: of more than 8, up to 32, where
+  ! the cells are 8 a radius, as below that the mean is off by more than .5 %, too. Few may lie alike.
   real(real64), parameter :: area_allowed = 5.0e-3_real64
 
   ! The gaps are closed to that times the tolerance, of the penetration. A gap off by as much
@@ -175,7 +174,7 @@ contains
       if (answer%change <= tolerance .and. &
           expected_error(answer%halvings) <= tolerance .and. (total < worth .or. &
           off <= max(area_allowed, 0.7_real64 * tolerance) * sum(answer%area) * &
-          sqrt(real(min(4, count(answer%area > 0.0_real64)), real64)))) exit
+          sqrt(real(min(32, max(8, count(answer%area > 0.0_real64))), real64) / 8))) exit
       answer%halvings = answer%halvings + 1
       coarse = lattice
     end do
