@@ -178,6 +178,11 @@ contains
       answer%halvings = answer%halvings + 1
       coarse = lattice
     end do
+    if (size(shapes) == 1 .and. .not. (allocated(outside%at_nodes) .or. allocated(outside%x))) then
+      answer%alone_load = answer%vertical_load
+      answer%alone_area = answer%area
+      return
+    end if
     do i = 1, size(shapes)
       call solve_alone(modulus, frame, shapes(i:i), tolerance, answer)
     end do

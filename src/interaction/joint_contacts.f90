@@ -137,8 +137,9 @@ contains
         end if
       end do
       total = sum(solution%coupled%set%load)
+      ! Open: below 0, as 0 is a contact at first touch.
       where (solution%coupled%penetration < 0.5_real64 * far_below) &
-        solution%coupled%penetration = 0.0_real64
+        solution%coupled%penetration = -tiny(1.0_real64)
     end if
     call tell_areas(pairs, law, clusters, solution)
     solution%area_error = area_left(solution, error)
@@ -446,8 +447,9 @@ contains
           coupled%move_y(i) = 0.0_real64
           if (.not. (answer%vertical_load(m) > 0.0_real64 .and. &
                      answer%alone_load(m) > 0.0_real64)) cycle
-          ! Together over alone: how a pair is inclined counts as it does in its law.
-          share = answer%vertical_load(m) / answer%alone_load(m)
+          ! Together over alone: how a pair is inclined counts as it does in its law. Neighbours
+          ! never raise a load: more than 1 is what the cells are not solved to.
+          share = min(1.0_real64, answer%vertical_load(m) / answer%alone_load(m))
           call law%respond(pairs%list(i), i, &
                            coupled%closing - clusters(k)%lowered - pairs%list(i)%gap, free)
           coupled%penetration(i) = penetration_at(pairs, law, i, share * free%vertical_load, &
