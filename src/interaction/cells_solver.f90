@@ -35,7 +35,7 @@ module asperity_cells_solver
   ! What is left scatters by 1 %, .25 % and .12 % of the area at 7, 13 and 27 cells per radius.
   real(real64), parameter :: rim = 1.0_real64 / 30.0_real64
 
-  ! What is taken off an area at the rim may be as much as the error allowed, or this: a radius has
+  ! What is taken off an area at the rim may be this share of it: a radius has
   ! 17 cells then. The scatter of many contacts is less by their root: of more than 8, up to 32, where
   ! the cells are 8 a radius, as below that the mean is off by more than .5 %, too. Few may lie alike.
   real(real64), parameter :: area_allowed = 5.0e-3_real64
@@ -173,7 +173,7 @@ contains
       if (answer%halvings > 0) answer%change = abs(before - total) / max(total, worth)
       if (answer%change <= tolerance .and. &
           expected_error(answer%halvings) <= tolerance .and. (total < worth .or. &
-          off <= max(area_allowed, 0.7_real64 * tolerance) * sum(answer%area) * &
+          off <= area_allowed * sum(answer%area) * &
           sqrt(real(min(32, max(8, count(answer%area > 0.0_real64))), real64) / 8))) exit
       answer%halvings = answer%halvings + 1
       coarse = lattice

@@ -46,7 +46,7 @@ module asperity_joint_contacts
   integer, parameter, public :: resolve_none = 0, resolve_all = 1, resolve_called_for = 2
 
   ! Shares of a tolerance: what circles may leave out, the last halving of cells, the last round.
-  real(real64), parameter :: left_share = 0.5_real64, cells_share = 0.25_real64
+  real(real64), parameter :: left_share = 0.4_real64, cells_share = 0.25_real64
   real(real64), parameter :: round_share = 0.2_real64
   ! Sums of radii between members of two clusters, at least: farther off, that a contact is oval
   ! changes what it does to another by less than 4e-5 of its load.
