@@ -35,9 +35,9 @@ module asperity_cells_solver
   ! What is left scatters by 1 %, .25 % and .12 % of the area at 7, 13 and 27 cells per radius.
   real(real64), parameter :: rim = 1.0_real64 / 30.0_real64
 
-  ! What is taken off an area at the rim may be this share of it: a radius has
-  ! 17 cells then. The scatter of many contacts is less by their root: of more than 8, up to 32, where
-  ! the cells are 8 a radius, as below that the mean is off by more than .5 %, too. Few may lie alike.
+  ! What is taken off an area at the rim may be this share of it: a radius has 17 cells then. The
+  ! scatter of many contacts is less by their root: of more than 8, up to 32, where the cells are 8
+  ! a radius, as below that the mean is off by more than .5 %, too. Few may lie alike.
   real(real64), parameter :: area_allowed = 5.0e-3_real64
 
   ! The gaps are closed to that times the tolerance, of the penetration. A gap off by as much

@@ -1,7 +1,7 @@
 !> Many circles as a few squares: what they do to each other over long distances.
 !>
 !> The slow part of conjugate gradients on many contacts are changes of load that vary slowly from
-!> place to place. So the circles of each square of a grid get a common change of penetration, and
+!> place to place. So the circles of each square of a grid get a shared change of penetration, and
 !> the equations of these few unknowns are solved at once: their matrix has the stiffnesses of the
 !> squares and the mean of 1/r over two squares (Love 1929), a Gram matrix, so that it is positive
 !> definite. Only a preconditioner: it changes how many steps are needed, not the result.
@@ -65,7 +65,7 @@ contains
         if (row(j) == 0) cycle
         coarse%factor(row(k), row(j)) = coarse%stiffness(row(k)) * coarse%stiffness(row(j)) * &
           table(1 + abs(modulo(k, squares) - modulo(j, squares)), &
-                1 + abs(k / squares - j / squares)) / (pi * side)
+                1 + abs(line(k) - line(j))) / (pi * side)
       end do
       coarse%factor(row(k), row(k)) = coarse%factor(row(k), row(k)) + coarse%stiffness(row(k))
     end do
@@ -76,31 +76,40 @@ contains
         coarse%factor(k:, k) = coarse%factor(k:, k) - coarse%factor(k:, j) * coarse%factor(k, j)
       end do
     end do
+
+  contains
+
+    pure integer function line(k)
+      integer, intent(in) :: k
+
+      line = (k - modulo(k, squares)) / squares
+    end function line
+
   end subroutine gather_circles
 
-  !> Adds the changes of load by the common changes of the squares' penetrations.
+  !> Adds the changes of load by the shared changes of the squares' penetrations.
   pure subroutine add_coarse(set, coarse, left, scaled)
     type(circle_set), intent(in) :: set             !! the circles
     type(coarse_circles), intent(in) :: coarse      !! gathered from them
     real(real64), intent(in) :: left(:)             !! what the equations leave over, by circle
     real(real64), intent(inout) :: scaled(:)        !! changes of load, by circle
-    real(real64) :: common(size(coarse%stiffness))
+    real(real64) :: shared(size(coarse%stiffness))
     integer :: i, n
 
-    n = size(common)
-    common = 0.0_real64
+    n = size(shared)
+    shared = 0.0_real64
     do i = 1, size(left)
-      common(coarse%square(i)) = common(coarse%square(i)) + set%stiffness(i) * left(i)
+      shared(coarse%square(i)) = shared(coarse%square(i)) + set%stiffness(i) * left(i)
     end do
     do i = 1, n
-      common(i) = common(i) / coarse%factor(i, i)
-      common(i + 1:) = common(i + 1:) - common(i) * coarse%factor(i + 1:, i)
+      shared(i) = shared(i) / coarse%factor(i, i)
+      shared(i + 1:) = shared(i + 1:) - shared(i) * coarse%factor(i + 1:, i)
     end do
     do i = n, 1, -1
-      common(i) = (common(i) - dot_product(coarse%factor(i + 1:, i), common(i + 1:))) / &
+      shared(i) = (shared(i) - dot_product(coarse%factor(i + 1:, i), shared(i + 1:))) / &
                   coarse%factor(i, i)
     end do
-    scaled = scaled + set%stiffness * common(coarse%square)
+    scaled = scaled + set%stiffness * shared(coarse%square)
   end subroutine add_coarse
 
 end module asperity_coarse_circles

@@ -36,7 +36,8 @@ contains
     ! What all alike would change, to be taken off where the sum is kept.
     allocate (even(size(set%x)))
     even = set%stiffness
-    if (allocated(coarse%square)) call add_coarse(set, coarse, spread(1.0_real64, 1, size(even)), even)
+    if (allocated(coarse%square)) &
+      call add_coarse(set, coarse, spread(1.0_real64, 1, size(even)), even)
     if (.not. keep_sum) even = 0.0_real64
     call precondition(set, coarse, even, left, scaled)
     direction = scaled
