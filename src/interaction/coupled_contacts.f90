@@ -54,7 +54,7 @@ module asperity_coupled_contacts
   end type solve_state
 
   ! Residuals: asked for; accepted where rounding allows no less.
-  real(real64), parameter :: asked = 1.0e-10_real64, accepted = 1.0e-8_real64
+  real(real64), parameter :: asked = 1.0e-11_real64, accepted = 1.0e-8_real64
   integer, parameter :: most_iterations = 200, most_trials = 12
   ! A step is taken when the slope of the potential has fallen to this share in size.
   real(real64), parameter :: slope_left = 0.8_real64
