@@ -54,11 +54,12 @@ module asperity_coupled_contacts
   end type solve_state
 
   ! Residuals: asked for; accepted where rounding allows no less.
-  real(real64), parameter :: asked = 1.0e-11_real64, accepted = 1.0e-8_real64
+  real(real64), parameter :: asked = 1.0e-11_real64, accepted = 1.0e-9_real64
   integer, parameter :: most_iterations = 200, most_trials = 12
   ! A step is taken when the slope of the potential has fallen to this share in size.
   real(real64), parameter :: slope_left = 0.8_real64
-  ! Shares of the gradient that a step may leave: little is gained by less.
+  ! Shares of the gradient that a step may leave. Of many contacts less would cost more products
+  ! than it saves steps; of few the last step is as good as rounding lets it be.
   real(real64), parameter :: most_left = 0.1_real64, least_left = 0.01_real64
   ! Open contacts are looked at again when the residual has fallen to this share.
   real(real64), parameter :: look_again = 0.1_real64
@@ -82,7 +83,7 @@ contains
     real(real64), intent(in), optional :: target       !! more than 0
     type(resolved_contacts), intent(in), optional :: resolved
     type(solve_state) :: state
-    real(real64) :: looked
+    real(real64) :: looked, before
     integer :: iteration, joined
     logical :: done
 
@@ -90,10 +91,14 @@ contains
     if (allocated(solution%failure)) return
     call evaluate(pairs, law, solution, state, resolved)
     looked = 1.0_real64
+    before = huge(before)
     joined = 0
     do iteration = 0, most_iterations
       if (allocated(solution%failure)) return
-      done = state%residual <= asked
+      ! Or as small as rounding lets it be: it falls no more.
+      done = state%residual <= asked .or. &
+             (state%residual <= accepted .and. state%residual > 0.5_real64 * before)
+      before = state%residual
       ! Pairs that were not listed may touch: whoever asked must come again with all.
       if (solution%closing > pairs%complete_to .and. state%residual < look_again) exit
       if (done .or. state%residual <= look_again * looked) then
@@ -372,17 +377,18 @@ contains
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
-    real(real64) :: slope, slope_first, slope_low, slope_high, low, high, t
+    real(real64) :: left, slope, slope_first, slope_low, slope_high, low, high, t
     integer :: k, n, trial
 
     n = size(solution%set%x)
     if (n == 0) return
+    left = merge(least_left, 0.0_real64, n > many)
     allocate (gradient(3, n), step(3, n))
     gradient(1, :) = state%off
     gradient(2, :) = solution%set%load * state%off_x
     gradient(3, :) = solution%set%load * state%off_y
     call newton_step(solution%set, gradient, state%target > 0.0_real64, &
-                     min(most_left, max(least_left, state%residual)), step, solution%products)
+                     min(most_left, max(left, state%residual)), step, solution%products)
     allocate (p, source=solution%penetration)
     allocate (x, source=solution%move_x)
     allocate (y, source=solution%move_y)
