@@ -56,14 +56,16 @@ def thesis_contacts():
 def write_factors(positions, modulus):
     """One row a position. Less than 1e-10 is not claimed, whatever the levels say."""
     print("position,contacts,together,alone,factor,uncertainty,overlapping_circles,open,hertz,"
-          "hertz_normal,least_gap")
+          "hertz_normal,least_gap,by_contact")
     for m, contacts in positions.items():
         levels = ("4", "6", "8") if circles_that_overlap(contacts) else ("4", "6")
         r = evaluate(contacts, modulus, levels)
+        by_contact = sum(c.hertz(modulus) * together / alone for c, together, alone
+                         in zip(contacts, r["loads"], r["loads_alone"]))
         print(f"{m},{len(contacts)},{r['together']:.10g},{r['alone']:.10g},{r['factor']:.10g},"
               f"{max(r['uncertainty'], 1e-10):.1e},{r['overlapping_circles']},"
               f"{r['loads'].count(0.0)},{r['hertz']:.10g},{r['hertz_normal']:.10g},"
-              f"{r['least_gap']:.1e}", flush=True)
+              f"{r['least_gap']:.1e},{by_contact:.10g}", flush=True)
 
 
 def sneddon(sphere, radius):
