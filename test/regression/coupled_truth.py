@@ -70,24 +70,18 @@ class Field:
             np.add.at(total, i, part * self.loads[j])
         return lift, np.stack([tilt_x, tilt_y], -1)
 
-    def held(self, shift):
-        """Less than the cap sqrt(a^2 + (R t)^2)/2, and little changed where far less."""
-        length = np.hypot(*shift.T)
-        share = length / (np.hypot(self.circles, length) / 2)
-        return shift / ((1 + share ** 4) ** 0.25)[:, None]
-
     def shifts(self, radius):
         """Where each contact comes to lie on the tilted surface: s = -R slope, at the shifted
-        places, held to its cap. Damped by how fast the slope changes."""
+        places. Damped by how fast the slope changes."""
         shift = np.zeros_like(self.places)
         probe = 1e-4 * self.circles[:, None]
-        for _ in range(80):
+        for _ in range(400):
             now = self.places + shift
-            wanted = self.held(-radius * self.at(now, self.circles, now, True)[1])
+            wanted = -radius * self.at(now, self.circles, now, True)[1]
             step = wanted - shift
             along = step / np.maximum(np.hypot(*step.T), 1e-300)[:, None]
             moved = now + probe * along
-            change = self.held(-radius * self.at(moved, self.circles, now, True)[1]) - wanted
+            change = -radius * self.at(moved, self.circles, now, True)[1] - wanted
             rate = np.maximum(-(change * along).sum(1) / probe[:, 0], 0)
             step *= (1 / (1 + 1.5 * rate))[:, None]
             shift = shift + step

@@ -162,7 +162,7 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
     simulated = np.array([row["interaction"] != "off" for row in rows])
     assert (simulated == (estimate > tolerance)).all()
     assert 0 < simulated.sum() < 100
-    # The estimate is a bound for `coupled`; the truth may take away a little more.
+    # First order, with stiffnesses of contacts alone: together they carry less than that takes.
     ours = 1 - column(sweeps.solve(interaction="coupled").positions, "factor")
     report(tally, "effects: influence of coupled above the estimate",
            np.maximum(ours - estimate, 0), 1e-9)
@@ -170,12 +170,19 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
     report(tally, "effects: influence above the estimate", np.maximum(lost - estimate, 0), 2e-4)
     measured = column(rows, "interaction_influence")[simulated]
     assert np.allclose(measured, column(rows, "factor")[simulated] - 1, rtol=0, atol=1e-15)
-    for row, is_overlapping, on in zip(rows, overlapping(truth), simulated):
-        way = "off"
-        if on:
-            way = "coupled+boundary" if is_overlapping and tolerance < 0.02 else "coupled"
-        assert row["interaction"] == way, row["position"]
-        assert (float(row["cells"]) > 0) == (way == "coupled+boundary")
+    ways = [row["interaction"] for row in rows]
+    assert set(ways) <= {"off", "coupled", "coupled+boundary"}
+    assert all((way != "off") == on for way, on in zip(ways, simulated))
+    for row, way, of_coupled, of_truth in zip(rows, ways, ours, factors(truth)):
+        assert ((float(row["cells"]) > 0) == (float(row["resolved"]) > 0) ==
+                (way == "coupled+boundary")), row["position"]
+        # Circles that are wrong by more than the tolerance are not left so.
+        if way == "coupled":
+            assert abs(1 - of_coupled - of_truth) <= tolerance, row["position"]
+    # What circles leave out is at most 0.0034 here: of the three, only the smallest tolerance calls
+    # for cells, and those where circles overlap are among them.
+    resolved = {int(row["position"]) for row, way in zip(rows, ways) if way == "coupled+boundary"}
+    assert resolved >= set(OVERLAPPING) if tolerance < 0.002 else not resolved
 
 
 def test_auto_leaves_no_trace_where_it_is_off(sweeps):
@@ -214,13 +221,16 @@ def test_summary(sweeps, tally):
     coupled = sweeps.solve(interaction="coupled")
     assert "effects: interaction coupled\n" in coupled.stdout
     assert "simulated at 100 positions" in effects_part(coupled.stdout)
-    auto = sweeps.solve(interaction="auto", tolerance=0.01)
+    auto = sweeps.solve(interaction="auto", tolerance=0.003)
     text = " ".join(effects_part(auto.stdout).split())
     ways = [row["interaction"] for row in auto.positions]
-    assert f"tolerance 1.00 %: estimated at 100 positions, simulated at {100 - ways.count('off')}" \
+    assert f"tolerance 0.300 %: estimated at 100 positions, simulated at {100 - ways.count('off')}" \
         in text
     assert f"coupled (estimate above tolerance) at {ways.count('coupled')}: 1-3, " in text
-    assert "coupled+boundary (contact circles overlap) at 3: 18, 56, 79" in text
+    resolved = [m for m, way in enumerate(ways, 1) if way == "coupled+boundary"]
+    assert 0 < len(resolved) < 10
+    assert (f"coupled+boundary (circles alone are not good enough) at {len(resolved)}: "
+            + ", ".join(map(str, resolved))) in text
     # The numbers of the summary are those of the columns.
     influence = column(auto.positions, "interaction_influence")
     first = np.argmax(np.abs(influence))
