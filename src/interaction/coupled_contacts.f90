@@ -478,20 +478,25 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved
     integer, intent(out) :: joined
     type(open_places) :: places
-    type(contact_response) :: answer
     logical, allocatable :: is_open(:)
     integer, allocatable :: number(:)
     integer :: i, k, pass
-    real(real64) :: deepest
+    real(real64) :: deepest, most, load
 
     joined = 0
     if (size(solution%set%x) == 0) then
-      ! A step may have opened all of them: then the first one begins again.
-      i = minloc(state%gap, dim=1)
+      ! A step may have opened all of them: then the one that would bear most begins again.
+      i = 0
+      most = 0.0_real64
+      do k = 1, size(state%gap)
+        if (.not. state%gap(k) < solution%closing) cycle
+        load = load_at(solution%closing - state%gap(k), k)
+        if (.not. load > most) cycle
+        most = load
+        i = k
+      end do
       if (i == 0) return
-      if (.not. state%gap(i) < solution%closing) return
-      solution%penetration(i) = (solution%closing - state%gap(i)) * &
-                                share_of_rejoined**state%joins(i)
+      solution%penetration(i) = start_of_rejoined(solution%closing - state%gap(i), i)
       solution%move_x(i) = 0.0_real64
       solution%move_y(i) = 0.0_real64
       state%joins(i) = state%joins(i) + 1
@@ -532,15 +537,50 @@ contains
       solution%penetration = min(solution%penetration, 0.0_real64)
     do k = 1, size(number)
       i = number(k)
-      call law%respond(pairs%list(i), i, min(solution%penetration(i), level * pairs%list(i)%zc), &
-                       answer)
-      if (.not. answer%vertical_load > 0.0_real64) cycle
+      if (.not. load_at(solution%penetration(i), i) > 0.0_real64) cycle
       ! Who has opened again had more than its place can bear.
-      solution%penetration(i) = solution%penetration(i) * share_of_rejoined**state%joins(i)
+      solution%penetration(i) = start_of_rejoined(solution%penetration(i), i)
       state%joins(i) = state%joins(i) + 1
       joined = joined + 1
     end do
     if (joined > 0 .and. state%target > 0.0_real64) call raise(pairs, law, solution, state)
+
+  contains
+
+    real(real64) function load_at(p, i)
+      real(real64), intent(in) :: p
+      integer, intent(in) :: i
+      type(contact_response) :: answer
+
+      call law%respond(pairs%list(i), i, min(p, level * pairs%list(i)%zc), answer)
+      load_at = answer%vertical_load
+    end function load_at
+
+    ! A share of what lies between the penetration at which a contact begins to carry, which is more
+    ! than 0 once it has been flattened, and one at which it carries.
+    real(real64) function start_of_rejoined(most, i) result(p)
+      real(real64), intent(in) :: most
+      integer, intent(in) :: i
+      real(real64) :: low, high
+      integer :: step
+
+      associate (share => share_of_rejoined**state%joins(i))
+        p = share * most
+        if (load_at(p, i) > 0.0_real64) return
+        low = p
+        high = most
+        do step = 1, digits(p)
+          p = 0.5_real64 * (low + high)
+          if (load_at(p, i) > 0.0_real64) then
+            high = p
+          else
+            low = p
+          end if
+        end do
+        p = high + share * (most - high)
+      end associate
+    end function start_of_rejoined
+
   end subroutine look
 
 end module asperity_coupled_contacts
