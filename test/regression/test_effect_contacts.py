@@ -28,8 +28,8 @@ def one_pair(folder, penetration, **effects):
 
 @pytest.mark.parametrize("circle", (0.01, 0.03, 0.0937))
 def test_one_aligned_pair_on_cells(circle, asperity, tmp_path, tally):
-    """Hertz: together over alone is 1, and the load is the law's. The last is the size of the thesis'
-    contacts."""
+    """Hertz: together over alone is 1, the load is the law's. The last circle is as large as the
+    thesis' contacts."""
     penetration, _ = sneddon(CAP, circle)
     run = solve(asperity, one_pair(tmp_path, penetration, interaction="boundary"))
     assert run.status == 0, run.stderr

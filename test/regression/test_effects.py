@@ -179,8 +179,8 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
         # Circles that are wrong by more than the tolerance are not left so.
         if way == "coupled":
             assert abs(1 - of_coupled - of_truth) <= tolerance, row["position"]
-    # What circles leave out is at most 0.0034 here: of the three, only the smallest tolerance calls
-    # for cells, and those where circles overlap are among them.
+    # What circles leave out is at most 0.0034 here: only the smallest of the tolerances calls for
+    # cells, and those where circles overlap are among them.
     resolved = {int(row["position"]) for row, way in zip(rows, ways) if way == "coupled+boundary"}
     assert resolved >= set(OVERLAPPING) if tolerance < 0.002 else not resolved
 
@@ -224,8 +224,8 @@ def test_summary(sweeps, tally):
     auto = sweeps.solve(interaction="auto", tolerance=0.003)
     text = " ".join(effects_part(auto.stdout).split())
     ways = [row["interaction"] for row in auto.positions]
-    assert f"tolerance 0.300 %: estimated at 100 positions, simulated at {100 - ways.count('off')}" \
-        in text
+    simulated = 100 - ways.count("off")
+    assert f"tolerance 0.300 %: estimated at 100 positions, simulated at {simulated}" in text
     assert f"coupled (estimate above tolerance) at {ways.count('coupled')}: 1-3, " in text
     resolved = [m for m, way in enumerate(ways, 1) if way == "coupled+boundary"]
     assert 0 < len(resolved) < 10
