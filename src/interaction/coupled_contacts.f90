@@ -411,6 +411,11 @@ contains
       solution%move_x = x + t * dx
       solution%move_y = y + t * dy
       call hold_shifts(pairs, solution)
+      ! Nor does anything penetrate by more than alone; a law with a kink sends steps far off.
+      if (.not. state%target > 0.0_real64) then
+        where (state%gap < solution%closing) solution%penetration = &
+          min(solution%penetration, 2 * (solution%closing - state%gap))
+      end if
       if (state%target > 0.0_real64) call raise(pairs, law, solution, state)
       call evaluate(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
