@@ -142,15 +142,20 @@ contains
     type(cell_frame) :: frame
     type(cell_lattice) :: lattice, coarse
     real(real64) :: before, total, worth, off
-    integer :: i
+    integer :: i, needed
 
     frame = frame_of(shapes, coarse_cells)
     ! Hertz.
     worth = least_share * 4.0_real64 / 3.0_real64 * modulus * &
             maxval(shapes%contact_radius * shapes%penetration * shapes%cosine)
     total = 0.0_real64
+    ! Cells as fine as a round contact calls for, or the next: told before any are solved.
+    needed = 0
+    do while (expected_error(needed) > tolerance)
+      needed = needed + 1
+    end do
     do
-      if (.not. bytes_per_cell * cells_expected(frame, shapes, answer%halvings) < &
+      if (.not. bytes_per_cell * cells_expected(frame, shapes, max(needed, answer%halvings)) < &
           bytes_allowed) then
         answer%failure = 'cells fine enough would need more than 2 GiB of memory'
         return

@@ -334,11 +334,14 @@ THREE = [(0.0, 0.0, 0.5, 1.0), (0.12, 0.02, 0.4998, 1.1), (0.03, 0.13, 0.4999, 0
 def how_exact():
     for name, value in (("1e-12", 1e-12), ("0.999", 0.999)):
         for way in ("interaction", "friction"):
+            too_many = way == "interaction" and value < 0.5
             yield EffectCase(
                 f"tolerance_{name}_{way}", f"`auto` with a tolerance of {name}.", *THREE,
                 {**load(100.0), **effects(**{way: AUTO}, tolerance=value,
                                           friction_coefficient=0.1)},
-                (total(100.0, 2e-3 if value < 0.5 else 1.0),), "The load is met.")
+                (total(100.0, 2e-3 if value < 0.5 else 1.0),),
+                "A refusal that cells are too many." if too_many else "The load is met.",
+                refused="cells fine enough would" if too_many else "")
     for name, value in (("1e-6", 1e-6), ("0.9", 0.9)):
         yield EffectCase(
             f"boundary_tolerance_{name}", f"Cells halved until the load moves by {name}.", *THREE,

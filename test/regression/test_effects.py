@@ -179,10 +179,12 @@ def test_auto_simulates_what_matters(tolerance, sweeps, truth, tally):
         # Circles that are wrong by more than the tolerance are not left so.
         if way == "coupled":
             assert abs(1 - of_coupled - of_truth) <= tolerance, row["position"]
-    # What circles leave out is at most 0.0034 here: only the smallest of the tolerances calls for
-    # cells, and those where circles overlap are among them.
+    # What circles leave out of the load is at most 0.0034, of the area 0.013, where they overlap.
     resolved = {int(row["position"]) for row, way in zip(rows, ways) if way == "coupled+boundary"}
-    assert resolved >= set(OVERLAPPING) if tolerance < 0.002 else not resolved
+    if tolerance < 0.002:
+        assert resolved >= set(OVERLAPPING)
+    else:
+        assert resolved <= set(OVERLAPPING) and not (resolved and tolerance > 0.02)
 
 
 def test_auto_leaves_no_trace_where_it_is_off(sweeps):
