@@ -92,6 +92,12 @@ contains
     associate (n => size(pairs%list))
       allocate (error(n), hosts(n), solution%is_resolved(n))
     end associate
+    solution%is_resolved = .false.
+    if (size(solution%coupled%set%number) == 0) then
+      ! Nothing touches.
+      call tell_areas(pairs, law, clusters, solution)
+      return
+    end if
     call find_errors(pairs, solution%coupled, hosts, error, emission)
     total = sum(solution%coupled%set%load)
     solution%is_resolved = .false.
