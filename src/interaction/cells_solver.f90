@@ -89,13 +89,15 @@ contains
   !> Solves a cluster at a closing.
   !>
   !> Members that touch at the same place share one contact: its load is told under the first.
-  subroutine solve_cells(pairs, members, closing, outside, tolerance, answer)
+  subroutine solve_cells(pairs, members, closing, outside, tolerance, answer, worth)
     type(contact_pairs), intent(in) :: pairs       !! the position
     integer, intent(in) :: members(:)              !! places of the contacts in the list of pairs
     real(real64), intent(in) :: closing            !! past first touch
     type(outside_field), intent(in) :: outside     !! of the contacts that are no members
     real(real64), intent(in) :: tolerance          !! relative change by the last halving
     type(cells_answer), intent(out) :: answer      !! the answer
+    !> a load below this is told as exactly as if it were this, and its area need not settle
+    real(real64), intent(in), optional :: worth
     type(gap_shape), allocatable :: shapes(:)
 
     call make_room(answer, size(members))
@@ -110,7 +112,7 @@ contains
     else if (.not. maxval(shapes%penetration / shapes%curvature_radius) > shallowest) then
       answer%failure = 'contacts too shallow for cells'
     else
-      call halve_until_settled(pairs%modulus, shapes, outside, tolerance, answer)
+      call halve_until_settled(pairs%modulus, shapes, outside, tolerance, answer, worth)
     end if
     if (allocated(answer%failure)) answer%ending%converged = .false.
   end subroutine solve_cells
@@ -134,11 +136,12 @@ contains
     end do
   end subroutine find_shapes
 
-  subroutine halve_until_settled(modulus, shapes, outside, tolerance, answer)
+  subroutine halve_until_settled(modulus, shapes, outside, tolerance, answer, least_worth)
     real(real64), intent(in) :: modulus, tolerance
     type(gap_shape), intent(in) :: shapes(:)
     type(outside_field), intent(in) :: outside
     type(cells_answer), intent(inout) :: answer
+    real(real64), intent(in), optional :: least_worth
     type(cell_frame) :: frame
     type(cell_lattice) :: lattice, coarse
     real(real64) :: before, total, worth, off
@@ -148,6 +151,7 @@ contains
     ! Hertz.
     worth = least_share * 4.0_real64 / 3.0_real64 * modulus * &
             maxval(shapes%contact_radius * shapes%penetration * shapes%cosine)
+    if (present(least_worth)) worth = max(worth, least_worth)
     total = 0.0_real64
     ! Cells as fine as a round contact calls for, or the next: told before any are solved.
     needed = 0
