@@ -11,8 +11,8 @@ module asperity_fftw
   public :: fftw_estimate, fftw_plan_real_to_complex, fftw_plan_complex_to_real
   public :: fftw_real_to_complex, fftw_complex_to_real, fftw_destroy
 
-  !> A plan made without measuring, for arrays that lie anywhere (FFTW_ESTIMATE, FFTW_UNALIGNED): the
-  !> same lengths give the same plan, and so the same bytes.
+  !> A plan made without measuring, for arrays that lie anywhere (FFTW_ESTIMATE, FFTW_UNALIGNED):
+  !> the same lengths give the same plan, and so the same bytes.
   integer(c_int), parameter :: fftw_estimate = 64_c_int + 2_c_int
 
   interface
