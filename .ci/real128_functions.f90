@@ -5,7 +5,7 @@ module real128_functions
   implicit none
   private
 
-  public :: f128_ceiling, f128_cos, f128_exponent, f128_log10, f128_power, f128_scale, f128_sin
+  public :: f128_atan2, f128_ceiling, f128_cos, f128_exponent, f128_log10, f128_power, f128_scale, f128_sin
   public :: f128_erfc, f128_exp, f128_floor, f128_hypot, f128_nearest, f128_round, f128_sqrt
 
 contains
@@ -16,6 +16,13 @@ contains
 
     y = sqrt(x)
   end function f128_sqrt
+
+  function f128_atan2(y, x) result(angle) bind(c, name='_FortranAAtan2F128')
+    real(real128), value :: y, x
+    real(real128) :: angle
+
+    angle = atan2(y, x)
+  end function f128_atan2
 
   function f128_sin(x) result(y) bind(c, name='_FortranASinF128')
     real(real128), value :: x
