@@ -6,7 +6,8 @@ module real128_functions
   private
 
   public :: f128_ceiling, f128_cos, f128_exponent, f128_log10, f128_power, f128_scale, f128_sin
-  public :: f128_atan2, f128_erfc, f128_exp, f128_floor, f128_hypot, f128_nearest, f128_round, f128_sqrt
+  public :: f128_erfc, f128_exp, f128_floor, f128_hypot, f128_nearest, f128_round, f128_sqrt
+  public :: f128_atan2
 
 contains
 
