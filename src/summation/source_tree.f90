@@ -336,7 +336,8 @@ contains
     do k = 0, n - lanes, lanes
       do l = 1, lanes
         call add_one(about(k + l, 1), about(k + l, 2), about(k + l, 3), about(k + l, 4), &
-                     about(k + l, 5), about(k + l, 6), about(k + l, 7), phi(l), lap(l), gx(l), gy(l))
+                     about(k + l, 5), about(k + l, 6), about(k + l, 7), phi(l), lap(l), gx(l), &
+                     gy(l))
       end do
     end do
     do k = n - modulo(n, lanes) + 1, n
