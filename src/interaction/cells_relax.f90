@@ -7,7 +7,8 @@
 !> energy by half of what a step along the projected gradient is sure to, of length 1/|A|; else that
 !> one is taken. Such a step brings the energy nearer to its least value at least by the factor
 !> 1 - (least eigenvalue)/|A| (Dostal and Schoeberl, Comput. Optim. Appl. 30 (2005) 23-43, theorem
-!> 4.1), and every step here by 1 - (least eigenvalue)/(4 |A|): the solve ends.
+!> 4.1), and every step here by 1 - (least eigenvalue)/(4 |A|): the solve ends. The same is true on
+!> the forces of a given sum, which are as convex a set; gaps are then over their mean under force.
 module asperity_cells_relax
   use asperity_cell_convolution, only: cell_convolution
   use asperity_kinds, only: real64
@@ -23,12 +24,14 @@ module asperity_cells_relax
 contains
 
   !> Improves forces until no gap is violated by more than a tolerance.
-  subroutine relax(influence, gap, tolerance, force, ending)
+  subroutine relax(influence, gap, tolerance, force, ending, load, closing)
     type(cell_convolution), intent(inout) :: influence  !! A
     real(real64), intent(in) :: gap(:, :)               !! undeformed
     real(real64), intent(in) :: tolerance  !! largest gap under a force, or overlap without one
     real(real64), intent(inout) :: force(:, :)          !! 0 or more; start and result
     type(solve_ending), intent(out) :: ending           !! how it ended; residual as the tolerance
+    real(real64), intent(in), optional :: load          !! sum of the forces, which start with it
+    real(real64), intent(out), optional :: closing      !! that it takes: less than every gap left
     real(real64), allocatable, dimension(:, :) :: rest, steepest, direction, change, next, after
     real(real64) :: slope, slope_before, curvature, step, fall, sure
     logical :: same, fresh
@@ -36,8 +39,7 @@ contains
     allocate (rest, steepest, direction, change, next, after, mold=gap)
     direction = 0.0_real64
     slope_before = 0.0_real64
-    call influence%apply(force, rest)
-    rest = rest + gap
+    call find_rest(force, rest)
     fresh = .true.
     do
       ending%residual = violation(force, rest)
@@ -46,16 +48,18 @@ contains
       if (ending%iterations == iterations_allowed) exit
       if (ending%converged) then
         ! The gap was carried along; make sure of it.
-        call influence%apply(force, rest)
-        rest = rest + gap
+        call find_rest(force, rest)
         fresh = .true.
         slope_before = 0.0_real64
         cycle
       end if
       ending%iterations = ending%iterations + 1
-      sure = 0.5_real64 * sum(rest * (force - max(0.0_real64, force - rest / influence%norm)))
+      next = force - rest / influence%norm
+      call project(next)
+      sure = 0.5_real64 * sum(rest * (force - next))
       next = merge(rest, 0.0_real64, force > 0.0_real64)
       call influence%apply_inverse(next, steepest)
+      call centre(force, steepest)
       slope = sum(next * steepest)
       step = 0.0_real64
       if (slope_before > 0.0_real64) step = slope / slope_before
@@ -64,6 +68,9 @@ contains
       else where
         direction = 0.0_real64
       end where
+      ! A cell let go has left its part to the others.
+      if (present(load)) where (force > 0.0_real64) direction = direction - &
+        sum(direction) / count(force > 0.0_real64)
       slope_before = slope
       call influence%apply(direction, change)
       curvature = sum(change * direction)
@@ -75,23 +82,67 @@ contains
         call move(force, rest, direction, step, next, same, slope_before)
         if (same) then
           after = rest - step * change
+          call centre(next, after)
         else
-          call influence%apply(next, after)
-          after = after + gap
+          if (present(load)) next = next * (load / sum(next))
+          call find_rest(next, after)
         end if
         fall = 0.5_real64 * sum((force - next) * (rest + after))
       end if
       if (.not. fall >= 0.5_real64 * sure) then
         same = .false.
-        next = max(0.0_real64, force - rest / influence%norm)
-        call influence%apply(next, after)
-        after = after + gap
+        next = force - rest / influence%norm
+        call project(next)
+        call find_rest(next, after)
         slope_before = 0.0_real64
       end if
       fresh = .not. same
       force = next
       rest = after
     end do
+    if (present(closing)) then
+      call influence%apply(force, rest)
+      closing = sum(rest + gap, mask=force > 0.0_real64) / max(1, count(force > 0.0_real64))
+    end if
+
+  contains
+
+    subroutine find_rest(force, rest)
+      real(real64), intent(in) :: force(:, :)
+      real(real64), intent(out) :: rest(:, :)
+
+      call influence%apply(force, rest)
+      rest = rest + gap
+      call centre(force, rest)
+    end subroutine find_rest
+
+    ! Over the mean under force where the sum of the forces is given.
+    subroutine centre(force, rest)
+      real(real64), intent(in) :: force(:, :)
+      real(real64), intent(inout) :: rest(:, :)
+
+      if (present(load)) &
+        rest = rest - sum(rest, mask=force > 0.0_real64) / count(force > 0.0_real64)
+    end subroutine centre
+
+    ! The nearest forces that are allowed: 0 or more, of the sum that is given. All sink alike until
+    ! what is left has that sum; each round is Newton's and none is passed twice (Michelot 1986).
+    subroutine project(force)
+      real(real64), intent(inout) :: force(:, :)
+      real(real64) :: level, before
+
+      if (present(load)) then
+        level = (sum(force) - load) / size(force)
+        do
+          before = level
+          level = (sum(force, mask=force > before) - load) / count(force > before)
+          if (.not. level > before) exit
+        end do
+        force = force - level
+      end if
+      force = max(0.0_real64, force)
+    end subroutine project
+
   end subroutine relax
 
   ! One step. After cells were taken in the search starts anew.

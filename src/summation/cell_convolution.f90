@@ -1,7 +1,8 @@
 !> What forces on all cells of a rectangular lattice do at all its cells, through FFTW.
 !>
 !> The influence depends on the offset of two cells alone. On a lattice padded with zeros to twice
-!> its size the periodic images do not reach it: the sum is exact but for rounding.
+!> its size the periodic images do not reach it: the sum is exact but for rounding. On a periodic
+!> lattice the influence is known by its transform.
 module asperity_cell_convolution
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_int, c_loc, &
                                          c_null_ptr, c_ptr
@@ -30,6 +31,7 @@ module asperity_cell_convolution
     type(c_ptr) :: backward = c_null_ptr
   contains
     procedure :: prepare
+    procedure :: prepare_periodic
     procedure :: apply
     procedure :: apply_inverse
     final :: destroy
@@ -43,17 +45,9 @@ contains
     real(real64), intent(in) :: influence(0:, 0:)          !! by offset, of the lattice's size
     integer :: i, j, wide, high
 
-    sum%columns = size(influence, 1)
-    sum%rows = size(influence, 2)
-    wide = padded_length(2 * sum%columns - 1)
-    high = padded_length(2 * sum%rows - 1)
-    allocate (sum%values(0:wide - 1, 0:high - 1), sum%transform(wide / 2 + 1, high))
-    !$omp critical (fftw_plans)
-    sum%forward = fftw_plan_real_to_complex(int(high, c_int), int(wide, c_int), &
-                                            c_loc(sum%values), c_loc(sum%transform), fftw_estimate)
-    sum%backward = fftw_plan_complex_to_real(int(high, c_int), int(wide, c_int), &
-                                             c_loc(sum%transform), c_loc(sum%values), fftw_estimate)
-    !$omp end critical (fftw_plans)
+    wide = padded_length(2 * size(influence, 1) - 1)
+    high = padded_length(2 * size(influence, 2) - 1)
+    call make_plans(sum, shape(influence), wide, high)
     sum%values = 0.0_c_double
     do j = 0, sum%rows - 1
       do i = 0, sum%columns - 1
@@ -64,14 +58,51 @@ contains
       end do
     end do
     call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
-    allocate (sum%spectrum(wide / 2 + 1, high))
     sum%spectrum = real(sum%transform, c_double)
     ! The lattice's matrix is a part of the padded one, whose eigenvalues these are.
     sum%norm = maxval(abs(sum%spectrum))
     sum%spectrum = sum%spectrum / (real(wide, c_double) * high)
+  end subroutine prepare
+
+  !> Prepares the sum for displacements by pressures on a periodic half-space, over the modulus: a
+  !> wave of number q has 2/q (Johnson, Contact Mechanics, 1985, section 13.2). The mean has 0.
+  subroutine prepare_periodic(sum, columns, rows, side_x, side_y)
+    class(cell_convolution), intent(inout), target :: sum  !! not prepared before
+    integer, intent(in) :: columns, rows                   !! of the lattice
+    real(real64), intent(in) :: side_x, side_y             !! of a cell
+    integer :: i, j
+
+    call make_plans(sum, [columns, rows], columns, rows)
+    do j = 0, rows - 1
+      do i = 0, columns / 2
+        sum%spectrum(i + 1, j + 1) = 0.0_real64
+        if (i + j > 0) sum%spectrum(i + 1, j + 1) = 1.0_real64 / &
+          (pi * hypot(i / (columns * side_x), min(j, rows - j) / (rows * side_y)))
+      end do
+    end do
+    sum%norm = maxval(sum%spectrum)
+    sum%spectrum = sum%spectrum / (real(columns, c_double) * rows)
+  end subroutine prepare_periodic
+
+  ! Room and plans for a lattice that is padded to `wide` by `high`.
+  subroutine make_plans(sum, cells, wide, high)
+    class(cell_convolution), intent(inout), target :: sum
+    integer, intent(in) :: cells(2), wide, high
+    integer :: i, j
+
+    sum%columns = cells(1)
+    sum%rows = cells(2)
+    allocate (sum%values(0:wide - 1, 0:high - 1), sum%transform(wide / 2 + 1, high))
+    allocate (sum%spectrum(wide / 2 + 1, high))
+    !$omp critical (fftw_plans)
+    sum%forward = fftw_plan_real_to_complex(int(high, c_int), int(wide, c_int), &
+                                            c_loc(sum%values), c_loc(sum%transform), fftw_estimate)
+    sum%backward = fftw_plan_complex_to_real(int(high, c_int), int(wide, c_int), &
+                                             c_loc(sum%transform), c_loc(sum%values), fftw_estimate)
+    !$omp end critical (fftw_plans)
     sum%wave_across = [(sin(i * pi / wide)**2, i=0, wide / 2)]
     sum%wave_along = [(sin(j * pi / high)**2, j=0, high - 1)]
-  end subroutine prepare
+  end subroutine make_plans
 
   !> Sums influence times force.
   subroutine apply(sum, force, displacement)

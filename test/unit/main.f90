@@ -13,6 +13,7 @@ program unit_tests
   use asperity_generation_suite, only: collect_generation
   use asperity_joint_suite, only: collect_joint
   use asperity_kernel_search_suite, only: collect_kernel_search
+  use asperity_map_suite, only: collect_maps
   use asperity_mutual_suite, only: collect_mutual
   use asperity_new_effect_suite, only: collect_new_effect
   use asperity_packet_suite, only: collect_packets
@@ -45,6 +46,7 @@ program unit_tests
   call run_suite('potential of contacts', collect_potential, tally)
   call run_suite('coupled contacts', collect_coupled, tally)
   call run_suite('circles and cells', collect_joint, tally)
+  call run_suite('maps', collect_maps, tally)
   call run_suite('friction', collect_friction, tally)
   call run_suite('curves of adhesion', collect_adhesion_curves, tally)
   call run_suite('adhesion', collect_adhesion, tally)

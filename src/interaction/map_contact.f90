@@ -1,0 +1,258 @@
+!> A map of heights pressed by a rigid flat: every sample a square of uniform pressure.
+!>
+!> The half-space under the map has the combined modulus, displacements are taken at the samples:
+!> Love's (1929) when the half-space goes on beyond the map, free of load there, or the sum of waves
+!> when the map repeats itself. The pressures are those of least energy (see cells_relax). A map is
+!> first pressed at half its resolution, that one at half of that, and so on: each is the start of
+!> the next.
+module asperity_map_contact
+  use asperity_cell_convolution, only: cell_convolution, padded_length
+  use asperity_cells_relax, only: relax
+  use asperity_constants, only: pi
+  use asperity_kinds, only: int64, real64
+  use asperity_process, only: has_memory
+  use asperity_solve_ending, only: solve_ending
+  implicit none
+  private
+
+  public :: bytes_of_map, half_map, map_answer, map_samples, press_map, without_sample
+
+  !> A height that is missing: far below every other, so that nothing touches there.
+  real(real64), parameter :: without_sample = -huge(1.0_real64)
+
+  !> Heights on a regular grid. Lengths in one unit.
+  type :: map_samples
+    real(real64), allocatable :: height(:, :)     !! along x, along y; or `without_sample`
+    real(real64) :: side_x = 0.0_real64           !! between samples
+    real(real64) :: side_y = 0.0_real64           !! between samples
+    logical :: periodic = .false.                 !! the map repeats itself; no sample is missing
+  end type map_samples
+
+  !> What a pressed map answers.
+  type :: map_answer
+    real(real64) :: level = 0.0_real64            !! height of the flat
+    real(real64) :: load = 0.0_real64             !! given, or found
+    real(real64) :: area = 0.0_real64             !! of the samples under pressure, corrected
+    real(real64) :: sample_area = 0.0_real64      !! of the samples under pressure, as they are
+    real(real64), allocatable :: pressure(:, :)   !! on every sample; given: a start
+    type(solve_ending) :: ending                  !! residual: largest gap violated over the heights
+    character(len=:), allocatable :: failure      !! why there is none
+  end type map_answer
+
+  ! Gaps are closed to that share of the range of heights under the flat; coarser maps, which are
+  ! only a start, to that one.
+  real(real64), parameter :: closed = 1.0e-9_real64, closed_start = 1.0e-4_real64
+
+  ! Samples along a side from which on a coarser map saves more than it costs.
+  integer, parameter :: worth_halving = 64
+
+  ! Offset from which on the series of Love's rectangle has more digits than its closed form: there
+  ! both have 10.
+  integer, parameter :: far_offset = 200
+
+  ! Samples over-count an area by that times the sides on its rim (Yastrebov, Anciaux and Molinari,
+  ! Tribol. Int. 114 (2017) 161, eq. 2).
+  real(real64), parameter :: rim = (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
+
+  ! Bytes of a padded sample (heights, transform, spectrum) and of a plain one (pressures, gaps and
+  ! the vectors of the method).
+  real(real64), parameter :: bytes_padded = 20.0_real64, bytes_plain = 96.0_real64
+
+contains
+
+  !> Memory that pressing a map takes, in bytes.
+  pure real(real64) function bytes_of_map(map) result(bytes)
+    type(map_samples), intent(in) :: map  !! the heights
+    real(real64) :: cells, padded
+
+    cells = size(map%height, kind=int64)
+    padded = cells
+    if (.not. map%periodic) padded = real(padded_length(2 * size(map%height, 1) - 1), real64) * &
+                                     padded_length(2 * size(map%height, 2) - 1)
+    bytes = bytes_padded * padded + bytes_plain * cells
+  end function bytes_of_map
+
+  !> Presses a map, to a level of the flat or to a load.
+  recursive subroutine press_map(map, modulus, answer, load, tolerance)
+    type(map_samples), intent(in) :: map              !! at least one sample
+    real(real64), intent(in) :: modulus               !! combined, more than 0
+    type(map_answer), intent(inout) :: answer         !! level: given where there is no load
+    real(real64), intent(in), optional :: load        !! more than 0
+    real(real64), intent(in), optional :: tolerance   !! gaps over the heights; default 1e-9
+    type(cell_convolution) :: influence
+    type(map_samples) :: half
+    type(map_answer) :: start
+    real(real64), allocatable :: gap(:, :), table(:, :)
+    real(real64) :: top, range, unit, closing, allowed
+    integer :: i, j
+
+    if (.not. has_memory(nint(bytes_of_map(map), int64))) then
+      answer%failure = 'no memory for the samples of the map'
+      return
+    end if
+    allowed = closed
+    if (present(tolerance)) allowed = tolerance
+    top = maxval(map%height)
+    range = top - minval(map%height, mask=map%height > without_sample)
+    if (.not. range > 0.0_real64) range = max(map%side_x, map%side_y)
+    if (.not. present(load)) then
+      if (.not. answer%level < top) then
+        allocate (answer%pressure(size(map%height, 1), size(map%height, 2)), source=0.0_real64)
+        answer%ending = solve_ending(.true., 0.0_real64, 0)
+        return
+      end if
+      if (map%periodic .and. .not. answer%level * size(map%height) > sum(map%height)) then
+        answer%failure = 'the flat is not above the mean height of a map that repeats itself'
+        return
+      end if
+      range = min(range, top - answer%level)
+    end if
+    ! Lengths across are over the side, heights over the range, pressures over that times modulus.
+    unit = modulus * range / map%side_x
+    allocate (gap(size(map%height, 1), size(map%height, 2)))
+    where (map%height > without_sample)
+      gap = (top - map%height) / range
+    else where
+      gap = 1.0_real64 / epsilon(gap)
+    end where
+    if (.not. present(load)) gap = gap - (top - answer%level) / range
+    if (.not. allocated(answer%pressure)) then
+      allocate (answer%pressure, mold=gap)
+      if (minval(shape(gap)) >= worth_halving) then
+        half = half_map(map)
+        start%level = answer%level
+        call press_map(half, modulus, start, load, closed_start)
+        if (allocated(start%failure)) then
+          answer%failure = start%failure
+          return
+        end if
+        do j = 1, size(gap, 2)
+          do i = 1, size(gap, 1)
+            answer%pressure(i, j) = start%pressure((i + 1) / 2, (j + 1) / 2)
+          end do
+        end do
+        where (.not. map%height > without_sample) answer%pressure = 0.0_real64
+        deallocate (start%pressure, half%height)
+      else
+        answer%pressure = merge(unit, 0.0_real64, gap < 0.5_real64)
+      end if
+    end if
+    associate (force => answer%pressure)
+      if (map%periodic) then
+        call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
+                                        map%side_y / map%side_x)
+      else
+        allocate (table, mold=gap)
+        call love_table(map%side_y / map%side_x, table)
+        call influence%prepare(table)
+        deallocate (table)
+      end if
+      force = force / unit
+      if (present(load)) then
+        closing = load / (unit * map%side_x * map%side_y)
+        if (.not. sum(force) > 0.0_real64) force = merge(1.0_real64, 0.0_real64, &
+                                                         gap < 0.5_real64)
+        force = force * (closing / sum(force))
+        call relax(influence, gap, allowed, force, answer%ending, closing, answer%level)
+        answer%level = top - range * answer%level
+        answer%load = load
+      else
+        call relax(influence, gap, allowed, force, answer%ending)
+        answer%load = sum(force) * unit * map%side_x * map%side_y
+      end if
+      answer%sample_area = map%side_x * map%side_y * count(force > 0.0_real64)
+      answer%area = map%side_x * map%side_y * &
+                    (count(force > 0.0_real64) - rim * sides_on_rim(force, map%periodic))
+      force = force * unit
+    end associate
+    if (.not. answer%ending%converged) answer%failure = 'the pressures on the map did not converge'
+  end subroutine press_map
+
+  !> The map at half its resolution: of four samples the mean of their mean and the highest, which
+  !> presses most nearly as they do (measured; the mean alone is too low, the highest too high).
+  pure type(map_samples) function half_map(map) result(half)
+    type(map_samples), intent(in) :: map  !! two samples a side at least
+    real(real64) :: highest, total
+    integer :: i, j, k, l, n
+
+    half%side_x = 2 * map%side_x
+    half%side_y = 2 * map%side_y
+    half%periodic = map%periodic
+    allocate (half%height((size(map%height, 1) + 1) / 2, (size(map%height, 2) + 1) / 2))
+    do j = 1, size(half%height, 2)
+      do i = 1, size(half%height, 1)
+        highest = without_sample
+        total = 0.0_real64
+        n = 0
+        do l = 2 * j - 1, min(2 * j, size(map%height, 2))
+          do k = 2 * i - 1, min(2 * i, size(map%height, 1))
+            if (.not. map%height(k, l) > without_sample) cycle
+            n = n + 1
+            total = total + map%height(k, l)
+            highest = max(highest, map%height(k, l))
+          end do
+        end do
+        half%height(i, j) = highest
+        if (n > 0) half%height(i, j) = 0.5_real64 * (total / n + highest)
+      end do
+    end do
+  end function half_map
+
+  ! Love's displacements at the centres of rectangles with the sides 1 and `other`, by unit
+  ! pressure on one, over pi and the modulus: the integral of 1/r (Johnson, eq. 3.25).
+  pure subroutine love_table(other, table)
+    real(real64), intent(in) :: other
+    real(real64), intent(out) :: table(0:, 0:)
+    real(real64) :: r2, x, y
+    integer :: i, j
+
+    do j = 0, ubound(table, 2)
+      do i = 0, ubound(table, 1)
+        x = i
+        y = j * other
+        if (max(i, j) < far_offset) then
+          table(i, j) = corner(x + 0.5_real64, y + 0.5_real64 * other) - &
+                        corner(x - 0.5_real64, y + 0.5_real64 * other) - &
+                        corner(x + 0.5_real64, y - 0.5_real64 * other) + &
+                        corner(x - 0.5_real64, y - 0.5_real64 * other)
+        else
+          r2 = x * x + y * y
+          table(i, j) = other / sqrt(r2) * (1.0_real64 + (3 * x * x / r2 - 1.0_real64 + &
+            other**2 * (3 * y * y / r2 - 1.0_real64)) / (24 * r2))
+        end if
+      end do
+    end do
+    table = table / pi
+  end subroutine love_table
+
+  ! Double integral of 1/r.
+  pure real(real64) function corner(x, y)
+    real(real64), intent(in) :: x, y  ! not 0
+
+    corner = x * asinh(y / abs(x)) + y * asinh(x / abs(y))
+  end function corner
+
+  ! Sides between a sample under pressure and one without.
+  pure integer function sides_on_rim(force, periodic) result(sides)
+    real(real64), intent(in) :: force(:, :)
+    logical, intent(in) :: periodic
+    logical, dimension(size(force, 2)) :: before, now
+    integer :: i
+
+    sides = 0
+    before = .false.
+    if (periodic) before = force(size(force, 1), :) > 0.0_real64
+    do i = 1, size(force, 1)
+      now = force(i, :) > 0.0_real64
+      sides = sides + count(now .neqv. before) + count(now(2:) .neqv. now(:size(now) - 1))
+      if (periodic) then
+        sides = sides + merge(1, 0, now(1) .neqv. now(size(now)))
+      else
+        sides = sides + count([now(1), now(size(now))])
+      end if
+      before = now
+    end do
+    if (.not. periodic) sides = sides + count(before)
+  end function sides_on_rim
+
+end module asperity_map_contact
