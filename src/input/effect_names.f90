@@ -41,6 +41,7 @@ module asperity_effect_names
     character(len=11) :: name = ''     !! in &effects
     integer :: ways(4) = 0             !! how it may be called for, `off` first; 0: no more
     character(len=72) :: meaning = ''  !! what it adds
+    character(len=56) :: needs = ''    !! of the material, beside the combined modulus
   end type known_effect
 
   integer, parameter :: switch(4) = [effect_off, effect_on, effect_auto, 0]
@@ -50,8 +51,10 @@ module asperity_effect_names
     known_effect('interaction', [effect_off, effect_auto, effect_coupled, effect_boundary], &
                  'contacts that lower each other through the body they share'), &
     known_effect('friction', switch, &
-                 'tangential force on inclined contacts, and what the rig must hold'), &
-    known_effect('plasticity', switch, 'flow past the elastic limit, flattening that stays'), &
+                 'tangential force on inclined contacts, and what the rig must hold', &
+                 'shear moduli: elastic_modulus and poisson_ratio'), &
+    known_effect('plasticity', switch, 'flow past the elastic limit, flattening that stays', &
+                 'Poisson''s ratio of the body that yields: poisson_ratio'), &
     known_effect('adhesion', switch, 'attraction: snap-in, pull-off'), &
     known_effect('creep', switch, 'relaxation and creep while load or approach is held')]
 

@@ -37,6 +37,7 @@ contains
                                 'that close without going back: found a path in &loading ' // &
                                 'that does, expected friction = ''off''')
       call check_together(fields, effects%modes)
+      if (checked%contact_modulus%digits > 0_int64) call refuse_combined(fields, effects%modes)
     end associate
   end subroutine read_effects
 
@@ -117,6 +118,22 @@ contains
 
     is_there = effects%numbers(findloc(effect_numbers%name, name, 1))%digits /= 0_int64
   end function is_there
+
+  ! A combined modulus says nothing of the two bodies that it stands for.
+  subroutine refuse_combined(fields, modes)
+    type(scene_fields), intent(inout) :: fields
+    integer, intent(in) :: modes(:)
+    integer :: i
+
+    do i = 1, size(modes)
+      associate (effect => known_effects(i))
+        if (modes(i) == effect_off .or. effect%needs == '') cycle
+        call fields%complain_of('effects', trim(effect%name), trim(effect%name) // ' needs ' // &
+                                trim(effect%needs) // ' of both surfaces in &material: found ' // &
+                                'contact_modulus in their place')
+      end associate
+    end do
+  end subroutine refuse_combined
 
   ! Whether the path of loads or approaches goes back anywhere.
   pure logical function goes_back(checked)

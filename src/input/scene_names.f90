@@ -34,7 +34,8 @@ contains
     type(known_name), allocatable :: table(:)  !! all names
 
     table = [in_group('surfaces', [character(len=6) :: 'deck', 'upper', 'lower', 'radius']), &
-             in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio']), &
+             in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio', &
+                                   'contact_modulus']), &
              in_group('motion', [character(len=9) :: 'x_first', 'x_step', 'y_first', 'y_step', &
                                  'positions']), &
              in_group('tilt', [character(len=11) :: 'upper_slope', 'lower_slope', 'rotation']), &

@@ -128,7 +128,8 @@ contains
     is_scene = next_character(text, at) == '&' .or. (at > len(text) .and. index(text, '!') > 0)
   end function is_scene
 
-  !> Group &material. A deck brings its own; CSV files do not.
+  !> Group &material. A deck brings its own; CSV files do not. The combined modulus may stand for
+  !> the moduli and ratios of both surfaces.
   subroutine read_material(fields, checked)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
@@ -142,6 +143,12 @@ contains
     call fields%take_numbers('material', 'poisson_ratio', poisson_range, pair)
     checked%upper%poisson_ratio = pair(1)
     checked%lower%poisson_ratio = pair(2)
+    call fields%take_number('material', 'contact_modulus', above_zero, checked%contact_modulus)
+    if (fields%has('material', 'contact_modulus')) then
+      call refuse_beside('elastic_modulus')
+      call refuse_beside('poisson_ratio')
+      return
+    end if
     if (.not. from_csv(fields)) return
     call require('elastic_modulus')
     call require('poisson_ratio')
@@ -156,6 +163,15 @@ contains
                                       'bring none, expected ' // name // &
                                       ' = upper, lower in &material')
     end subroutine require
+
+    subroutine refuse_beside(name)
+      character(len=*), intent(in) :: name
+
+      if (fields%has('material', name)) &
+        call fields%complain_of('material', name, 'found beside contact_modulus, which stands ' // &
+                                'for the moduli and ratios of both surfaces, expected one or ' // &
+                                'the other')
+    end subroutine refuse_beside
 
   end subroutine read_material
 

@@ -20,7 +20,7 @@ module asperity_scene_values
             criterion_hardy, criterion_words
   public :: hold_load, hold_approach, hold_words
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
-  public :: thesis_limit_load, is_thesis_sweep, compliance
+  public :: thesis_limit_load, is_thesis_sweep, compliance, combined_modulus
 
   !> Closing ends at the approach at which a contact reaches the limit.
   integer, parameter :: control_limit = 1
@@ -124,6 +124,8 @@ module asperity_scene_values
     type(scene_surface) :: lower                  !! the lower surface
     logical :: lower_is_mirrored = .false.        !! a deck's lower surface is
     type(decimal_value) :: lower_mirror_width     !! the deck's WIDTHL, when mirrored
+    !> Combined modulus itself, in place of those of both surfaces; 0: it follows from them.
+    type(decimal_value) :: contact_modulus
     type(decimal_value) :: starting_gap           !! A before closing: 1.27 cm for a deck, else 0
     type(scene_motion) :: motion                  !! where the upper surface stands
     type(scene_loading) :: loading                !! how far the surfaces close
@@ -194,5 +196,17 @@ contains
     ratio = decimal_to_real64(poisson_ratio)
     compliance = (1 - ratio) * (1 + ratio) / decimal_to_real64(elastic_modulus)
   end function compliance
+
+  !> The combined modulus, 1/E = (1 - nu1**2)/E1 + (1 - nu2**2)/E2.
+  pure real(real64) function combined_modulus(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values
+
+    combined_modulus = decimal_to_real64(scene_in%contact_modulus)
+    if (combined_modulus > 0.0_real64) return
+    associate (upper => scene_in%upper, lower => scene_in%lower)
+      combined_modulus = 1.0_real64 / (compliance(upper%elastic_modulus, upper%poisson_ratio) + &
+                                       compliance(lower%elastic_modulus, lower%poisson_ratio))
+    end associate
+  end function combined_modulus
 
 end module asperity_scene_values

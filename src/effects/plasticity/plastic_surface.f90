@@ -5,8 +5,8 @@ module asperity_plastic_surface
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure, plasticity_index
-  use asperity_scene_values, only: compliance, criterion_greenwood_williamson, criterion_hardy, &
-                                   criterion_load, criterion_pressure, scene
+  use asperity_scene_values, only: combined_modulus, criterion_greenwood_williamson, &
+                                   criterion_hardy, criterion_load, criterion_pressure, scene
   implicit none
   private
 
@@ -26,9 +26,8 @@ contains
     associate (upper => scene_in%upper, lower => scene_in%lower)
       deviation = hypot(height_deviation(upper%height), height_deviation(lower%height))
       radius = 1.0_real64 / (1.0_real64 / mean(upper%radius) + 1.0_real64 / mean(lower%radius))
-      modulus = 1.0_real64 / (compliance(upper%elastic_modulus, upper%poisson_ratio) + &
-                              compliance(lower%elastic_modulus, lower%poisson_ratio))
     end associate
+    modulus = combined_modulus(scene_in)
     hardness = hardness_of(scene_in, modulus, radius)
     if (.not. (hardness > 0.0_real64 .and. radius > 0.0_real64)) return
     found = plasticity_index(deviation, radius, modulus, hardness)
