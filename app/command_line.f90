@@ -82,6 +82,8 @@ contains
       end select
     end do
     line%command = argument(1)
+    ! A word that ends with a blank is a file's name.
+    if (len_trim(line%command) < len(line%command)) line%command = 'original'
     select case (line%command)
     case ('solve')
       call read_arguments(2, solve_options, 'scene', list, problems)

@@ -4,8 +4,10 @@ program asperity_main
   use asperity_command_outcome, only: command_outcome, finish_command
   use asperity_help, only: describe
   use asperity_images, only: image_number, wait_for_images
+  ! Called by whatever takes memory.
+  use asperity_out_of_memory, only: memory
   use asperity_output_files, only: guard_files
-  use asperity_process, only: end_process
+  use asperity_process, only: end_process, prepare_process
   use asperity_run_accuracy, only: run_accuracy_command
   use asperity_run_generate, only: run_generate_command
   use asperity_run_original, only: run_original_command
@@ -17,8 +19,11 @@ program asperity_main
   integer :: status
 
   call guard_files()
-  call parse_command_line(line, outcome%problems)
-  if (outcome%problems%count() > 0) then
+  call prepare_process(outcome%failure)
+  if (.not. allocated(outcome%failure)) call parse_command_line(line, outcome%problems)
+  if (allocated(outcome%failure)) then
+    line%command = ''
+  else if (outcome%problems%count() > 0) then
     call outcome%problems%add('Try: asperity --help')
   else if (image_number() == 1 .or. is_shared(line)) then
     select case (line%command)

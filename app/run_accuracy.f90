@@ -5,6 +5,7 @@ module asperity_run_accuracy
   use asperity_card_deck, only: card_deck
   use asperity_command_line, only: command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
+  use asperity_files, only: same_name
   use asperity_kinds, only: real64
   use asperity_model_rungs, only: model_rung, run_model_rungs
   use asperity_scene_reader, only: read_scene
@@ -34,7 +35,7 @@ contains
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) then
       call refuse_input(line, scene_in%upper%file, outcome%problems)
-      if (scene_in%lower%file /= scene_in%upper%file) &
+      if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
         call refuse_input(line, scene_in%lower%file, outcome%problems)
       if (scene_in%loading%control /= control_limit .or. &
           scene_in%limit%criterion /= criterion_load) &

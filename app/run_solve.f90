@@ -5,9 +5,10 @@ module asperity_run_solve
   use asperity_command_outcome, only: command_outcome
   use asperity_corrected_table, only: correct_table
   use asperity_error_budget, only: error_budget, measure_budget
-  use asperity_files, only: write_standard_error
+  use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
   use asperity_kinds, only: real64
+  use asperity_output_files, only: tell_kept
   use asperity_problems, only: problem_list
   use asperity_results_csv, only: write_contacts, write_curve, write_positions
   use asperity_run_options, only: run_options
@@ -38,6 +39,7 @@ contains
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
     if (outcome%problems%count() > 0) return
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
+    if (line%output('--keep') == '') call tell_kept('; --keep FILE would keep what is solved')
     call solve(scene_in, results, outcome%failure, options_of(line, scene_in))
     if (image_number() > 1) return
     if (.not. allocated(outcome%failure) .and. line%budget) &
@@ -68,7 +70,7 @@ contains
     type(problem_list), intent(inout) :: problems
 
     call refuse_input(line, scene_in%upper%file, problems)
-    if (scene_in%lower%file /= scene_in%upper%file) &
+    if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
       call refuse_input(line, scene_in%lower%file, problems)
     if (.not. (scene_in%effects%any_on() .or. allocated(scene_in%loading%path))) return
     if (line%arithmetic /= '' .and. line%arithmetic /= 'real64') &

@@ -7,6 +7,7 @@ module asperity_run_study
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
   use asperity_images, only: image_number
+  use asperity_output_files, only: tell_kept
   use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
   use asperity_text_buffer, only: text_buffer
@@ -38,6 +39,7 @@ contains
     options%progress = image_number() == 1
     options%all_images = .true.
     options%keep_file = line%output('--keep')
+    if (options%keep_file == '') call tell_kept('; --keep FILE would keep what is done')
     call run_area_study(spec, plan, options, study, failure)
     if (allocated(failure)) then
       outcome%failure = line%input // ': ' // failure

@@ -10,7 +10,7 @@ module asperity_files
   implicit none
   private
 
-  public :: read_whole_file, write_standard_output, write_standard_error, write_message
+  public :: same_name, read_whole_file, write_standard_output, write_standard_error, write_message
   public :: write_bytes, standard_output, standard_error
 
   !> Descriptors of the standard streams.
@@ -24,6 +24,14 @@ module asperity_files
   integer, parameter :: block_size = 65536
 
 contains
+
+  !> Whether two paths are spelled alike. A name may end with blanks, which Fortran's == leaves out.
+  pure logical function same_name(a, b)
+    character(len=*), intent(in) :: a  !! a path
+    character(len=*), intent(in) :: b  !! a path
+
+    same_name = len(a) == len(b) .and. a == b
+  end function same_name
 
   !> Reads a file whole. `failure` is allocated, with the reason, when it cannot be read. A file may
   !> have 1000000000 bytes, a pipe or a device 100000000.

@@ -6,12 +6,14 @@
 !> one go; what an end in the middle left of the last one does not meet its checksum and is cut off
 !> by the next run.
 module asperity_kept_records
-  use, intrinsic :: iso_c_binding, only: c_int, c_null_char
+  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char
   use asperity_files, only: read_whole_file, write_bytes
   use asperity_kinds, only: int64
-  use asperity_output_files, only: commit_files, stage_file
-  use asperity_system_calls, only: posix_close, posix_fsync, posix_open, system_error, &
-                                   system_reason
+  use asperity_printable, only: printable
+  use asperity_problems, only: decimal_text
+  use asperity_output_files, only: commit_files, stage_file, tell_kept
+  use asperity_system_calls, only: posix_close, posix_fsync, posix_lseek, posix_open, &
+                                   system_error, system_reason
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -31,8 +33,10 @@ module asperity_kept_records
     integer(int64), allocatable :: words(:)
   end type word_record
 
-  ! O_RDONLY, and O_WRONLY with O_APPEND, of Linux.
-  integer(c_int), parameter :: read_only = 0_c_int, append = 1025_c_int, no_such_file = 2_c_int
+  ! O_RDONLY with O_NONBLOCK, and O_WRONLY with O_APPEND and O_NONBLOCK, of Linux: a pipe without
+  ! another end would make an open wait.
+  integer(c_int), parameter :: read_only = 2048_c_int, append = 3073_c_int, no_such_file = 2_c_int
+  integer(c_int), parameter :: from_start = 0_c_int
   integer, parameter :: digits = 16
 
 contains
@@ -53,8 +57,10 @@ contains
     text = ''
     descriptor = posix_open(work%path // c_null_char, read_only)
     if (descriptor >= 0) then
+      if (posix_lseek(descriptor, 0_c_long, from_start) < 0_c_long) &
+        failure = work%path // ': is a pipe or a terminal, expected a file for what is kept'
       status = posix_close(descriptor)
-      call read_whole_file(work%path, text, failure)
+      if (.not. allocated(failure)) call read_whole_file(work%path, text, failure)
     else if (system_error() /= no_such_file) then
       failure = work%path // ': cannot be opened: ' // system_reason()
     end if
@@ -70,6 +76,7 @@ contains
       if (used < len(heading)) used = 0
     end if
     if (used > 0) call take_records(text, work%piece, most, used, records)
+    call tell_progress(work, size(records))
     if (used == len(text) .and. used > 0) return
     ! A new file, or one whose last record is not whole.
     if (used > 0) heading = text(:used)
@@ -100,10 +107,19 @@ contains
     end if
     call write_bytes(descriptor, text%text(), failure)
     if (allocated(failure)) failure = work%path // ': cannot be written: ' // failure
-    ! A pipe refuses, and need not.
     status = posix_fsync(descriptor)
     status = posix_close(descriptor)
+    if (.not. allocated(failure)) call tell_progress(work, first + size(records) - 1)
   end subroutine keep_records
+
+  ! So much an end in the middle leaves.
+  subroutine tell_progress(work, done)
+    type(kept_work), intent(in) :: work
+    integer, intent(in) :: done
+
+    call tell_kept('; ' // decimal_text(done) // ' ' // work%piece // 's are kept in ' // &
+                   printable(work%path) // ', the same command goes on from there')
+  end subroutine tell_progress
 
   !> Takes all whole records; `used` is moved behind them.
   subroutine take_records(text, piece, most, used, records)

@@ -6,7 +6,7 @@
 module asperity_output_files
   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, &
                                          c_null_char, c_size_t
-  use asperity_files, only: standard_error, standard_output, write_bytes
+  use asperity_files, only: same_name, standard_error, standard_output, write_bytes
   use asperity_problems, only: decimal_text
   use asperity_system_calls, only: canonical_path, posix_close, posix_creat, posix_exit_now, &
                                    posix_fsync, posix_getpid, posix_open, posix_rename, &
@@ -16,11 +16,17 @@ module asperity_output_files
   private
 
   public :: stage_file, commit_files, discard_files, guard_files, same_file
+  public :: end_without_output, tell_kept
 
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int), write_only = 1_c_int
   integer(c_int), parameter :: no_such_file = 2_c_int
-  ! HUP, INT, QUIT, TERM and XCPU end the program; PIPE and XFSZ become failures of a write.
-  integer(c_int), parameter :: ending_signals(5) = [1_c_int, 2_c_int, 3_c_int, 15_c_int, 24_c_int]
+  ! All that would end a process, but for KILL and for what a fault of the program raises: HUP, INT,
+  ! QUIT, USR1, USR2, ALRM, TERM, STKFLT, XCPU, VTALRM, PROF, IO, PWR and the real-time ones. PIPE
+  ! and XFSZ become failures of a write.
+  integer :: i_signal
+  integer(c_int), parameter :: ending_signals(*) = [1_c_int, 2_c_int, 3_c_int, 10_c_int, 12_c_int, &
+    14_c_int, 15_c_int, 16_c_int, 24_c_int, 26_c_int, 27_c_int, 29_c_int, 30_c_int, &
+    [(int(i_signal, c_int), i_signal = 34, 64)]]
   integer(c_int), parameter :: ignored_signals(2) = [13_c_int, 25_c_int]
   ! SIG_IGN of the C library.
   integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t
@@ -35,6 +41,10 @@ module asperity_output_files
   type(known_name) :: names(most_files)
   integer, volatile :: staged = 0
   logical, volatile :: committing = .false.
+  ! What an interruption tells of work that is kept.
+  integer, parameter :: longest_note = 600
+  character(kind=c_char, len=longest_note) :: kept_note = ''
+  integer, volatile :: noted = 0
 
 contains
 
@@ -125,7 +135,7 @@ contains
     if (a == '' .or. b == '' .or. index(a, '/dev/std') == 1 .or. index(b, '/dev/std') == 1) &
       return
     name = canonical_path(a)
-    if (.not. is_device(name)) same_file = name == canonical_path(b)
+    if (.not. is_device(name)) same_file = same_name(name, canonical_path(b))
   end function same_file
 
   !> Whether a path is that of a device, or of what a process has open.
@@ -187,18 +197,36 @@ contains
   !> procedure may do is done here: no allocation, no Fortran output.
   subroutine end_at_signal(number) bind(c)
     integer(c_int), value :: number
-    character(kind=c_char, len=44) :: message
-    integer(c_size_t) :: written
+    character(len=43) :: message
 
     ! The names are being given: a moment, and all is done.
     if (committing) return
-    call discard_files()
     message = 'interrupted by signal   , no output written'
     if (number > 9) message(23:23) = achar(iachar('0') + number / 10)
     message(24:24) = achar(iachar('0') + mod(number, 10))
-    message(44:44) = achar(10)
-    written = posix_write(standard_error, message, int(len(message), c_size_t))
-    call posix_exit_now(1_c_int)
+    call end_without_output(message)
   end subroutine end_at_signal
+
+  !> Ends the process at once, status 1: files that are not whole go, and one line says why, and
+  !> what is kept. No memory is asked for.
+  subroutine end_without_output(why)
+    character(len=*), intent(in) :: why  !! printable, without the end of the line
+    integer(c_size_t) :: written
+
+    call discard_files()
+    written = posix_write(standard_error, why, int(len(why), c_size_t))
+    written = posix_write(standard_error, kept_note, int(noted, c_size_t))
+    written = posix_write(standard_error, [achar(10, c_char)], 1_c_size_t)
+    call posix_exit_now(1_c_int)
+  end subroutine end_without_output
+
+  !> What an end in the middle shall tell of work that is kept.
+  subroutine tell_kept(note)
+    character(len=*), intent(in) :: note  !! begins with `; `, at most 600 characters count
+
+    noted = 0
+    kept_note = note
+    noted = min(len(note), longest_note)
+  end subroutine tell_kept
 
 end module asperity_output_files

@@ -7,7 +7,8 @@ module asperity_system_calls
 
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
-  public :: posix_isatty, posix_getpid, posix_exit
+  public :: posix_isatty, posix_getpid, posix_exit, posix_getrlimit
+  public :: posix_mmap, posix_munmap
   public :: system_error, system_reason, canonical_path
 
   interface
@@ -118,11 +119,38 @@ module asperity_system_calls
       integer(c_int), value :: status
     end subroutine posix_exit
 
+    !> A limit that the shell has set: what holds, and what it may be raised to; -1 is none.
+    integer(c_int) function posix_getrlimit(resource, limits) bind(c, name='getrlimit')
+      import :: c_int, c_long
+      implicit none
+      integer(c_int), value :: resource
+      integer(c_long), intent(out) :: limits(2)
+    end function posix_getrlimit
+
     !> The number by which the system knows this process.
     integer(c_int) function posix_getpid() bind(c, name='getpid')
       import :: c_int
       implicit none
     end function posix_getpid
+
+    !> Asks the system for memory; -1 as an address when refused.
+    type(c_ptr) function posix_mmap(place, bytes, protection, flags, descriptor, offset) &
+      bind(c, name='mmap')
+      import :: c_int, c_long, c_ptr, c_size_t
+      implicit none
+      type(c_ptr), value :: place
+      integer(c_size_t), value :: bytes
+      integer(c_int), value :: protection, flags, descriptor
+      integer(c_long), value :: offset
+    end function posix_mmap
+
+    !> Gives such memory back.
+    integer(c_int) function posix_munmap(place, bytes) bind(c, name='munmap')
+      import :: c_int, c_ptr, c_size_t
+      implicit none
+      type(c_ptr), value :: place
+      integer(c_size_t), value :: bytes
+    end function posix_munmap
 
     !> Gives memory back.
     subroutine posix_free(memory) bind(c, name='free')

@@ -179,7 +179,7 @@ contains
     at = self%values_of(group, name, 1)
     if (at == 0) return
     if (self%list%items(at + 1)%is_quoted .and. self%list%value_text(at + 1) /= '') then
-      text = trim(self%list%value_text(at + 1))
+      text = self%list%value_text(at + 1)
     else
       call self%refuse_value(name, at + 1, 'a text between quotes')
     end if

@@ -9,6 +9,7 @@ module asperity_scene_values
   use asperity_effect_names, only: effect_auto, effect_boundary, effect_coupled, effect_numbers, &
                                    effect_off, effect_on, effect_words, hold_approach, &
                                    hold_load, hold_words, known_effects
+  use asperity_files, only: same_name
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
   implicit none
@@ -184,7 +185,7 @@ contains
     is_thesis_sweep = scene_in%from_deck .and. scene_in%limit%from_thesis .and. &
                       scene_in%motion%positions == thesis_positions .and. &
                       scene_in%loading%control == control_limit .and. &
-                      scene_in%upper%file == scene_in%file
+                      same_name(scene_in%upper%file, scene_in%file)
   end function is_thesis_sweep
 
   !> (1 - nu**2)/E of a body; their sum for both is one over the combined modulus.

@@ -3,7 +3,7 @@ module asperity_solve
   use asperity_accuracy_bound, only: error_bound, front_arithmetics
   use asperity_contact_records, only: solve_method
   use asperity_effect_solver, only: make_effect_solver
-  use asperity_files, only: read_whole_file
+  use asperity_files, only: read_whole_file, same_name
   use asperity_kept_records, only: checksum, kept_work
   use asperity_arithmetics, only: solver_in
   use asperity_position_solver, only: position_solver
@@ -126,7 +126,8 @@ contains
                    ', input'
     call add_file(scene_in%file)
     call add_file(scene_in%upper%file)
-    if (scene_in%lower%file /= scene_in%upper%file) call add_file(scene_in%lower%file)
+    if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
+      call add_file(scene_in%lower%file)
 
   contains
 

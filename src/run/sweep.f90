@@ -12,7 +12,7 @@ module asperity_sweep
   use asperity_position_packet, only: pack_position, unpack_position
   use asperity_position_solver, only: position_solver
   use asperity_problems, only: decimal_text
-  use asperity_process, only: has_memory
+  use asperity_process, only: has_memory, threads_with_memory
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
@@ -97,7 +97,7 @@ contains
     else
       !$ if (solver%work >= least_work / solver%positions) threads = omp_get_max_threads()
     end if
-    threads = max(1, min(threads, solver%positions))
+    threads = threads_with_memory(min(threads, solver%positions))
   end function threads_for
 
   ! Whether a position of the round need be solved, and here.

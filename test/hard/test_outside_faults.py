@@ -5,6 +5,7 @@ Each is a real one. Files appear whole and all together, or not at all.
 
 import os
 import resource
+import shutil
 import subprocess
 
 import pytest
@@ -129,7 +130,92 @@ def test_name_can_be_written(run, tmp_path, name):
     assert files(tmp_path) == [name] and is_whole(tmp_path / name)
 
 
-# ---------------------------------------------------------------- little memory
+def test_names_that_differ_by_a_blank(run, tmp_path):
+    """Fortran takes them for one."""
+    done = run("t.deck", "--tables", "none", "--positions", "c.csv", "--contacts", "c.csv ")
+    assert done.returncode == 0, done.stderr
+    assert files(tmp_path) == ["c.csv", "c.csv "]
+    shutil.copy(tmp_path / "t.deck", tmp_path / "u ")
+    (tmp_path / "s ").write_text("&surfaces deck = 'u ' /\n", encoding="ascii")
+    assert run("solve", "s ", "--positions", "u", "--contacts", "s").returncode == 0
+    assert files(tmp_path) == ["c.csv", "c.csv ", "s", "s ", "u", "u "]
+    done = run("solve", "s ", "--positions", "u ")
+    assert done.returncode == 2 and b"names the input" in done.stderr
+    shutil.copy(tmp_path / "t.deck", tmp_path / "solve ")
+    assert run("solve ", "--tables", "none").returncode == 0
+
+
+# ---------------------------------------------------------------- little memory, small stacks
+
+@pytest.mark.parametrize("kilobytes", [64, 128, 256])
+@pytest.mark.parametrize("words", [["t.deck"], ["solve", "t.deck"], ["--help"]])
+def test_small_stack(run, tmp_path, words, kilobytes):
+    """`ulimit -s`: to run on a small stack ends in a fault that says nothing."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_STACK, (1024 * kilobytes, 1024 * kilobytes))
+
+    done = run(*words, *OUTPUTS[:0 if "--help" in words else None], preexec_fn=limit)
+    assert done.returncode == 1 and done.stdout == b"" and files(tmp_path) == []
+    assert one_line(done) == (f"the stack is too small: found {kilobytes} kB, expected at least "
+                              "512 kB: ulimit -s 8192")
+
+
+@pytest.mark.parametrize("size, found", [("16k", "16 kB"), (" 511 K ", "511 kB"),
+                                         ("65536B", "64 kB"), ("100", "100 kB")])
+def test_small_stacks_of_threads(run, tmp_path, size, found):
+    done = run("solve", "t.deck", "--threads", "2", *OUTPUTS,
+               env={**os.environ, "OMP_STACKSIZE": size})
+    assert done.returncode == 1 and done.stdout == b"" and files(tmp_path) == []
+    assert one_line(done) == (f"the stack of a thread is too small: found {found}, expected at "
+                              "least 512 kB: OMP_STACKSIZE=8M")
+
+
+def test_smallest_stacks_that_serve(run):
+    def limit():
+        resource.setrlimit(resource.RLIMIT_STACK, (512 * 1024, 512 * 1024))
+
+    for size in ("512k", "1M", "1G"):
+        done = run("solve", "t.deck", "--threads", "2", preexec_fn=limit,
+                   env={**os.environ, "OMP_STACKSIZE": size})
+        assert done.returncode == 0, done.stderr
+
+
+MANY = {
+    "positions": "&surfaces deck = 't.deck' /\n&motion x_step = 1e-3, positions = 4000 /\n",
+    "states": "&surfaces deck = 't.deck' /\n&motion positions = 2 /\n"
+              "&loading control = 'limit', points = 20000 /\n",
+    "surfaces": "&surfaces upper = 'u.csv', lower = 'l.csv', radius = 2*1.27 /\n"
+                "&material elastic_modulus = 2*2.8e5, poisson_ratio = 2*0.42 /\n"
+                "&loading control = 'load', value = 3e4 /\n"
+                "&effects friction = 'on', friction_coefficient = 0.3 /\n",
+    "neighbours": "&surfaces deck = 't.deck' /\n&motion x_first = 1., positions = 2 /\n"
+                  "&effects interaction = 'boundary', boundary_tolerance = 0.05 /\n"}
+
+
+@pytest.mark.parametrize("what", MANY)
+def test_little_memory_at_any_time(run, tmp_path, what):
+    """Wherever memory ends there is one sentence, and no file but what was to be kept."""
+    (tmp_path / "s.scene").write_text(MANY[what], encoding="ascii")
+    for name, height in (("u.csv", 0.11), ("l.csv", 0.12)):
+        (tmp_path / name).write_text("x,y,height\n" + "".join(
+            f"{3.0 * (i % 150)},{3.0 * (i // 150)},{height + 1e-6 * (i * 7919 % 5000)}\n"
+            for i in range(22500 if what == "surfaces" else 1)), encoding="ascii")
+    before, room, ended = files(tmp_path), 15_000_000, []
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (room, room))
+
+    while room < 4_000_000_000:
+        done = run("solve", "s.scene", *OUTPUTS, "--keep", "kept", preexec_fn=limit)
+        ended.append(done.returncode)
+        (tmp_path / "kept").unlink(missing_ok=True)
+        if done.returncode == 0:
+            break
+        assert done.returncode == 1 and done.stdout == b"", (room, done.stderr)
+        assert "memory" in one_line(done) and files(tmp_path) == before, (room, done.stderr)
+        room = int(1.15 * room)
+    assert ended[-1] == 0 and len(ended) > 1
+
 
 def test_little_memory(run, tmp_path):
     """No crash when memory ends: a message, or the work is done."""

@@ -4,6 +4,7 @@ Each is a real one. Files appear whole and all together, or not at all.
 """
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from outside_runs import DECK, LONG, OUTPUTS, files, is_whole, one_line
+from outside_runs import DECK, LONG, OUTPUTS, files, is_whole, one_line, wait_for
 
 pytestmark = pytest.mark.usefixtures("signals_not_ignored")
 
@@ -92,6 +93,16 @@ def test_named_pipe_stays_one(run, tmp_path):
     assert (tmp_path / "pipe").is_fifo() and files(tmp_path) == ["pipe"]
 
 
+def test_nothing_is_kept_in_a_pipe(run, tmp_path):
+    """To open one waits for whoever holds its other end."""
+    os.mkfifo(tmp_path / "pipe")
+    done = run("solve", "t.deck", "--keep", "pipe", timeout=20)
+    assert done.returncode == 1 and done.stdout == b""
+    assert one_line(done) == ("t.deck: pipe: is a pipe or a terminal, expected a file for what "
+                              "is kept")
+    assert (tmp_path / "pipe").is_fifo() and files(tmp_path) == ["pipe"]
+
+
 @pytest.mark.parametrize("command", [[], ["solve"]])
 def test_deck_from_a_pipe(run, command):
     """What is read once is enough: a pipe gives its text a single time."""
@@ -118,7 +129,13 @@ def test_huge_input(run, tmp_path):
 
 # ---------------------------------------------------------------- interruptions
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
+# All that end a process, but for KILL and the signals of a fault of the program itself.
+ENDING = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1,
+          signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF, signal.SIGIO,
+          signal.SIGPWR, signal.SIGXCPU, signal.SIGRTMIN, signal.SIGRTMAX, 16]
+
+
+@pytest.mark.parametrize("number", ENDING)
 @pytest.mark.parametrize("command", [[], ["solve"]])
 def test_interrupted_while_writing(waiting, tmp_path, command, number):
     (tmp_path / "p.csv").write_text("kept\n", encoding="ascii")
@@ -135,13 +152,38 @@ def test_interrupted_while_writing(waiting, tmp_path, command, number):
     child.send_signal(number)
     out, err = child.communicate(timeout=20)
     assert child.returncode == 1
-    assert err.decode().splitlines()[-1] == f"interrupted by signal {number:2}, no output written"
+    hint = "; --keep FILE would keep what is solved" if command else ""
+    assert err.decode().splitlines()[-1] == \
+        f"interrupted by signal {number:2}, no output written{hint}"
     if command:
         os.close(keeper)
         (tmp_path / "pipe").unlink()
         assert out == b""
     assert files(tmp_path) == ["p.csv"]
     assert (tmp_path / "p.csv").read_text(encoding="ascii") == "kept\n"
+
+
+def test_interrupted_sweep_goes_on(run, asperity, tmp_path):
+    """What is kept is told, and the same command goes on from there, to the same bytes."""
+    (tmp_path / "long.scene").write_text(
+        "&surfaces deck = 't.deck' /\n&motion x_step = 1e-4, positions = 40000 /\n"
+        "&tilt rotation = 2*0. /\n", encoding="ascii")
+    words = ["solve", "long.scene", "--quiet", "--threads", "1", "--positions"]
+    with subprocess.Popen([asperity, *words, "p.csv", "--keep", "kept"], cwd=tmp_path,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+        wait_for(lambda: (tmp_path / "kept").exists()
+                 and (tmp_path / "kept").stat().st_size > 10000)
+        child.send_signal(signal.SIGUSR1)
+        _, err = child.communicate(timeout=20)
+    said = re.fullmatch(r"interrupted by signal 10, no output written; (\d+) positions are kept in "
+                        r"kept, the same command goes on from there", err.decode().splitlines()[-1])
+    assert child.returncode == 1 and said, err
+    assert 0 < int(said[1]) < 40000
+    assert (tmp_path / "kept").read_text(encoding="ascii").count("position ") >= int(said[1])
+    assert files(tmp_path) == ["kept", "long.scene"]
+    assert run(*words, "p.csv", "--keep", "kept").returncode == 0
+    assert run(*words, "whole.csv").returncode == 0
+    assert (tmp_path / "p.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
 
 def fill(pipe):

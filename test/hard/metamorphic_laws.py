@@ -1,0 +1,276 @@
+"""Laws that a change of the scene must keep, and the harness' own look at each result.
+
+A law says what a result of the changed scene must be, given that of the scene. What the program
+says of itself is not asked: totals are summed from the file of contacts, loads are compared with
+what was asked for, contacts are held against their caps.
+"""
+
+import math
+import random
+
+import metamorphic_scenes as scenes
+
+# Results are bit for bit the same, or differ by rounding: of coordinates up to 20 in sums of up to
+# 64 contacts, through the slope of load over closing. Contacts of 1e-9 of the closing lose 1e9
+# roundings; scenes close by 1e-3 at least, or to a load that is met to 1e-11.
+ROUNDING = 1e-9
+# What neighbours take away is solved to so much of the load.
+SOLVED = {"coupled": 1e-8, "auto": 1e-5, "boundary": 1e-5}
+LOAD_MET = 1e-6
+TOTALS = ("load", "vertical_load", "area", "projected_area")
+
+
+class Broken(Exception):
+    """A law that a result does not keep."""
+
+
+def claim(holds, text):
+    if not holds:
+        raise Broken(text)
+
+
+def number(row, name):
+    return float(row[name]) if row[name] != "" else 0.0
+
+
+def near(a, b, share, what, size=0.0):
+    claim(abs(a - b) <= share * max(abs(a), abs(b), size), f"{what}: {a!r} and {b!r}")
+
+
+# ---------------------------------------------------------------- one result
+
+def look(scene, run):
+    """What must hold of any result."""
+    claim(run.status in (0, 1, 2), f"status {run.status}: {run.err[-300:]}")
+    if run.status:
+        claim(run.err.strip() and not run.out and not run.files, f"status {run.status}, no word")
+        claim(run.status == 1, f"refused as bad input: {run.err}")
+        return
+    for text in [run.out] + [cell for rows in run.files.values() for row in rows
+                             for cell in row.values()]:
+        claim("NaN" not in text and "Infinity" not in text and "***" not in text, f"{text!r}")
+    rows, curve = run.files["positions"], run.files["curve"]
+    contacts = {}
+    for contact in run.files["contacts"]:
+        contacts.setdefault((contact["position"], contact["step"]), []).append(contact)
+    for row in curve:
+        own = contacts.get((row["position"], row["step"]), [])
+        for name in TOTALS:
+            total = math.fsum(number(contact, name) for contact in own)
+            size = math.fsum(abs(number(contact, name)) for contact in own)
+            near(number(row, name), total, 1e-12, f"{name} and its contacts", size)
+    last = {row["position"]: row for row in curve}
+    for row in rows:
+        for name in (*TOTALS, "approach"):
+            claim(row[name] == last[row["position"]][name], f"{name} of the last state")
+    loads_are_met(scene, rows, curve)
+    caps_are_kept(scene, run)
+
+
+def asked_loads(scene):
+    """The loads of the states of a position, in order, those of a hold left out."""
+    loading = scene.groups["loading"]
+    if loading["control"] != "load":
+        return []
+    if not isinstance(loading["value"], list):
+        return [loading["value"]]
+    parts, asked, before = loading.get("points", 1), [], 0.0
+    for value in loading["value"]:
+        asked += [before + (value - before) * (part + 1) / parts for part in range(parts)]
+        before = value
+    return asked if parts == 1 else [0.0] + asked
+
+
+def loads_are_met(scene, rows, curve):
+    """Load asked is load found, at every state that names one; held loads are held."""
+    asked, effects = asked_loads(scene), scene.groups.get("effects", {})
+    if not asked:
+        return
+    for row in rows:
+        states = [state for state in curve if state["position"] == row["position"]]
+        held = [number(state, "load") for state in states if float(state.get("time", 0.0)) > 0.0]
+        loads = [number(state, "load") for state in states][:len(states) - len(held)]
+        claim(len(loads) >= len(asked), "states of the path are missing")
+        for load, value in zip(loads[-len(asked):], asked):
+            near(load, value, LOAD_MET, "load asked and found", 1e-6 * max(asked))
+        for load in held if effects.get("hold") == "load" else ():
+            near(load, asked[-1], LOAD_MET, "load held", 1e-6 * max(asked))
+
+
+def caps_are_kept(scene, run):
+    """No contact reaches beyond its cap without a warning; where the program has warnings."""
+    if "warnings" not in run.files["positions"][0]:
+        return
+    least = min(math.sqrt(max(0.0, height * (2 * radius - height)))
+                for _, _, height, radius in scene.upper + scene.lower)
+    warned = {row["position"] for row in run.files["positions"] if int(row["warnings"])}
+    for contact in run.files["contacts"]:
+        radius = math.sqrt(number(contact, "projected_area") / math.pi)
+        if contact["position"] not in warned:
+            claim(radius <= least * 1.0001 or radius <= 0.0, f"radius {radius} beyond {least}")
+
+
+# ---------------------------------------------------------------- two results
+
+def solved_share(scene):
+    """How far two solutions of one problem may differ."""
+    return SOLVED.get(scene.groups.get("effects", {}).get("interaction"), ROUNDING)
+
+
+def both(one, two):
+    """Whether both have results; a refusal of one alone breaks a law."""
+    claim(one.status == two.status, f"status {one.status} and {two.status}: {one.err}{two.err}")
+    return one.status == 0
+
+
+def same_totals(scene, one, two, factor=1.0, share=None):
+    """The totals of all positions and states, those of the second over a factor."""
+    share = share or solved_share(scene)
+    for rows, others in zip((one.files["positions"], one.files["curve"]),
+                            (two.files["positions"], two.files["curve"])):
+        claim(len(rows) == len(others), "number of states")
+        for row, other in zip(rows, others):
+            for name in TOTALS:
+                near(number(row, name), number(other, name) / factor, share, name,
+                     1e-3 * largest(one, name))
+            near(number(row, "approach"), number(other, "approach"), share, "approach", 0.1)
+
+
+def largest(run, name):
+    return max((abs(number(row, name)) for row in run.files["curve"]), default=0.0)
+
+
+def same_digits(one, two, lengths, moduli):
+    """Every number of every file is that of the other times one power of two a column."""
+    for what, rows in one.files.items():
+        others = two.files[what]
+        claim(len(rows) == len(others), f"rows of {what}")
+        for name in rows[0] if rows else ():
+            power = None
+            for row, other in zip(rows, others):
+                power = same_cell(row[name], other[name], power, f"{what}, {name}")
+            powers = {a * lengths + b * moduli for a in range(-2, 5) for b in (-1, 0, 1)}
+            claim(power in powers | {None}, f"{what}, {name}: times 2**{power}")
+
+
+def same_cell(cell, other, power, where):
+    try:
+        value, scaled = float(cell), float(other)
+    except ValueError:
+        claim(cell == other, f"{where}: {cell!r} and {other!r}")
+        return power
+    if value == 0.0 or scaled == 0.0:
+        claim(value == scaled, f"{where}: {cell} and {other}")
+        return power
+    (digits, exponent), (digits_2, exponent_2) = math.frexp(value), math.frexp(scaled)
+    claim(digits == digits_2, f"{where}: {value!r} is {math.ldexp(scaled, exponent - exponent_2)!r}"
+                              " in the other unit")
+    claim(power in (None, exponent_2 - exponent), f"{where}: not one power of two")
+    return exponent_2 - exponent
+
+
+# ---------------------------------------------------------------- the laws
+
+def law_scaled(scene, exe, folder, rng):
+    lengths, moduli = rng.choice([(40, 0), (-40, 0), (0, 40), (0, -40), (39, -41), (-39, 3)])
+    one, two = (scenes.run(exe, s, folder) for s in (scene, scenes.scaled(scene, lengths, moduli)))
+    look(scene, one)
+    if both(one, two):
+        same_digits(one, two, lengths, moduli)
+    return one.status
+
+
+def law_mirrored(scene, exe, folder, _rng):
+    return same_after(scene, scenes.mirrored(scene), exe, folder)
+
+
+def law_turned(scene, exe, folder, _rng):
+    return same_after(scene, scenes.turned(scene), exe, folder)
+
+
+def law_permuted(scene, exe, folder, rng):
+    return same_after(scene, scenes.permuted(scene, rng), exe, folder)
+
+
+def law_copied(scene, exe, folder, _rng):
+    """Twice the surfaces, far apart: twice of all at one approach, one approach at twice the load.
+
+    A limit is met by a contact, and by its copy. Far neighbours lower each other by the circle over
+    the distance, less than 2**-20 times a few dozen.
+    """
+    if "interaction" in scene.groups.get("effects", {}) and solved_share(scene) < 1e-5:
+        share = 1e-5
+    else:
+        share = solved_share(scene)
+    if "tilt" in scene.groups:
+        return None
+    return same_after(scene, scenes.in_copies(scene, 2, 2.0 ** 20), exe, folder, 2.0, share)
+
+
+def law_tighter(scene, exe, folder, _rng):
+    """What `auto` leaves out is at most the tolerance."""
+    effects = scene.groups.get("effects", {})
+    if "auto" not in effects.values():
+        return None
+    other = scenes.mapped(scene, lambda row: row)
+    other.groups["effects"]["tolerance"] = effects["tolerance"] / 30
+    return same_after(scene, other, exe, folder, share=effects["tolerance"] * 31 / 30,
+                      names=("load", "area"))
+
+
+def law_one_more_state(scene, exe, folder, _rng):
+    """Where loading only grows, a state more on the way changes nothing at its end."""
+    loading = scene.groups["loading"]
+    if loading["control"] == "limit" or isinstance(loading["value"], list):
+        return None
+    effects = scene.groups.get("effects", {})
+    if "creep" in effects:
+        return None
+    other = scenes.mapped(scene, lambda row: row)
+    other.groups["loading"]["points"] = loading.get("points", 1) + 1
+    one, two = (scenes.run(exe, s, folder) for s in (scene, other))
+    look(scene, one)
+    look(other, two)
+    if both(one, two):
+        one.files["curve"] = two.files["curve"] = []
+        same_totals(scene, one, two)
+    return one.status
+
+
+def same_after(scene, other, exe, folder, factor=1.0, share=None, names=None):
+    one, two = (scenes.run(exe, s, folder) for s in (scene, other))
+    look(scene, one)
+    look(other, two)
+    if both(one, two):
+        if names:
+            within(one, two, share, names, scene.groups["loading"]["control"])
+        else:
+            same_totals(scene, one, two, factor, share)
+    return one.status
+
+
+def within(one, two, share, names, control):
+    """Totals, and at a given load the approach over the closing, within a share."""
+    for row, other in zip(one.files["positions"], two.files["positions"]):
+        for name in names:
+            near(number(row, name), number(other, name), share, name)
+        if control == "approach":
+            claim(row["approach"] == other["approach"], "approach")
+
+
+LAWS = {"scaled by powers of two": law_scaled, "mirrored": law_mirrored,
+        "turned by 90 degrees": law_turned, "asperities in another order": law_permuted,
+        "two copies far apart": law_copied, "a tighter tolerance": law_tighter,
+        "one more state on the way": law_one_more_state}
+
+
+def broken(seed, exe, folder):
+    """The law of a seed: its name, the status of the run (None: not asked), and what is broken."""
+    rng = random.Random(f"law {seed}")
+    name = list(LAWS)[seed % len(LAWS)]
+    try:
+        return name, LAWS[name](scenes.scene_of_seed(seed), exe, folder, rng), ""
+    except Broken as fault:
+        return name, 0, str(fault)
+    except scenes.subprocess.TimeoutExpired:
+        return name, 0, "late"

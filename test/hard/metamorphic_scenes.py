@@ -1,0 +1,235 @@
+"""Scenes whose numbers are known with their units, so that they can be moved, turned and scaled.
+
+Coordinates are multiples of a power of two: to mirror, turn, shift or scale them changes no digit.
+"""
+
+import copy
+import csv
+import random
+import subprocess
+from dataclasses import dataclass, field
+
+# Powers of a length and of a modulus in the unit of a name of a scene.
+UNITS = {"elastic_modulus": (0, 1), "contact_modulus": (0, 1), "x_first": (1, 0), "x_step": (1, 0),
+         "y_first": (1, 0), "y_step": (1, 0), "hardness": (0, 1), "yield_stress": (0, 1),
+         "plastic_yield_stress": (0, 1), "work_of_adhesion": (1, 1), "equilibrium_distance": (1, 0)}
+VALUES = {"load": (2, 1), "vertical_load": (2, 1), "approach": (1, 0), "pressure": (0, 1)}
+GRID = 2.0 ** -14
+
+
+@dataclass
+class Scene:
+    """Two surfaces, rows (x, y, height, radius), and the groups beside them."""
+
+    upper: list
+    lower: list
+    groups: dict
+    kind: str = ""
+
+
+@dataclass
+class Run:
+    """What a run left: status, texts, rows of its files."""
+
+    status: int
+    out: str
+    err: str
+    files: dict = field(default_factory=dict)
+
+
+def on_grid(value):
+    return round(value / GRID) * GRID
+
+
+def text_of(value):
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(text_of, value))
+    return f"'{value}'" if isinstance(value, str) else repr(value)
+
+
+def write(scene, folder, name="s"):
+    for side in ("upper", "lower"):
+        rows = "".join(",".join(map(repr, row)) + "\n" for row in getattr(scene, side))
+        (folder / f"{name}_{side}.csv").write_text("x,y,height,radius\n" + rows, encoding="ascii")
+    text = f"&surfaces upper = '{name}_upper.csv', lower = '{name}_lower.csv' /\n"
+    for group, names in scene.groups.items():
+        words = ", ".join(f"{key} = {text_of(value)}" for key, value in names.items())
+        text += f"&{group} {words} /\n"
+    (folder / f"{name}.scene").write_text(text, encoding="ascii")
+
+
+def run(exe, scene, folder, name="s", seconds=120):
+    """Solve a scene in a folder; its files are read and taken away."""
+    write(scene, folder, name)
+    files = {what: folder / f"{name}.{what}.csv" for what in ("positions", "contacts", "curve")}
+    words = [word for what, path in files.items() for word in (f"--{what}", path)]
+    done = subprocess.run([exe, "solve", f"{name}.scene", *words], cwd=folder, check=False,
+                          stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=seconds)
+    left = Run(done.returncode, done.stdout, done.stderr)
+    for what, path in files.items():
+        if path.exists():
+            with open(path, encoding="ascii", newline="") as file:
+                left.files[what] = list(csv.DictReader(file))
+            path.unlink()
+    return left
+
+
+# ---------------------------------------------------------------- what is done to a scene
+
+def mapped(scene, of_row, of_plan=None, of_number=None):
+    """A copy with other rows, other vectors in plan, and other numbers by their unit."""
+    new = copy.deepcopy(scene)
+    new.upper = [of_row(row) for row in scene.upper]
+    new.lower = [of_row(row) for row in scene.lower]
+    groups = new.groups
+    if of_plan:
+        for what in ("first", "step"):
+            motion = groups.get("motion", {})
+            if any(f"{axis}_{what}" in motion for axis in "xy"):
+                pair = of_plan(*(motion.get(f"{axis}_{what}", 0.0) for axis in "xy"))
+                motion.update({f"{axis}_{what}": value for axis, value in zip("xy", pair)})
+        for name, value in groups.get("tilt", {}).items():
+            if name.endswith("_slope"):
+                groups["tilt"][name] = list(of_plan(*value))
+    if of_number:
+        for names in groups.values():
+            for name, value in names.items():
+                unit = UNITS.get(name)
+                if name == "value":
+                    unit = VALUES[names.get("control", names.get("criterion"))]
+                if unit:
+                    many = isinstance(value, (list, tuple))
+                    values = [of_number(v, *unit) for v in (value if many else [value])]
+                    names[name] = values if many else values[0]
+    return new
+
+
+def scaled(scene, lengths, moduli):
+    """In units of length and of modulus that are so many powers of two smaller."""
+    return mapped(scene, lambda row: tuple(c * 2.0 ** lengths for c in row),
+                  of_number=lambda v, a, b: v * 2.0 ** (a * lengths + b * moduli))
+
+
+def mirrored(scene):
+    return mapped(scene, lambda row: (-row[0], *row[1:]), lambda x, y: (-x, y))
+
+
+def turned(scene):
+    return mapped(scene, lambda row: (-row[1], row[0], *row[2:]), lambda x, y: (-y, x))
+
+
+def permuted(scene, rng):
+    new = copy.deepcopy(scene)
+    rng.shuffle(new.upper)
+    rng.shuffle(new.lower)
+    return new
+
+
+def in_copies(scene, number, distance):
+    """So many copies of the whole, far from one another; a load is shared by them."""
+    new = copy.deepcopy(scene)
+    for side in ("upper", "lower"):
+        setattr(new, side, [(x + i * distance, y, height, radius) for i in range(number)
+                            for x, y, height, radius in getattr(scene, side)])
+    loading = new.groups["loading"]
+    if loading["control"] in ("load", "vertical_load"):
+        value = loading["value"]
+        loading["value"] = [number * v for v in value] if isinstance(value, list) \
+            else number * value
+    return new
+
+
+# ---------------------------------------------------------------- random scenes
+
+def surfaces(rng):
+    """A few asperities a side that meet: apart, dense, unlike in size, steep, or in one place."""
+    kind = rng.choice(["apart", "dense", "unlike", "steep", "one place", "a plate"])
+    n = rng.choice([1, 2, 3, 5, 8])
+    if kind == "apart":
+        upper = [(4.0 * i, 0.0, 0.1 + 0.05 * rng.random(), rng.uniform(0.5, 2)) for i in range(n)]
+        lower = [(4.0 * i + 0.1 * rng.random(), 0.1 * rng.random(), 0.1 + 0.05 * rng.random(),
+                  rng.uniform(0.5, 2)) for i in range(n)]
+    elif kind == "dense":
+        upper, lower = ([(rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5),
+                          0.1 + 0.02 * rng.random(), rng.uniform(0.5, 2))
+                         for _ in range(min(n, 4))] for _ in range(2))
+    elif kind == "unlike":
+        upper = [(3.0 * i, 0.0, 0.1 + 0.02 * rng.random(), 10 ** rng.uniform(-1, 2))
+                 for i in range(n)]
+        lower = [(3.0 * i, 0.05, 0.1, 10 ** rng.uniform(-1, 2)) for i in range(n)]
+    elif kind == "steep":
+        upper = [(6.0 * i, 0.0, 1.0, 1.0) for i in range(min(n, 2))]
+        lower = [(6.0 * i + rng.uniform(0.3, 1.7), 0.0, 1.0, 1.0) for i in range(min(n, 2))]
+    elif kind == "one place":
+        upper = [(0.0, 0.0, 0.1, 1.0)] * min(n, 3)
+        lower = [(rng.choice([0.0, 0.01]), 0.0, 0.1, 1.5)]
+    else:
+        pitch = rng.choice([0.2, 0.5, 2.0])
+        upper = [(pitch * (i % 3), pitch * (i // 3), 0.1 + 0.01 * rng.random(), 1.0)
+                 for i in range(n)]
+        lower = [(0.0, 0.0, 0.0, 2.0 ** 14)]
+    return [[tuple(map(on_grid, row)) for row in rows] for rows in (upper, lower)], kind
+
+
+def own_effects(rng):
+    """Effects that go together, with their numbers."""
+    draw = rng.randrange(9)
+    chosen = {}
+    if draw in (1, 4, 8):
+        chosen |= {"interaction": rng.choice(["coupled", "auto", "auto"])}
+    if draw == 1 and rng.random() < 0.15:
+        chosen |= {"interaction": "boundary", "boundary_tolerance": 0.02}
+    if draw in (2, 4, 7):
+        chosen |= {"friction": rng.choice(["on", "auto"]),
+                   "friction_coefficient": rng.choice([0.1, 0.3, 1.0])}
+    if draw in (3, 7):
+        chosen |= {"plasticity": rng.choice(["on", "auto"]),
+                   "plastic_yield_stress": rng.choice([300.0, 2000.0, 2e4])}
+    if draw == 5:
+        chosen |= {"adhesion": rng.choice(["on", "auto"]),
+                   "work_of_adhesion": rng.choice([0.0, 1e-4, 1e-2, 1.0]),
+                   "equilibrium_distance": rng.choice([1e-6, 1e-3])}
+    if draw in (6, 8):
+        chosen |= {"creep": rng.choice(["on", "auto"]), "hold_time": 10.0, "hold_points": 4,
+                   "relaxation_time": rng.choice([1.0, 100.0]), "relaxed_modulus_ratio": 0.5,
+                   "hold": rng.choice(["load", "approach"])}
+    if chosen:
+        chosen["tolerance"] = rng.choice([0.003, 0.01, 0.1])
+    return chosen
+
+
+def random_scene(rng):
+    (upper, lower), kind = surfaces(rng)
+    groups = {"material": {"elastic_modulus": [2.0e5, 1.0e5], "poisson_ratio": [0.3, 0.25]}}
+    if rng.random() < 0.15:
+        groups["motion"] = {"x_first": 0.0, "x_step": 0.0625, "y_step": -0.03125, "positions": 3}
+    if rng.random() < 0.15:
+        groups["tilt"] = {"upper_slope": [2.0 ** -9, -(2.0 ** -10)]}
+    draw = rng.random()
+    if draw < 0.5:
+        groups["loading"] = {"control": "load", "value": float(f"{10 ** rng.uniform(-3, 4):.3g}")}
+    elif draw < 0.8:
+        # From first touch on, as near as the surfaces come.
+        highest = max(row[2] for row in upper) + max(row[2] for row in lower)
+        groups["loading"] = {"control": "approach",
+                             "value": on_grid(highest - 10 ** rng.uniform(-3, -1.3))}
+    else:
+        groups["loading"] = {"control": "limit"}
+        groups["limit"] = {"criterion": "load", "value": rng.choice([1e-3, 3.0, 300.0])}
+    chosen = own_effects(rng)
+    if groups["loading"]["control"] == "load" and rng.random() < 0.3:
+        value = groups["loading"]["value"]
+        groups["loading"]["value"] = [value, 2 * value]
+        # Friction, creep and neighbours know no way back.
+        if not chosen.keys() & {"friction", "creep", "interaction"} and rng.random() < 0.5:
+            groups["loading"]["value"] = [value, 0.0, value]
+    if groups["loading"]["control"] != "limit" and rng.random() < 0.2:
+        groups["loading"]["points"] = 3
+    if chosen:
+        groups["effects"] = chosen
+    return Scene(upper, lower, groups, kind)
+
+
+def scene_of_seed(seed):
+    return random_scene(random.Random(f"metamorphic {seed}"))
