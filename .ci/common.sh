@@ -19,7 +19,7 @@ archive_flags="-O2 -ffp-contract=off -g"
 # More than the standard allows.
 fast_flags="-O3 -march=native -ffast-math"
 sanitize_flags="-O1 -g -fbacktrace -fno-omit-frame-pointer -fsanitize=address,undefined \
--fno-sanitize-recover=all"
+-fno-sanitize-recover=all -DASPERITY_SANITIZED"
 # What flang-19 warns of is what it cannot fold in REAL(16).
 second_flags="-O2 -ffp-contract=off -w"
 second_compiler=flang-new-19

@@ -71,11 +71,18 @@ contains
     do
       call begin_round(watch%work, going_on)
       if (.not. going_on) exit
-      !$omp parallel do schedule(dynamic) num_threads(threads) if(threads > 1)
-      do m = watch%work%first, watch%work%last
-        if (is_wanted(watch, m)) call solve_one(solver, m, options, positions(m), watch)
-      end do
-      !$omp end parallel do
+      if (threads > 1) then
+        !$omp parallel do schedule(dynamic) num_threads(threads)
+        do m = watch%work%first, watch%work%last
+          if (is_wanted(watch, m)) call solve_one(solver, m, options, positions(m), watch)
+        end do
+        !$omp end parallel do
+      else
+        ! Outside any region: one within would start its threads anew each time.
+        do m = watch%work%first, watch%work%last
+          if (is_wanted(watch, m)) call solve_one(solver, m, options, positions(m), watch)
+        end do
+      end if
       call gather_round(watch%work)
       if (image_number() == 1) call take_round(watch, positions)
       call end_round(watch%work)

@@ -147,6 +147,7 @@ def test_names_that_differ_by_a_blank(run, tmp_path):
 
 # ---------------------------------------------------------------- little memory, small stacks
 
+@pytest.mark.once
 @pytest.mark.parametrize("kilobytes", [64, 128, 256])
 @pytest.mark.parametrize("words", [["t.deck"], ["solve", "t.deck"], ["--help"]])
 def test_small_stack(run, tmp_path, words, kilobytes):
@@ -160,6 +161,7 @@ def test_small_stack(run, tmp_path, words, kilobytes):
                               "512 kB: ulimit -s 8192")
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("size, found", [("16k", "16 kB"), (" 511 K ", "511 kB"),
                                          ("65536B", "64 kB"), ("100", "100 kB")])
 def test_small_stacks_of_threads(run, tmp_path, size, found):
@@ -170,6 +172,7 @@ def test_small_stacks_of_threads(run, tmp_path, size, found):
                               "least 512 kB: OMP_STACKSIZE=8M")
 
 
+@pytest.mark.once
 def test_smallest_stacks_that_serve(run):
     def limit():
         resource.setrlimit(resource.RLIMIT_STACK, (512 * 1024, 512 * 1024))
@@ -188,8 +191,8 @@ MANY = {
                 "&material elastic_modulus = 2*2.8e5, poisson_ratio = 2*0.42 /\n"
                 "&loading control = 'load', value = 3e4 /\n"
                 "&effects friction = 'on', friction_coefficient = 0.3 /\n",
-    "neighbours": "&surfaces deck = 't.deck' /\n&motion x_first = 1., positions = 2 /\n"
-                  "&effects interaction = 'boundary', boundary_tolerance = 0.05 /\n"}
+    "neighbours": "&surfaces deck = 't.deck' /\n&motion x_first = 5.6 /\n"
+                  "&effects interaction = 'boundary', boundary_tolerance = 0.002 /\n"}
 
 
 @pytest.mark.parametrize("what", MANY)
