@@ -210,6 +210,8 @@ contains
     type(problem_list), intent(inout) :: problems  !! what is wrong
     integer :: i
 
+    ! A plane comes from no file.
+    if (input == '') return
     do i = 1, size(output_options)
       if (same_file(line%output(output_options(i)), input)) &
         call problems%add(trim(output_options(i)) // ' names the input, ' // input)

@@ -7,7 +7,7 @@ module asperity
   use asperity_run_options, only: run_options
   use asperity_scene_reader, only: build_scene, read_scene
   use asperity_scene_results, only: effect_header, last_state, scene_results
-  use asperity_scene_surfaces, only: take_surface
+  use asperity_scene_surfaces, only: plane_surface, take_surface
   use asperity_scene_values, only: scene, scene_surface
   use asperity_solve, only: solve
   use asperity_version, only: version
@@ -16,7 +16,7 @@ module asperity
 
   ! Scenes.
   public :: scene, scene_surface, problem_list
-  public :: read_scene, take_surface, build_scene
+  public :: read_scene, take_surface, plane_surface, build_scene
   ! Running them.
   public :: solve, run_options, version
   ! Results.

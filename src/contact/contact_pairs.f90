@@ -9,25 +9,25 @@ module asperity_contact_pairs
 
   public :: contact_pair, contact_pairs, in_scene_units
 
-  !> One upper and one lower asperity.
+  !> One upper and one lower asperity, or one asperity and a plane.
   type :: contact_pair
-    integer :: upper = 0                            !! index of the upper asperity
-    integer :: lower = 0                            !! index of the lower asperity
+    integer :: upper = 0                            !! index of the upper asperity; 0: a plane
+    integer :: lower = 0                            !! index of the lower asperity; 0: a plane
     real(real64) :: x = 0.0_real64                  !! point in plan where they touch first
     real(real64) :: y = 0.0_real64                  !! point in plan where they touch first
     real(real64) :: upper_x = 0.0_real64            !! centre of the upper sphere, displaced
     real(real64) :: upper_y = 0.0_real64            !! centre of the upper sphere, displaced
-    real(real64) :: upper_radius = 0.0_real64       !! more than 0
+    real(real64) :: upper_radius = 0.0_real64       !! 0: a plane
     real(real64) :: lower_x = 0.0_real64            !! centre of the lower sphere
     real(real64) :: lower_y = 0.0_real64            !! centre of the lower sphere
-    real(real64) :: lower_radius = 0.0_real64       !! more than 0
+    real(real64) :: lower_radius = 0.0_real64       !! 0: a plane
     real(real64) :: gap = 0.0_real64                !! closing at which they touch, 0 for the first
     real(real64) :: limit = huge(1.0_real64)        !! penetration at the limit; huge: none
     real(real64) :: d = 0.0_real64                  !! distance of the centres in plan
     real(real64) :: s = 0.0_real64                  !! sum of the radii
     real(real64) :: zc = 0.0_real64                 !! height between the centres at first touch
     real(real64) :: rest = 0.0_real64               !! what its rounding left out
-    real(real64) :: radius = 0.0_real64             !! combined radius, 1/R = 1/RU + 1/RL
+    real(real64) :: radius = 0.0_real64             !! combined, 1/R = 1/RU + 1/RL; on a plane its own
   end type contact_pair
 
   !> The pairs of one position in the order of first touch.

@@ -38,8 +38,8 @@ module asperity_contact_records
   !> One contact in one state of one position.
   type :: contact_row
     integer :: area_no = 0                         !! from 1, in the order of first touch
-    integer :: upper = 0                           !! index of the upper asperity
-    integer :: lower = 0                           !! index of the lower asperity
+    integer :: upper = 0                           !! index of the upper asperity; 0: a plane
+    integer :: lower = 0                           !! index of the lower asperity; 0: a plane
     logical :: limit_exceeded = .false.            !! at or over its limit
     real(real64) :: x = 0.0_real64                 !! centre of the contact
     real(real64) :: y = 0.0_real64                 !! centre of the contact

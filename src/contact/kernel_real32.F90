@@ -8,7 +8,8 @@ module asperity_kernel_real32
                                       solve_method, state_row
   use asperity_contact_pairs, only: contact_pairs
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_kinds, only: int64, real32, real64
+  use asperity_key_sort, only: sort_keys
+  use asperity_kinds, only: int32, int64, real32, real64
   use asperity_numbers_real32, only: cube_root, decimal_number, exponent_of_16, from_real64, &
                                      times_power_of_16, to_real64, upper_half, whole_number
   use asperity_overlapping_circles, only: count_overlapping

@@ -1,4 +1,4 @@
-!> Group &surfaces of a scene: a card deck, or two CSV files.
+!> Group &surfaces of a scene: a card deck, or two CSV files, of which one may be a plane.
 module asperity_scene_surfaces
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
@@ -11,7 +11,7 @@ module asperity_scene_surfaces
   implicit none
   private
 
-  public :: from_csv, read_surfaces, take_surface
+  public :: from_csv, read_surfaces, take_surface, plane_surface
 
 contains
 
@@ -24,10 +24,12 @@ contains
     character(len=:), allocatable :: deck, upper, lower
     type(scene_motion) :: not_asked_for
 
+    call fields%take_number('surfaces', 'nominal_area', above_zero, checked%nominal_area)
     if (fields%surfaces_given) then
-      if (fields%has_group('surfaces')) &
+      if (any([fields%has('surfaces', 'deck'), fields%has('surfaces', 'upper'), &
+               fields%has('surfaces', 'lower'), fields%has('surfaces', 'radius')])) &
         call fields%complain_of_group('surfaces', 'found &surfaces beside surfaces that are ' // &
-                                      'given as arrays, expected none')
+                                      'given as arrays, expected none, or nominal_area alone')
       return
     end if
     if (.not. fields%has_group('surfaces')) then
@@ -52,7 +54,8 @@ contains
     end if
   end subroutine read_surfaces
 
-  !> The two CSV files; the scene's radius serves those that have no radius column.
+  !> The two CSV files, or one and a plane; the scene's radius serves those that have no radius
+  !> column.
   subroutine read_csv_files(path, upper, lower, fields, checked, other_files)
     character(len=*), intent(in) :: path
     character(len=:), allocatable, intent(in) :: upper, lower
@@ -65,13 +68,29 @@ contains
 
     upper_has_radius = .true.
     lower_has_radius = .true.
-    call fields%take_numbers('surfaces', 'radius', above_zero, radius)
-    if (allocated(upper)) &
+    checked%upper%is_plane = is_plane(upper)
+    checked%lower%is_plane = is_plane(lower)
+    if (checked%upper%is_plane .and. checked%lower%is_plane) then
+      call fields%complain_of('surfaces', 'lower', 'found two planes, expected one at most')
+      return
+    end if
+    if (checked%upper%is_plane .or. checked%lower%is_plane) then
+      call fields%take_pair('surfaces', 'radius', above_zero, radius)
+    else
+      call fields%take_numbers('surfaces', 'radius', above_zero, radius)
+    end if
+    if (checked%upper%is_plane) then
+      checked%upper = plane_surface()
+    else if (allocated(upper)) then
       call surface_from_csv(beside(path, upper), radius(1), checked%upper, upper_has_radius, &
                             other_files)
-    if (allocated(lower)) &
+    end if
+    if (checked%lower%is_plane) then
+      checked%lower = plane_surface()
+    else if (allocated(lower)) then
       call surface_from_csv(beside(path, lower), radius(2), checked%lower, lower_has_radius, &
                             other_files)
+    end if
     if (.not. fields%has('surfaces', 'radius')) then
       which = 'upper and the lower'
       if (upper_has_radius) which = 'lower'
@@ -85,6 +104,23 @@ contains
                               'column, expected only where one has none')
     end if
   end subroutine read_csv_files
+
+  ! Whether the word for a plane stands in the place of a file. A file of that name is ./plane.
+  pure logical function is_plane(name)
+    character(len=:), allocatable, intent(in) :: name
+
+    is_plane = .false.
+    if (allocated(name)) is_plane = name == 'plane'
+  end function is_plane
+
+  !> A plane: a surface without asperities.
+  pure function plane_surface() result(surface)
+    type(scene_surface) :: surface  !! for build_scene
+
+    surface%file = ''
+    surface%is_plane = .true.
+    allocate (surface%x(0), surface%y(0), surface%height(0), surface%radius(0))
+  end function plane_surface
 
   !> A deck brings both surfaces and their radii.
   subroutine refuse_beside_deck(fields, name)

@@ -55,7 +55,8 @@ module asperity_scene_values
 
   !> One surface, as it lies in its file: not rotated, mirrored, tilted or moved.
   type :: scene_surface
-    character(len=:), allocatable :: file                     !! where it was read from
+    character(len=:), allocatable :: file                     !! where it was read from; '': nowhere
+    logical :: is_plane = .false.                             !! a flat: it has no asperity
     real(real64), allocatable :: x(:), y(:)                   !! summits on the reference plane
     real(real64), allocatable :: height(:)                    !! summits above the reference plane
     real(real64), allocatable :: radius(:)                    !! summit radii, more than 0
@@ -127,6 +128,7 @@ module asperity_scene_values
     type(decimal_value) :: lower_mirror_width     !! the deck's WIDTHL, when mirrored
     !> Combined modulus itself, in place of those of both surfaces; 0: it follows from them.
     type(decimal_value) :: contact_modulus
+    type(decimal_value) :: nominal_area           !! of the surfaces in plan; 0: not given
     type(decimal_value) :: starting_gap           !! A before closing: 1.27 cm for a deck, else 0
     type(scene_motion) :: motion                  !! where the upper surface stands
     type(scene_loading) :: loading                !! how far the surfaces close

@@ -13,6 +13,9 @@ module asperity_cells_gap
   !> Gap beside the spheres. Far more than any height.
   real(real64), parameter :: gap_nowhere = 1.0e6_real64
 
+  ! Height of a centre over a plane: nothing curves.
+  real(real64), parameter :: far_above = 1.0e150_real64
+
   !> The gap of one pair. Lengths in the unit of the pairs.
   type :: gap_shape
     integer :: pair = 0                             !! place in the list of pairs
@@ -51,6 +54,11 @@ contains
     shape%upper_height = pair%upper_radius * shape%cosine
     shape%lower_height = pair%lower_radius * shape%cosine
     shape%curvature_radius = share * pair%lower_radius
+    if (.not. min(pair%upper_radius, pair%lower_radius) > 0.0_real64) then
+      shape%curvature_radius = pair%radius
+      if (.not. pair%upper_radius > 0.0_real64) shape%upper_height = far_above
+      if (.not. pair%lower_radius > 0.0_real64) shape%lower_height = far_above
+    end if
     ! Both spheres curve by 1/radius at least everywhere: gap >= s**2/(2 R) - penetration.
     shape%contact_radius = sqrt(shape%curvature_radius * penetration)
     shape%reach = sqrt(2.0_real64) * shape%contact_radius

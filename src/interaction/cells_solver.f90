@@ -12,7 +12,7 @@ module asperity_cells_solver
   use asperity_cells_outside, only: add_outside, outside_field
   use asperity_cells_relax, only: relax
   use asperity_constants, only: pi
-  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -107,7 +107,7 @@ contains
     if (size(shapes) == 0) then
       answer%change = 0.0_real64
       answer%ending = solve_ending(.true., 0.0_real64, 0)
-    else if (.not. all(shapes%penetration < pairs%list(members(shapes%pair))%zc)) then
+    else if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then
       answer%failure = 'a penetration reaches the level of the centres'
     else if (.not. maxval(shapes%penetration / shapes%curvature_radius) > shallowest) then
       answer%failure = 'contacts too shallow for cells'
@@ -116,6 +116,14 @@ contains
     end if
     if (allocated(answer%failure)) answer%ending%converged = .false.
   end subroutine solve_cells
+
+  ! Penetration at which the centres of a pair are level, or a centre comes to the plane.
+  elemental real(real64) function level_height(pair)
+    type(contact_pair), intent(in) :: pair
+
+    level_height = pair%zc
+    if (.not. min(pair%upper_radius, pair%lower_radius) > 0.0_real64) level_height = pair%radius
+  end function level_height
 
   ! The members that penetrate; a shape's pair is its place among the members.
   pure subroutine find_shapes(pairs, members, closing, shapes)

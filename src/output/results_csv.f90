@@ -2,7 +2,7 @@
 module asperity_results_csv
   use asperity_contact_records, only: contact_row, position_result, state_row
   use asperity_csv, only: csv_line
-  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_results, only: last_state, nominal_names, nominal_values, scene_results
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -58,7 +58,7 @@ contains
 
     call buffer%line('position,x_displacement,y_displacement,steps,approach,contacts,load,' // &
                      'area,projected_area,limit_reached,vertical_load,overlapping_circles' // &
-                     added_header(results, 'positions'))
+                     nominal_header(results) // added_header(results, 'positions'))
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
         last = last_state(position)
@@ -71,11 +71,22 @@ contains
         call line%put(position%limit_reached)
         call line%put(last%vertical_load)
         call line%put(position%overlapping_circles)
+        call line%put(nominal_values(results, last))
         if (allocated(results%effects)) call put_effects(position, line)
         call line%finish(buffer)
       end associate
     end do
   end subroutine write_positions
+
+  ! What a nominal area adds to a header.
+  function nominal_header(results) result(header)
+    type(scene_results), intent(in) :: results
+    character(len=:), allocatable :: header
+
+    header = ''
+    if (results%nominal_area > 0) &
+      header = ',' // trim(nominal_names(1)) // ',' // trim(nominal_names(2))
+  end function nominal_header
 
   ! What the effects add to a header. A position tells of every effect how it was simulated (off:
   ! left out), the share of the vertical load that was estimated and that measured, and how its
@@ -129,7 +140,7 @@ contains
     integer :: m, step
 
     call buffer%line('position,step,approach,decrease,contacts,load,area,projected_area,' // &
-                     'vertical_load,time')
+                     'vertical_load,time' // nominal_header(results))
     do m = 1, size(results%positions)
       do step = 1, size(results%positions(m)%states)
         associate (state => results%positions(m)%states(step))
@@ -139,6 +150,7 @@ contains
           call line%put(state%contacts)
           call line%put([state%load, state%area, state%projected_area, state%vertical_load, &
                          state%time])
+          call line%put(nominal_values(results, state))
           call line%finish(buffer)
         end associate
       end do

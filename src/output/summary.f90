@@ -9,7 +9,7 @@ module asperity_summary
                                        total_load_row
   use asperity_position_lists, only: counted, positions_listed
   use asperity_problems, only: decimal_text
-  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_results, only: last_state, nominal_values, scene_results
   use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -24,26 +24,27 @@ contains
     type(scene), intent(in) :: scene_in         !! what was solved
     type(scene_results), intent(in) :: results  !! its results
     type(text_buffer), intent(inout) :: buffer  !! the text
-    character(len=*), parameter :: names(6) = [character(len=18) :: &
-      'total load', 'vertical load', 'contact area', 'projected area', 'approach', 'contacts']
+    character(len=*), parameter :: names(8) = [character(len=18) :: &
+      'total load', 'vertical load', 'contact area', 'projected area', 'approach', 'contacts', &
+      'nominal pressure', 'area fraction']
     real(real64), allocatable :: values(:, :)
     type(state_row) :: last
-    integer :: i, m, number, without, at_limit
+    integer :: i, m, number, columns, without, at_limit
 
     number = size(results%positions)
-    allocate (values(number, size(names)))
+    columns = size(names) - merge(0, 2, results%nominal_area > 0.0_real64)
+    allocate (values(number, columns))
     without = 0
     at_limit = 0
     do m = 1, number
       last = last_state(results%positions(m))
       values(m, :) = [last%load, last%vertical_load, last%area, last%projected_area, &
-                      last%approach, real(last%contacts, real64)]
+                      last%approach, real(last%contacts, real64), nominal_values(results, last)]
       if (last%contacts == 0) without = without + 1
       if (results%positions(m)%limit_reached) at_limit = at_limit + 1
     end do
-    call buffer%line(scene_in%file // ': ' // decimal_text(size(scene_in%upper%x)) // &
-                     ' upper and ' // decimal_text(size(scene_in%lower%x)) // &
-                     ' lower asperities, ' // counted(number, 'position'))
+    call buffer%line(scene_in%file // ': ' // surfaces_in_words(scene_in) // ', ' // &
+                     counted(number, 'position'))
     call buffer%line('solved in ' // trim(results%arithmetic) // ', exact events, effects: ' // &
                      effects_in_words(results))
     call buffer%line('control: ' // trim(control_words(scene_in%loading%control)) // &
@@ -54,7 +55,7 @@ contains
     else
       call buffer%line('                            maximum          minimum          average')
     end if
-    do i = 1, size(names)
+    do i = 1, columns
       call value_line(names(i), values(:, i))
     end do
     call buffer%line('')
@@ -81,6 +82,21 @@ contains
     end subroutine value_line
 
   end subroutine write_summary
+
+  ! How many asperities there are, or on what plane.
+  function surfaces_in_words(scene_in) result(text)
+    type(scene), intent(in) :: scene_in
+    character(len=:), allocatable :: text
+
+    if (scene_in%upper%is_plane) then
+      text = 'upper plane on ' // decimal_text(size(scene_in%lower%x)) // ' lower asperities'
+    else if (scene_in%lower%is_plane) then
+      text = decimal_text(size(scene_in%upper%x)) // ' upper asperities on lower plane'
+    else
+      text = decimal_text(size(scene_in%upper%x)) // ' upper and ' // &
+             decimal_text(size(scene_in%lower%x)) // ' lower asperities'
+    end if
+  end function surfaces_in_words
 
   !> The average; a sum beyond the range of a double is not needed for it.
   pure real(real64) function average(column)

@@ -5,7 +5,11 @@ module asperity_scene_results
   implicit none
   private
 
-  public :: effect_header, scene_results, last_state
+  public :: effect_header, scene_results, last_state, nominal_values, nominal_names
+
+  !> What is told over the nominal area: the vertical load, the projected area of the contacts.
+  character(len=*), parameter :: nominal_names(2) = &
+    [character(len=16) :: 'nominal_pressure', 'area_fraction']
 
   !> The effects of a scene that are not off, and the columns in which they tell what they did.
   type :: effect_header
@@ -23,6 +27,7 @@ module asperity_scene_results
     !> Its effects; not allocated: it has none.
     type(effect_header), allocatable :: effects
     character(len=7) :: arithmetic = ''                    !! in which it was solved
+    real(real64) :: nominal_area = 0.0_real64              !! of the surfaces in plan; 0: not given
     real(real64) :: error_bound = 0.0_real64               !! where an accuracy was asked for
   end type scene_results
 
@@ -34,5 +39,16 @@ contains
 
     last_state = position%states(size(position%states))
   end function last_state
+
+  !> A state over the nominal area, as `nominal_names` has it; none where no area is given.
+  pure function nominal_values(results, state) result(values)
+    type(scene_results), intent(in) :: results  !! with the area
+    type(state_row), intent(in) :: state        !! one of its states
+    real(real64), allocatable :: values(:)
+
+    allocate (values(0))
+    if (results%nominal_area > 0.0_real64) &
+      values = [state%vertical_load, state%projected_area] / results%nominal_area
+  end function nominal_values
 
 end module asperity_scene_results

@@ -2,6 +2,7 @@
 module asperity_solve
   use asperity_accuracy_bound, only: error_bound, front_arithmetics
   use asperity_contact_records, only: solve_method
+  use asperity_decimal, only: decimal_to_real64
   use asperity_effect_solver, only: make_effect_solver
   use asperity_files, only: read_whole_file, same_name
   use asperity_kept_records, only: checksum, kept_work
@@ -36,6 +37,7 @@ contains
     else
       call solve_in_arithmetic(scene_in, solve_method(), chosen, results, failure)
     end if
+    results%nominal_area = decimal_to_real64(scene_in%nominal_area)
   end subroutine solve
 
   !> Solves every position without effects, in the arithmetic of the options, by a method: the
@@ -135,7 +137,7 @@ contains
       character(len=*), intent(in) :: path
       character(len=:), allocatable :: text, why
 
-      if (allocated(failure)) return
+      if (allocated(failure) .or. path == '') return
       call read_whole_file(path, text, why)
       if (.not. allocated(why)) then
         kept%heading = kept%heading // ' ' // checksum(text)

@@ -15,7 +15,7 @@ module asperity_plastic_surface
 contains
 
   !> The index (E/H) sqrt(sigma/R). The standard deviation sigma is that of the sum of both
-  !> surfaces' heights; R is combined from the mean radii. The hardness H is that of the limit, else
+  !> surfaces' heights; R is combined from the mean radii, or on a plane the mean radius. The hardness H is that of the limit, else
   !> 2.84 times the yield stress, else E sqrt(w/R) with the overlap w at the onset. Negative: there
   !> is neither a limit nor a yield stress, or a number is out of range.
   pure real(real64) function surface_index(scene_in) result(found)
@@ -25,7 +25,13 @@ contains
     found = -1.0_real64
     associate (upper => scene_in%upper, lower => scene_in%lower)
       deviation = hypot(height_deviation(upper%height), height_deviation(lower%height))
-      radius = 1.0_real64 / (1.0_real64 / mean(upper%radius) + 1.0_real64 / mean(lower%radius))
+      if (upper%is_plane) then
+        radius = mean(lower%radius)
+      else if (lower%is_plane) then
+        radius = mean(upper%radius)
+      else
+        radius = 1.0_real64 / (1.0_real64 / mean(upper%radius) + 1.0_real64 / mean(lower%radius))
+      end if
     end associate
     modulus = combined_modulus(scene_in)
     hardness = hardness_of(scene_in, modulus, radius)
@@ -34,10 +40,12 @@ contains
     if (.not. found <= huge(found)) found = -1.0_real64
   end function surface_index
 
-  !> Standard deviation of the heights of all summits, themselves and not a sample.
+  !> Standard deviation of the heights of all summits, themselves and not a sample; 0 for a plane.
   pure real(real64) function height_deviation(height)
-    real(real64), intent(in) :: height(:)  !! of each summit, at least one
+    real(real64), intent(in) :: height(:)  !! of each summit
 
+    height_deviation = 0.0_real64
+    if (size(height) == 0) return
     height_deviation = norm2(height - mean(height)) / sqrt(real(size(height), real64))
   end function height_deviation
 
