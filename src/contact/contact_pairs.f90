@@ -27,7 +27,7 @@ module asperity_contact_pairs
     real(real64) :: s = 0.0_real64                  !! sum of the radii
     real(real64) :: zc = 0.0_real64                 !! height between the centres at first touch
     real(real64) :: rest = 0.0_real64               !! what its rounding left out
-    real(real64) :: radius = 0.0_real64             !! combined, 1/R = 1/RU + 1/RL; on a plane its own
+    real(real64) :: radius = 0.0_real64             !! combined, 1/R = 1/RU + 1/RL
   end type contact_pair
 
   !> The pairs of one position in the order of first touch.

@@ -1,6 +1,7 @@
 """A plane as one of the surfaces: caps on it by closed form, and as the limit of large spheres."""
 
 import math
+import re
 import subprocess
 
 import numpy as np
@@ -156,7 +157,8 @@ def test_tilt_and_motion(asperity, tmp_path, side):
 
 def test_level_plane_forgets_place(asperity, tmp_path):
     """A level plane knows no displacement: every position is the first."""
-    scene = plane_scene(tmp_path, random_caps(50, seed=3), loading={"control": "load", "value": 9.0},
+    scene = plane_scene(tmp_path, random_caps(50, seed=3),
+                        loading={"control": "load", "value": 9.0},
                         motion={"x_first": 0.0, "x_step": 1e7, "y_step": -3.0, "positions": 3})
     rows = solve(asperity, scene, contacts=False).positions
     assert len({tuple(row[n] for n in ("approach", "load", "area", "contacts"))
@@ -222,7 +224,7 @@ def test_radius_and_refusals(asperity, tmp_path):
         row = solve(asperity, path).contacts[0]
         assert abs(float(row["area"]) / (math.pi * 1.5 * 0.01) - 1) < 1e-15
     for surfaces, expected in (
-            ("upper = 'plane', lower = 'plane'", ":1:28: lower: found two planes, expected one at most"),
+            ("upper = 'plane', lower = 'plane'", ":1:28: lower: found two planes"),
             ("upper = 'plane', lower = 'bare.csv'", "no radius column in the lower surface's file"),
             ("deck = 'x.deck', lower = 'plane'", "found beside deck")):
         path = tmp_path / "bad.scene"
@@ -257,7 +259,7 @@ def test_nominal_area(asperity, tmp_path):
     assert "nominal pressure" not in solve(asperity, scene, curve=True).stdout
     scene.write_text(text.replace("&surfaces ", "&surfaces nominal_area = 16., "))
     run = solve(asperity, scene, curve=True)
-    assert "nominal pressure  0.3125000" in run.stdout
+    assert re.search(r"^nominal pressure +0\.3125000$", run.stdout, re.M)
     assert len(run.curve) > 3
     for row in run.positions + run.curve:
         assert float(row["nominal_pressure"]) == float(row["vertical_load"]) / 16

@@ -15,9 +15,10 @@ module asperity_plastic_surface
 contains
 
   !> The index (E/H) sqrt(sigma/R). The standard deviation sigma is that of the sum of both
-  !> surfaces' heights; R is combined from the mean radii, or on a plane the mean radius. The hardness H is that of the limit, else
-  !> 2.84 times the yield stress, else E sqrt(w/R) with the overlap w at the onset. Negative: there
-  !> is neither a limit nor a yield stress, or a number is out of range.
+  !> surfaces' heights; R is combined from the mean radii, or on a plane the mean radius. The
+  !> hardness H is that of the limit, else 2.84 times the yield stress, else E sqrt(w/R) with the
+  !> overlap w at the onset. Negative: there is neither a limit nor a yield stress, or a number is
+  !> out of range.
   pure real(real64) function surface_index(scene_in) result(found)
     type(scene), intent(in) :: scene_in  !! checked values
     real(real64) :: deviation, hardness, modulus, radius
