@@ -18,6 +18,7 @@ module asperity_run_solve
   use asperity_solve, only: solve
   use asperity_summary, only: write_choice, write_corrected_table, write_summary
   use asperity_text_buffer, only: text_buffer
+  use asperity_warning_lines, only: list_warnings
   implicit none
   private
 
@@ -34,6 +35,7 @@ contains
     type(scene_results) :: results
     type(error_budget) :: budget
     type(text_buffer) :: csv(3)
+    type(problem_list) :: warnings
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
@@ -48,6 +50,8 @@ contains
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
+    call list_warnings(line%input, results, warnings)
+    call write_standard_error(warnings%text())
     if (.not. line%quiet) then
       call write_summary(scene_in, results, outcome%text)
       if (line%accuracy > 0.0_real64) call write_choice(line%accuracy, results, outcome%text)

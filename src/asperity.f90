@@ -3,14 +3,18 @@
 !> `docs/library.md` shows how.
 module asperity
   use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
+  use asperity_kinds, only: not_computed
   use asperity_problems, only: problem_list
   use asperity_run_options, only: run_options
   use asperity_scene_reader, only: build_scene, read_scene
-  use asperity_scene_results, only: effect_header, last_state, scene_results
+  use asperity_scene_results, only: effect_header, kinds_of_warnings, last_state, &
+                                    scene_results
   use asperity_scene_surfaces, only: plane_surface, take_surface
   use asperity_scene_values, only: scene, scene_surface
   use asperity_solve, only: solve
+  use asperity_theory_warnings, only: theory_warning, warning_kind, warning_kinds
   use asperity_version, only: version
+  use asperity_warning_lines, only: list_warnings
   implicit none
   private
 
@@ -22,5 +26,8 @@ module asperity
   ! Results.
   public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header
   public :: last_state
+  ! What lies outside a theory, and what was not computed.
+  public :: theory_warning, warning_kind, warning_kinds, kinds_of_warnings, list_warnings
+  public :: not_computed
 
 end module asperity

@@ -4,6 +4,7 @@
 !> near the largest radius, and the combined modulus in 16**modulus_power. So all are near one.
 module asperity_contact_pairs
   use asperity_kinds, only: real64
+  use asperity_theory_limits, only: theory_limits
   implicit none
   private
 
@@ -18,9 +19,11 @@ module asperity_contact_pairs
     real(real64) :: upper_x = 0.0_real64            !! centre of the upper sphere, displaced
     real(real64) :: upper_y = 0.0_real64            !! centre of the upper sphere, displaced
     real(real64) :: upper_radius = 0.0_real64       !! 0: a plane
+    real(real64) :: upper_height = 0.0_real64       !! of its summit above its plane
     real(real64) :: lower_x = 0.0_real64            !! centre of the lower sphere
     real(real64) :: lower_y = 0.0_real64            !! centre of the lower sphere
     real(real64) :: lower_radius = 0.0_real64       !! 0: a plane
+    real(real64) :: lower_height = 0.0_real64       !! of its summit above its plane
     real(real64) :: gap = 0.0_real64                !! closing at which they touch, 0 for the first
     real(real64) :: limit = huge(1.0_real64)        !! penetration at the limit; huge: none
     real(real64) :: d = 0.0_real64                  !! distance of the centres in plan
@@ -39,6 +42,7 @@ module asperity_contact_pairs
     real(real64) :: first_touch = 0.0_real64        !! approach at which the first pair touches
     real(real64) :: complete_to = huge(1.0_real64)  !! largest closing for which no pair is missing
     real(real64) :: closing = 0.0_real64            !! where independent elastic contacts end
+    type(theory_limits) :: limits                   !! what contacts are held against
     real(real64) :: target = 0.0_real64             !! load to reach, in modulus times length**2
     real(real64) :: x_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit

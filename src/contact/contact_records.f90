@@ -2,8 +2,9 @@
 !>
 !> Numbers are doubles in the units of the scene, whatever arithmetic computed them.
 module asperity_contact_records
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_solve_ending, only: solve_ending
+  use asperity_theory_warnings, only: theory_warning
   implicit none
   private
 
@@ -75,6 +76,7 @@ module asperity_contact_records
     character(len=40) :: why = ''             !! in a few words, where the effect had a choice
     real(real64) :: estimate = 0.0_real64     !! estimated share of the total vertical load
     real(real64) :: influence = 0.0_real64    !! measured share, where simulated; with its sign
+    real(real64) :: error = not_computed      !! estimated relative error of its own solve
     type(solve_ending) :: ending              !! how its solve ended
     logical :: influence_known = .false.      !! the effect measured it like with like
   end type effect_record
@@ -86,6 +88,11 @@ module asperity_contact_records
     logical :: limit_reached = .false.                 !! a contact is at its limit at the end
     integer :: overlapping_circles = 0                 !! pairs of contact circles, at the end
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
+    !> Estimated relative error of the load or, under load control, of the approach over the
+    !> closing; `not_computed`: nothing is known.
+    real(real64) :: error_estimate = not_computed
+    !> What lies outside a theory, at any state, by kind; not allocated: nothing.
+    type(theory_warning), allocatable :: warnings(:)
     type(state_row), allocatable :: states(:)          !! at least one
     type(contact_row), allocatable :: rows(:)          !! contacts of all states kept
     integer :: rows_used = 0                           !! so many of them are filled

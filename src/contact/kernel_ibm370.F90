@@ -26,5 +26,8 @@ module asperity_kernel_ibm370
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, scene, &
                                    scene_limit, scene_surface
+  use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact, &
+                                    set_theory_limits, theory_limits
+  use asperity_theory_warnings, only: take_worse, theory_warning
 #include "kernel.inc"
 end module asperity_kernel_ibm370

@@ -15,6 +15,7 @@ module asperity_contact_effect
   use asperity_contact_state, only: contact_state
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_off, scene_effects
+  use asperity_theory_warnings, only: theory_warning
   implicit none
   private
 
@@ -40,6 +41,7 @@ module asperity_contact_effect
     character(len=:), allocatable :: failure      !! why it could not be simulated
     real(real64), allocatable :: of_contacts(:, :)  !! (pair, column), in the unit of the pairs
     real(real64), allocatable :: of_state(:)        !! (column), in the unit of the pairs
+    type(theory_warning), allocatable :: warnings(:)  !! what of it lies outside its theory
   end type effect_outcome
 
   !> An effect that a scene names.

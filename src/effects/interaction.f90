@@ -53,7 +53,6 @@ contains
       column('factor', plain, otherwise=1.0_real64), &   ! load together over load alone
       column('cells', plain), &                          ! how many
       column('resolved', plain), &                       ! contacts on cells
-      column('error_estimate', plain), &                 ! of the load, or of the closing at a load
       column('area_error_estimate', plain)]
     allocate (effect, source=new)
   end subroutine new_interaction
@@ -79,7 +78,7 @@ contains
     type(joint_solution) :: solution
     real(real64) :: together, alone
 
-    allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(6))
+    allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(5))
     outcome%of_state = 0.0_real64
     outcome%of_contacts(:, 2) = state%answers%vertical_load
     outcome%simulated = 'coupled'
@@ -116,8 +115,8 @@ contains
     if (alone > 0.0_real64) outcome%of_state(2) = together / alone
     outcome%of_state(3) = solution%cells
     outcome%of_state(4) = count(solution%is_resolved .and. state%answers%load > 0.0_real64)
-    outcome%of_state(5) = solution%error
-    outcome%of_state(6) = solution%area_error
+    outcome%of_state(5) = solution%area_error
+    outcome%error = solution%error
     outcome%influence = outcome%of_state(2) - 1.0_real64
     outcome%influence_known = .true.
   end subroutine apply

@@ -1,6 +1,6 @@
 !> Cells and lines of comma-separated values, in the C locale.
 module asperity_csv
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -12,6 +12,7 @@ module asperity_csv
     private
     character(len=1600) :: text = ''
     integer :: used = 0
+    logical :: begun = .false.  ! has a cell, which may be empty
   contains
     procedure, private :: put_number
     procedure, private :: put_numbers
@@ -19,7 +20,8 @@ module asperity_csv
     procedure, private :: put_logical
     procedure, private :: put_word
     !> Adds a cell: a double with 17 significant digits, an integer, a logical as 1 or 0, or a
-    !> word without comma. An array of doubles is as many cells.
+    !> word without comma. An array of doubles is as many cells. The cell of a number that was not
+    !> computed is empty.
     generic :: put => put_number, put_numbers, put_integer, put_logical, put_word
     procedure :: finish  !! adds the line to a text and empties it
   end type csv_line
@@ -31,7 +33,8 @@ contains
     real(real64), intent(in) :: value
     character(len=25) :: cell
 
-    write (cell, '(es25.16e3)') value
+    cell = ''
+    if (value > not_computed) write (cell, '(es25.16e3)') value
     call put_word(self, adjustl(cell))
   end subroutine put_number
 
@@ -67,10 +70,11 @@ contains
     integer :: length
 
     length = len_trim(value)
-    if (self%used > 0) then
+    if (self%begun) then
       self%used = self%used + 1
       self%text(self%used:self%used) = ','
     end if
+    self%begun = .true.
     self%text(self%used + 1:self%used + length) = value(:length)
     self%used = self%used + length
   end subroutine put_word
@@ -82,6 +86,7 @@ contains
 
     call buffer%line(self%text(:self%used))
     self%used = 0
+    self%begun = .false.
   end subroutine finish
 
 end module asperity_csv

@@ -5,5 +5,10 @@ module asperity_kinds
   private
 
   public :: int32, int64, real32, real64, real128
+  public :: not_computed
+
+  !> What stands in the place of a number that was not computed: every number that was is larger.
+  !> Writers leave its cell empty.
+  real(real64), parameter :: not_computed = -huge(1.0_real64)
 
 end module asperity_kinds

@@ -1,7 +1,7 @@
 !> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
 module asperity_effects_summary
   use asperity_kinds, only: real64
-  use asperity_position_lists, only: counted, positions_text
+  use asperity_position_lists, only: counted, percent, positions_text
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: effect_auto, effect_words
@@ -164,29 +164,5 @@ contains
       if (from == to) return
     end do
   end subroutine paragraph
-
-  ! A share as a percentage with three digits.
-  pure function percent(share) result(text)
-    real(real64), intent(in) :: share
-    character(len=:), allocatable :: text
-    character(len=12) :: digits
-
-    if (abs(share) >= 1.0e4_real64) then
-      write (digits, '(es12.1e3)') share
-      text = trim(adjustl(digits)) // ' times'
-      return
-    else if (abs(share) >= 0.1_real64) then
-      write (digits, '(f12.1)') 100.0_real64 * share
-    else if (abs(share) >= 0.01_real64) then
-      write (digits, '(f12.2)') 100.0_real64 * share
-    else if (abs(share) >= 0.0001_real64) then
-      write (digits, '(f12.3)') 100.0_real64 * share
-    else if (abs(share) > 0.0_real64) then
-      write (digits, '(es12.1e3)') 100.0_real64 * share
-    else
-      digits = '0'
-    end if
-    text = trim(adjustl(digits)) // ' %'
-  end function percent
 
 end module asperity_effects_summary

@@ -1,10 +1,11 @@
-!> Counts and lists of positions in words.
+!> Counts, shares and lists of positions in words.
 module asperity_position_lists
+  use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text
   implicit none
   private
 
-  public :: counted, positions_text, positions_listed
+  public :: counted, percent, positions_text, positions_listed
 
   ! A longer list is in the CSV file.
   integer, parameter :: most_characters = 400
@@ -52,5 +53,29 @@ contains
       if (last > first + 1) text = text // '-' // decimal_text(last)
     end do
   end function positions_listed
+
+  !> A share as a percentage with three digits.
+  pure function percent(share) result(text)
+    real(real64), intent(in) :: share      !! 1: all of it
+    character(len=:), allocatable :: text  !! with its sign
+    character(len=12) :: digits
+
+    if (abs(share) >= 1.0e4_real64) then
+      write (digits, '(es12.1e3)') share
+      text = trim(adjustl(digits)) // ' times'
+      return
+    else if (abs(share) >= 0.1_real64) then
+      write (digits, '(f12.1)') 100.0_real64 * share
+    else if (abs(share) >= 0.01_real64) then
+      write (digits, '(f12.2)') 100.0_real64 * share
+    else if (abs(share) >= 0.0001_real64) then
+      write (digits, '(f12.3)') 100.0_real64 * share
+    else if (abs(share) > 0.0_real64) then
+      write (digits, '(es12.1e3)') 100.0_real64 * share
+    else
+      digits = '0'
+    end if
+    text = trim(adjustl(digits)) // ' %'
+  end function percent
 
 end module asperity_position_lists

@@ -2,7 +2,8 @@
 module asperity_results_csv
   use asperity_contact_records, only: contact_row, position_result, state_row
   use asperity_csv, only: csv_line
-  use asperity_scene_results, only: last_state, nominal_names, nominal_values, scene_results
+  use asperity_scene_results, only: kinds_of_warnings, last_state, nominal_names, nominal_values, &
+                                    scene_results
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -58,7 +59,8 @@ contains
 
     call buffer%line('position,x_displacement,y_displacement,steps,approach,contacts,load,' // &
                      'area,projected_area,limit_reached,vertical_load,overlapping_circles' // &
-                     nominal_header(results) // added_header(results, 'positions'))
+                     nominal_header(results) // added_header(results, 'positions') // &
+                     ',warnings,error_estimate')
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
         last = last_state(position)
@@ -73,6 +75,8 @@ contains
         call line%put(position%overlapping_circles)
         call line%put(nominal_values(results, last))
         if (allocated(results%effects)) call put_effects(position, line)
+        call line%put(kinds_of_warnings(position))
+        call line%put(position%error_estimate)
         call line%finish(buffer)
       end associate
     end do

@@ -2,18 +2,23 @@
 module asperity_effect_rows
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
-  use asperity_contact_pairs, only: contact_pairs, in_scene_units
+  use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
   use asperity_contact_state, only: contact_state, total_vertical_load
   use asperity_contact_law, only: contact_response
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_overlapping_circles, only: count_overlapping
   use asperity_scene_results, only: effect_header
-  use asperity_scene_values, only: criterion_load, criterion_none, scene
+  use asperity_scene_values, only: control_load, criterion_load, criterion_none, scene
+  use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact
+  use asperity_theory_warnings, only: take_worse, theory_warning
   implicit none
   private
 
   public :: add_state, name_columns
+
+  ! The relative error of the closing at a load over that of the load at a closing, at most.
+  real(real64), parameter :: of_closing = 0.75_real64
 
 contains
 
@@ -51,7 +56,8 @@ contains
     type(contact_row), allocatable :: rows(:)
     type(contact_response) :: answer
     type(state_row) :: totals
-    real(real64) :: area
+    type(theory_warning), allocatable :: warnings(:)
+    real(real64) :: area, projected_area
     logical :: at_limit
     integer :: i
 
@@ -67,8 +73,11 @@ contains
       totals%vertical_load = totals%vertical_load + answer%vertical_load
       totals%area = totals%area + area
       totals%projected_area = totals%projected_area + area * answer%cosine
+      call look_at_contact(pairs%limits, seen(pairs%list(i), state%penetration(i), answer), &
+                           warnings)
       if (keep_rows) call fill_row(pairs, state, i, at_limit, rows(totals%contacts))
     end do
+    projected_area = totals%projected_area
     totals%approach = in_scene_units(pairs, pairs%first_touch - state%closing, 0, 1)
     totals%closing = in_scene_units(pairs, state%closing, 0, 1)
     totals%time = state%time
@@ -81,14 +90,21 @@ contains
       call add_contact_values(pairs, effects, state, outcomes, result)
     end if
     result%states(number) = totals
+    if (number == size(result%states)) &
+      result%overlapping_circles = count_overlapping(pairs%list%x, pairs%list%y, &
+                                                     state%answers%contact_radius)
+    call look_at_state(pairs%limits, projected_area, result%overlapping_circles, warnings)
+    call take_worse(result%warnings, warnings, number)
+    do i = 1, size(outcomes)
+      call take_worse(result%warnings, outcomes(i)%warnings, number)
+    end do
     if (number < size(result%states)) return
-    result%overlapping_circles = count_overlapping(pairs%list%x, pairs%list%y, &
-                                                   state%answers%contact_radius)
     call set_state_values(pairs, effects, state, outcomes, result)
     allocate (result%effects(size(outcomes)))
     do i = 1, size(outcomes)
       result%effects(i) = outcomes(i)%effect_record
     end do
+    result%error_estimate = total_error(scene_in, outcomes)
   end subroutine add_state
 
   ! Whether a pair counts: it has a contact circle or a load, or is just at first touch.
@@ -100,6 +116,42 @@ contains
                  abs(state%answers(i)%load) > 0.0_real64 .or. &
                  .not. (state%penetration(i) < 0.0_real64 .or. state%penetration(i) > 0.0_real64)
   end function in_contact
+
+  ! Estimated relative error of a state: what `auto` left out and what the effects that were
+  ! simulated say of themselves.
+  pure real(real64) function total_error(scene_in, outcomes) result(total)
+    type(scene), intent(in) :: scene_in
+    type(effect_outcome), intent(in) :: outcomes(:)
+    real(real64) :: per_load
+    integer :: i
+
+    total = not_computed
+    per_load = 1.0_real64
+    if (scene_in%loading%control == control_load) per_load = of_closing
+    do i = 1, size(outcomes)
+      associate (outcome => outcomes(i))
+        if (outcome%simulated == 'off') then
+          total = max(total, 0.0_real64) + per_load * outcome%estimate
+        else if (outcome%error > not_computed) then
+          total = max(total, 0.0_real64) + outcome%error
+        end if
+      end associate
+    end do
+  end function total_error
+
+  ! One contact as it is held against the limits.
+  pure type(seen_contact) function seen(pair, penetration, answer)
+    type(contact_pair), intent(in) :: pair
+    real(real64), intent(in) :: penetration
+    type(contact_response), intent(in) :: answer
+
+    seen = seen_contact(upper_radius=pair%upper_radius, lower_radius=pair%lower_radius, &
+                        upper_height=pair%upper_height, lower_height=pair%lower_height, &
+                        contact_radius=answer%contact_radius, overlap=answer%overlap, d=pair%d, &
+                        z=pair%zc - penetration)
+    if (answer%contact_radius > 0.0_real64) &
+      seen%pressure = answer%load / (pi * answer%contact_radius**2)
+  end function seen
 
   ! One contact as a record.
   subroutine fill_row(pairs, state, i, at_limit, row)

@@ -93,6 +93,7 @@ contains
     call move_alloc(told%effects, result%effects)
     call move_alloc(told%contact_values, result%contact_values)
     call move_alloc(told%state_values, result%state_values)
+    result%error_estimate = told%error_estimate
 
   contains
 

@@ -5,13 +5,14 @@
 module asperity_position_packet
   use asperity_contact_records, only: effect_record, position_result, state_row
   use asperity_kinds, only: int64, real64
+  use asperity_theory_warnings, only: theory_warning
   implicit none
   private
 
   public :: pack_position, unpack_position
 
-  ! Words of a position without its lists, of a state, a contact and an effect.
-  integer, parameter :: of_head = 11, of_state = 10, of_row = 13, of_effect = 13
+  ! Words of a position without its lists, of a state, a contact, an effect and a warning.
+  integer, parameter :: of_head = 13, of_state = 10, of_row = 13, of_effect = 14, of_warning = 7
   ! One word, as the form of what is copied.
   integer(int64), parameter :: word(1) = 0_int64
 
@@ -21,8 +22,10 @@ contains
   pure subroutine pack_position(result, words)
     type(position_result), intent(in) :: result             !! a position that is solved
     integer(int64), allocatable, intent(out) :: words(:)    !! never none
-    integer :: i, values(2), effects, told
+    integer :: i, values(2), effects, told, warnings
 
+    warnings = 0
+    if (allocated(result%warnings)) warnings = size(result%warnings)
     effects = -1
     told = 0
     values = 0
@@ -33,9 +36,10 @@ contains
       if (allocated(result%contact_values)) values = shape(result%contact_values)
     end if
     words = [transfer([result%x_displacement, result%y_displacement, &
-                       result%first_step_pressure], word), &
+                       result%first_step_pressure, result%error_estimate], word), &
              int([merge(1, 0, result%limit_reached), result%overlapping_circles, &
-                  size(result%states), result%rows_used, effects, told, values], int64), &
+                  size(result%states), result%rows_used, effects, told, values, warnings], int64), &
+             [(words_of_warning(result%warnings(i)), i = 1, warnings)], &
              [(words_of_state(result%states(i)), i = 1, size(result%states))]]
     ! A contact has no gaps between its components: 4 halves of a word, then 11 words.
     if (result%rows_used > 0) words = [words, transfer(result%rows(:result%rows_used), word)]
@@ -49,20 +53,27 @@ contains
   pure subroutine unpack_position(words, result)
     integer(int64), intent(in) :: words(:)         !! from pack_position
     type(position_result), intent(out) :: result   !! the position
-    integer :: at, i, states, effects, told, values(2)
+    integer :: at, i, states, effects, told, values(2), warnings
 
     result%x_displacement = transfer(words(1), result%x_displacement)
     result%y_displacement = transfer(words(2), result%y_displacement)
     result%first_step_pressure = transfer(words(3), result%first_step_pressure)
-    result%limit_reached = words(4) == 1_int64
-    result%overlapping_circles = int(words(5))
-    states = int(words(6))
-    result%rows_used = int(words(7))
-    effects = int(words(8))
-    told = int(words(9))
-    values = int(words(10:11))
+    result%error_estimate = transfer(words(4), result%error_estimate)
+    result%limit_reached = words(5) == 1_int64
+    result%overlapping_circles = int(words(6))
+    states = int(words(7))
+    result%rows_used = int(words(8))
+    effects = int(words(9))
+    told = int(words(10))
+    values = int(words(11:12))
+    warnings = int(words(13))
     allocate (result%states(states), result%rows(result%rows_used))
     at = of_head
+    if (warnings > 0) allocate (result%warnings(warnings))
+    do i = 1, warnings
+      result%warnings(i) = warning_of(words(at + 1:at + of_warning))
+      at = at + of_warning
+    end do
     do i = 1, states
       result%states(i) = state_of(words(at + 1:at + of_state))
       at = at + of_state
@@ -103,12 +114,32 @@ contains
                       contacts=int(words(8)), first_row=int(words(9)), last_row=int(words(10)))
   end function state_of
 
+  pure function words_of_warning(warning) result(words)
+    type(theory_warning), intent(in) :: warning
+    integer(int64) :: words(of_warning)
+
+    words = [int([warning%kind, warning%state, warning%contacts], int64), &
+             transfer(warning%size, word), transfer(warning%whose, word)]
+  end function words_of_warning
+
+  pure function warning_of(words) result(warning)
+    integer(int64), intent(in) :: words(of_warning)
+    type(theory_warning) :: warning
+
+    warning%kind = int(words(1))
+    warning%state = int(words(2))
+    warning%contacts = int(words(3))
+    warning%size = transfer(words(4), warning%size)
+    warning%whose = transfer(words(5:7), warning%whose)
+  end function warning_of
+
   pure function words_of_effect(effect) result(words)
     type(effect_record), intent(in) :: effect
     integer(int64) :: words(of_effect)
 
     words = [transfer(effect%simulated // effect%why, word), &
-             transfer([effect%estimate, effect%influence, effect%ending%residual], word), &
+             transfer([effect%estimate, effect%influence, effect%error, &
+                       effect%ending%residual], word), &
              int([merge(1, 0, effect%influence_known), merge(1, 0, effect%ending%converged), &
                   effect%ending%iterations], int64)]
   end function words_of_effect
@@ -117,18 +148,19 @@ contains
     integer(int64), intent(in) :: words(of_effect)
     type(effect_record) :: effect
     character(len=len(effect%simulated) + len(effect%why)) :: text
-    real(real64) :: numbers(3)
+    real(real64) :: numbers(4)
 
     text = transfer(words(:7), text)
-    numbers = transfer(words(8:10), numbers)
+    numbers = transfer(words(8:11), numbers)
     effect%simulated = text(:len(effect%simulated))
     effect%why = text(len(effect%simulated) + 1:)
     effect%estimate = numbers(1)
     effect%influence = numbers(2)
-    effect%ending%residual = numbers(3)
-    effect%influence_known = words(11) == 1_int64
-    effect%ending%converged = words(12) == 1_int64
-    effect%ending%iterations = int(words(13))
+    effect%error = numbers(3)
+    effect%ending%residual = numbers(4)
+    effect%influence_known = words(12) == 1_int64
+    effect%ending%converged = words(13) == 1_int64
+    effect%ending%iterations = int(words(14))
   end function effect_of
 
 end module asperity_position_packet

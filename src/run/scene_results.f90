@@ -5,7 +5,8 @@ module asperity_scene_results
   implicit none
   private
 
-  public :: effect_header, scene_results, last_state, nominal_values, nominal_names
+  public :: effect_header, scene_results, kinds_of_warnings, last_state, nominal_values, &
+            nominal_names
 
   !> What is told over the nominal area: the vertical load, the projected area of the contacts.
   character(len=*), parameter :: nominal_names(2) = &
@@ -50,5 +51,13 @@ contains
     if (results%nominal_area > 0.0_real64) &
       values = [state%vertical_load, state%projected_area] / results%nominal_area
   end function nominal_values
+
+  !> How many kinds of warnings apply at a position.
+  pure integer function kinds_of_warnings(position)
+    type(position_result), intent(in) :: position  !! solved
+
+    kinds_of_warnings = 0
+    if (allocated(position%warnings)) kinds_of_warnings = size(position%warnings)
+  end function kinds_of_warnings
 
 end module asperity_scene_results

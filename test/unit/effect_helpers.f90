@@ -9,7 +9,7 @@ module asperity_effect_helpers
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
-  use asperity_plastic_curves, only: constraint_factor
+  use asperity_first_yield, only: constraint_factor
   use asperity_plastic_law, only: plastic_law
   use asperity_scene_values, only: scene
   use asperity_testing, only: check, error_type

@@ -7,7 +7,8 @@ module asperity_plastic_curves_suite
   use asperity_contact_pairs, only: contact_pair
   use asperity_effect_helpers, only: near, pair_of, penetration_of, plastic_law_with, same
   use asperity_kinds, only: real64
-  use asperity_plastic_curves, only: constraint_factor, departure, loading_curve, plastic_scale, &
+  use asperity_first_yield, only: constraint_factor
+  use asperity_plastic_curves, only: departure, loading_curve, plastic_scale, &
                                      plasticity_index, set_scale, unloading_shape
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
   use asperity_testing, only: check, error_type, new_unittest, unittest_type

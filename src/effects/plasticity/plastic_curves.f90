@@ -11,7 +11,7 @@ module asperity_plastic_curves
   implicit none
   private
 
-  public :: plastic_scale, set_scale, constraint_factor, loading_curve, unloading_shape
+  public :: plastic_scale, set_scale, loading_curve, unloading_shape
   public :: loading_work, plasticity_index, departure
 
   !> Overlap at which the load leaves that of Hertz (Jackson and Green 2005).
@@ -36,14 +36,6 @@ module asperity_plastic_curves
   end type plastic_scale
 
 contains
-
-  !> C of Jackson and Green: greatest pressure of Hertz over the yield stress in tension when the
-  !> material first yields. Below 0 the value for 0: the fit was made for 0 to 0.5.
-  pure real(real64) function constraint_factor(poisson_ratio)
-    real(real64), intent(in) :: poisson_ratio  !! of the body that yields, -1 to 0.5
-
-    constraint_factor = 1.295_real64 * exp(0.736_real64 * max(poisson_ratio, 0.0_real64))
-  end function constraint_factor
 
   !> The scale of a contact. The yield strain Sy/E follows from C and the overlap; where it is
   !> larger than any that was fitted, B stays at the largest fitted value.

@@ -10,10 +10,11 @@ module asperity_plasticity
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_decimal, only: decimal_to_real64
+  use asperity_first_yield, only: constraint_factor
   use asperity_hertz_law, only: hertz_law
   use asperity_kernel_real64, only: stable_overlap
   use asperity_kinds, only: real64
-  use asperity_plastic_curves, only: constraint_factor, departure
+  use asperity_plastic_curves, only: departure
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
   use asperity_scene_values, only: criterion_hardy, scene
   implicit none

@@ -1,0 +1,147 @@
+!> What a contact is held against: the limits of the theories that every run uses, in the units in
+!> which the run computes.
+!>
+!> One place for all solvers: they hand over what they found, in doubles. docs/warnings.md has the
+!> source of every limit.
+module asperity_theory_limits
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_first_yield, only: yield_pressure
+  use asperity_kinds, only: real64
+  use asperity_scene_values, only: effect_off, scene
+  use asperity_theory_warnings, only: of_cap, of_contact_radius, of_crowding, of_overlapping, &
+                                      of_slope, of_yield, theory_warning, warn, warning_kinds
+  implicit none
+  private
+
+  public :: theory_limits, seen_contact, set_theory_limits, look_at_contact, look_at_state
+
+  ! A contact at its limit is at it but for rounding.
+  real(real64), parameter :: rounding = 1.0e-9_real64
+
+  !> The limits of one scene.
+  type :: theory_limits
+    !> Average pressure at which the scene's material yields; huge: not known, or plasticity is not
+    !> off.
+    real(real64) :: yield_pressure = huge(1.0_real64)
+    logical :: independent = .false.              !! interaction is off
+    real(real64) :: area = 0.0_real64             !! nominal; 0: not known
+  end type theory_limits
+
+  !> One contact as it was found.
+  type :: seen_contact
+    real(real64) :: upper_radius = 0.0_real64     !! of the sphere; 0: a plane
+    real(real64) :: lower_radius = 0.0_real64     !! of the sphere; 0: a plane
+    real(real64) :: upper_height = 0.0_real64     !! of the summit above its plane
+    real(real64) :: lower_height = 0.0_real64     !! of the summit above its plane
+    real(real64) :: contact_radius = 0.0_real64   !! of the contact circle
+    real(real64) :: overlap = 0.0_real64          !! decrease of the distance of the centres
+    real(real64) :: d = 0.0_real64                !! distance of the centres in plan
+    real(real64) :: z = 0.0_real64                !! height between the centres
+    real(real64) :: pressure = 0.0_real64         !! average
+  end type seen_contact
+
+contains
+
+  !> The limits of a scene in units of 16**length_power and 16**modulus_power of its own.
+  pure subroutine set_theory_limits(scene_in, length_power, modulus_power, limits)
+    type(scene), intent(in) :: scene_in          !! checked values
+    integer, intent(in) :: length_power          !! of the unit of length
+    integer, intent(in) :: modulus_power         !! of the unit of the modulus
+    type(theory_limits), intent(out) :: limits   !! in these units
+
+    limits%independent = scene_in%effects%mode('interaction') == effect_off
+    limits%area = scale(scale(decimal_to_real64(scene_in%nominal_area), -4 * length_power), &
+                        -4 * length_power)
+    if (.not. limits%area > 0.0_real64) limits%area = area_of_boxes(scene_in, length_power)
+    if (scene_in%effects%mode('plasticity') /= effect_off) return
+    limits%yield_pressure = yield_pressure(scene_in)
+    if (limits%yield_pressure < huge(1.0_real64)) &
+      limits%yield_pressure = scale(limits%yield_pressure, -4 * modulus_power)
+  end subroutine set_theory_limits
+
+  !> Adds what is outside at one contact to the warnings of a state.
+  pure subroutine look_at_contact(limits, contact, warnings)
+    type(theory_limits), intent(in) :: limits            !! of the scene
+    type(seen_contact), intent(in) :: contact            !! as it was found
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+    real(real64) :: beyond, smaller
+
+    smaller = min(contact%upper_radius, contact%lower_radius)
+    if (.not. smaller > 0.0_real64) smaller = max(contact%upper_radius, contact%lower_radius)
+    call hold_against(warnings, of_contact_radius, contact%contact_radius / smaller)
+    beyond = max(beyond_cap(contact, contact%upper_radius, contact%upper_height), &
+                 beyond_cap(contact, contact%lower_radius, contact%lower_height), &
+                 contact%overlap - max(contact%upper_height + contact%lower_height, 0.0_real64))
+    if (beyond > 0.0_real64) call hold_against(warnings, of_cap, beyond / smaller)
+    call hold_against(warnings, of_slope, contact%d / contact%z)
+    call hold_against(warnings, of_yield, contact%pressure / limits%yield_pressure)
+  end subroutine look_at_contact
+
+  ! One contact against the limit of a kind.
+  pure subroutine hold_against(warnings, kind, found)
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)
+    integer, intent(in) :: kind
+    real(real64), intent(in) :: found
+
+    if (found > warning_kinds(kind)%limit + rounding) call warn(warnings, kind, found, contacts=1)
+  end subroutine hold_against
+
+  !> Adds what is outside of a state as a whole.
+  pure subroutine look_at_state(limits, projected_area, overlapping, warnings)
+    type(theory_limits), intent(in) :: limits            !! of the scene
+    real(real64), intent(in) :: projected_area           !! of all contacts
+    integer, intent(in) :: overlapping                   !! pairs of circles; 0: not looked for
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+
+    if (.not. limits%independent) return
+    if (overlapping > 0) call warn(warnings, of_overlapping, real(overlapping, real64))
+    if (.not. limits%area > 0.0_real64) return
+    if (projected_area / limits%area > warning_kinds(of_crowding)%limit + rounding) &
+      call warn(warnings, of_crowding, projected_area / limits%area)
+  end subroutine look_at_state
+
+  ! How far the lowest point of the edge of a contact circle lies below the plane from which a cap
+  ! rises; not positive: it is on the cap. On the sphere the edge is turned by the inclination and
+  ! by the angle of the circle.
+  pure real(real64) function beyond_cap(contact, radius, height) result(beyond)
+    type(seen_contact), intent(in) :: contact
+    real(real64), intent(in) :: radius, height
+    real(real64) :: centres, sine, cosine
+
+    beyond = 0.0_real64
+    if (.not. radius > 0.0_real64) return
+    centres = hypot(contact%d, contact%z)
+    sine = min(contact%contact_radius / radius, 1.0_real64)
+    cosine = sqrt((1.0_real64 - sine) * (1.0_real64 + sine))
+    beyond = radius * (1.0_real64 - (contact%z / centres) * cosine + &
+                       (contact%d / centres) * sine) - height
+  end function beyond_cap
+
+  ! Area in plan that the summits of the smaller surface stand for: their box, grown by half of
+  ! their mean distance all round. 0: they stand in a row, and nothing is known.
+  pure real(real64) function area_of_boxes(scene_in, length_power) result(area)
+    type(scene), intent(in) :: scene_in
+    integer, intent(in) :: length_power
+    real(real64) :: boxes(2)
+
+    boxes = [box(scene_in%upper%x, scene_in%upper%y), box(scene_in%lower%x, scene_in%lower%y)]
+    area = minval(boxes)
+    if (.not. area > 0.0_real64) area = maxval(boxes)
+
+  contains
+
+    pure real(real64) function box(x, y)
+      real(real64), intent(in) :: x(:), y(:)
+      real(real64) :: sides(2), distance
+
+      box = 0.0_real64
+      if (size(x) < 2) return
+      sides = [maxval(scale(x, -4 * length_power)) - minval(scale(x, -4 * length_power)), &
+               maxval(scale(y, -4 * length_power)) - minval(scale(y, -4 * length_power))]
+      distance = sqrt(sides(1)) * sqrt(sides(2)) / sqrt(real(size(x), real64))
+      if (distance > 0.0_real64) box = product(min(sides, 1.0e100_real64) + distance)
+    end function box
+
+  end function area_of_boxes
+
+end module asperity_theory_limits

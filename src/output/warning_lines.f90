@@ -1,0 +1,82 @@
+!> The warnings of a run: one line a kind, told at the worst position.
+module asperity_warning_lines
+  use asperity_kinds, only: real64
+  use asperity_position_lists, only: counted, percent
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_scene_results, only: scene_results
+  use asperity_theory_warnings, only: theory_warning, warning_kinds
+  implicit none
+  private
+
+  public :: list_warnings
+
+contains
+
+  !> Adds `FILE: warning: position N and M more: what, how much, what to do` for every kind that
+  !> applies anywhere, in the order of the kinds; N is the position where it is worst.
+  pure subroutine list_warnings(file, results, lines)
+    character(len=*), intent(in) :: file         !! the scene, as the user named it
+    type(scene_results), intent(in) :: results   !! solved
+    type(problem_list), intent(inout) :: lines   !! gets a line a kind
+    type(theory_warning) :: worst
+    character(len=:), allocatable :: more
+    integer :: kind, at, positions
+
+    do kind = 1, size(warning_kinds)
+      call find_worst(results, kind, worst, at, positions)
+      if (positions == 0) cycle
+      more = ''
+      if (positions > 1) more = ' and ' // decimal_text(positions - 1) // ' more'
+      call lines%add(file // ': warning: position ' // decimal_text(at) // more // ': ' // &
+                     in_words(worst))
+    end do
+  end subroutine list_warnings
+
+  ! The worst warning of a kind, its position, and at how many there is one.
+  pure subroutine find_worst(results, kind, worst, at, positions)
+    type(scene_results), intent(in) :: results
+    integer, intent(in) :: kind
+    type(theory_warning), intent(out) :: worst
+    integer, intent(out) :: at, positions
+    integer :: i, m
+
+    at = 0
+    positions = 0
+    do m = 1, size(results%positions)
+      if (.not. allocated(results%positions(m)%warnings)) cycle
+      associate (found => results%positions(m)%warnings)
+        do i = 1, size(found)
+          if (found(i)%kind /= kind) cycle
+          positions = positions + 1
+          if (at > 0 .and. found(i)%size <= worst%size) cycle
+          at = m
+          worst = found(i)
+        end do
+      end associate
+    end do
+  end subroutine find_worst
+
+  ! `what, how much, what to do`.
+  pure function in_words(warning) result(text)
+    type(theory_warning), intent(in) :: warning
+    character(len=:), allocatable :: text
+    character(len=12) :: digits
+
+    associate (kind => warning_kinds(warning%kind))
+      text = trim(kind%what)
+      if (warning%whose /= '') text = text // ' (' // trim(warning%whose) // ')'
+      if (kind%is_share) then
+        text = text // ', ' // percent(warning%size)
+      else
+        write (digits, '(g12.3)') warning%size
+        if (abs(warning%size - anint(warning%size)) <= 0.0_real64 .and. &
+            warning%size < 1.0e6_real64) digits = decimal_text(nint(warning%size))
+        text = text // ', ' // trim(adjustl(digits))
+      end if
+      text = text // ' ' // trim(kind%measure)
+      if (warning%contacts > 0) text = text // ' at ' // counted(warning%contacts, 'contact')
+      text = text // ', ' // trim(kind%advice)
+    end associate
+  end function in_words
+
+end module asperity_warning_lines
