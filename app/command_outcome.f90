@@ -13,6 +13,7 @@ module asperity_command_outcome
   !> The outcome. Image 1 tells and writes for all images.
   type :: command_outcome
     type(problem_list) :: problems           !! what is wrong with the input
+    type(problem_list) :: warnings           !! what of the results lies outside a theory
     character(len=:), allocatable :: failure !! why it could not be computed, or written
     type(text_buffer) :: text                !! for standard output
   contains
@@ -49,6 +50,8 @@ contains
       if (allocated(outcome%failure)) then
         call discard_files()
         call write_message(outcome%failure)
+      else
+        call write_standard_error(outcome%warnings%text())
       end if
     end if
     if (allocated(outcome%failure)) status = 1

@@ -35,7 +35,6 @@ contains
     type(scene_results) :: results
     type(error_budget) :: budget
     type(text_buffer) :: csv(3)
-    type(problem_list) :: warnings
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
@@ -50,8 +49,7 @@ contains
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
-    call list_warnings(line%input, results, warnings)
-    call write_standard_error(warnings%text())
+    call list_warnings(line%input, results, outcome%warnings)
     if (.not. line%quiet) then
       call write_summary(scene_in, results, outcome%text)
       if (line%accuracy > 0.0_real64) call write_choice(line%accuracy, results, outcome%text)

@@ -33,7 +33,7 @@ def keeps_laws(solved: Solved, groups):
         rows.setdefault(int(row["position"]), []).append(row)
     for row in (*solved.positions, *solved.contacts, *solved.curve):
         for name, cell in row.items():
-            assert name in WORDS or abs(float(cell)) < float("inf"), (name, cell)
+            assert name in WORDS or abs(float(cell or 0)) < float("inf"), (name, cell)
     for row in solved.positions:
         where = f"position {row['position']}"
         last = max((int(c["step"]) for c in rows.get(int(row["position"]), [])), default=1)

@@ -81,7 +81,8 @@ def check_csv(path, data):
     words = [name in EFFECTS for name in rows[0]]
     for row in rows[1:]:
         try:
-            if not all(word and cell.isprintable() or math.isfinite(float(cell))
+            # What was not computed is empty.
+            if not all(word and cell.isprintable() or math.isfinite(float(cell or 0))
                        for cell, word in zip(row, words)):
                 wrong.append(row)
         except ValueError:

@@ -152,7 +152,7 @@ def broken_laws(data):
     for row in csv.DictReader(data.decode("ascii").splitlines()):
         try:
             value = {name: float(cell) for name, cell in row.items()
-                     if name not in EFFECTS}
+                     if name not in EFFECTS and cell}
         except (TypeError, ValueError):
             return wrong  # told elsewhere
         alone = "alone_load" not in value or row.get("interaction") == "off"

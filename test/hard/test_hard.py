@@ -66,6 +66,8 @@ def test_lengths_times_a_power_of_2_scale_bit_for_bit(power, arithmetic, asperit
     for rows in ("positions", "contacts"):
         for a, b in zip(getattr(base, rows), getattr(other, rows), strict=True):
             for name in a:
+                if a[name] == b[name] == "":
+                    continue
                 factor = 2.0 ** (power * POWERS.get(name, 0))
                 assert float(b[name]) == float(a[name]) * factor, f"{rows} {name}"
                 compared += 1

@@ -147,7 +147,7 @@ def test_lengths_times_a_power_of_2(key, power, asperity, tmp_path, tally):
     for a, b in zip((*base.positions, *base.contacts), (*other.positions, *other.contacts),
                     strict=True):
         for name, cell in a.items():
-            if name in ("interaction", "friction"):
+            if name in ("interaction", "friction") or not cell:
                 assert b[name] == cell
                 continue
             true = float(cell) * scale ** POWERS.get(name, 0)

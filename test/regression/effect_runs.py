@@ -22,6 +22,8 @@ FLAT = 1.0e6
 COUPLED_APART, COUPLED_OVERLAPPING = 0.002, 0.02
 # What the last halving of cells may change of a load (boundary_tolerance).
 CELLS = 1e-3
+# What a position tells of the run and not of the contacts.
+TOLD = ("warnings", "error_estimate")
 # A solve of `coupled` calls itself converged at this residual.
 CONVERGED = 1e-10
 

@@ -45,7 +45,7 @@ def run(asperity, folder, deck, *options):
     done = subprocess.run([asperity, *options, deck, "--contacts", "c.csv", "--positions", "p.csv"],
                           cwd=folder, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
-    return [[{name: float(text) for name, text in row.items()}
+    return [[{name: float(text or "nan") for name, text in row.items()}
              for row in csv.DictReader((folder / name).read_text().splitlines())]
             for name in ("c.csv", "p.csv")]
 
