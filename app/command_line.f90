@@ -3,11 +3,15 @@ module asperity_command_line
   use asperity_arguments, only: argument, argument_list, read_arguments
   use asperity_input_text, only: quoted
   use asperity_kinds, only: real64
-  use asperity_option_values, only: read_accuracy, read_count, read_tables
+  use asperity_map_levelling, only: level_names, level_plane
+  use asperity_map_summits, only: rule_eight, rule_names
+  use asperity_option_values, only: length_units, read_accuracy, read_count, read_spacing, &
+                                    read_tables, read_word
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_summit_spheres, only: radius_names
   use asperity_system_calls, only: canonical_path
   implicit none
   private
@@ -27,9 +31,13 @@ module asperity_command_line
     '--output=', '--upper=', '--lower=', '--surface=']
   character(len=*), parameter :: study_options(*) = [character(len=18) :: &
     '--csv=', '--keep=', '--quiet']
+  character(len=*), parameter :: summits_options(*) = [character(len=18) :: &
+    '--output=', '--rule=', '--level=', '--radius=', '--despike', '--spacing=', '--unit=', &
+    '--picture=', '--quiet']
   ! Options that name an output.
-  character(len=*), parameter :: output_options(8) = [character(len=11) :: &
-    '--contacts', '--positions', '--curve', '--csv', '--output', '--upper', '--lower', '--keep']
+  character(len=*), parameter :: output_options(9) = [character(len=11) :: &
+    '--contacts', '--positions', '--curve', '--csv', '--output', '--upper', '--lower', '--keep', &
+    '--picture']
 
   type :: output_file
     character(len=:), allocatable :: path  ! as the user gave it
@@ -49,6 +57,12 @@ module asperity_command_line
     logical :: budget = .false.                      !! print the error budget
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
+    integer :: rule = rule_eight                     !! what a summit is
+    integer :: level = level_plane                   !! what heights of a map count from
+    integer :: radius = 0                            !! rule for radii; 0: that of the rule
+    integer :: unit = 0                              !! of `length_units`; 0: the file's own
+    logical :: despike = .false.                     !! take single outliers out
+    real(real64) :: spacing(2) = 0.0_real64          !! of a matrix; 0 when not given
   contains
     procedure :: output                              !! path of an output, by its option
   end type command_line
@@ -100,6 +114,10 @@ contains
       call read_arguments(2, study_options, 'specification', list, problems)
       if (list%operand == '') &
         call problems%add('no specification named, expected: asperity study [OPTIONS] SPEC')
+    case ('summits')
+      call read_arguments(2, summits_options, 'map', list, problems)
+      if (list%operand == '') &
+        call problems%add('no map named, expected: asperity summits [OPTIONS] MAP')
     case default
       line%command = 'original'
       line%arithmetic = trim(arithmetic_names(1))
@@ -150,6 +168,18 @@ contains
       call read_count(name, value, 4, 'a number from 1 to 9999', line%threads, problems)
     case ('--accuracy')
       call read_accuracy(value, line%accuracy, problems)
+    case ('--rule')
+      call read_word(name, value, rule_names, line%rule, problems)
+    case ('--level')
+      call read_word(name, value, level_names, line%level, problems)
+    case ('--radius')
+      call read_word(name, value, radius_names, line%radius, problems)
+    case ('--unit')
+      call read_word(name, value, length_units, line%unit, problems)
+    case ('--spacing')
+      call read_spacing(value, line%spacing, problems)
+    case ('--despike')
+      line%despike = .true.
     case default
       i = findloc(output_options == name, .true., 1)
       line%outputs(i)%path = value

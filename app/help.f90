@@ -26,6 +26,7 @@ module asperity_help
     '       asperity accuracy [OPTIONS] [DECK or SCENE]', &
     '       asperity generate [OPTIONS] SPEC', &
     '       asperity study [OPTIONS] SPEC', &
+    '       asperity summits [OPTIONS] MAP', &
     '       asperity COMMAND --help', &
     '', &
     'asperity DECK runs the original program on a card deck and prints its report.', &
@@ -84,6 +85,27 @@ module asperity_help
     '  --csv FILE          write the table with all digits', &
     '  --keep FILE         keep surfaces that are done; a rerun goes on there', &
     '  --quiet             print no table']
+  character(len=*), parameter :: summits_help(*) = [character(len=82) :: &
+    'Usage: asperity summits [OPTIONS] MAP', &
+    '', &
+    'Finds the summits of a measured height map and prints statistics. A map is a', &
+    'surface data file (ISO 25178-71), a matrix of heights with --spacing, or x,y,z', &
+    'lines of a full regular grid; its content tells which.', &
+    '', &
+    '  --output FILE       write the summits as CSV: x,y,height,radius', &
+    '  --rule NAME         eight (default): higher than all eight neighbours; contact:', &
+    '                      to be pressed: edges mirrored, ridges filled', &
+    '  --level NAME        heights count from the plane of least squares: plane', &
+    '                      (default), the mean: mean, or as they are: none', &
+    '  --radius NAME       from second differences: neighbours (default of eight), 1', &
+    '                      over their mean; geometric (default of contact), over', &
+    '                      their geometric mean; paraboloid, over nine samples', &
+    '  --despike           take single outliers out, and tell how many', &
+    '  --spacing X,Y       from sample to sample of a matrix, in its unit', &
+    '  --unit NAME         m, mm, um, nm, cm or in, for all that is written (default:', &
+    '                      as in the file; metres of a surface data file)', &
+    '  --picture FILE      draw the map and its summits (SVG)', &
+    '  --quiet             print no summary']
 
 contains
 
@@ -110,6 +132,8 @@ contains
       call add(generate_help)
     case ('study')
       call add(study_help)
+    case ('summits')
+      call add(summits_help)
     case default
       call add(usage)
     end select

@@ -13,6 +13,7 @@ program asperity_main
   use asperity_run_original, only: run_original_command
   use asperity_run_solve, only: run_solve_command
   use asperity_run_study, only: run_study_command
+  use asperity_run_summits, only: run_summits_command
   implicit none
   type(command_line) :: line
   type(command_outcome) :: outcome
@@ -37,6 +38,8 @@ program asperity_main
       call run_solve_command(line, outcome)
     case ('study')
       call run_study_command(line, outcome)
+    case ('summits')
+      call run_summits_command(line, outcome)
     case default
       call run_original_command(line, outcome)
     end select

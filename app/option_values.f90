@@ -1,6 +1,7 @@
 !> The values of options: words in, checked values or problems out.
 module asperity_option_values
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_height_map, only: expected_length, is_length
   use asperity_input_text, only: quoted
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
@@ -8,7 +9,14 @@ module asperity_option_values
   implicit none
   private
 
-  public :: read_accuracy, read_count, read_tables
+  public :: read_accuracy, read_count, read_spacing, read_tables, read_word
+  public :: length_units, metre_in
+
+  !> Units of length, and how many of each are a metre.
+  character(len=*), parameter :: length_units(6) = [character(len=2) :: 'm', 'mm', 'um', 'nm', &
+    'cm', 'in']
+  real(real64), parameter :: metre_in(6) = [1.0_real64, 1.0e3_real64, 1.0e6_real64, &
+    1.0e9_real64, 1.0e2_real64, 1.0_real64 / 0.0254_real64]
 
 contains
 
@@ -45,6 +53,51 @@ contains
     call problems%add('--accuracy: found ' // quoted(value) // &
                       ', expected a relative error between 0 and 1, for instance 1e-3')
   end subroutine read_accuracy
+
+  !> One word of a list.
+  subroutine read_word(option, value, words, choice, problems)
+    character(len=*), intent(in) :: option         !! whose value it is
+    character(len=*), intent(in) :: value          !! the word
+    character(len=*), intent(in) :: words(:)       !! those that are known
+    integer, intent(inout) :: choice               !! number of the word, when it is one of them
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    character(len=:), allocatable :: known
+    integer :: i
+
+    if (any(words == value)) then
+      choice = findloc(words == value, .true., 1)
+      return
+    end if
+    known = trim(words(1))
+    do i = 2, size(words)
+      known = known // trim(merge(' or ', ',   ', i == size(words))) // ' ' // trim(words(i))
+    end do
+    call problems%add(option // ': found ' // quoted(value) // ', expected ' // known)
+  end subroutine read_word
+
+  !> Two lengths with a comma between them.
+  subroutine read_spacing(value, spacing, problems)
+    character(len=*), intent(in) :: value          !! the word
+    real(real64), intent(inout) :: spacing(2)      !! along x and y
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    type(decimal_value) :: decimal(2)
+    logical :: good(2)
+    integer :: comma
+
+    comma = index(value, ',')
+    good = .false.
+    if (comma > 0) then
+      call read_numeral(value(:comma - 1), decimal(1), good(1))
+      call read_numeral(value(comma + 1:), decimal(2), good(2))
+    end if
+    if (all(good)) good = is_length(decimal_to_real64(decimal))
+    if (all(good)) then
+      spacing = decimal_to_real64(decimal)
+    else
+      call problems%add('--spacing: found ' // quoted(value) // ', expected X,Y, each ' // &
+                        expected_length)
+    end if
+  end subroutine read_spacing
 
   !> `none`, `all`, or positions separated by commas.
   subroutine read_tables(list, printed, problems)

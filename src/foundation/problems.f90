@@ -21,6 +21,7 @@ module asperity_problems
     procedure :: start                   !! names the file that the next problems have places in
     procedure :: add_at                  !! adds a problem at a line and column of the file
     procedure :: add_at_byte             !! adds a problem at a byte of the file's text
+    procedure :: add_in_file             !! adds a problem of the file with a place of its own kind
     procedure :: add                     !! adds a problem that has no place
     procedure :: append                  !! adds all problems of another list
     procedure :: count => problem_count  !! how many there are, those not written out included
@@ -36,6 +37,16 @@ contains
 
     self%file = file
   end subroutine start
+
+  !> Adds `FILE: MESSAGE`, for a file where lines and columns mean nothing.
+  pure subroutine add_in_file(self, message)
+    class(problem_list), intent(inout) :: self  !! the list
+    character(len=*), intent(in) :: message     !! place, what is wrong, found, expected
+
+    self%placed = self%placed + 1
+    if (self%placed <= most_placed) &
+      call self%lines%line(printable(self%file // ': ' // message))
+  end subroutine add_in_file
 
   !> Adds `FILE:LINE:COLUMN: MESSAGE`.
   pure subroutine add_at(self, line, column, message)

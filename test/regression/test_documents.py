@@ -16,7 +16,7 @@ pytestmark = pytest.mark.once
 
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*.md"),
                 *ROOT.glob("docs/effects/*.md")])
-COMMANDS = ("", "solve", "accuracy", "generate", "study")
+COMMANDS = ("", "solve", "accuracy", "generate", "study", "summits")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 FOLDERS = "app|data|docs|example|reference_output|src|test|[.]ci"
 PATH = re.compile(rf"(?<![\w./-])(?:{FOLDERS})/[\w.*/-]*[\w*/]")

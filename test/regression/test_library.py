@@ -1,4 +1,4 @@
-"""The library: its two examples, and a project outside that uses it through fpm."""
+"""The library: its examples, and a project outside that uses it through fpm."""
 
 import os
 import re
@@ -51,6 +51,21 @@ def test_read_a_scene_tells_problems(example, tmp_path):
     scene.write_text("&surfaces deck = 'none.deck' /\n")
     status, text, errors = example("read_a_scene", scene)
     assert status == 2 and text == "" and "none.deck" in errors
+
+
+def test_summits_of_a_map(example, asperity, tmp_path):
+    """The example prints what the program prints, to its seven digits."""
+    path = ROOT / "data/examples/summits/rough.sdf"
+    status, text, errors = example("summits_of_a_map", path)
+    assert status == 0 and errors == ""
+    done = subprocess.run([asperity, "summits", path], capture_output=True, text=True, check=True)
+    for name, own in (("density of summits", "density"), ("mean summit height", "mean height"),
+                      ("mean summit curvature", "mean curvature")):
+        found = [re.search(rf"^{key} +(\S+)", output, re.M)[1]
+                 for key, output in ((name, done.stdout), (own, text))]
+        assert abs(float(found[0]) / float(found[1]) - 1) < 1e-6
+    status, text, errors = example("summits_of_a_map", tmp_path)
+    assert status == 2 and "cannot be read" in errors
 
 
 def test_close_to_a_load(example, asperity, tmp_path, tally):

@@ -1,0 +1,122 @@
+!> Bytes of a file, block by block, so that a large file needs no more memory than a block.
+!>
+!> Every input can be read a second time. Of a pipe all blocks are kept for that, and it may have
+!> 100000000 bytes.
+module asperity_byte_reader
+  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char, c_size_t
+  use asperity_kinds, only: int64
+  use asperity_problems, only: decimal_text
+  use asperity_system_calls, only: posix_close, posix_lseek, posix_open, posix_read, system_reason
+  implicit none
+  private
+
+  public :: byte_reader
+
+  integer(c_int), parameter :: read_only = 0_c_int, from_start = 0_c_int, from_end = 2_c_int
+  integer, parameter :: block_size = 65536, longest_pipe = 100000000
+
+  !> A file that is being read. The bytes at hand are `block(at:used)`.
+  type :: byte_reader
+    character(len=:), allocatable :: block     !! bytes; of a pipe all so far
+    integer :: at = 1                          !! next byte of the block
+    integer :: used = 0                        !! bytes in the block
+    integer(int64) :: before = 0_int64         !! bytes before the block
+    integer(int64) :: length = -1_int64        !! bytes of the file; -1 for a pipe
+    character(len=:), allocatable :: failure   !! why it cannot be read any further
+    integer(c_int), private :: descriptor = -1_c_int
+  contains
+    procedure :: open => open_file   !! from the first byte on
+    procedure :: more                !! brings the next block
+    procedure :: take                !! the next bytes
+    procedure :: rewind => go_back   !! from the first byte on, once more
+    procedure :: close => close_file !! ends it
+  end type byte_reader
+
+contains
+
+  !> Opens a file; `failure` is allocated when that is not possible.
+  subroutine open_file(self, path)
+    class(byte_reader), intent(out) :: self  !! at the first byte
+    character(len=*), intent(in) :: path     !! the file
+    integer(c_long) :: known, place
+
+    allocate (character(len=block_size) :: self%block)
+    self%descriptor = posix_open(path // c_null_char, read_only)
+    if (self%descriptor < 0) then
+      self%failure = 'cannot be opened: ' // system_reason()
+      return
+    end if
+    known = posix_lseek(self%descriptor, 0_c_long, from_end)
+    place = posix_lseek(self%descriptor, 0_c_long, from_start)
+    if (known > 0_c_long .and. place == 0_c_long) self%length = int(known, int64)
+  end subroutine open_file
+
+  !> Brings the next block; there is none when `at > used` afterwards.
+  subroutine more(self)
+    class(byte_reader), intent(inout) :: self  !! all bytes of the block have been used
+    character(len=:), allocatable :: larger
+    integer(c_size_t) :: got
+    integer :: kept
+
+    kept = 0
+    if (self%length < 0_int64) kept = self%used
+    if (allocated(self%failure)) return
+    if (kept > longest_pipe) then
+      self%failure = 'cannot be read: more than ' // decimal_text(longest_pipe) // &
+                     ' bytes from a pipe'
+      return
+    end if
+    if (kept + block_size > len(self%block)) then
+      allocate (character(len=2 * kept + block_size) :: larger)
+      larger(:kept) = self%block(:kept)
+      call move_alloc(larger, self%block)
+    end if
+    got = posix_read(self%descriptor, self%block(kept + 1:), int(block_size, c_size_t))
+    if (got < 0_c_size_t) self%failure = 'cannot be read: ' // system_reason()
+    self%before = self%before + int(self%used - kept, int64)
+    self%at = kept + 1
+    self%used = kept + max(0, int(got))
+  end subroutine more
+
+  !> The next bytes; fewer than asked for at the end of the file.
+  subroutine take(self, number, bytes)
+    class(byte_reader), intent(inout) :: self           !! the file
+    integer, intent(in) :: number                       !! how many are asked for
+    character(len=:), allocatable, intent(out) :: bytes !! the bytes
+    integer :: got, piece
+
+    allocate (character(len=number) :: bytes)
+    got = 0
+    do while (got < number)
+      if (self%at > self%used) call self%more()
+      if (self%at > self%used) exit
+      piece = min(number - got, self%used - self%at + 1)
+      bytes(got + 1:got + piece) = self%block(self%at:self%at + piece - 1)
+      got = got + piece
+      self%at = self%at + piece
+    end do
+    if (got < number) bytes = bytes(:got)
+  end subroutine take
+
+  !> Goes back to the first byte.
+  subroutine go_back(self)
+    class(byte_reader), intent(inout) :: self  !! the file
+    integer(c_long) :: place
+
+    self%at = 1
+    if (self%length < 0_int64) return
+    place = posix_lseek(self%descriptor, 0_c_long, from_start)
+    self%used = 0
+    self%before = 0_int64
+  end subroutine go_back
+
+  !> Closes the file.
+  subroutine close_file(self)
+    class(byte_reader), intent(inout) :: self  !! the file
+    integer(c_int) :: status
+
+    if (self%descriptor > 2_c_int) status = posix_close(self%descriptor)
+    self%descriptor = -1_c_int
+  end subroutine close_file
+
+end module asperity_byte_reader

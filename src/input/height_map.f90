@@ -1,0 +1,90 @@
+!> A measured surface: heights on a regular grid.
+module asperity_height_map
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_input_text, only: lower_case
+  use asperity_kinds, only: int64, real64
+  use asperity_numeral, only: read_numeral
+  use asperity_problems, only: problem_list
+  use asperity_process, only: has_memory
+  implicit none
+  private
+
+  public :: height_map, no_height, is_measured, is_length, make_room, read_height, &
+            expected_length, number_text, most_samples
+
+  !> Stands for the height of a sample that was not measured.
+  real(real64), parameter :: no_height = -huge(1.0_real64)
+
+  !> More samples than a whole number of 32 bits can count are refused.
+  integer(int64), parameter :: most_samples = 2147483647_int64
+  ! Lengths beyond these are no lengths of anything, and their powers would not fit in a double.
+  real(real64), parameter :: least_length = 1.0e-30_real64, most_length = 1.0e30_real64
+  !> What a message says of a length.
+  character(len=*), parameter :: expected_length = 'a length from 1e-30 to 1e30'
+
+  !> The map. Lengths are in `unit`; y grows with the row.
+  type :: height_map
+    integer :: columns = 0                      !! samples of a profile, along x
+    integer :: rows = 0                         !! profiles, along y
+    real(real64) :: spacing(2) = 0.0_real64     !! from sample to sample along x and y, more than 0
+    real(real64), allocatable :: height(:, :)   !! by column and row; `no_height` where missing
+    character(len=:), allocatable :: unit       !! of all lengths; empty where the file has none
+  end type height_map
+
+contains
+
+  !> Whether a sample was measured.
+  elemental logical function is_measured(height)
+    real(real64), intent(in) :: height  !! of the sample
+
+    is_measured = height > 0.5_real64 * no_height
+  end function is_measured
+
+  !> Whether a number will do as a spacing or a scale.
+  elemental logical function is_length(value)
+    real(real64), intent(in) :: value  !! any finite number
+
+    is_length = value >= least_length .and. value <= most_length
+  end function is_length
+
+  !> Allocates the heights. `failure` is allocated when there is no memory for them.
+  subroutine make_room(map, failure)
+    type(height_map), intent(inout) :: map                 !! its numbers of columns and rows set
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+
+    if (.not. has_memory(8_int64 * int(map%columns, int64) * int(map%rows, int64))) then
+      failure = 'not enough memory for the map, ' // &
+                number_text(int(map%columns, int64)) // ' x ' // &
+                number_text(int(map%rows, int64)) // ' samples'
+      return
+    end if
+    allocate (map%height(map%columns, map%rows))
+  end subroutine make_room
+
+  !> Reads a height, or a word for a missing one: `BAD` or `NaN`.
+  pure subroutine read_height(word, height, good)
+    character(len=*), intent(in) :: word   !! without blanks
+    real(real64), intent(out) :: height    !! `no_height` for a missing one
+    logical, intent(out) :: good           !! whether it is a height
+    type(decimal_value) :: decimal
+
+    call read_numeral(word, decimal, good)
+    if (good) then
+      height = decimal_to_real64(decimal)
+      return
+    end if
+    height = no_height
+    good = lower_case(word) == 'bad' .or. lower_case(word) == 'nan'
+  end subroutine read_height
+
+  !> A whole number as text without blanks.
+  pure function number_text(value) result(text)
+    integer(int64), intent(in) :: value    !! any
+    character(len=:), allocatable :: text  !! its digits
+    character(len=20) :: digits
+
+    write (digits, '(i0)') value
+    text = trim(digits)
+  end function number_text
+
+end module asperity_height_map

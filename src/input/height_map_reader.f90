@@ -1,0 +1,119 @@
+!> Reads a height map; what kind of file it is, its content tells.
+module asperity_height_map_reader
+  use asperity_height_map, only: height_map, is_measured, number_text
+  use asperity_kinds, only: int64, real64
+  use asperity_problems, only: problem_list
+  use asperity_sdf_header, only: is_sdf, magic_length, read_binary_header, read_text_header, &
+                                 sdf_header
+  use asperity_sdf_samples, only: read_sdf_samples
+  use asperity_text_map, only: read_matrix, read_points
+  use asperity_token_reader, only: token_reader
+  implicit none
+  private
+
+  public :: read_height_map
+
+  character(len=*), parameter :: expected = 'a surface data file (ISO 25178-71), a matrix of ' // &
+    'heights, or x,y,z lines'
+  ! Fewer samples a side have no summit.
+  integer, parameter :: fewest = 3
+  ! Squares of flatter maps would not fit in a double.
+  real(real64), parameter :: least_range = 1.0e-60_real64
+
+contains
+
+  !> Reads and checks a map. With problems, or when `failure` is allocated because there is no
+  !> memory for it, the map is not to be used.
+  subroutine read_height_map(path, spacing, progress, map, problems, failure)
+    character(len=*), intent(in) :: path                    !! the file
+    real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
+    logical, intent(in) :: progress                         !! tell how far it has come
+    type(height_map), intent(out) :: map                    !! its samples
+    type(problem_list), intent(inout) :: problems           !! all that is wrong
+    character(len=:), allocatable, intent(out) :: failure   !! why not
+    type(token_reader) :: file
+    type(sdf_header) :: header
+    character(len=:), allocatable :: magic
+    integer :: before
+
+    call problems%start(path)
+    before = problems%count()
+    map%unit = ''
+    call file%open(path)
+    call file%take(magic_length, magic)
+    if (allocated(file%failure)) then
+      call problems%add_at(1, 1, file%failure // ', expected ' // expected)
+    else if (is_sdf(magic)) then
+      if (any(spacing > 0.0_real64)) &
+        call problems%add_in_file('--spacing given, but the file has its own, expected none')
+      if (scan(magic(1:1), 'aA') == 1) then
+        call read_text_header(file, magic, header, problems)
+      else
+        call read_binary_header(file, magic, header, problems)
+      end if
+      if (problems%count() == before) &
+        call read_sdf_samples(file, header, progress, map, problems, failure)
+    else if (len(magic) == 0) then
+      call problems%add_at(1, 1, 'the file is empty, expected ' // expected)
+    else if (is_binary(magic)) then
+      call problems%add_at(1, 1, 'found a control character, expected ' // expected)
+    else
+      call file%start(',;', '#')
+      call file%again()
+      if (all(spacing > 0.0_real64)) then
+        map%spacing = spacing
+        call read_matrix(file, progress, map, problems, failure)
+      else
+        call read_points(file, progress, map, problems, failure)
+      end if
+    end if
+    if (allocated(file%failure) .and. problems%count() == before) &
+      call problems%add_in_file('byte ' // number_text(file%before + int(file%at, int64)) // &
+                                ': ' // file%failure)
+    call file%close()
+    if (allocated(failure)) failure = path // ': ' // failure
+    if (problems%count() == before .and. .not. allocated(failure)) call check_map(map, problems)
+  end subroutine read_height_map
+
+  ! Whether the first bytes are none of a text.
+  pure logical function is_binary(bytes)
+    character(len=*), intent(in) :: bytes
+    integer :: i
+
+    is_binary = .false.
+    do i = 1, len(bytes)
+      is_binary = is_binary .or. (iachar(bytes(i:i)) < 32 .and. &
+                                  index(achar(9) // achar(10) // achar(13), bytes(i:i)) == 0)
+    end do
+  end function is_binary
+
+  ! What no map may be, whatever its file.
+  subroutine check_map(map, problems)
+    type(height_map), intent(in) :: map
+    type(problem_list), intent(inout) :: problems
+    real(real64) :: low, high
+    integer(int64) :: measured
+    integer :: row
+
+    if (min(map%columns, map%rows) < fewest) then
+      call problems%add_in_file('found ' // number_text(int(map%columns, int64)) // ' x ' // &
+                                number_text(int(map%rows, int64)) // &
+                                ' samples, expected at least 3 x 3')
+      return
+    end if
+    low = huge(low)
+    high = -huge(high)
+    measured = 0_int64
+    do row = 1, map%rows
+      measured = measured + count(is_measured(map%height(:, row)), kind=int64)
+      low = min(low, minval(map%height(:, row), mask=is_measured(map%height(:, row))))
+      high = max(high, maxval(map%height(:, row), mask=is_measured(map%height(:, row))))
+    end do
+    if (measured == 0_int64) then
+      call problems%add_in_file('all samples are missing, expected heights')
+    else if (high > low .and. high - low < least_range) then
+      call problems%add_in_file('heights differ by less than 1e-60, expected more, or none')
+    end if
+  end subroutine check_map
+
+end module asperity_height_map_reader

@@ -1,0 +1,282 @@
+!> The samples of a surface data file (ISO 25178-71).
+!>
+!> A missing sample is the word `BAD` or the number that its type reserves: the lowest, in BCR-1.0
+!> the highest (for a float all from 3.4E38 or 1.7E308 on). In BCR-1.0, which fixes no direction,
+!> the first profile is that of the largest y, as other programs have it.
+module asperity_sdf_samples
+  use asperity_height_map, only: height_map, is_measured, make_room, most_samples, no_height, &
+                                 number_text, read_height
+  use asperity_input_text, only: quoted
+  use asperity_kinds, only: int64, real32, real64
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_progress, only: progress_line
+  use asperity_sdf_header, only: add_at_record, bcr, sdf_header, type_bytes, type_names, whole_bits
+  use asperity_token_reader, only: token, token_reader
+  implicit none
+  private
+
+  public :: read_sdf_samples
+
+  integer, parameter :: binary32 = 3, binary64 = 7
+  ! Heights beyond this, in metres, are no heights.
+  real(real64), parameter :: highest = 1.0e30_real64
+
+contains
+
+  !> Reads all samples. `failure` is allocated when there is no memory for them.
+  subroutine read_sdf_samples(file, header, progress, map, problems, failure)
+    type(token_reader), intent(inout) :: file               !! behind the header
+    type(sdf_header), intent(in) :: header                  !! what it says
+    logical, intent(in) :: progress                         !! tell how far it has come
+    type(height_map), intent(inout) :: map                  !! gets the samples
+    type(problem_list), intent(inout) :: problems           !! what is wrong
+    character(len=:), allocatable, intent(out) :: failure   !! why not
+    type(progress_line) :: shown
+    integer(int64) :: least
+
+    ! Here every count has at most 32 bits.
+    least = header%points * header%profiles
+    if (least > most_samples .or. least / header%points /= header%profiles) then
+      call problems%add_in_file('found ' // number_text(header%points) // ' x ' // &
+                                number_text(header%profiles) // ' samples, expected at most ' // &
+                                number_text(most_samples))
+      return
+    end if
+    ! A sample of a text takes two bytes at least.
+    least = least * merge(int(type_bytes(header%data_type), int64), 2_int64, header%binary)
+    if (file%length >= 0_int64 .and. least > file%length - here(file) + 1_int64) then
+      call too_short(number_text(file%length) // ' bytes')
+      return
+    end if
+    map%columns = int(header%points)
+    map%rows = int(header%profiles)
+    map%spacing = header%scale(1:2)
+    map%unit = 'm'
+    call make_room(map, failure)
+    if (allocated(failure)) return
+    call shown%begin(progress, 'profiles read', map%rows, 0)
+    if (header%binary) then
+      call read_bytes(file, header, map, shown, problems)
+    else
+      call read_words(file, header, map, shown, problems)
+    end if
+    call shown%finish()
+
+  contains
+
+    subroutine too_short(found)
+      character(len=*), intent(in) :: found
+
+      call problems%add_in_file('found ' // found // ', expected ' // &
+                                number_text(header%points) // ' x ' // &
+                                number_text(header%profiles) // ' samples of ' // &
+                                trim(type_names(header%data_type)) // &
+                                ' as the header says, at least ' // number_text(least) // &
+                                ' bytes behind it')
+    end subroutine too_short
+
+  end subroutine read_sdf_samples
+
+  ! The next byte of the file, from 1.
+  pure integer(int64) function here(file)
+    type(token_reader), intent(in) :: file
+
+    here = file%before + int(file%at, int64)
+  end function here
+
+  ! The row of a map where a profile of the file goes.
+  pure integer function row_of(header, profile)
+    type(sdf_header), intent(in) :: header
+    integer, intent(in) :: profile
+
+    row_of = profile
+    if (header%revision == bcr) row_of = int(header%profiles) - profile + 1
+  end function row_of
+
+  ! Samples as bytes.
+  subroutine read_bytes(file, header, map, shown, problems)
+    type(token_reader), intent(inout) :: file
+    type(sdf_header), intent(in) :: header
+    type(height_map), intent(inout) :: map
+    type(progress_line), intent(inout) :: shown
+    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: bytes
+    integer(int64) :: place
+    integer :: wide, i, first, last, profile, at
+    logical :: good
+
+    wide = type_bytes(header%data_type)
+    do profile = 1, map%rows
+      do first = 1, map%columns, 4096
+        last = min(map%columns, first + 4095)
+        place = here(file)
+        call file%take(wide * (last - first + 1), bytes)
+        if (len(bytes) < wide * (last - first + 1)) then
+          call add_at_record(problems, place + len(bytes, int64), 2, &
+                             'the file ends in profile ' // &
+                             decimal_text(profile) // ', expected ' // decimal_text(map%rows) // &
+                             ' profiles of ' // decimal_text(map%columns) // ' samples')
+          return
+        end if
+        do i = first, last
+          at = wide * (i - first)
+          call decode(bytes(at + 1:at + wide), header, map%height(i, row_of(header, profile)), good)
+          if (.not. good) &
+            call add_at_record(problems, place + int(at, int64), 2, 'sample ' // &
+                               decimal_text(i) // ' of profile ' // decimal_text(profile) // &
+                               ': found an infinite or too large height, expected one up to 1e30')
+        end do
+      end do
+      call shown%reach(profile)
+    end do
+  end subroutine read_bytes
+
+  ! The height of a sample in bytes.
+  pure subroutine decode(bytes, header, height, good)
+    character(len=*), intent(in) :: bytes
+    type(sdf_header), intent(in) :: header
+    real(real64), intent(out) :: height
+    logical, intent(out) :: good
+    integer(int64) :: bits, top
+    integer :: wide
+    logical :: negative, missing
+
+    wide = 8 * len(bytes)
+    bits = whole_bits(bytes)
+    good = .true.
+    height = no_height
+    select case (header%data_type)
+    case (binary32, binary64)
+      top = merge(int(z'7F8', int64), int(z'7FF', int64), header%data_type == binary32)
+      negative = btest(bits, wide - 1)
+      ! All bits of the exponent set: infinite, or no number.
+      if (iand(shiftr(bits, wide - 12), top) == top) then
+        bits = iand(bits, shiftl(1_int64, merge(23, 52, wide == 32)) - 1_int64)
+        good = bits /= 0_int64 .or. (header%revision == bcr .and. .not. negative)
+        return
+      else if (wide == 32) then
+        height = real(transfer(int(signed(bits, wide)), 1.0_real32), real64)
+      else
+        height = transfer(bits, height)
+      end if
+    case default
+      ! The first three are without sign.
+      if (header%data_type > 2) bits = signed(bits, wide)
+      height = real(bits, real64)
+    end select
+    missing = is_reserved(header, height)
+    if (missing) height = no_height
+    if (missing) return
+    call scale(header, height, good)
+  end subroutine decode
+
+  ! Bits as a number with sign.
+  pure integer(int64) function signed(bits, wide)
+    integer(int64), intent(in) :: bits
+    integer, intent(in) :: wide
+
+    signed = bits
+    if (wide < 64 .and. btest(bits, wide - 1)) signed = bits - shiftl(1_int64, wide)
+  end function signed
+
+  ! Whether a number stands for a missing sample. No sample of a text comes as near to it.
+  pure logical function is_reserved(header, number)
+    type(sdf_header), intent(in) :: header
+    real(real64), intent(in) :: number
+    real(real64), parameter :: lowest(0:7) = [0.0_real64, 0.0_real64, 0.0_real64, &
+      -3.402823e38_real64, -128.0_real64, -32768.0_real64, -2147483648.0_real64, &
+      -1.79769313486231e308_real64]
+    real(real64), parameter :: highest_of(0:7) = [255.0_real64, 65535.0_real64, &
+      4294967295.0_real64, 3.4e38_real64, 127.0_real64, 32767.0_real64, 2147483647.0_real64, &
+      1.7e308_real64]
+
+    if (header%revision == bcr) then
+      is_reserved = number >= nearest32(highest_of(header%data_type))
+    else
+      is_reserved = number <= lowest(header%data_type)
+    end if
+
+  contains
+
+    ! 3.4E38 as the bytes of a sample have it.
+    pure real(real64) function nearest32(limit)
+      real(real64), intent(in) :: limit
+
+      nearest32 = limit
+      if (header%data_type == binary32) nearest32 = real(real(limit, real32), real64)
+      if (nearest32 > limit) nearest32 = limit
+    end function nearest32
+
+  end function is_reserved
+
+  ! The number of a sample becomes its height.
+  pure subroutine scale(header, height, good)
+    type(sdf_header), intent(in) :: header
+    real(real64), intent(inout) :: height
+    logical, intent(out) :: good
+
+    good = abs(height) <= highest / max(1.0_real64, header%scale(3))
+    if (good) height = height * header%scale(3)
+  end subroutine scale
+
+  ! Samples as words.
+  subroutine read_words(file, header, map, shown, problems)
+    type(token_reader), intent(inout) :: file
+    type(sdf_header), intent(in) :: header
+    type(height_map), intent(inout) :: map
+    type(progress_line), intent(inout) :: shown
+    type(problem_list), intent(inout) :: problems
+    type(token) :: word
+    character(len=:), allocatable :: expected
+    real(real64) :: height
+    integer :: i, profile
+    logical :: good, whole
+
+    whole = header%data_type /= binary32 .and. header%data_type /= binary64
+    expected = merge('a whole number', 'a number      ', whole)
+    expected = trim(expected) // ', at most 1e30 as a height, or BAD'
+    do profile = 1, map%rows
+      do i = 1, map%columns
+        call file%next(word)
+        if (word%length == 0 .or. word%text(:max(1, word%length)) == '*') then
+          call problems%add_at(word%line, word%column, 'the samples end behind ' // &
+                               number_text(int(profile - 1, int64) * map%columns + i - 1) // &
+                               ', expected ' // number_text(header%points) // ' x ' // &
+                               number_text(header%profiles))
+          return
+        end if
+        call read_height(word%text(:word%length), height, good)
+        if (whole .and. is_measured(height)) &
+          good = good .and. verify(word%text(:word%length), '+-0123456789') == 0
+        good = good .and. .not. word%is_cut
+        if (good .and. is_measured(height)) then
+          if (is_reserved(header, height)) then
+            height = no_height
+          else
+            call scale(header, height, good)
+          end if
+        end if
+        if (.not. good) call problems%add_at(word%line, word%column, 'found ' // &
+                                             quoted(word%text(:word%length)) // ', expected ' // &
+                                             expected)
+        map%height(i, row_of(header, profile)) = height
+      end do
+      call shown%reach(profile)
+    end do
+    ! Without it the last number could be a part of one.
+    call file%next(word)
+    if (word%length == 1 .and. word%text(1:1) == '*') return
+    call problems%add_at(word%line, word%column, 'found ' // found(word) // ' behind ' // &
+                         number_text(header%points) // ' x ' // number_text(header%profiles) // &
+                         ' samples, expected an asterisk')
+  end subroutine read_words
+
+  pure function found(word)
+    type(token), intent(in) :: word
+    character(len=:), allocatable :: found
+
+    found = 'the end of the file'
+    if (word%length > 0) found = quoted(word%text(:word%length))
+  end function found
+
+end module asperity_sdf_samples

@@ -1,0 +1,121 @@
+!> What `asperity summits` prints, and the surface that it writes.
+module asperity_summits_table
+  use asperity_csv, only: csv_line
+  use asperity_height_map, only: height_map, number_text
+  use asperity_kinds, only: int64, real64
+  use asperity_map_statistics, only: map_statistics
+  use asperity_map_summits, only: map_summits
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: summits_heading, write_summits_table, write_summits_csv
+
+  !> How the summits were found, in words.
+  type :: summits_heading
+    character(len=:), allocatable :: file    !! the map
+    character(len=:), allocatable :: level   !! what heights count from
+    character(len=:), allocatable :: rule    !! what a summit is
+    character(len=:), allocatable :: radius  !! what its radius is
+    integer(int64) :: spikes = -1_int64      !! taken out; less than 0: nobody looked for them
+  end type summits_heading
+
+  ! Where the columns begin.
+  integer, parameter :: value_column = 25, unit_column = 50, theory_column = 58
+
+contains
+
+  !> The map, its statistics and those of its summits, beside what theory expects.
+  subroutine write_summits_table(heading, map, summits, found, buffer)
+    type(summits_heading), intent(in) :: heading  !! how it was done
+    type(height_map), intent(in) :: map           !! levelled
+    type(map_summits), intent(in) :: summits      !! of this map
+    type(map_statistics), intent(in) :: found     !! of both
+    type(text_buffer), intent(inout) :: buffer    !! the text
+
+    call buffer%line(heading%file // ': ' // number_text(int(map%columns, int64)) // ' x ' // &
+                     number_text(int(map%rows, int64)) // ' samples, level: ' // heading%level // &
+                     ', rule: ' // heading%rule // ', radius: ' // heading%radius)
+    call buffer%line('')
+    call whole('samples', found%samples)
+    call whole('missing', found%missing)
+    if (heading%spikes >= 0_int64) call whole('spikes taken out', heading%spikes)
+    call whole('summits', size(summits%x, kind=int64))
+    if (heading%rule == 'contact') call whole('  on ridges', int(summits%on_ridges, int64))
+    call buffer%line('')
+    call put('', '', '', 'Nayak expects')
+    call number('spacing along x', map%spacing(1), 1)
+    call number('spacing along y', map%spacing(2), 1)
+    call number('rms height', found%rms_height, 1)
+    call number('rms slope', found%rms_slope, 0)
+    call number('m0', found%m0, 2)
+    call number('m2 along x', found%m2(1), 0)
+    call number('m2 along y', found%m2(2), 0)
+    call number('m4 along x', found%m4(1), -2)
+    call number('m4 along y', found%m4(2), -2)
+    call number('Nayak''s alpha', found%alpha, 0)
+    call number('density of summits', found%density, -2, found%expected_density)
+    call number('mean summit height', found%mean_height, 1, found%expected_height)
+    call number('deviation of heights', found%height_deviation, 1, found%expected_deviation)
+    call number('mean summit curvature', found%mean_curvature, -1, found%expected_curvature)
+    call number('mean summit radius', found%mean_radius, 1)
+
+  contains
+
+    subroutine whole(name, value)
+      character(len=*), intent(in) :: name
+      integer(int64), intent(in) :: value
+
+      call put(name, number_text(value), '', '')
+    end subroutine whole
+
+    ! A value in a power of the unit of length, and what theory expects.
+    subroutine number(name, value, power, theory)
+      character(len=*), intent(in) :: name
+      real(real64), intent(in) :: value
+      integer, intent(in) :: power
+      real(real64), intent(in), optional :: theory
+      character(len=24) :: digits(2)
+      character(len=8) :: unit
+
+      digits(2) = ''
+      write (digits(1), '(es22.14e3)') value
+      if (present(theory)) write (digits(2), '(es12.4e3)') theory
+      if (size(summits%x) == 0 .and. present(theory)) digits(1) = '-'
+      if (.not. found%alpha > 0.0_real64) digits(2) = ''
+      unit = ''
+      if (power > 0) unit = map%unit
+      if (power == 2 .and. map%unit /= '') unit = map%unit // '2'
+      if (power < 0 .and. map%unit /= '') unit = '1/' // map%unit
+      if (power == -2 .and. map%unit /= '') unit = '1/' // map%unit // '2'
+      call put(name, trim(adjustl(digits(1))), trim(unit), trim(adjustl(digits(2))))
+    end subroutine number
+
+    subroutine put(name, value, unit, theory)
+      character(len=*), intent(in) :: name, value, unit, theory
+      character(len=80) :: line
+
+      line = name
+      line(value_column + merge(1, 0, value(:min(1, len(value))) /= '-'):) = value
+      line(unit_column:) = unit
+      line(theory_column + merge(1, 0, theory(:min(1, len(theory))) /= '-'):) = theory
+      call buffer%line(line)
+    end subroutine put
+
+  end subroutine write_summits_table
+
+  !> The summits as a surface: what a scene reads.
+  subroutine write_summits_csv(summits, buffer)
+    type(map_summits), intent(in) :: summits    !! of a map
+    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(csv_line) :: line
+    integer :: i
+
+    call buffer%line('x,y,height,radius')
+    do i = 1, size(summits%x)
+      call line%put([summits%x(i), summits%y(i), summits%height(i), summits%radius(i)])
+      call line%finish(buffer)
+    end do
+  end subroutine write_summits_csv
+
+end module asperity_summits_table

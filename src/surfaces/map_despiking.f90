@@ -1,0 +1,148 @@
+!> Takes single outliers out of a map: spikes that no summit should stand on.
+!>
+!> An outlier is further from the median of the 5 x 5 samples around it than eight times the median
+!> of that distance over the map, and than eight times that over these samples, which keeps steep
+!> places. For Gaussian distances eight medians are 5.4 deviations. It becomes the median. The map
+!> is levelled again, and looked at again, until none is left.
+module asperity_map_despiking
+  use asperity_height_map, only: height_map, is_measured, no_height
+  use asperity_kinds, only: int64, real64
+  use asperity_map_levelling, only: level_map
+  use asperity_process, only: has_memory
+  use asperity_progress, only: progress_line
+  implicit none
+  private
+
+  public :: despike_map
+
+  integer, parameter :: reach = 2, window = (2 * reach + 1)**2
+  real(real64), parameter :: most_deviations = 8.0_real64
+  ! Each round changes what the next compares with; a map that is not at rest then is all spikes.
+  integer, parameter :: most_rounds = 20
+
+contains
+
+  !> Takes outliers out of a levelled map. `failure` is allocated when there is no memory for it.
+  subroutine despike_map(map, level, progress, spikes, failure)
+    type(height_map), intent(inout) :: map                  !! levelled; then again
+    integer, intent(in) :: level                            !! how it is levelled
+    logical, intent(in) :: progress                         !! tell how far it has come
+    integer(int64), intent(out) :: spikes                   !! samples that were changed
+    character(len=:), allocatable, intent(out) :: failure   !! why not
+    real(real64), allocatable :: off(:, :)
+    type(progress_line) :: shown
+    real(real64) :: limit
+    integer(int64) :: found
+    integer :: round, i, j
+
+    spikes = 0_int64
+    if (.not. has_memory(8_int64 * int(map%columns, int64) * map%rows)) then
+      failure = 'not enough memory to look for spikes'
+      return
+    end if
+    allocate (off(map%columns, map%rows))
+    do round = 1, most_rounds
+      call shown%begin(progress, 'profiles looked at for spikes', map%rows, 0)
+      do j = 1, map%rows
+        do i = 1, map%columns
+          off(i, j) = no_height
+          if (is_measured(map%height(i, j))) &
+            off(i, j) = map%height(i, j) - median_near(map, i, j)
+        end do
+        call shown%reach(j)
+      end do
+      call shown%finish()
+      limit = median_size(off)
+      ! Most samples of a coarsely quantised map are their own medians.
+      if (.not. limit > 0.0_real64) &
+        limit = sum(abs(off), mask=is_measured(off)) / count(is_measured(off), kind=int64)
+      limit = most_deviations * limit
+      do j = 1, map%rows
+        do i = 1, map%columns
+          if (abs(off(i, j)) > limit) call look_near(i, j)
+        end do
+      end do
+      found = count(is_measured(off) .and. abs(off) > limit, kind=int64)
+      if (found == 0_int64) exit
+      where (is_measured(off) .and. abs(off) > limit) map%height = map%height - off
+      spikes = spikes + found
+      call level_map(map, level)
+    end do
+
+  contains
+
+    ! What is not far for its own place is no outlier.
+    subroutine look_near(i, j)
+      integer, intent(in) :: i, j
+      real(real64) :: near
+
+      if (.not. is_measured(off(i, j))) return
+      near = median_near(map, i, j, map%height(i, j) - off(i, j))
+      if (abs(off(i, j)) <= most_deviations * near) off(i, j) = 0.0_real64
+    end subroutine look_near
+
+  end subroutine despike_map
+
+  ! The median of the samples around one, itself included, or of their distances from a height.
+  pure real(real64) function median_near(map, column, row, from) result(median)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: column, row
+    real(real64), intent(in), optional :: from
+    real(real64) :: sorted(window), z
+    integer :: i, j, k, number
+
+    number = 0
+    do j = max(1, row - reach), min(map%rows, row + reach)
+      do i = max(1, column - reach), min(map%columns, column + reach)
+        z = map%height(i, j)
+        if (.not. is_measured(z)) cycle
+        if (present(from)) z = abs(z - from)
+        do k = number, 1, -1
+          if (sorted(k) <= z) exit
+          sorted(k + 1) = sorted(k)
+        end do
+        sorted(k + 1) = z
+        number = number + 1
+      end do
+    end do
+    median = 0.5_real64 * (sorted((number + 1) / 2) + sorted(number / 2 + 1))
+  end function median_near
+
+  ! The median of the sizes of all numbers, by halving the bits of the answer: in the order of
+  ! their bits doubles without sign are in their own order.
+  pure real(real64) function median_size(values)
+    real(real64), intent(in) :: values(:, :)
+    integer(int64) :: number
+
+    number = count(is_measured(values), kind=int64)
+    median_size = 0.5_real64 * (at_rank((number + 1_int64) / 2_int64) + &
+                                at_rank(number / 2_int64 + 1_int64))
+
+  contains
+
+    pure real(real64) function at_rank(rank)
+      integer(int64), intent(in) :: rank
+      integer(int64) :: low, high, middle, below
+      integer :: j
+
+      low = 0_int64
+      high = transfer(0.5_real64 * huge(1.0_real64), high)
+      do while (low < high)
+        middle = low + (high - low) / 2_int64
+        at_rank = transfer(middle, at_rank)
+        below = 0_int64
+        do j = 1, size(values, 2)
+          below = below + count(abs(values(:, j)) <= at_rank)
+        end do
+        if (below >= rank) then
+          high = middle
+        else
+          low = middle + 1_int64
+        end if
+      end do
+      at_rank = transfer(low, at_rank)
+    end function at_rank
+
+  end function median_size
+
+end module asperity_map_despiking

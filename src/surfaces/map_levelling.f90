@@ -1,0 +1,90 @@
+!> The plane from which the heights of a map count.
+module asperity_map_levelling
+  use asperity_height_map, only: height_map, is_measured
+  use asperity_kinds, only: int64, real64
+  implicit none
+  private
+
+  public :: level_map, level_names, level_plane, level_mean, level_none
+
+  !> Ways of levelling: the plane of least squares, the mean height, or the heights as they are.
+  integer, parameter :: level_plane = 1, level_mean = 2, level_none = 3
+  !> What the user calls them.
+  character(len=*), parameter :: level_names(3) = [character(len=5) :: 'plane', 'mean', 'none']
+  ! A tilt that raises an edge by less than this part of the range of heights is rounding: left
+  ! out, so that equal samples of a level map stay equal.
+  real(real64), parameter :: rounding = 1.0e-13_real64
+
+contains
+
+  !> Takes the plane away. Samples that all lie in a line have a mean only.
+  pure subroutine level_map(map, how)
+    type(height_map), intent(inout) :: map  !! at least one sample measured
+    integer, intent(in) :: how              !! one of the ways
+    integer :: pass
+
+    if (how == level_none) return
+    ! The mean first: near it that is exact, and differences of neighbours keep all their digits.
+    ! The last pass takes away what rounding has left of a large offset or tilt.
+    do pass = 1, 3
+      call take_plane(map, tilted=pass > 1 .and. how == level_plane)
+    end do
+  end subroutine level_map
+
+  ! One pass.
+  pure subroutine take_plane(map, tilted)
+    type(height_map), intent(inout) :: map
+    logical, intent(in) :: tilted
+    real(real64) :: mean(3), moments(5), sums(5), low, high, u, v, z, slope(2), determinant
+    integer(int64) :: number
+    integer :: i, j
+
+    number = 0_int64
+    mean = 0.0_real64
+    low = huge(low)
+    high = -huge(high)
+    do j = 1, map%rows
+      sums = 0.0_real64
+      do i = 1, map%columns
+        z = map%height(i, j)
+        if (.not. is_measured(z)) cycle
+        number = number + 1_int64
+        sums(1) = sums(1) + i
+        sums(2) = sums(2) + j
+        sums(3) = sums(3) + z
+        low = min(low, z)
+        high = max(high, z)
+      end do
+      mean = mean + sums(1:3)
+    end do
+    mean = mean / real(number, real64)
+    slope = 0.0_real64
+    if (tilted) then
+      moments = 0.0_real64
+      do j = 1, map%rows
+        v = j - mean(2)
+        sums = 0.0_real64
+        do i = 1, map%columns
+          if (.not. is_measured(map%height(i, j))) cycle
+          u = i - mean(1)
+          z = map%height(i, j) - mean(3)
+          sums = sums + [u * u, u * v, v * v, u * z, v * z]
+        end do
+        moments = moments + sums
+      end do
+      determinant = moments(1) * moments(3) - moments(2)**2
+      if (determinant > 1.0e-12_real64 * moments(1) * moments(3)) &
+        slope = [moments(3) * moments(4) - moments(2) * moments(5), &
+                 moments(1) * moments(5) - moments(2) * moments(4)] / determinant
+      where (abs(slope) * [map%columns, map%rows] < rounding * (high - low)) slope = 0.0_real64
+    end if
+    do j = 1, map%rows
+      do i = 1, map%columns
+        if (is_measured(map%height(i, j))) &
+          map%height(i, j) = map%height(i, j) - (mean(3) + slope(1) * (i - mean(1)) + &
+                                                 slope(2) * (j - mean(2)))
+      end do
+    end do
+  end subroutine take_plane
+
+end module asperity_map_levelling

@@ -1,0 +1,138 @@
+!> Statistics of a map and of its summits, and what the theory of random surfaces expects.
+!>
+!> Spectral moments by differences: m0 the mean square of the heights about their mean, m2 of the
+!> first differences over the spacing, m4 of the second differences over its square, along x and y.
+!> Differences see less than there is: m2 lacks m4 d^2/12, m4 lacks m6 d^2/6 to first order in the
+!> square of the spacing d.
+!>
+!> Theory: P. R. Nayak, Random process model of rough surfaces, J. Lubr. Technol. 93 (1971) 398;
+!> the summits' means as in A. W. Bush, R. D. Gibson, G. P. Keogh, Mech. Res. Commun. 3 (1976) 169
+!> and J. I. McCool, Wear 107 (1986) 37. It holds for an isotropic Gaussian surface.
+module asperity_map_statistics
+  use asperity_constants, only: pi
+  use asperity_height_map, only: height_map, is_measured
+  use asperity_kinds, only: int64, real64
+  use asperity_map_summits, only: map_summits
+  implicit none
+  private
+
+  public :: map_statistics, measure_map
+
+  !> What was measured. Lengths in the unit of the map. What needs summits or slopes that are not
+  !> there is 0.
+  type :: map_statistics
+    integer(int64) :: samples = 0_int64         !! of the grid
+    integer(int64) :: missing = 0_int64         !! of them not measured
+    real(real64) :: rms_height = 0.0_real64     !! about the mean
+    real(real64) :: rms_slope = 0.0_real64      !! of the gradient
+    real(real64) :: m0 = 0.0_real64             !! spectral moments: length squared
+    real(real64) :: m2(2) = 0.0_real64          !! along x and y: of the slope
+    real(real64) :: m4(2) = 0.0_real64          !! along x and y: of the curvature, 1/length squared
+    real(real64) :: alpha = 0.0_real64          !! Nayak's m0 m4/m2^2, of the means of both
+    real(real64) :: density = 0.0_real64        !! summits over the area of samples that can be one
+    real(real64) :: mean_height = 0.0_real64    !! of summits
+    real(real64) :: height_deviation = 0.0_real64  !! of summits
+    real(real64) :: mean_curvature = 0.0_real64    !! of summits
+    real(real64) :: mean_radius = 0.0_real64       !! of summits
+    real(real64) :: expected_density = 0.0_real64    !! m4/(6 pi sqrt(3) m2)
+    real(real64) :: expected_height = 0.0_real64     !! 4 sqrt(m0/(pi alpha))
+    real(real64) :: expected_deviation = 0.0_real64  !! sqrt((1 - 0.8968/alpha) m0)
+    real(real64) :: expected_curvature = 0.0_real64  !! 8/3 sqrt(m4/pi)
+  end type map_statistics
+
+contains
+
+  !> Measures a map and its summits.
+  subroutine measure_map(map, summits, found)
+    type(height_map), intent(in) :: map          !! levelled
+    type(map_summits), intent(in) :: summits     !! of this map
+    type(map_statistics), intent(out) :: found   !! the statistics
+    real(real64) :: m2, m4
+    integer :: number
+
+    call measure_moments(map, found)
+    found%rms_height = sqrt(found%m0)
+    found%rms_slope = sqrt(sum(found%m2))
+    number = size(summits%x)
+    if (number > 0) then
+      found%density = number / (real(summits%possible, real64) * map%spacing(1) * map%spacing(2))
+      found%mean_height = sum(summits%height) / number
+      found%height_deviation = sqrt(sum((summits%height - found%mean_height)**2) / number)
+      found%mean_curvature = sum(1.0_real64 / summits%radius) / number
+      found%mean_radius = sum(summits%radius) / number
+    end if
+    m2 = 0.5_real64 * sum(found%m2)
+    m4 = 0.5_real64 * sum(found%m4)
+    if (.not. (m2 > 0.0_real64 .and. m4 > 0.0_real64)) return
+    found%alpha = (found%m0 / m2) * (m4 / m2)
+    found%expected_density = m4 / (6.0_real64 * pi * sqrt(3.0_real64) * m2)
+    found%expected_height = 4.0_real64 * sqrt(found%m0 / (pi * found%alpha))
+    found%expected_deviation = sqrt(max(0.0_real64, 1.0_real64 - 0.8968_real64 / found%alpha) * &
+                                    found%m0)
+    found%expected_curvature = 8.0_real64 / 3.0_real64 * sqrt(m4 / pi)
+  end subroutine measure_map
+
+  ! Spectral moments; sums go row by row, which keeps their rounding small.
+  subroutine measure_moments(map, found)
+    type(height_map), intent(in) :: map
+    type(map_statistics), intent(inout) :: found
+    real(real64) :: sums(4), row_sums(4), mean, row_sum
+    integer(int64) :: numbers(4), measured
+    integer :: i, j
+
+    found%samples = int(map%columns, int64) * map%rows
+    measured = 0_int64
+    mean = 0.0_real64
+    do j = 1, map%rows
+      row_sum = 0.0_real64
+      do i = 1, map%columns
+        if (.not. is_measured(map%height(i, j))) cycle
+        measured = measured + 1_int64
+        row_sum = row_sum + map%height(i, j)
+      end do
+      mean = mean + row_sum
+    end do
+    mean = mean / real(measured, real64)
+    found%missing = found%samples - measured
+    numbers = 0_int64
+    sums = 0.0_real64
+    do j = 1, map%rows
+      row_sums = 0.0_real64
+      row_sum = 0.0_real64
+      do i = 1, map%columns
+        if (is_measured(map%height(i, j))) row_sum = row_sum + (map%height(i, j) - mean)**2
+        if (i > 1) call first_difference(1, map%height(i - 1:i, j))
+        if (j > 1) call first_difference(2, map%height(i, j - 1:j))
+        if (i > 2) call second_difference(3, map%height(i - 2:i, j))
+        if (j > 2) call second_difference(4, map%height(i, j - 2:j))
+      end do
+      sums = sums + row_sums
+      found%m0 = found%m0 + row_sum
+    end do
+    found%m0 = found%m0 / real(measured, real64)
+    found%m2 = sums(1:2) / real(max(1_int64, numbers(1:2)), real64) / map%spacing**2
+    found%m4 = sums(3:4) / real(max(1_int64, numbers(3:4)), real64) / map%spacing**4
+
+  contains
+
+    subroutine first_difference(which, z)
+      integer, intent(in) :: which
+      real(real64), intent(in) :: z(2)
+
+      if (.not. all(is_measured(z))) return
+      row_sums(which) = row_sums(which) + (z(2) - z(1))**2
+      numbers(which) = numbers(which) + 1_int64
+    end subroutine first_difference
+
+    subroutine second_difference(which, z)
+      integer, intent(in) :: which
+      real(real64), intent(in) :: z(3)
+
+      if (.not. all(is_measured(z))) return
+      row_sums(which) = row_sums(which) + ((z(3) - z(2)) - (z(2) - z(1)))**2
+      numbers(which) = numbers(which) + 1_int64
+    end subroutine second_difference
+
+  end subroutine measure_moments
+
+end module asperity_map_statistics

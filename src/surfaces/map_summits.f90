@@ -1,0 +1,341 @@
+!> The summits of a height map.
+!>
+!> Rule `eight`: a sample higher than all eight neighbours; a plateau counts once, at its first
+!> sample; on the rim of the map, or beside a missing sample, there is none. This is how the models
+!> of the thesis were taken from profiles (its Table I).
+!>
+!> Rule `contact`, made to be pressed: the edge of the map, and of what is missing, is a mirror, so
+!> that a hill which it cuts has a summit; ridges are filled with samples of which one neighbour
+!> alone is not lower, the highest first, none nearer than 2.5 samples to a summit or another one;
+!> the top is the vertex of the parabolas through the neighbours.
+module asperity_map_summits
+  use, intrinsic :: iso_c_binding, only: c_bool
+  use asperity_height_map, only: height_map, is_measured
+  use asperity_key_sort, only: sort_keys
+  use asperity_kinds, only: int32, int64, real64
+  use asperity_map_neighbours, only: neighbourhood
+  use asperity_process, only: has_memory
+  use asperity_summit_spheres, only: mean_curvature, radius_geometric, radius_neighbours, top_of
+  implicit none
+  private
+
+  public :: map_summits, find_summits, rule_names, rule_eight, rule_contact, usual_radius
+
+  !> The rules.
+  integer, parameter :: rule_eight = 1, rule_contact = 2
+  !> What the user calls them.
+  character(len=*), parameter :: rule_names(2) = [character(len=7) :: 'eight', 'contact']
+  !> The rule for radii that goes with each.
+  integer, parameter :: usual_radius(2) = [radius_neighbours, radius_geometric]
+
+  !> Summits, from profile to profile, those of ridges behind the others. Lengths as in the map.
+  type :: map_summits
+    real(real64), allocatable :: x(:)         !! along a profile, from its first sample
+    real(real64), allocatable :: y(:)         !! from the first profile
+    real(real64), allocatable :: height(:)    !! above the plane of the map
+    real(real64), allocatable :: radius(:)    !! more than 0
+    integer :: on_ridges = 0                  !! of them, the last ones, fill ridges
+    integer(int64) :: possible = 0_int64      !! samples that could be one: none of them too near
+                                              !! to the edge or to a missing sample
+  end type map_summits
+
+  ! Places of samples, counted row by row from 1.
+  type :: place_list
+    integer(int32), allocatable :: place(:)
+    integer :: number = 0
+  end type place_list
+
+  ! A ridge is filled no denser; its spheres are no larger than so many median radii of summits.
+  real(real64), parameter :: least_squared_distance = 2.5_real64**2, most_radius = 4.0_real64
+  integer, parameter :: reach = 2
+  ! A curvature that is so small a part of that by neighbours is rounding, or none: theirs serves.
+  real(real64), parameter :: rounding = 1.0e-9_real64
+  ! Lengths from 1e-30 to 1e30 have no smaller one, but for heights that are rounding themselves.
+  real(real64), parameter :: no_curvature = 1.0e-90_real64
+
+contains
+
+  !> Finds the summits of a levelled map. `failure` is allocated when there is no memory for it.
+  subroutine find_summits(map, rule, radius_rule, summits, failure)
+    type(height_map), intent(in) :: map                     !! levelled, 3 x 3 samples at least
+    integer, intent(in) :: rule                             !! `rule_eight` or `rule_contact`
+    integer, intent(in) :: radius_rule                      !! of `asperity_summit_spheres`
+    type(map_summits), intent(out) :: summits               !! what was found
+    character(len=:), allocatable, intent(out) :: failure   !! why not
+    type(place_list) :: places
+    integer :: plain
+
+    call find_places(map, rule, places, summits%possible, failure)
+    if (allocated(failure)) return
+    plain = places%number
+    if (rule == rule_contact) call fill_ridges(map, places, failure)
+    if (allocated(failure)) return
+    call make_spheres(map, rule, radius_rule, places, plain, summits, failure)
+  end subroutine find_summits
+
+  ! Samples that are not lower than any neighbour.
+  subroutine find_places(map, rule, places, possible, failure)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: rule
+    type(place_list), intent(inout) :: places
+    integer(int64), intent(out) :: possible
+    character(len=:), allocatable, intent(out) :: failure
+    logical(c_bool), allocatable :: seen(:, :)
+    integer :: i, j, higher, equal
+    logical :: inner, good
+
+    possible = 0_int64
+    do j = 1, map%rows
+      do i = 1, map%columns
+        if (.not. is_measured(map%height(i, j))) cycle
+        inner = .true.
+        if (rule == rule_eight) inner = is_inner(map, i, j)
+        if (inner) possible = possible + 1_int64
+        if (is_lower(map, i, j)) cycle
+        call compare(map, i, j, higher, equal)
+        if (higher > 0) cycle
+        good = inner
+        if (equal > 0) call look_at_plateau(map, rule, i, j, seen, good, failure)
+        if (good) call add_place(map, i, j, places, failure)
+        if (allocated(failure)) return
+      end do
+    end do
+  end subroutine find_places
+
+  ! Whether one of two neighbours is higher: most samples end here.
+  pure logical function is_lower(map, i, j)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: i, j
+
+    is_lower = map%height(max(1, i - 1), j) > map%height(i, j)
+    if (.not. is_lower) is_lower = map%height(min(map%columns, i + 1), j) > map%height(i, j)
+  end function is_lower
+
+  ! Whether all eight neighbours are there.
+  pure logical function is_inner(map, i, j)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: i, j
+
+    is_inner = i > 1 .and. i < map%columns .and. j > 1 .and. j < map%rows
+    if (is_inner) is_inner = all(is_measured(map%height(i - 1:i + 1, j - 1:j + 1)))
+  end function is_inner
+
+  ! How many neighbours are higher than a sample, and how many just as high. What a mirror shows
+  ! is one of them.
+  pure subroutine compare(map, i, j, higher, equal)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: i, j
+    integer, intent(out) :: higher, equal
+    integer :: k, m
+
+    higher = 0
+    equal = -1
+    do m = max(1, j - 1), min(map%rows, j + 1)
+      do k = max(1, i - 1), min(map%columns, i + 1)
+        if (map%height(k, m) > map%height(i, j)) higher = higher + 1
+        if (map%height(k, m) >= map%height(i, j)) equal = equal + 1
+      end do
+    end do
+    equal = equal - higher
+  end subroutine compare
+
+  ! Walks over the plateau of a sample, once. It is a summit when nothing beside it is higher, and,
+  ! by rule eight, all of it is inner.
+  subroutine look_at_plateau(map, rule, column, row, seen, is_summit, failure)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: rule, column, row
+    logical(c_bool), allocatable, intent(inout) :: seen(:, :)
+    logical, intent(out) :: is_summit
+    character(len=:), allocatable, intent(out) :: failure
+    type(place_list) :: waiting
+    integer :: i, j, k, m, higher, equal
+
+    is_summit = .false.
+    if (.not. allocated(seen)) then
+      if (.not. has_memory(int(map%columns, int64) * map%rows)) then
+        failure = 'not enough memory for the plateaus of the map'
+        return
+      end if
+      allocate (seen(map%columns, map%rows))
+      seen(:, :) = .false._c_bool
+    end if
+    if (seen(column, row)) return
+    is_summit = .true.
+    seen(column, row) = .true._c_bool
+    call add_place(map, column, row, waiting, failure)
+    do while (waiting%number > 0 .and. .not. allocated(failure))
+      call place_of(map, waiting%place(waiting%number), i, j)
+      waiting%number = waiting%number - 1
+      call compare(map, i, j, higher, equal)
+      if (higher > 0) is_summit = .false.
+      if (rule == rule_eight) is_summit = is_summit .and. is_inner(map, i, j)
+      do m = max(1, j - 1), min(map%rows, j + 1)
+        do k = max(1, i - 1), min(map%columns, i + 1)
+          if (seen(k, m)) cycle
+          if (map%height(k, m) < map%height(i, j) .or. map%height(k, m) > map%height(i, j)) cycle
+          seen(k, m) = .true._c_bool
+          call add_place(map, k, m, waiting, failure)
+          if (allocated(failure)) return
+        end do
+      end do
+    end do
+  end subroutine look_at_plateau
+
+  ! Adds samples of ridges to the summits.
+  subroutine fill_ridges(map, places, failure)
+    type(height_map), intent(in) :: map
+    type(place_list), intent(inout) :: places
+    character(len=:), allocatable, intent(out) :: failure
+    type(place_list) :: ridges
+    logical(c_bool), allocatable :: taken(:, :)
+    real(real64), allocatable :: depth(:)
+    integer(int32), allocatable :: order(:)
+    real(real64) :: near(-1:1, -1:1)
+    integer :: i, j, k
+
+    do j = 1, map%rows
+      do i = 1, map%columns
+        if (.not. is_measured(map%height(i, j))) cycle
+        near = neighbourhood(map, i, j)
+        ! The sample itself is one of both.
+        if (count(near >= near(0, 0)) == 2) call add_place(map, i, j, ridges, failure)
+        if (allocated(failure)) return
+      end do
+    end do
+    if (ridges%number == 0) return
+    ! The sort takes 16 bytes for each beside these.
+    if (.not. has_memory(40_int64 * ridges%number + int(map%columns, int64) * map%rows)) then
+      failure = 'not enough memory for the ridges of the map'
+      return
+    end if
+    allocate (taken(map%columns, map%rows), depth(ridges%number), order(ridges%number))
+    taken(:, :) = .false._c_bool
+    do k = 1, places%number
+      call place_of(map, places%place(k), i, j)
+      taken(i, j) = .true._c_bool
+    end do
+    do k = 1, ridges%number
+      call place_of(map, ridges%place(k), i, j)
+      depth(k) = -map%height(i, j)
+    end do
+    call sort_keys(depth, order)
+    do k = 1, ridges%number
+      call place_of(map, ridges%place(order(k)), i, j)
+      if (is_near_one(i, j)) cycle
+      taken(i, j) = .true._c_bool
+      call add_place(map, i, j, places, failure)
+      if (allocated(failure)) return
+    end do
+
+  contains
+
+    ! Whether a summit, or a ridge's sample, is too near.
+    pure logical function is_near_one(column, row)
+      integer, intent(in) :: column, row
+      integer :: step, other
+
+      is_near_one = .true.
+      do step = -min(reach, row - 1), min(reach, map%rows - row)
+        do other = -min(reach, column - 1), min(reach, map%columns - column)
+          if (taken(column + other, row + step) .and. &
+              real(step**2 + other**2, real64) < least_squared_distance) return
+        end do
+      end do
+      is_near_one = .false.
+    end function is_near_one
+
+  end subroutine fill_ridges
+
+  ! Radii and tops. A summit that has no sphere, alone among missing samples, is left out.
+  subroutine make_spheres(map, rule, radius_rule, places, plain, summits, failure)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: rule, radius_rule, plain
+    type(place_list), intent(in) :: places
+    type(map_summits), intent(inout) :: summits
+    character(len=:), allocatable, intent(out) :: failure
+    real(real64) :: near(-1:1, -1:1), step(2), rise, curvature, usual, flattest
+    integer :: i, j, k, kept
+
+    if (.not. has_memory(56_int64 * places%number + 1_int64)) then
+      failure = 'not enough memory for the summits of the map'
+      return
+    end if
+    allocate (summits%x(places%number), summits%y(places%number), summits%height(places%number), &
+              summits%radius(places%number))
+    kept = 0
+    flattest = 0.0_real64
+    do k = 1, places%number
+      if (k == plain + 1 .and. kept > 0) &
+        flattest = 1.0_real64 / (most_radius * median(summits%radius(:kept)))
+      call place_of(map, places%place(k), i, j)
+      near = neighbourhood(map, i, j)
+      curvature = mean_curvature(near, map%spacing, radius_rule)
+      if (k > plain) then
+        curvature = max(flattest, curvature)
+      else
+        usual = mean_curvature(near, map%spacing, radius_neighbours)
+        if (.not. curvature > rounding * usual) curvature = usual
+      end if
+      if (.not. curvature > no_curvature) cycle
+      step = 0.0_real64
+      rise = 0.0_real64
+      if (rule == rule_contact) call top_of(near, step, rise)
+      kept = kept + 1
+      summits%x(kept) = (i - 1 + step(1)) * map%spacing(1)
+      summits%y(kept) = (j - 1 + step(2)) * map%spacing(2)
+      summits%height(kept) = map%height(i, j) + rise
+      summits%radius(kept) = 1.0_real64 / curvature
+      if (k > plain) summits%on_ridges = summits%on_ridges + 1
+    end do
+    if (kept == places%number) return
+    summits%x = summits%x(:kept)
+    summits%y = summits%y(:kept)
+    summits%height = summits%height(:kept)
+    summits%radius = summits%radius(:kept)
+  end subroutine make_spheres
+
+  pure real(real64) function median(values)
+    real(real64), intent(in) :: values(:)
+    integer(int32), allocatable :: order(:)
+    integer :: half
+
+    allocate (order(size(values)))
+    call sort_keys(values, order)
+    half = (size(values) + 1) / 2
+    median = 0.5_real64 * (values(order(half)) + values(order(size(values) + 1 - half)))
+  end function median
+
+  ! Adds a sample to a list.
+  subroutine add_place(map, i, j, list, failure)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: i, j
+    type(place_list), intent(inout) :: list
+    character(len=:), allocatable, intent(out) :: failure
+    integer(int32), allocatable :: larger(:)
+    integer :: status
+
+    if (.not. allocated(list%place)) allocate (list%place(1024))
+    if (list%number == size(list%place)) then
+      allocate (larger(int(min(2_int64 * list%number, int(huge(1), int64)))), stat=status)
+      if (status /= 0) then
+        failure = 'not enough memory for the summits of the map'
+        return
+      end if
+      larger(:list%number) = list%place
+      call move_alloc(larger, list%place)
+    end if
+    list%number = list%number + 1
+    list%place(list%number) = int((j - 1) * int(map%columns, int64) + i, int32)
+  end subroutine add_place
+
+  ! Column and row of a sample.
+  pure subroutine place_of(map, place, i, j)
+    type(height_map), intent(in) :: map
+    integer(int32), intent(in) :: place
+    integer, intent(out) :: i, j
+
+    j = (place - 1) / map%columns + 1
+    i = place - (j - 1) * map%columns
+  end subroutine place_of
+
+end module asperity_map_summits

@@ -1,0 +1,531 @@
+"""`asperity summits`: maps of every format, their summits and statistics against numpy, and what
+the command says of maps that it cannot read."""
+
+import base64
+import os
+import re
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import map_truth
+from made_maps import FOLDER, self_affine, write_bytes
+
+# Measured maps to try, one file each, where somebody has some.
+MEASURED = sorted(Path(folder).glob("*.sdf") if (folder := os.environ.get("ASPERITY_MAPS")) else [])
+NEEDS_SDFIO = pytest.mark.skipif(sys.version_info < (3, 11), reason="sdfio needs Python 3.11")
+
+
+@pytest.fixture
+def summits(asperity, tmp_path):
+    """Run the command; what it printed, and the rows of its surface."""
+    def start(path, *options, status=0, **environment):
+        out = tmp_path / "s.csv"
+        out.unlink(missing_ok=True)
+        done = subprocess.run([asperity, "summits", path, "--output", out, *map(str, options)],
+                              capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=100,
+                              cwd=tmp_path, env={**os.environ, **environment})
+        assert done.returncode == status, done.stderr
+        if status != 0:
+            assert not out.exists() and done.stdout == ""
+            return done
+        lines = out.read_text(encoding="ascii").splitlines()
+        assert lines[0] == "x,y,height,radius"
+        done.rows = np.array([list(map(float, line.split(","))) for line in lines[1:]])
+        done.rows = done.rows.reshape(-1, 4)
+        return done
+    return start
+
+
+def value(done, name):
+    """The number beside a name of the summary."""
+    return float(re.search(rf"^ *{re.escape(name)} +(\S+)", done.stdout, re.M)[1])
+
+
+def assert_same(found, expected, scale):
+    """The same rows; lengths to 1e-12 of their scale, radii to 1e-12 of what second differences of
+    heights of that size can tell."""
+    assert found.shape == expected.shape
+    assert np.abs(found[:, :2] - expected[:, :2]).max() <= 1e-12 * np.abs(expected[:, :2]).max()
+    assert np.abs(found[:, 2] - expected[:, 2]).max() <= 1e-12 * scale
+    assert np.abs(found[:, 3] / expected[:, 3] - 1).max() <= 1e-12
+
+
+def write_matrix(path, heights, missing="NaN", separator=" "):
+    lines = [separator.join(missing if np.isnan(z) else repr(float(z)) for z in row)
+             for row in heights]
+    path.write_text("\n".join(lines) + "\n", encoding="ascii")
+    return path
+
+
+# ---------------------------------------------------------------- against numpy
+
+def holes(heights):
+    heights = heights.copy()
+    heights[5, 7] = heights[0, 3] = np.nan
+    heights[20:24, 10:13] = np.nan
+    # One alone, and one with neighbours along x only.
+    heights[30:33, 20:23] = np.nan
+    heights[31, 21] = 1.0
+    heights[36:39:2, 30:37] = np.nan
+    return heights
+
+
+MADE = {
+    "smooth": lambda: self_affine((60, 48), 1, shortest=8)[0],
+    "rough": lambda: self_affine((50, 64), 2, hurst=0.3, shortest=2)[0],
+    "anisotropic": lambda: self_affine((64, 64), 3, shortest=4, stretch=3)[0],
+    "holes": lambda: holes(self_affine((48, 48), 4, shortest=4)[0]),
+    "tilted": lambda: self_affine((40, 40), 5)[0] + 1e3 + sum(np.indices((40, 40))),
+}
+
+
+@pytest.mark.parametrize("rule", ["eight", "contact"])
+@pytest.mark.parametrize("name", MADE)
+def test_summits_are_those_of_the_definition(name, rule, summits, tmp_path):
+    heights, dx, dy = MADE[name](), 0.5, 0.75
+    path = write_matrix(tmp_path / "a.txt", heights)
+    # What rounding of the tilt leaves.
+    scale = max(1.0, np.nanmax(np.abs(heights)) * 1e-2)
+    for level in ("plane", "mean", "none"):
+        for radius in map_truth.RADII:
+            done = summits(path, "--spacing", f"{dx},{dy}", "--rule", rule, "--radius", radius,
+                           "--level", level)
+            expected, ridges = map_truth.summits(heights, dx, dy, rule, radius, level)
+            if name == "tilted":
+                assert done.rows.shape == expected.shape
+                assert np.allclose(done.rows, expected, rtol=1e-9, atol=1e-9)
+            else:
+                assert_same(done.rows, expected, scale)
+            assert value(done, "summits") == len(expected)
+            if rule == "contact":
+                assert value(done, "on ridges") == ridges
+                assert ridges > 0 or level != "plane"
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_statistics_are_those_of_the_definition(name, summits, tmp_path):
+    heights, dx, dy = MADE[name](), 0.5, 0.75
+    done = summits(write_matrix(tmp_path / "a.txt", heights), "--spacing", f"{dx},{dy}")
+    assert value(done, "samples") == heights.size
+    assert value(done, "missing") == np.isnan(heights).sum()
+    tolerance = 1e-12 if name != "tilted" else 1e-9
+    for key, expected in map_truth.statistics(heights, dx, dy).items():
+        assert value(done, key) == pytest.approx(expected, rel=tolerance), key
+    z, r = done.rows[:, 2], done.rows[:, 3]
+    possible = np.isfinite(map_truth.surroundings(heights, False)).all(axis=(0, 1)).sum()
+    for key, expected in {"density of summits": len(z) / (possible * dx * dy),
+                          "mean summit height": z.mean(), "deviation of heights": z.std(),
+                          "mean summit curvature": (1 / r).mean(),
+                          "mean summit radius": r.mean()}.items():
+        assert value(done, key) == pytest.approx(expected, rel=tolerance), key
+
+
+@pytest.mark.parametrize("shortest", [8, 16])
+def test_nayak_on_gaussian_maps(shortest, summits, tmp_path):
+    """Periodic maps of known spectrum: theory by the moments of the spectrum.
+
+    Differences see less than there is: of a wave of k radians a sample a second difference finds
+    (2 - 2 cos k)/k^2 of the curvature, .95 at the shortest wave of 8 samples and .99 at 16, and
+    the mean curvature lies between that and 1. Density and heights are those of samples, within
+    2 % of the surface's. A mean over n summits has a sampling error of its deviation over the root
+    of n; neighbours are not independent: twice that. Mean heights go with the longest waves, of
+    which 256 squares are there: a sixteenth of a deviation."""
+    size, number = 512, 4
+    found = []
+    for seed in range(number):
+        heights, moments = self_affine((size, size), 100 + seed, shortest=shortest,
+                                       longest=size / 8, periodic=True)
+        done = summits(write_bytes(tmp_path / "a.sdf", heights), "--level", "none")
+        found.append([value(done, key) for key in ("density of summits", "mean summit height",
+                                                   "deviation of heights",
+                                                   "mean summit curvature")])
+    count = np.mean(found, axis=0)[0] * size ** 2 * number
+    expected = np.array(map_truth.nayak(*moments))
+    ratio = np.mean(found, axis=0) / expected
+    k = 2 * np.pi / shortest
+    seen = (2 - 2 * np.cos(k)) / k ** 2
+    noise = 2 / np.sqrt(count)
+    assert abs(ratio[0] - 1) < 0.02 + noise
+    assert abs(ratio[2] - 1) < 0.01 + 4 * noise
+    assert seen - noise < ratio[3] < 1 + noise
+    assert abs(ratio[1] - 1) < expected[2] / expected[1] / 16 + 0.02
+
+
+# ---------------------------------------------------------------- plateaus, spikes, units
+
+def test_a_plateau_counts_once(summits, tmp_path):
+    heights = np.zeros((14, 16))
+    heights[2:4, 2:5] = 1.0             # a block
+    heights[6, 6] = heights[7, 7] = heights[8, 6] = 2.0  # joined by corners
+    heights[11, 0:3] = 3.0              # reaches the rim
+    heights[2, 9:14] = heights[3, 9] = heights[3, 13] = 1.0  # an arch: one summit
+    heights[10, 10:12] = 1.0            # beside something higher
+    heights[11, 12] = 1.5
+    path = write_matrix(tmp_path / "a.txt", heights)
+    done = summits(path, "--spacing", "1,1", "--level", "none")
+    assert done.rows.tolist() == [[2, 2, 1, 1], [9, 2, 1, 1], [6, 6, 2, 1 / 4],
+                                  [12, 11, 1.5, 1 / 3]]
+    # A mean leaves equal samples equal.
+    assert len(summits(path, "--spacing", "1,1", "--level", "mean").rows) == 4
+    # By rule contact what reaches the rim counts, too.
+    done = summits(path, "--spacing", "1,1", "--level", "none", "--rule", "contact")
+    assert len(done.rows) - value(done, "on ridges") == 5
+
+
+def test_a_level_plateau_stays_one(summits, tmp_path):
+    """The plane of a map that is level already is rounding: it must not break ties."""
+    heights = np.zeros((21, 21))
+    for i, j in ((5, 5), (5, 14), (14, 5), (14, 14)):
+        heights[i:i + 2, j:j + 2] = 0.1
+    done = summits(write_matrix(tmp_path / "a.txt", heights), "--spacing", "1,1")
+    assert len(done.rows) == 4
+
+
+def test_spikes_are_taken_out(summits, tmp_path):
+    heights, _ = self_affine((100, 100), 7, shortest=4)
+    clean = summits(write_matrix(tmp_path / "a.txt", heights), "--spacing", "1,1", "--despike")
+    assert value(clean, "spikes taken out") == 0
+    spiked = heights.copy()
+    places = [(0, 0), (17, 30), (50, 50), (51, 90), (99, 40), (60, 61)]
+    for i, (row, column) in enumerate(places):
+        spiked[row, column] += (-1) ** i * 45.0
+    path = write_matrix(tmp_path / "a.txt", spiked)
+    assert value(summits(path, "--spacing", "1,1"), "rms height") > 1.2
+    done = summits(path, "--spacing", "1,1", "--despike")
+    assert value(done, "spikes taken out") == len(places)
+    # The medians are of the map as it was levelled with the spikes in it.
+    mended = map_truth.levelled(spiked)
+    for row, column in places:
+        window = mended[max(0, row - 2):row + 3, max(0, column - 2):column + 3]
+        mended[row, column] = np.median(window)
+    assert_same(done.rows, map_truth.summits(mended, 1.0, 1.0)[0], 1.0)
+
+
+@pytest.mark.parametrize("unit, factor", [("m", 1), ("mm", 1e3), ("um", 1e6), ("nm", 1e9),
+                                          ("cm", 1e2), ("in", 1 / 0.0254)])
+def test_units(unit, factor, summits):
+    path = FOLDER / "smooth.sdf"
+    metres = summits(path)
+    done = summits(path, "--unit", unit)
+    assert np.allclose(done.rows, metres.rows * factor, rtol=1e-12, atol=0)
+    assert value(done, "rms height") == pytest.approx(value(metres, "rms height") * factor,
+                                                      rel=1e-12)
+    assert re.search(rf"^rms height +\S+ +{unit}$", done.stdout, re.M)
+
+
+# ---------------------------------------------------------------- surface data files
+
+def variants():
+    import sdfio
+    for revision in sdfio.Revision:
+        for kind in revision.rules.data_types:
+            for encoding in sdfio.FileFormat:
+                yield revision, kind, encoding
+
+
+def raw_heights(kind, revision, rng):
+    """Numbers from end to end of what a type holds, NaN for some."""
+    shape = (9, 11)
+    name = kind.name
+    if name.startswith("BINARY"):
+        heights = rng.normal(size=shape) * 10.0 ** rng.integers(-9, 9, size=shape)
+    else:
+        bits = int(re.sub(r"\D", "", name))
+        low = 0 if name[0] == "U" else -2 ** (bits - 1)
+        high = low + 2 ** bits - 1
+        # One end is reserved.
+        heights = rng.integers(low + 1, high, size=shape).astype(float)
+        heights.flat[:2] = low + 1, high - 1
+    return heights
+
+
+@NEEDS_SDFIO
+def test_every_variant_is_read_to_the_last_bit(summits, tmp_path, tally):
+    """What sdfio writes. A sample shows where it is a summit: each in turn is lifted over its
+    neighbours by taking these from among the lowest."""
+    import sdfio
+    rng = np.random.default_rng(7)
+    path, seen = tmp_path / "a.sdf", 0
+    for revision, kind, encoding in variants():
+        heights = raw_heights(kind, revision, rng)
+        order = np.sort(heights.ravel())
+        for at in np.ndindex(2, 2):
+            mixed = np.empty_like(heights)
+            chosen = np.zeros(heights.shape, bool)
+            chosen[1 + at[0]:-1:2, 1 + at[1]:-1:2] = True
+            mixed[chosen] = rng.permutation(order[-chosen.sum():])
+            mixed[~chosen] = rng.permutation(order[:-chosen.sum()])
+            mixed[4, 6] = mixed[0, 0] = np.nan
+            scale = 1.0 if kind.name.startswith("BINARY") else 2.93348705463536e-016
+            sdfio.write(path, mixed * scale, x_scale=3.484e-6, y_scale=7.25e-7, z_scale=scale,
+                        format=encoding, metadata=sdfio.Metadata(revision=revision, data_type=kind))
+            read = sdfio.read(path).data
+            done = summits(path, "--level", "none")
+            expected, _ = map_truth.summits(read, 3.484e-6, 7.25e-7, level="none")
+            assert done.rows.shape == expected.shape
+            assert (done.rows[:, :3] == expected[:, :3]).all(), (revision, kind, encoding)
+            assert np.allclose(done.rows[:, 3], expected[:, 3], rtol=1e-12, atol=0)
+            assert value(done, "missing") == 2
+            seen += len(expected)
+        tally.add("samples of surface data files", 4, 4)
+    assert seen > 32 * 40
+
+
+@NEEDS_SDFIO
+def test_archived_maps_are_read_as_sdfio_reads_them(summits):
+    import sdfio
+    for path in sorted(FOLDER.glob("*.sdf")):
+        sdf = sdfio.read(path)
+        dx, dy = sdf.header.x_scale, sdf.header.y_scale
+        for rule in ("eight", "contact"):
+            expected, _ = map_truth.summits(sdf.data, dx, dy, rule)
+            assert_same(summits(path, "--rule", rule).rows, expected, np.nanstd(sdf.data))
+
+
+@NEEDS_SDFIO
+@pytest.mark.parametrize("path", MEASURED, ids=lambda path: path.stem)
+def test_measured_maps(path, summits):
+    import sdfio
+    sdf = sdfio.read(path)
+    dx, dy = sdf.header.x_scale, sdf.header.y_scale
+    for rule in ("eight", "contact"):
+        for radius in map_truth.RADII:
+            done = summits(path, "--rule", rule, "--radius", radius)
+            expected, _ = map_truth.summits(sdf.data, dx, dy, rule, radius)
+            assert done.rows.shape == expected.shape
+            assert np.abs(done.rows - expected)[:, 2].max() <= 1e-12 * np.nanstd(sdf.data)
+            # A levelled height is rounded at its last bit, a second difference of it at four.
+            bends = 1 / expected[:, 3]
+            rounding = 4 * np.finfo(float).eps * np.nanmax(np.abs(map_truth.levelled(sdf.data)))
+            assert (np.abs(1 / done.rows[:, 3] - bends) <=
+                    1e-12 * bends + rounding / min(dx, dy) ** 2).all()
+    for key, number in map_truth.statistics(sdf.data, dx, dy).items():
+        assert value(done, key) == pytest.approx(number, rel=1e-12), key
+
+
+HEADER = """aBCR-1.0 ; what it is
+ManufacID   = by hand ; a comment
+CreateDate  = 010120261200
+ModDate     = 010120261200
+NumPoints   = 3
+NumProfiles = 4
+Xscale      = 1e-6
+yscale      = 2E-6
+Zscale      = 1e-9
+Zresolution = -1 ; not known
+Compression = NULL
+DataType    = INTEGER
+CheckType   = None
+*
+"""
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_proposal_as_others_write_it(end, summits, tmp_path):
+    """Words for numbers, comments, any line end; the first profile lies at the largest y."""
+    text = HEADER + "0 0 0\n0 5 32767\n; nothing\n0 7 0 0\n0 0\n*\n*\n"
+    (tmp_path / "a.sdf").write_text(text.replace("\n", end), encoding="ascii", newline="")
+    done = summits("a.sdf", "--level", "none", "--rule", "contact", "--radius", "neighbours")
+    assert value(done, "missing") == 1
+    assert value(done, "spacing along y") == 2e-6
+    assert done.rows[0].tolist()[:2] == pytest.approx([1e-6, 2.0 * 1e-6 + 2e-6 * 5 / 18])
+
+
+# ---------------------------------------------------------------- text
+
+@pytest.mark.parametrize("separator", [" ", "\t", ",", ";", "  ", ", "])
+@pytest.mark.parametrize("missing", ["NaN", "nan", "BAD"])
+def test_a_matrix(separator, missing, summits, tmp_path):
+    heights = holes(self_affine((40, 44), 9, shortest=4)[0])
+    path = write_matrix(tmp_path / "a.txt", heights, missing, separator)
+    text = "\ufeff# heights\n\n" + path.read_text(encoding="ascii").replace("\n", " # row\r\n")
+    path.write_text(text, encoding="utf-8", newline="")
+    done = summits(path, "--spacing", "0.5,.25")
+    assert_same(done.rows, map_truth.summits(heights, 0.5, 0.25)[0], 1.0)
+    assert re.search(r"^rms height +\S+$", done.stdout, re.M)
+
+
+@pytest.mark.parametrize("order", ["rows", "columns", "down", "any"])
+@pytest.mark.parametrize("header", ["", "x,y,z\n", "# x y z\n"])
+def test_points(order, header, summits, tmp_path):
+    heights = holes(self_affine((40, 44), 9, shortest=4)[0])
+    rows, columns = np.indices(heights.shape)
+    points = np.stack([10 + 0.1 * columns.ravel(), -3 + 0.2 * rows.ravel(), heights.ravel()],
+                      axis=1)
+    if order == "columns":
+        points = points[np.argsort(columns.ravel(), kind="stable")]
+    elif order == "down":
+        points = points[::-1]
+    elif order == "any":
+        points = np.random.default_rng(1).permutation(points)
+    lines = [",".join((f"{x:.6g}", f"{y:.6g}", repr(float(z)))) for x, y, z in points]
+    (tmp_path / "a.csv").write_text(header + "\n".join(lines), encoding="ascii")
+    done = summits("a.csv", "--rule", "contact")
+    assert_same(done.rows, map_truth.summits(heights, 0.1, 0.2, "contact")[0], 1.0)
+
+
+def test_a_pipe_serves_too(asperity, tmp_path):
+    path = write_matrix(tmp_path / "a.txt", MADE["smooth"]())
+    command = [asperity, "summits", "--spacing", "1,1"]
+    direct = subprocess.run([*command, path], capture_output=True, text=True, check=True)
+    piped = subprocess.run([*command, "/dev/stdin"], input=path.read_text(encoding="ascii"),
+                           capture_output=True, text=True, check=True)
+    assert piped.stdout.splitlines()[1:] == direct.stdout.splitlines()[1:]
+
+
+# ---------------------------------------------------------------- what is refused
+
+GOOD = "0 0 0\n0 1 0\n0 0 0\n"
+BINARY = (b"bISO-1.0sdfio     010120261200010120261200" + bytes([3, 0, 3, 0]) +
+          np.array([1e-6, 1e-6, 1e-9, -1.0]).tobytes() + bytes([0, 5, 0]))
+
+
+@pytest.mark.parametrize("content, options, message", [
+    ("", [], r"1:1: the file is empty"),
+    (GOOD.replace("1", "x"), ["--spacing=1,1"], r"2:3: found 'x', expected a height"),
+    ("0 0 0\n0 1\n0 0 0\n", ["--spacing=1,1"], r"2:4: found 2 samples, expected 3"),
+    ("0,0,0\n0,,0\n0,0,0\n", ["--spacing=1,1"], r"2:4: an empty cell"),
+    ("0 0 0\n1e31 0 0\n0 0 0\n", ["--spacing=1,1"], r"2:1: found '1e31'"),
+    ("0 0\n0 1\n", ["--spacing=1,1"], r" found 2 x 2 samples, expected at least 3 x 3"),
+    ("nan nan nan\n" * 3, ["--spacing=1,1"], r" all samples are missing"),
+    ("0 0 0 0\n" * 3, [], r"1:1: found 4 cells .* --spacing"),
+    ("0 0 0\n1 0 0\n0 1 0\n", [], r"4:1: found 3 lines x,y,z"),
+    ("0 0 0\n1 0 0\n0 1 0\n0 1 5\n", [], r"5:1: found 4 lines"),
+    ("0 0 0\n1 0 x\n", [], r"2:5: found 'x'"),
+    ("0 0 1\n1 0 1\n2.4 0 1\n0 1 1\n1 1 1\n2 1 1\n0 2 1\n1 2 1\n2 2 1\n", [],
+     r"2:1: found '1', expected a column"),
+    ("0 0 1\n1 0 1\n2 0 1\n0 1 1\n1 1 1\n2 1 1\n0 2 1\n2 2 1\n2 2 1\n", [],
+     r"9:1: found a sample of column 3, row 3 for the second time"),
+    (b"\x00\x01\x02", [], r"1:1: found a control character"),
+    (GOOD, ["--spacing=1,1", "--unit=mm"], r"--unit: .* has no unit"),
+    (HEADER, [], r" found \d+ bytes, expected 3 x 4 samples of INT16"),
+    (HEADER + "*\n" + "a comment of some length\n", [],
+     r"15:1: the samples end behind 0, expected 3 x 4"),
+    (HEADER + "1 " * 12, [], r"15:25: found the end of the file behind 3 x 4 samples"),
+    (HEADER + "1 " * 13 + "*", [], r"15:25: found '1' behind 3 x 4 samples"),
+    (HEADER + "1 2 3.5 " + "1 " * 9 + "*", [], r"15:5: found '3.5', expected a whole number"),
+    (HEADER.replace("= 3", "= -3"), [], r"5:15: NumPoints: found '-3'"),
+    (HEADER.replace("1e-6", "0"), [], r"7:15: Xscale: found '0', expected a length"),
+    (HEADER.replace("BCR", "ABC"), [], r"1:"),
+    (HEADER.replace("1.0", "9.0"), [], r"1:1: unknown revision: found 'aBCR-9.0'"),
+    (HEADER.replace("yscale", "y"), [], r"14:1: the header ends without Yscale"),
+    (HEADER.replace("yscale", "xscale"), [], r"8:1: Xscale stands twice"),
+    (HEADER.replace("INTEGER", "8"), [], r"12:15: DataType: found '8', expected one of 0 \(UINT8"),
+    (HEADER.replace("NULL", "1"), [], r"11:15: Compression: found '1'"),
+    (HEADER, ["--spacing=1,1"], r"--spacing given, but the file has its own"),
+    (BINARY, [], r" found 81 bytes, expected 3 x 3 samples of INT16"),
+    (BINARY[:70], [], r" byte 71, record 1: the file ends in the header, expected 81 bytes"),
+    (BINARY[:42] + bytes([0]) + BINARY[43:], [], r" byte 43, record 1: NumPoints: found 0"),
+    (BINARY[:79] + bytes([3]) + BINARY[80:] + bytes(40), [],
+     r" byte 80, record 1: DataType: found 3"),
+    (BINARY[:78] + bytes([1]) + BINARY[79:], [], r" byte 79, record 1: Compression: found 1"),
+    (BINARY[:46] + bytes(8) + BINARY[54:], [], r" byte 47, record 1: Xscale: found 0.0"),
+    (BINARY[:79] + bytes([7]) + BINARY[80:] + np.array([1.0] * 5 + [np.inf] + [2.0] * 3).tobytes(),
+     [], r" byte 122, record 2: sample 3 of profile 2: found an infinite"),
+])
+def test_bad_maps_are_refused(content, options, message, summits, tmp_path):
+    data = content if isinstance(content, bytes) else content.encode()
+    (tmp_path / "bad.map").write_bytes(data)
+    done = summits("bad.map", *options, status=2)
+    told = done.stderr.splitlines()
+    assert any(re.match(rf"(?:bad\.map:)? ?{message}", line) for line in told), done.stderr
+
+
+@pytest.mark.parametrize("options, message", [
+    (["--rule=nine"], "--rule: found 'nine', expected eight or contact"),
+    (["--level=x"], "--level: found 'x', expected plane, mean or none"),
+    (["--radius=x"], "--radius: found 'x', expected neighbours, geometric or paraboloid"),
+    (["--unit=ft"], "--unit: found 'ft', expected m, mm, um, nm, cm or in"),
+    (["--spacing=1"], "--spacing: found '1', expected X,Y"),
+    (["--spacing=1,0"], "--spacing: found '1,0', expected X,Y"),
+    (["--picture=smooth.sdf"], "--picture names the input"),
+    (["--threads=2"], "unknown option '--threads'"),
+])
+def test_bad_options_are_refused(options, message, summits, tmp_path):
+    (tmp_path / "smooth.sdf").symlink_to(FOLDER / "smooth.sdf")
+    assert message in summits("smooth.sdf", *options, status=2).stderr
+
+
+def test_all_problems_are_told(summits, tmp_path):
+    (tmp_path / "a.txt").write_text("0 a 0\n0 1\n0 0 b\n", encoding="ascii")
+    done = summits("a.txt", "--spacing=1,1", status=2)
+    assert [line.split(": ")[0] for line in done.stderr.splitlines()] == \
+        ["a.txt:1:3", "a.txt:2:4", "a.txt:3:5"]
+
+
+# ---------------------------------------------------------------- picture and surface
+
+def test_the_picture(summits, tmp_path):
+    """Its image is a PNG whose check sums hold, its shades follow the heights, its dots stand on
+    the summits."""
+    heights = MADE["holes"]()
+    path = write_matrix(tmp_path / "a & <b>.txt", heights)
+    done = summits(path, "--spacing", "1,1", "--picture", "p.svg")
+    tree = ElementTree.parse(tmp_path / "p.svg").getroot()
+    space = "{http://www.w3.org/2000/svg}"
+    image = tree.find(f"{space}image")
+    data = base64.b64decode(image.get("href").partition("base64,")[2], validate=True)
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    chunks, at = {}, 8
+    while at < len(data):
+        end = at + 8 + int.from_bytes(data[at:at + 4], "big")
+        chunks[data[at + 4:at + 8]] = data[at + 8:end]
+        assert zlib.crc32(data[at + 4:end]) == int.from_bytes(data[end:end + 4], "big")
+        at = end + 4
+    assert list(chunks) == [b"IHDR", b"tRNS", b"IDAT", b"IEND"]
+    rows, columns = heights.shape
+    assert chunks[b"IHDR"][:8] == columns.to_bytes(4, "big") + rows.to_bytes(4, "big")
+    shades = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(rows, columns + 1)
+    assert (shades[:, 0] == 0).all()
+    shades = shades[::-1, 1:].astype(float)
+    assert ((shades == 0) == np.isnan(heights)).all()
+    good = np.isfinite(heights)
+    assert np.corrcoef(shades[good], map_truth.levelled(heights)[good])[0, 1] > 0.99
+    dots = re.findall(r"M([\d.]+) ([\d.]+)h0", tree.find(f"{space}path").get("d"))
+    scale = float(image.get("width")) / columns
+    left, bottom = float(image.get("x")), float(image.get("y")) + float(image.get("height"))
+    placed = np.array([[(float(x) - left) / scale - 0.5, (bottom - float(y)) / scale - 0.5]
+                       for x, y in dots])
+    assert np.abs(placed - done.rows[:, :2]).max() < 0.1 / scale + 0.01
+    assert "a & <b>.txt" in "".join(tree.itertext())
+
+
+def test_a_large_map_has_a_small_picture(summits, tmp_path):
+    heights, _ = self_affine((700, 1100), 12, shortest=8, periodic=True)
+    summits(write_bytes(tmp_path / "a.sdf", heights), "--picture", "p.svg")
+    assert (tmp_path / "p.svg").stat().st_size < 500_000
+
+
+def test_a_scene_takes_the_surface(summits, asperity, tmp_path):
+    summits(FOLDER / "smooth.sdf", "--unit", "um", "--rule", "contact")
+    (tmp_path / "a.scene").write_text(
+        "&surfaces upper = 's.csv', lower = 'ball.csv' /\n"
+        "&material elastic_modulus = 1e3, 1e3, poisson_ratio = 0.3, 0.3 /\n"
+        "&loading control = 'load', value = 1. /\n", encoding="ascii")
+    (tmp_path / "ball.csv").write_text("x,y,height,radius\n60,40,0,1e4\n", encoding="ascii")
+    done = subprocess.run([asperity, "solve", "a.scene"], cwd=tmp_path, capture_output=True,
+                          text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_memory_that_is_not_there_is_told(summits, asperity, tmp_path):
+    """Status 1 and a sentence."""
+    import resource
+    with open(tmp_path / "a.sdf", "wb") as file:
+        file.write(BINARY[:42] + (5000).to_bytes(2, "little") * 2 + BINARY[46:])
+        file.truncate(81 + 2 * 5000 ** 2)
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (150_000_000, 150_000_000))
+
+    done = subprocess.run([asperity, "summits", "a.sdf", "--output", "b.csv"], cwd=tmp_path,
+                          capture_output=True, text=True, preexec_fn=limit,
+                          env={**os.environ, "OMP_NUM_THREADS": "1"})
+    assert done.returncode == 1 and "not enough memory" in done.stderr
+    assert not (tmp_path / "b.csv").exists()
