@@ -22,9 +22,8 @@ TYPES = ["<u1", "<u2", "<u4", "<f4", "<i1", "<i2", "<i4", "<f8"]
 FIELDS = ("ManufacID", "CreateDate", "ModDate", "NumPoints", "NumProfiles", "Xscale", "Yscale",
           "Zscale", "Zresolution", "Compression", "DataType", "CheckType")
 WORDS = (b"BAD", b"NaN", b"*", b"=", b";", b"#", b",", b"\n", b"\r", b"\x00", b"-", b"1e400",
-         b"inf", b"1e-400", b"99999999999", b"\xff\xff\xff\xff", b"\x00\x00\x80\x7f", b"\xef\xbb\xbf", b"0",
-         b"ISO-2.0", b"NumPoints = 3\n", b" ",
-         b"1d5", b"+", b".")
+         b"inf", b"1e-400", b"99999999999", b"\xff\xff\xff\xff", b"\x00\x00\x80\x7f",
+         b"\xef\xbb\xbf", b"0", b"ISO-2.0", b"NumPoints = 3\n", b" ", b"1d5", b"+", b".")
 PLACE = re.compile(r"m\.map(?::\d+:\d+|: byte \d+(?:, record [12])?|: found|: heights|"
                    r": all samples|: and \d+ more|: --spacing)")
 CRASH = re.compile(r"Error termination|runtime error|Backtrace|Segmentation|Aborted|At line \d+|"
