@@ -3,12 +3,16 @@
 !> Numbers are doubles in the solver's own units: lengths in 16**length_power of the scene's unit,
 !> near the largest radius, and the combined modulus in 16**modulus_power. So all are near one.
 module asperity_contact_pairs
+  use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_kinds, only: real64
   use asperity_theory_limits, only: theory_limits
   implicit none
   private
 
-  public :: contact_pair, contact_pairs, in_scene_units
+  public :: contact_pair, contact_pairs, in_scene_units, least_exponent
+
+  !> A result with a lesser exponent becomes 0 in a double, and is none.
+  integer, parameter :: least_exponent = minexponent(1.0_real64) - digits(1.0_real64) + 1
 
   !> One upper and one lower asperity, or one asperity and a plane.
   type :: contact_pair
@@ -58,9 +62,13 @@ contains
     integer, intent(in) :: modulus_power      !! power of the modulus in the unit
     integer, intent(in) :: length_power       !! power of the length in the unit
     real(real64) :: value
+    integer :: power
 
-    value = scale(number, 4 * (modulus_power * pairs%modulus_power + &
-                               length_power * pairs%length_power))
+    power = 4 * (modulus_power * pairs%modulus_power + length_power * pairs%length_power)
+    value = scale(number, power)
+    ! What becomes 0 is as far beyond the range as what overflows.
+    if (abs(number) > 0.0_real64 .and. exponent(number) + power < least_exponent) &
+      value = ieee_value(value, ieee_positive_inf)
   end function in_scene_units
 
 end module asperity_contact_pairs

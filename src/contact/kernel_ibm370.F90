@@ -6,7 +6,7 @@ module asperity_kernel_ibm370
   use asperity_contact_records, only: add_rows, by_events, by_marching, contact_row, &
                                       cut_rows, most_rows, overlap_stable, position_result, &
                                       solve_method, state_row
-  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_pairs, only: contact_pairs, least_exponent
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_hex32, only: cos, hex32, operator(*), operator(+), operator(-), operator(/), &
                             operator(<), operator(<=), operator(>), operator(>=), sin, sqrt

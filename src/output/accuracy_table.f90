@@ -18,9 +18,9 @@ module asperity_accuracy_table
   integer, parameter :: shown(5) = &
     [load_error, area_error, pressure_error, approach_error, count_error]
   character(len=*), parameter :: row_format = &
-    '(a1, 1x, a10, 1x, a8, 1x, a6, 1x, a8, 1x, f13.2, f7.0, "%", f7.1, 5(2x, a16))'
+    '(a1, 1x, a10, 1x, a8, 1x, a7, 1x, a8, 1x, f13.2, f7.0, "%", f7.1, 5(2x, a16))'
   character(len=*), parameter :: rung_format = &
-    '(2x, a11, 1x, a9, 10x, f13.2, f7.0, "%", f7.1, 2x, a, 2x, a)'
+    '(2x, a11, 1x, a9, 11x, f13.2, f7.0, "%", f7.1, 2x, a, 2x, a)'
 
 contains
 
@@ -37,7 +37,7 @@ contains
                      'Reference: exact events in real128.')
     call buffer%line('* the cheapest way for its accuracy')
     call buffer%line('')
-    call buffer%line('  arithmetic way      step   overlap    us/position  spread  ratio  load' // &
+    call buffer%line('  arithmetic way      step    overlap    us/position  spread  ratio  load' // &
                      '              area              pressure          approach          contacts')
     do i = 1, size(rows)
       write (line, row_format) &
@@ -67,7 +67,7 @@ contains
     call buffer%line('load together over load of the same contacts each alone, to the finest ' // &
                      'cells.')
     call buffer%line('')
-    call buffer%line('  interaction tolerance            us/position  spread  ratio  factor' // &
+    call buffer%line('  interaction tolerance             us/position  spread  ratio  factor' // &
                      '              at position')
     do i = 1, size(rungs)
       tolerance = '-'
@@ -187,10 +187,11 @@ contains
 
   pure function step_text(step) result(text)
     real(real64), intent(in) :: step
-    character(len=6) :: text
+    character(len=7) :: text
 
     text = '-'
-    if (step > 0.0_real64) write (text, '(es6.0e1)') step
+    if (step > 0.0_real64) write (text, '(es7.0e2)') step
+    if (step > 0.0_real64 .and. exponent(step) < -328) write (text, '(es7.0e3)') step
   end function step_text
 
   !> `largest (mean)`.

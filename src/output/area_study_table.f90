@@ -111,7 +111,12 @@ contains
     text = '-'
     away = row%mean(q) - study%integral(q)
     if (.not. (study%integral(q) > 0.0_real64 .and. row%error(q) > 0.0_real64)) return
-    write (text, '(sp, f8.3, "%", f6.1)') 100 * away / study%integral(q), away / row%error(q)
+    if (abs(away) < 10 * study%integral(q) .and. abs(away) < 1000 * row%error(q)) then
+      write (text, '(sp, f8.3, "%", f6.1)') 100 * away / study%integral(q), away / row%error(q)
+    else
+      write (text, '(sp, es8.0e2, "%", es7.0e2)') &
+        min(100 * (away / study%integral(q)), 9.0e99_real64), min(away / row%error(q), 9.0e99_real64)
+    end if
   end function from_integral
 
   !> All numbers, a line a size and quantity.
@@ -150,8 +155,10 @@ contains
 
     if (abs(number) >= 0.1_real64 .and. abs(number) < 1.0e5_real64) then
       write (digits, '(g14.6)') number
-    else if (abs(number) > 0.0_real64) then
+    else if (abs(number) > 1.0e-99_real64 .and. abs(number) < 1.0e99_real64) then
       write (digits, '(es12.5)') number
+    else if (abs(number) > 0.0_real64) then
+      write (digits, '(es14.5e3)') number
     else
       digits = '0'
     end if

@@ -131,7 +131,8 @@ contains
 
     call solver%solve(m, options%keep_contacts, position, failure)
     if (.not. allocated(failure)) then
-      if (.not. are_finite(position)) failure = 'a result is beyond the range of a double'
+      if (.not. are_finite(position)) &
+        failure = 'a result is beyond the range of a double, expected other units'
     end if
     if (watch%work%packed .and. .not. allocated(failure)) call pack_position(position, words)
     !$omp critical (asperity_positions)

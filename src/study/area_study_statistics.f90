@@ -96,7 +96,7 @@ contains
   pure subroutine take_means(values, result)
     real(real64), intent(in) :: values(:, :, :)
     type(size_result), intent(inout) :: result
-    real(real64) :: of_surface(quantities, size(values, 3))
+    real(real64) :: of_surface(quantities, size(values, 3)), size_of
     integer :: q, surfaces
 
     surfaces = size(values, 3)
@@ -104,10 +104,13 @@ contains
     of_surface = sum(values, 2) / size(values, 2)
     do q = 1, quantities
       result%mean(q) = sum(of_surface(q, :)) / surfaces
-      result%deviation(q) = sqrt(sum((values(q, :, :) - result%mean(q))**2) / &
+      ! A power of two near the largest: squares stay in range in any unit, and lose no digit.
+      size_of = set_exponent(1.0_real64, exponent(maxval(abs(values(q, :, :)))))
+      result%deviation(q) = size_of * &
+                            sqrt(sum(((values(q, :, :) - result%mean(q)) / size_of)**2) / &
                                  max(1, result%sections - 1))
-      result%error(q) = sqrt(sum((of_surface(q, :) - result%mean(q))**2) / &
-                             max(1, surfaces - 1) / surfaces)
+      result%error(q) = size_of * sqrt(sum(((of_surface(q, :) - result%mean(q)) / size_of)**2) / &
+                                       max(1, surfaces - 1) / surfaces)
     end do
   end subroutine take_means
 
@@ -140,17 +143,18 @@ contains
     real(real64) :: constant(quantities), weight
     integer :: i
 
+    estimated_side = 0.0_real64
+    if (.not. minval(study%reference) > 0.0_real64) return
     constant = 0.0_real64
     weight = 0.0_real64
     do i = 1, size(study%sizes)
-      constant = constant + study%sizes(i)%sections * (study%sizes(i)%deviation * &
-                                                       study%sizes(i)%side)**2
+      constant = constant + study%sizes(i)%sections * &
+                 (study%sizes(i)%deviation / study%reference * &
+                  (study%sizes(i)%side / study%sizes(1)%side))**2
       weight = weight + study%sizes(i)%sections
     end do
     constant = sqrt(constant / weight)
-    estimated_side = 0.0_real64
-    if (minval(study%reference) > 0.0_real64) &
-      estimated_side = maxval(constant / study%reference) * two_sided(confidence) / tolerance
+    estimated_side = maxval(constant) * study%sizes(1)%side * two_sided(confidence) / tolerance
   end function estimated_side
 
   !> So many deviations around the mean hold the share of a normal law.

@@ -26,6 +26,9 @@ module asperity_area_study_surface
   !> the lower surface in the studied region, on an area.
   integer, parameter, public :: leading_numbers = 2
 
+  character(len=*), parameter :: beyond_range = &
+    'a result is beyond the range of a double, expected other units'
+
 contains
 
   !> How many numbers a surface has: the leading ones, then `quantities` for every section.
@@ -65,6 +68,7 @@ contains
     numbers(1) = asperities_on_area(pressed%upper)
     if (spec%against == against_plane) then
       call press_on_plane(spec, plan, pressed%upper, contacts)
+      if (any(min(contacts%load, contacts%area) < tiny(numbers))) failure = beyond_range
     else
       numbers(2) = asperities_on_area(pressed%lower)
       pressed%file = spec%surfaces%file
@@ -82,6 +86,8 @@ contains
                         numbers(at + 1:at + quantities * size(squares)))
       at = at + quantities * size(squares)
     end do
+    if (.not. all(abs(numbers) <= huge(numbers)) .or. &
+        any(numbers > 0.0_real64 .and. numbers < tiny(numbers))) failure = beyond_range
 
   contains
 

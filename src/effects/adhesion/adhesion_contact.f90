@@ -66,8 +66,9 @@ contains
 
     contact%radius = radius
     if (.not. numbers%work > 0.0_real64) return
-    contact%tabor = ((numbers%work / numbers%modulus)**2 * radius)**(1.0_real64 / 3.0_real64) / &
-                    numbers%distance
+    ! Roots of ratios without unit: the same digits in any unit.
+    contact%tabor = ((numbers%work / numbers%modulus / numbers%distance)**2 * &
+                     (radius / numbers%distance))**(1.0_real64 / 3.0_real64)
     if (contact%tabor > least_of_jkr) then
       contact%model = model_jkr
       contact%snap_off = snap_off_jkr(numbers%modulus, radius, numbers%work)
@@ -140,8 +141,8 @@ contains
     type(adhesion_numbers), intent(in) :: numbers
     real(real64), intent(in) :: radius
 
-    neck = (0.75_real64 * pi * (numbers%work / numbers%modulus) * radius**2)**(1.0_real64 / &
-                                                                               3.0_real64)
+    neck = radius * (0.75_real64 * pi * (numbers%work / numbers%modulus / radius))**(1.0_real64 / &
+                                                                                     3.0_real64)
   end function neck
 
 end module asperity_adhesion_contact

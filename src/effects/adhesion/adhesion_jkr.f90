@@ -62,7 +62,8 @@ contains
   pure real(real64) function length_of(modulus, radius, work) result(length)
     real(real64), intent(in) :: modulus, radius, work
 
-    length = (2.0_real64 * pi * (work / modulus) * radius**2)**(1.0_real64 / 3.0_real64)
+    ! The root of a ratio without unit: the same digits in any unit.
+    length = radius * (2.0_real64 * pi * (work / modulus / radius))**(1.0_real64 / 3.0_real64)
   end function length_of
 
   ! Largest root of t**4 - t = y. The left side is convex, so Newton's steps from above stay above

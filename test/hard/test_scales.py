@@ -1,0 +1,139 @@
+"""Any unit of length and of modulus: the same digits, in every command and file.
+
+Units from 1e-12 to 1e12, as powers of two where the files hold binary numbers, as powers of ten
+where they hold decimal ones. Beyond the range of a double a run ends with a sentence.
+"""
+
+import csv
+import re
+import subprocess
+from decimal import Decimal
+
+import metamorphic_laws as laws
+import metamorphic_scenes as scenes
+import pytest
+
+# Powers of two next to 1e12 and 1e-12, and odd ones, of which no root is a power of two.
+UNITS = [(40, 0), (-40, 0), (0, 40), (0, -40), (39, 37), (-39, -41)]
+# Of these seeds one or more have each effect, each control and each kind of surface.
+SEEDS = range(0, 60)
+ODD = re.compile(r"NaN|Infinity|\*\*\*")
+
+
+@pytest.mark.parametrize("unit", UNITS, ids=str)
+def test_solve(unit, asperity, tmp_path, tally):
+    alike = 0
+    for seed in range(UNITS.index(unit), SEEDS.stop, len(UNITS)):
+        scene = scenes.scene_of_seed(seed)
+        one = scenes.run(asperity, scene, tmp_path)
+        two = scenes.run(asperity, scenes.scaled(scene, *unit), tmp_path)
+        assert one.status == two.status, (seed, one.err, two.err)
+        assert not ODD.search(one.out) and not ODD.search(two.out), two.out
+        if one.status == 0:
+            laws.same_digits(one, two, *unit)
+            alike += 1
+    assert alike > 5
+    tally.add("solve: scenes with the same digits in another unit", alike, alike)
+
+
+@pytest.mark.parametrize("control", ["limit", "approach"])
+@pytest.mark.parametrize("lengths, moduli", [(-330, -480), (-330, 0), (300, 500), (-170, -800)])
+def test_solve_beyond_range(asperity, tmp_path, lengths, moduli, control):
+    """A load or an area that a double does not hold is told, and is never 0 or Infinity."""
+    groups = {"material": {"elastic_modulus": [2.0e5, 1.0e5], "poisson_ratio": [0.3, 0.25]},
+              "loading": {"control": control}}
+    if control == "approach":
+        groups["loading"]["value"] = 0.9375
+    else:
+        groups["limit"] = {"criterion": "pressure", "value": 1e3}
+    row = (0.0, 0.0, 0.5, 1.0)
+    scene = scenes.Scene([row], [row], groups)
+    done = scenes.run(asperity, scene, tmp_path)
+    assert done.status == 0 and float(done.files["positions"][0]["load"]) > 0.0
+    held = all(-1000 < a * lengths + b * moduli < 1000 for a, b in ((2, 0), (2, 1), (0, 1)))
+    done = scenes.run(asperity, scenes.scaled(scene, lengths, moduli), tmp_path)
+    assert done.status == (0 if held else 1), done.err
+    if not held:
+        assert "range" in done.err or "too small" in done.err
+
+
+SPEC = """&surfaces number = 200, length = 20{L}, width = 30{L}, least_distance = .5{L} /
+&heights mean = 127{L}, deviation = 30.48{L}, lowest = 95.5{L}, highest = 185.9{L} /
+&radii mean = 1270{L}, deviation = 100{L}, lowest_deviation = -2., highest_deviation = 2. /
+&random seed = 1976, ensemble = 2 /
+"""
+
+
+@pytest.mark.parametrize("power", [12, -12, 100, -100])
+def test_generate(power, asperity, tmp_path):
+    """Decimal numbers: the same digits behind another power of ten."""
+    def surface(power):
+        (tmp_path / "g.spec").write_text(SPEC.replace("{L}", f"e{power}"), encoding="ascii")
+        done = subprocess.run([asperity, "generate", "g.spec", "--surface", "1"], cwd=tmp_path,
+                              capture_output=True, text=True, check=True)
+        return [[Decimal(cell) for cell in row]
+                for row in list(csv.reader(done.stdout.splitlines()))[1:]]
+
+    one, two = surface(0), surface(power)
+    assert len(one) == 200
+    assert [[cell.scaleb(power) for cell in row] for row in one] == two
+
+
+STUDY = """&surfaces number = 900, length = 60e{L}, width = 50e{L}, least_distance = .7e{L} /
+&heights mean = .127e{L}, deviation = .03048e{L}, lowest = .0955e{L}, highest = .1859e{L} /
+&radii mean = 1.27e{L} /
+&random seed = 1976, ensemble = 3 /
+&material elastic_modulus = {E!r}, poisson_ratio = 0.42 /
+&study {loading}, sizes = 30e{L}, 8.8e{L}, sections = 20, tolerance = 0.2, confidence = 0.9 /
+"""
+# Powers of length and modulus in a column; what is on an area has those of its quantity.
+COLUMNS = {"size": (1, 0), "estimated_size": (1, 0), "separation": (1, 0), "upper_density": (-2, 0),
+           "lower_density": (-2, 0), "surfaces": (0, 0), "sections": (0, 0), "within": (0, 0),
+           "all_within": (0, 0), "representative": (0, 0)}
+QUANTITIES = {"contacts": (-2, 0), "area": (0, 0), "load": (0, 1), "vertical_load": (0, 1)}
+
+
+def study(asperity, folder, power, modulus, loading):
+    words = {"plane": f"separation = .1e{power}, against = 'plane'",
+             "separation": f"separation = .28e{power}", "pressure": f"pressure = {modulus!r}"}
+    (folder / "s.spec").write_text(STUDY.format(L=power, E=2.0 ** 18 * modulus,
+                                                loading=words[loading]), encoding="ascii")
+    done = subprocess.run([asperity, "study", "s.spec", "--csv", "s.csv"], cwd=folder,
+                          capture_output=True, text=True, check=False)
+    rows = []
+    if done.returncode == 0:
+        rows = list(csv.DictReader((folder / "s.csv").read_text(encoding="ascii").splitlines()))
+        (folder / "s.csv").unlink()
+    assert not ODD.search(done.stdout + str(rows)), done.stdout
+    return done, rows
+
+
+@pytest.mark.parametrize("loading", ["plane", "separation", "pressure"])
+def test_study(loading, asperity, tmp_path, tally):
+    """In another power of ten a coordinate is another double: within 1e-12, and moduli exactly."""
+    _, base = study(asperity, tmp_path, 0, 1.0, loading)
+    compared = 0
+    for power, modulus, share in ((12, 1.0, 1e-12), (-12, 2.0 ** -40, 1e-12), (0, 2.0 ** 40, 1e-15),
+                                  (-100, 1.0, 1e-9), (140, 1.0, 1e-9), (0, 2.0 ** 900, 1e-14)):
+        done, rows = study(asperity, tmp_path, power, modulus, loading)
+        assert done.returncode == 0, done.stderr
+        for one, two in zip(base, rows, strict=True):
+            for name, cell in one.items():
+                if name == "quantity":
+                    continue
+                a, b = COLUMNS.get(name, QUANTITIES[one["quantity"]])
+                # In two steps: the unit itself may be beyond the range.
+                found = float(two[name]) / 10.0 ** (a * power / 2) / 10.0 ** (a * power / 2)
+                found /= modulus ** b
+                assert abs(found - float(cell)) <= share * abs(float(cell)) + 1e-13 * share, \
+                    (power, modulus, name, cell, two[name])
+                compared += 1
+    tally.add("study: numbers that are the same in another unit", compared, compared)
+
+
+@pytest.mark.parametrize("loading", ["plane", "separation"])
+def test_study_beyond_range(loading, asperity, tmp_path):
+    for power, modulus in ((100, 2.0 ** 900), (-100, 2.0 ** -700)):
+        done, _ = study(asperity, tmp_path, power, modulus, loading)
+        assert done.returncode == 1 and done.stdout == ""
+        assert done.stderr.endswith("a result is beyond the range of a double, expected other units\n")
