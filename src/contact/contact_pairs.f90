@@ -12,7 +12,7 @@ module asperity_contact_pairs
   public :: contact_pair, contact_pairs, in_scene_units, least_exponent
 
   !> A result with a lesser exponent becomes 0 in a double, and is none.
-  integer, parameter :: least_exponent = minexponent(1.0_real64) - digits(1.0_real64) + 1
+  integer, parameter :: least_exponent = minexponent(1.0_real64) - digits(1.0_real64)
 
   !> One upper and one lower asperity, or one asperity and a plane.
   type :: contact_pair

@@ -37,8 +37,8 @@ contains
                      'Reference: exact events in real128.')
     call buffer%line('* the cheapest way for its accuracy')
     call buffer%line('')
-    call buffer%line('  arithmetic way      step    overlap    us/position  spread  ratio  load' // &
-                     '              area              pressure          approach          contacts')
+    call buffer%line('  arithmetic way      step    overlap    us/position  spread  ratio  ' // &
+                     'load              area              pressure          approach          contacts')
     do i = 1, size(rows)
       write (line, row_format) &
         merge('*', ' ', rows(i)%on_front), rows(i)%arithmetic // '   ', way_name(rows(i)), &

@@ -115,7 +115,8 @@ contains
       write (text, '(sp, f8.3, "%", f6.1)') 100 * away / study%integral(q), away / row%error(q)
     else
       write (text, '(sp, es8.0e2, "%", es7.0e2)') &
-        min(100 * (away / study%integral(q)), 9.0e99_real64), min(away / row%error(q), 9.0e99_real64)
+        min(100 * (away / study%integral(q)), 9.0e99_real64), &
+        min(away / row%error(q), 9.0e99_real64)
     end if
   end function from_integral
 

@@ -136,4 +136,5 @@ def test_study_beyond_range(loading, asperity, tmp_path):
     for power, modulus in ((100, 2.0 ** 900), (-100, 2.0 ** -700)):
         done, _ = study(asperity, tmp_path, power, modulus, loading)
         assert done.returncode == 1 and done.stdout == ""
-        assert done.stderr.endswith("a result is beyond the range of a double, expected other units\n")
+        assert done.stderr.endswith("a result is beyond the range of a double, expected other "
+                                    "units\n")
