@@ -38,7 +38,8 @@ contains
     call buffer%line('* the cheapest way for its accuracy')
     call buffer%line('')
     call buffer%line('  arithmetic way      step    overlap    us/position  spread  ratio  ' // &
-                     'load              area              pressure          approach          contacts')
+                     'load              area              pressure          approach' // &
+                     '          contacts')
     do i = 1, size(rows)
       write (line, row_format) &
         merge('*', ' ', rows(i)%on_front), rows(i)%arithmetic // '   ', way_name(rows(i)), &
