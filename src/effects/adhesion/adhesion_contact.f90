@@ -67,8 +67,8 @@ contains
     contact%radius = radius
     if (.not. numbers%work > 0.0_real64) return
     ! Roots of ratios without unit: the same digits in any unit.
-    contact%tabor = ((numbers%work / numbers%modulus / numbers%distance)**2 * &
-                     (radius / numbers%distance))**(1.0_real64 / 3.0_real64)
+    contact%tabor = (numbers%work / numbers%modulus / radius)**(2.0_real64 / 3.0_real64) * &
+                    (radius / numbers%distance)
     if (contact%tabor > least_of_jkr) then
       contact%model = model_jkr
       contact%snap_off = snap_off_jkr(numbers%modulus, radius, numbers%work)
