@@ -50,9 +50,10 @@ module asperity_map_contact
   ! both have 10.
   integer, parameter :: far_offset = 200
 
-  ! Samples over-count an area by that times the sides on its rim (Yastrebov, Anciaux and Molinari,
-  ! Tribol. Int. 114 (2017) 161, eq. 2).
-  real(real64), parameter :: rim = (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
+  !> Samples over-count an area by that times the sides on its rim (Yastrebov, Anciaux and Molinari,
+  !> Tribol. Int. 114 (2017) 161, eq. 2).
+  real(real64), parameter, public :: rim_of_samples = &
+    (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
 
   ! Bytes of a padded sample (heights, transform, spectrum) and of a plain one (pressures, gaps and
   ! the vectors of the method).
@@ -162,7 +163,7 @@ contains
       end if
       answer%sample_area = map%side_x * map%side_y * count(force > 0.0_real64)
       answer%area = map%side_x * map%side_y * &
-                    (count(force > 0.0_real64) - rim * sides_on_rim(force, map%periodic))
+                    (count(force > 0.0_real64) - rim_of_samples * sides_on_rim(force, map%periodic))
       force = force * unit
     end associate
     if (.not. answer%ending%converged) answer%failure = 'the pressures on the map did not converge'
