@@ -9,24 +9,14 @@ module asperity_map_contact
   use asperity_cell_convolution, only: cell_convolution, padded_length
   use asperity_cells_relax, only: relax
   use asperity_constants, only: pi
+  use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: int64, real64
   use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
-  public :: bytes_of_map, half_map, map_answer, map_samples, press_map, without_sample
-
-  !> A height that is missing: far below every other, so that nothing touches there.
-  real(real64), parameter :: without_sample = -huge(1.0_real64)
-
-  !> Heights on a regular grid. Lengths in one unit.
-  type :: map_samples
-    real(real64), allocatable :: height(:, :)     !! along x, along y; or `without_sample`
-    real(real64) :: side_x = 0.0_real64           !! between samples
-    real(real64) :: side_y = 0.0_real64           !! between samples
-    logical :: periodic = .false.                 !! the map repeats itself; no sample is missing
-  end type map_samples
+  public :: bytes_of_map, half_map, map_answer, press_map
 
   !> What a pressed map answers.
   type :: map_answer
@@ -62,56 +52,59 @@ module asperity_map_contact
 contains
 
   !> Memory that pressing a map takes, in bytes.
-  pure real(real64) function bytes_of_map(map) result(bytes)
-    type(map_samples), intent(in) :: map  !! the heights
+  pure real(real64) function bytes_of_map(map, periodic) result(bytes)
+    type(height_map), intent(in) :: map   !! the heights
+    logical, intent(in) :: periodic       !! it repeats itself
     real(real64) :: cells, padded
 
     cells = size(map%height, kind=int64)
     padded = cells
-    if (.not. map%periodic) padded = real(padded_length(2 * size(map%height, 1) - 1), real64) * &
+    if (.not. periodic) padded = real(padded_length(2 * size(map%height, 1) - 1), real64) * &
                                      padded_length(2 * size(map%height, 2) - 1)
     bytes = bytes_padded * padded + bytes_plain * cells
   end function bytes_of_map
 
   !> Presses a map, to a level of the flat or to a load.
-  recursive subroutine press_map(map, modulus, answer, load, tolerance)
-    type(map_samples), intent(in) :: map              !! at least one sample
+  recursive subroutine press_map(map, periodic, modulus, answer, load, tolerance)
+    type(height_map), intent(in) :: map               !! at least one sample measured
+    logical, intent(in) :: periodic                   !! it repeats itself
     real(real64), intent(in) :: modulus               !! combined, more than 0
     type(map_answer), intent(inout) :: answer         !! level: given where there is no load
     real(real64), intent(in), optional :: load        !! more than 0
     real(real64), intent(in), optional :: tolerance   !! gaps over the heights; default 1e-9
     type(cell_convolution) :: influence
-    type(map_samples) :: half
+    type(height_map) :: half
     type(map_answer) :: start
     real(real64), allocatable :: gap(:, :), table(:, :)
     real(real64) :: top, range, unit, closing, allowed
     integer :: i, j
 
-    if (.not. has_memory(nint(bytes_of_map(map), int64))) then
+    if (.not. has_memory(nint(bytes_of_map(map, periodic), int64))) then
       answer%failure = 'no memory for the samples of the map'
       return
     end if
     allowed = closed
     if (present(tolerance)) allowed = tolerance
     top = maxval(map%height)
-    range = top - minval(map%height, mask=map%height > without_sample)
-    if (.not. range > 0.0_real64) range = max(map%side_x, map%side_y)
+    range = top - minval(map%height, mask=is_measured(map%height))
+    if (.not. range > 0.0_real64) range = maxval(map%spacing)
     if (.not. present(load)) then
       if (.not. answer%level < top) then
         allocate (answer%pressure(size(map%height, 1), size(map%height, 2)), source=0.0_real64)
         answer%ending = solve_ending(.true., 0.0_real64, 0)
         return
       end if
-      if (map%periodic .and. .not. answer%level * size(map%height) > sum(map%height)) then
+      if (periodic .and. .not. answer%level * count(is_measured(map%height)) > &
+          sum(map%height, mask=is_measured(map%height))) then
         answer%failure = 'the flat is not above the mean height of a map that repeats itself'
         return
       end if
       range = min(range, top - answer%level)
     end if
     ! Lengths across are over the side, heights over the range, pressures over that times modulus.
-    unit = modulus * range / map%side_x
+    unit = modulus * range / map%spacing(1)
     allocate (gap(size(map%height, 1), size(map%height, 2)))
-    where (map%height > without_sample)
+    where (is_measured(map%height))
       gap = (top - map%height) / range
     else where
       gap = 1.0_real64 / epsilon(gap)
@@ -122,7 +115,7 @@ contains
       if (minval(shape(gap)) >= worth_halving) then
         half = half_map(map)
         start%level = answer%level
-        call press_map(half, modulus, start, load, closed_start)
+        call press_map(half, periodic, modulus, start, load, closed_start)
         if (allocated(start%failure)) then
           answer%failure = start%failure
           return
@@ -132,25 +125,25 @@ contains
             answer%pressure(i, j) = start%pressure((i + 1) / 2, (j + 1) / 2)
           end do
         end do
-        where (.not. map%height > without_sample) answer%pressure = 0.0_real64
+        where (.not. is_measured(map%height)) answer%pressure = 0.0_real64
         deallocate (start%pressure, half%height)
       else
         answer%pressure = merge(unit, 0.0_real64, gap < 0.5_real64)
       end if
     end if
     associate (force => answer%pressure)
-      if (map%periodic) then
+      if (periodic) then
         call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
-                                        map%side_y / map%side_x)
+                                        map%spacing(2) / map%spacing(1))
       else
         allocate (table, mold=gap)
-        call love_table(map%side_y / map%side_x, table)
+        call love_table(map%spacing(2) / map%spacing(1), table)
         call influence%prepare(table)
         deallocate (table)
       end if
       force = force / unit
       if (present(load)) then
-        closing = load / (unit * map%side_x * map%side_y)
+        closing = load / (unit * product(map%spacing))
         if (.not. sum(force) > 0.0_real64) force = merge(1.0_real64, 0.0_real64, &
                                                          gap < 0.5_real64)
         force = force * (closing / sum(force))
@@ -159,11 +152,11 @@ contains
         answer%load = load
       else
         call relax(influence, gap, allowed, force, answer%ending)
-        answer%load = sum(force) * unit * map%side_x * map%side_y
+        answer%load = sum(force) * unit * product(map%spacing)
       end if
-      answer%sample_area = map%side_x * map%side_y * count(force > 0.0_real64)
-      answer%area = map%side_x * map%side_y * &
-                    (count(force > 0.0_real64) - rim_of_samples * sides_on_rim(force, map%periodic))
+      answer%sample_area = product(map%spacing) * count(force > 0.0_real64)
+      answer%area = product(map%spacing) * &
+                    (count(force > 0.0_real64) - rim_of_samples * sides_on_rim(force, periodic))
       force = force * unit
     end associate
     if (.not. answer%ending%converged) answer%failure = 'the pressures on the map did not converge'
@@ -171,23 +164,23 @@ contains
 
   !> The map at half its resolution: of four samples the mean of their mean and the highest, which
   !> presses most nearly as they do (measured; the mean alone is too low, the highest too high).
-  pure type(map_samples) function half_map(map) result(half)
-    type(map_samples), intent(in) :: map  !! two samples a side at least
+  pure type(height_map) function half_map(map) result(half)
+    type(height_map), intent(in) :: map  !! two samples a side at least
     real(real64) :: highest, total
     integer :: i, j, k, l, n
 
-    half%side_x = 2 * map%side_x
-    half%side_y = 2 * map%side_y
-    half%periodic = map%periodic
-    allocate (half%height((size(map%height, 1) + 1) / 2, (size(map%height, 2) + 1) / 2))
+    half%columns = (map%columns + 1) / 2
+    half%rows = (map%rows + 1) / 2
+    half%spacing = 2 * map%spacing
+    allocate (half%height(half%columns, half%rows))
     do j = 1, size(half%height, 2)
       do i = 1, size(half%height, 1)
-        highest = without_sample
+        highest = no_height
         total = 0.0_real64
         n = 0
         do l = 2 * j - 1, min(2 * j, size(map%height, 2))
           do k = 2 * i - 1, min(2 * i, size(map%height, 1))
-            if (.not. map%height(k, l) > without_sample) cycle
+            if (.not. is_measured(map%height(k, l))) cycle
             n = n + 1
             total = total + map%height(k, l)
             highest = max(highest, map%height(k, l))

@@ -1,7 +1,8 @@
 !> The spots of a pressed map: samples under pressure that share a side.
 module asperity_map_patches
+  use asperity_height_map, only: height_map
   use asperity_kinds, only: real64
-  use asperity_map_contact, only: map_samples, rim_of_samples
+  use asperity_map_contact, only: rim_of_samples
   implicit none
   private
 
@@ -21,8 +22,9 @@ module asperity_map_patches
 contains
 
   !> Finds the spots, in the order of their first samples, along x first.
-  subroutine find_patches(map, pressure, patches)
-    type(map_samples), intent(in) :: map           !! the heights
+  subroutine find_patches(map, periodic, pressure, patches)
+    type(height_map), intent(in) :: map            !! the heights
+    logical, intent(in) :: periodic                !! it repeats itself
     real(real64), intent(in) :: pressure(:, :)     !! on each
     type(map_patch), allocatable, intent(out) :: patches(:)
     integer, allocatable :: label(:, :), stack(:, :)
@@ -51,10 +53,10 @@ contains
       end do
     end do
     patches = patches(:n)
-    patches%x = patches%x / patches%load * map%side_x
-    patches%y = patches%y / patches%load * map%side_y
-    patches%load = patches%load * map%side_x * map%side_y
-    patches%area = patches%area * map%side_x * map%side_y
+    patches%x = patches%x / patches%load * map%spacing(1)
+    patches%y = patches%y / patches%load * map%spacing(2)
+    patches%load = patches%load * product(map%spacing)
+    patches%area = patches%area * product(map%spacing)
 
   contains
 
@@ -96,7 +98,7 @@ contains
       integer :: place(2)
 
       place = [across, along]
-      if (map%periodic) place = 1 + modulo(place - 1, shape(pressure))
+      if (periodic) place = 1 + modulo(place - 1, shape(pressure))
     end function home
 
   end subroutine find_patches

@@ -1,8 +1,10 @@
 !> Tests of a map of heights under a rigid flat, against closed forms: Hertz' ball (1882) and
 !> Westergaard's wave (1939).
 module asperity_map_suite
+  use asperity_height_map, only: height_map, no_height
   use asperity_kinds, only: real64
-  use asperity_map_contact, only: half_map, map_answer, map_samples, press_map, without_sample
+  use asperity_map_contact, only: half_map, map_answer, press_map
+  use asperity_map_patches, only: find_patches, map_patch
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -27,6 +29,7 @@ contains
       new_unittest('a wave that repeats itself is Westergaard''s', wave), &
       new_unittest('load and level give each other back', there_and_back), &
       new_unittest('unequal sides, missing samples, one sample alone', odd_maps), &
+      new_unittest('two balls far apart are two spots, also across the end', two_spots), &
       new_unittest('nothing touches; a flat below the mean height is refused', refused), &
       new_unittest('units of length and load scale by powers of two', scaled)]
   end subroutine collect_maps
@@ -34,17 +37,18 @@ contains
   ! The ball's cap, on a square a little wider than its contact.
   function ball(n, m) result(map)
     integer, intent(in) :: n, m
-    type(map_samples) :: map
+    type(height_map) :: map
     real(real64), parameter :: across = 2.2_real64, radius = 10.0_real64
     integer :: i, j
 
-    map%side_x = across / n
-    map%side_y = across / m
+    map%columns = n
+    map%rows = m
+    map%spacing = across / [n, m]
     allocate (map%height(n, m))
     do j = 1, m
       do i = 1, n
-        map%height(i, j) = -(((i - 0.5_real64) * map%side_x - across / 2)**2 + &
-                             ((j - 0.5_real64) * map%side_y - across / 2)**2) / (2 * radius)
+        map%height(i, j) = -(((i - 0.5_real64) * map%spacing(1) - across / 2)**2 + &
+                             ((j - 0.5_real64) * map%spacing(2) - across / 2)**2) / (2 * radius)
       end do
     end do
   end function ball
@@ -62,7 +66,7 @@ contains
     n = 24
     do while (n <= 192)
       answer = map_answer(level=ball_level)
-      call press_map(ball(n, n), ball_modulus, answer)
+      call press_map(ball(n, n), .false., ball_modulus, answer)
       off = abs(answer%load / ball_load - 1.0_real64)
       call check(error, .not. allocated(answer%failure), 'a ball is solved')
       call check(error, off < 0.5_real64 * before, 'the load converges')
@@ -80,13 +84,13 @@ contains
   subroutine wave(error)
     !> failure
     type(error_type), allocatable, intent(out) :: error
-    type(map_samples) :: map
+    type(height_map) :: map
     type(map_answer) :: answer
     real(real64) :: mean
     integer :: i, k
     integer, parameter :: n = 512
 
-    map = map_samples(side_x=1.0_real64 / n, side_y=0.01_real64, periodic=.true.)
+    map = height_map(columns=n, rows=4, spacing=[1.0_real64 / n, 0.01_real64])
     allocate (map%height(n, 4))
     do i = 1, n
       map%height(i, :) = 0.02_real64 * cos(2 * pi * (i - 0.5_real64) / n)
@@ -94,7 +98,7 @@ contains
     do k = 1, 4
       answer = map_answer()
       mean = pi * 3.0_real64 * 0.02_real64 * sin(pi * 0.1_real64 * k)**2
-      call press_map(map, 3.0_real64, answer, mean * n * map%side_x * 4 * map%side_y)
+      call press_map(map, .true., 3.0_real64, answer, mean * n * map%spacing(1) * 4 * map%spacing(2))
       call check(error, .not. allocated(answer%failure), 'a wave is solved')
       call check(error, abs(answer%sample_area / (0.2_real64 * k * 0.04_real64) - 1.0_real64) < &
                  2.0_real64 / n / (0.2_real64 * k) * 2, 'the width is Westergaard''s')
@@ -107,14 +111,13 @@ contains
     !> failure
     type(error_type), allocatable, intent(out) :: error
     type(map_answer) :: by_load, by_level
-    type(map_samples) :: map
+    type(height_map) :: map
     integer :: i, j
     logical :: periodic
 
     periodic = .false.
     do
       map = ball(70, 70)
-      map%periodic = periodic
       do j = 1, 70
         do i = 1, 70
           map%height(i, j) = 0.02_real64 * (sin(0.9_real64 * i) * cos(0.7_real64 * j) + &
@@ -122,14 +125,14 @@ contains
         end do
       end do
       by_load = map_answer()
-      call press_map(map, ball_modulus, by_load, 2.0_real64)
+      call press_map(map, periodic, ball_modulus, by_load, 2.0_real64)
       by_level = map_answer(level=by_load%level)
-      call press_map(map, ball_modulus, by_level)
+      call press_map(map, periodic, ball_modulus, by_level)
       call check(error, abs(by_level%load / 2.0_real64 - 1.0_real64) < 1.0e-6_real64, &
                  'the level of a load gives the load')
       call check(error, abs(by_level%area / by_load%area - 1.0_real64) < 1.0e-12_real64, &
                  'and the same area')
-      call check(error, abs(sum(by_load%pressure) * map%side_x * map%side_y / 2.0_real64 - &
+      call check(error, abs(sum(by_load%pressure) * product(map%spacing) / 2.0_real64 - &
                             1.0_real64) < 1.0e-12_real64, 'the pressures add up to the load')
       if (periodic) exit
       periodic = .true.
@@ -139,71 +142,113 @@ contains
   subroutine odd_maps(error)
     !> failure
     type(error_type), allocatable, intent(out) :: error
-    type(map_samples) :: map, half
+    type(height_map) :: map, half
     type(map_answer) :: answer
     real(real64) :: before
 
     answer = map_answer()
-    call press_map(ball(96, 31), ball_modulus, answer, ball_load)
+    call press_map(ball(96, 31), .false., ball_modulus, answer, ball_load)
     call check(error, abs(answer%level / ball_level - 1.0_real64) < 1.0e-3_real64, &
                'sides of 1 to 3 are Hertz'' ball')
     ! A hole where nothing would touch changes nothing.
     map = ball(96, 31)
-    map%height(:7, :3) = without_sample
+    map%height(:7, :3) = no_height
     answer = map_answer()
-    call press_map(map, ball_modulus, answer, ball_load)
+    call press_map(map, .false., ball_modulus, answer, ball_load)
     call check(error, abs(answer%level / ball_level - 1.0_real64) < 1.0e-3_real64, &
                'a hole beside the contact changes nothing')
     ! One where it is highest takes the pressure away.
-    map%height(48:49, 16) = without_sample
+    map%height(48:49, 16) = no_height
     before = answer%level
     answer = map_answer()
-    call press_map(map, ball_modulus, answer, ball_load)
+    call press_map(map, .false., ball_modulus, answer, ball_load)
     call check(error, .not. maxval(answer%pressure(48:49, 16)) > 0.0_real64, 'nor is it pressed')
     call check(error, answer%level < before, 'the rest comes deeper')
     half = half_map(map)
     call check(error, all(shape(half%height) == [48, 16]), 'half the samples, rounded up')
     ! One sample alone is Love's square: 4 asinh(1) p s/(pi E) at its centre.
-    map = map_samples(height=reshape([0.5_real64], [1, 1]), side_x=0.1_real64, side_y=0.1_real64)
+    map = height_map(columns=1, rows=1, spacing=[0.1_real64, 0.1_real64])
+    map%height = reshape([0.5_real64], [1, 1])
     answer = map_answer()
-    call press_map(map, ball_modulus, answer, 3.0_real64)
+    call press_map(map, .false., ball_modulus, answer, 3.0_real64)
     call check(error, abs((0.5_real64 - answer%level) / (4 * log(1.0_real64 + sqrt(2.0_real64)) * &
                3.0_real64 / (pi * ball_modulus * 0.1_real64)) - 1.0_real64) < 1.0e-12_real64, &
                'one sample is Love''s square')
   end subroutine odd_maps
 
+  ! Of a square that repeats itself, so that one ball may lie across its corner.
+  subroutine two_spots(error)
+    !> failure
+    type(error_type), allocatable, intent(out) :: error
+    type(height_map) :: map
+    type(map_answer) :: answer
+    type(map_patch), allocatable :: patches(:)
+    real(real64), parameter :: place(2) = [0.0_real64, 0.3_real64]
+    integer, parameter :: n = 128
+    integer :: i, j
+
+    map = height_map(columns=n, rows=n, spacing=spread(1.0_real64 / n, 1, 2))
+    allocate (map%height(n, n))
+    do j = 1, n
+      do i = 1, n
+        map%height(i, j) = maxval(-(apart(i)**2 + apart(j)**2) / 2)
+      end do
+    end do
+    call press_map(map, .true., ball_modulus, answer, 1.0e-3_real64)
+    call find_patches(map, .true., answer%pressure, patches)
+    call check(error, size(patches), 2, 'spots')
+    if (allocated(error)) return
+    call check(error, abs(sum(patches%load) / 1.0e-3_real64 - 1.0_real64) < 1.0e-12_real64, &
+               'their loads add up')
+    call check(error, abs(sum(patches%area) / answer%area - 1.0_real64) < 1.0e-12_real64, &
+               'their areas add up')
+    call check(error, sum(patches%samples), count(answer%pressure > 0.0_real64), 'all samples')
+    call check(error, all(abs(patches%x - place) < 0.1_real64 / n) .and. &
+               all(abs(patches%y - place) < 0.1_real64 / n), 'their places')
+
+  contains
+
+    ! From the middle of each ball, the shortest way.
+    pure function apart(i)
+      integer, intent(in) :: i
+      real(real64) :: apart(2)
+
+      apart = abs((i - 1.0_real64) / n - place)
+      apart = min(apart, 1.0_real64 - apart)
+    end function apart
+
+  end subroutine two_spots
+
   subroutine refused(error)
     !> failure
     type(error_type), allocatable, intent(out) :: error
-    type(map_samples) :: map
+    type(height_map) :: map
     type(map_answer) :: answer
 
     map = ball(20, 20)
     answer = map_answer(level=1.0_real64)
-    call press_map(map, ball_modulus, answer)
+    call press_map(map, .false., ball_modulus, answer)
     call check(error, .not. allocated(answer%failure) .and. .not. answer%load > 0.0_real64, &
                'a flat above the highest sample bears nothing')
-    map%periodic = .true.
     answer = map_answer(level=minval(map%height))
-    call press_map(map, ball_modulus, answer)
+    call press_map(map, .true., ball_modulus, answer)
     call check(error, allocated(answer%failure), 'a flat below the mean height has no answer')
   end subroutine refused
 
   subroutine scaled(error)
     !> failure
     type(error_type), allocatable, intent(out) :: error
-    type(map_samples) :: map
+    type(height_map) :: map
     type(map_answer) :: plain, large
     real(real64), parameter :: across = 2.0_real64**300, along = 2.0_real64**(-90)
 
     map = ball(40, 40)
     plain = map_answer()
-    call press_map(map, ball_modulus, plain, ball_load)
+    call press_map(map, .false., ball_modulus, plain, ball_load)
     map%height = map%height * across
-    map%side_x = map%side_x * across
-    map%side_y = map%side_y * across
+    map%spacing = map%spacing * across
     large = map_answer()
-    call press_map(map, ball_modulus * along, large, ball_load * along * across**2)
+    call press_map(map, .false., ball_modulus * along, large, ball_load * along * across**2)
     call check(error, .not. abs(large%level - plain%level * across) > 0.0_real64, &
                'the level scales without rounding')
     call check(error, .not. any(abs(large%pressure - plain%pressure * along) > 0.0_real64), &
