@@ -5,7 +5,8 @@ module asperity_command_line
   use asperity_kinds, only: real64
   use asperity_map_levelling, only: level_names, level_plane
   use asperity_map_summits, only: rule_eight, rule_names
-  use asperity_option_values, only: length_units, read_accuracy, read_count, read_spacing, &
+  use asperity_height_map, only: length_units
+  use asperity_option_values, only: read_accuracy, read_count, read_spacing, &
                                     read_tables, read_word
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions

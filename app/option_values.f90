@@ -10,13 +10,6 @@ module asperity_option_values
   private
 
   public :: read_accuracy, read_count, read_spacing, read_tables, read_word
-  public :: length_units, metre_in
-
-  !> Units of length, and how many of each are a metre.
-  character(len=*), parameter :: length_units(6) = [character(len=2) :: 'm', 'mm', 'um', 'nm', &
-    'cm', 'in']
-  real(real64), parameter :: metre_in(6) = [1.0_real64, 1.0e3_real64, 1.0e6_real64, &
-    1.0e9_real64, 1.0e2_real64, 1.0_real64 / 0.0254_real64]
 
 contains
 

@@ -2,7 +2,7 @@
 module asperity_run_summits
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
-  use asperity_height_map, only: height_map, is_measured
+  use asperity_height_map, only: change_unit, height_map
   use asperity_height_map_reader, only: read_height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
@@ -10,7 +10,6 @@ module asperity_run_summits
   use asperity_map_picture, only: draw_map
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: find_summits, map_summits, rule_names, usual_radius
-  use asperity_option_values, only: length_units, metre_in
   use asperity_printable, only: printable
   use asperity_summit_spheres, only: radius_names
   use asperity_summits_table, only: summits_heading, write_summits_csv, write_summits_table
@@ -35,7 +34,7 @@ contains
 
     call read_height_map(line%input, line%spacing, .true., map, outcome%problems, outcome%failure)
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
-    if (line%unit > 0) call change_unit(line, map, outcome)
+    if (line%unit > 0) call take_unit(line, map, outcome)
     if (outcome%problems%count() > 0) return
     call level_map(map, line%level)
     if (line%despike) &
@@ -64,7 +63,7 @@ contains
   end subroutine run_summits_command
 
   ! All lengths of a map in the unit asked for.
-  subroutine change_unit(line, map, outcome)
+  subroutine take_unit(line, map, outcome)
     type(command_line), intent(in) :: line
     type(height_map), intent(inout) :: map
     type(command_outcome), intent(inout) :: outcome
@@ -74,9 +73,7 @@ contains
                                 'lengths are written as they are')
       return
     end if
-    map%unit = trim(length_units(line%unit))
-    map%spacing = map%spacing * metre_in(line%unit)
-    where (is_measured(map%height)) map%height = map%height * metre_in(line%unit)
-  end subroutine change_unit
+    call change_unit(map, line%unit)
+  end subroutine take_unit
 
 end module asperity_run_summits

@@ -9,11 +9,18 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, no_height, is_measured, is_length, make_room, read_height, &
+  public :: height_map, change_unit, length_units, no_height, is_measured, is_length, make_room, read_height, &
             expected_length, number_text, most_samples
 
   !> Stands for the height of a sample that was not measured.
   real(real64), parameter :: no_height = -huge(1.0_real64)
+
+  !> Units of length.
+  character(len=*), parameter :: length_units(6) = [character(len=2) :: 'm', 'mm', 'um', 'nm', &
+    'cm', 'in']
+  ! How many of each are a metre.
+  real(real64), parameter :: metre_in(6) = [1.0_real64, 1.0e3_real64, 1.0e6_real64, &
+    1.0e9_real64, 1.0e2_real64, 1.0_real64 / 0.0254_real64]
 
   !> More samples than a whole number of 32 bits can count are refused.
   integer(int64), parameter :: most_samples = 2147483647_int64
@@ -46,6 +53,16 @@ contains
 
     is_length = value >= least_length .and. value <= most_length
   end function is_length
+
+  !> All lengths of a map in metres in another unit.
+  pure subroutine change_unit(map, unit)
+    type(height_map), intent(inout) :: map  !! its unit is metres
+    integer, intent(in) :: unit             !! which of `length_units`
+
+    map%unit = trim(length_units(unit))
+    map%spacing = map%spacing * metre_in(unit)
+    where (is_measured(map%height)) map%height = map%height * metre_in(unit)
+  end subroutine change_unit
 
   !> Allocates the heights. `failure` is allocated when there is no memory for them.
   subroutine make_room(map, failure)

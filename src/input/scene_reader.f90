@@ -9,6 +9,7 @@ module asperity_scene_reader
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_effects, only: read_effects
   use asperity_scene_fields, only: read_fields, scene_fields
+  use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
   use asperity_scene_values, only: control_limit, control_load, control_words, &
@@ -91,6 +92,7 @@ contains
       call read_limit(fields, checked)
       call read_effects(fields, checked)
       call check_states(fields, checked)
+      call check_map_scene(fields, checked)
     end if
     call problems%append(fields%problems)
     call problems%append(other_files)

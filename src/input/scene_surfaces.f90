@@ -6,6 +6,7 @@ module asperity_scene_surfaces
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: scene_fields
+  use asperity_scene_maps, only: is_map, read_maps
   use asperity_scene_values, only: scene, scene_motion, scene_surface
   use asperity_surface_csv, only: read_surface_csv, surface_table
   implicit none
@@ -74,6 +75,10 @@ contains
       call fields%complain_of('surfaces', 'lower', 'found two planes, expected one at most')
       return
     end if
+    if (names_map(path, upper) .or. names_map(path, lower)) then
+      call take_maps(path, upper, lower, fields, checked, other_files)
+      return
+    end if
     if (checked%upper%is_plane .or. checked%lower%is_plane) then
       call fields%take_pair('surfaces', 'radius', above_zero, radius)
     else
@@ -104,6 +109,45 @@ contains
                               'column, expected only where one has none')
     end if
   end subroutine read_csv_files
+
+  ! Maps of one or both surfaces; the other one is a plane.
+  subroutine take_maps(path, upper, lower, fields, checked, other_files)
+    character(len=*), intent(in) :: path
+    character(len=:), allocatable, intent(in) :: upper, lower
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    type(problem_list), intent(inout) :: other_files
+
+    checked%upper = plane_surface()
+    checked%lower = plane_surface()
+    if (names_map(path, upper)) checked%upper%file = beside(path, upper)
+    if (names_map(path, lower)) checked%lower%file = beside(path, lower)
+    call refuse_summits('upper', upper, checked%upper%file)
+    call refuse_summits('lower', lower, checked%lower%file)
+    call read_maps(checked%upper%file, checked%lower%file, fields, checked, other_files)
+
+  contains
+
+    subroutine refuse_summits(which, name, file)
+      character(len=*), intent(in) :: which, file
+      character(len=:), allocatable, intent(in) :: name
+
+      if (file == '' .and. .not. is_plane(name)) &
+        call fields%complain_of('surfaces', which, 'found no map beside a map, expected ' // &
+                                '''plane'' or a map on the same grid')
+    end subroutine refuse_summits
+
+  end subroutine take_maps
+
+  ! Whether a name is that of a height map.
+  logical function names_map(path, name)
+    character(len=*), intent(in) :: path
+    character(len=:), allocatable, intent(in) :: name
+
+    names_map = .false.
+    if (allocated(name)) names_map = name /= 'plane'
+    if (names_map) names_map = is_map(beside(path, name))
+  end function names_map
 
   ! Whether the word for a plane stands in the place of a file. A file of that name is ./plane.
   pure logical function is_plane(name)

@@ -10,12 +10,13 @@ module asperity_scene_values
                                    effect_off, effect_on, effect_words, hold_approach, &
                                    hold_load, hold_words, known_effects
   use asperity_files, only: same_name
+  use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
   implicit none
   private
 
-  public :: scene, scene_surface, scene_motion, scene_loading, scene_limit, scene_effects
+  public :: scene_map, scene, scene_surface, scene_motion, scene_loading, scene_limit, scene_effects
   public :: control_limit, control_approach, control_load, control_words
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
@@ -109,6 +110,13 @@ module asperity_scene_values
     procedure :: any_on => any_effect_on     !! whether one of them is not off
   end type scene_effects
 
+  !> Height maps in the place of surfaces: one under or over a plane, or two on the same grid.
+  type :: scene_map
+    type(height_map) :: upper      !! as it was read; without columns: there is none
+    type(height_map) :: lower      !! as it was read; without columns: there is none
+    logical :: periodic = .false.  !! they repeat themselves
+  end type scene_map
+
   !> A whole scene, resolved: defaults and the deck's own values are filled in.
   !>
   !> Placing, with A the approach (separation of the reference planes), i one asperity:
@@ -124,6 +132,8 @@ module asperity_scene_values
     type(card_deck), allocatable :: deck          !! the deck itself; not allocated without one
     type(scene_surface) :: upper                  !! the upper surface
     type(scene_surface) :: lower                  !! the lower surface
+    !> Maps in the place of the surfaces; not allocated: none. Summits are found when it is solved.
+    type(scene_map), allocatable :: map
     logical :: lower_is_mirrored = .false.        !! a deck's lower surface is
     type(decimal_value) :: lower_mirror_width     !! the deck's WIDTHL, when mirrored
     !> Combined modulus itself, in place of those of both surfaces; 0: it follows from them.

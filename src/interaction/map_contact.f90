@@ -90,7 +90,7 @@ contains
     if (.not. range > 0.0_real64) range = maxval(map%spacing)
     if (.not. present(load)) then
       if (.not. answer%level < top) then
-        allocate (answer%pressure(size(map%height, 1), size(map%height, 2)), source=0.0_real64)
+        answer%pressure = 0.0_real64 * map%height
         answer%ending = solve_ending(.true., 0.0_real64, 0)
         return
       end if

@@ -15,18 +15,21 @@ module asperity_map_patches
     real(real64) :: load = 0.0_real64              !! on it
     real(real64) :: area = 0.0_real64              !! of its samples, corrected at the rim
     real(real64) :: highest = 0.0_real64           !! of its pressures, mean over a sample
+    real(real64) :: top = -huge(1.0_real64)        !! its highest sample
     integer :: samples = 0                         !! how many
-    integer :: row = 0, column = 0                 !! of the first of them
+    integer :: across(2) = 0                       !! first and last column; beyond the end where
+    integer :: along(2) = 0                        !! it goes on there; first and last row
   end type map_patch
 
 contains
 
   !> Finds the spots, in the order of their first samples, along x first.
-  subroutine find_patches(map, periodic, pressure, patches)
+  subroutine find_patches(map, periodic, pressure, patches, spot)
     type(height_map), intent(in) :: map            !! the heights
     logical, intent(in) :: periodic                !! it repeats itself
     real(real64), intent(in) :: pressure(:, :)     !! on each
     type(map_patch), allocatable, intent(out) :: patches(:)
+    integer, allocatable, intent(out), optional :: spot(:, :)  !! of every sample; 0: none
     integer, allocatable :: label(:, :), stack(:, :)
     type(map_patch), allocatable :: larger(:)
     integer :: deep, i, j, n
@@ -43,7 +46,7 @@ contains
           call move_alloc(larger, patches)
         end if
         n = n + 1
-        patches(n) = map_patch(row=j, column=i)
+        patches(n) = map_patch(across=[i, i], along=[j, j])
         deep = 1
         stack(:, 1) = [i, j]
         label(i, j) = n
@@ -57,6 +60,7 @@ contains
     patches%y = patches%y / patches%load * map%spacing(2)
     patches%load = patches%load * product(map%spacing)
     patches%area = patches%area * product(map%spacing)
+    if (present(spot)) call move_alloc(label, spot)
 
   contains
 
@@ -76,6 +80,9 @@ contains
         patch%x = patch%x + p * (across - 1)
         patch%y = patch%y + p * (along - 1)
         patch%highest = max(patch%highest, p)
+        patch%top = max(patch%top, map%height(place(1), place(2)))
+        patch%across = [min(patch%across(1), across), max(patch%across(2), across)]
+        patch%along = [min(patch%along(1), along), max(patch%along(2), along)]
       end associate
       sides = 0
       do k = 1, 4

@@ -1,6 +1,6 @@
 !> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
 module asperity_effects_summary
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_position_lists, only: counted, percent, positions_text
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: effect_header, scene_results
@@ -99,8 +99,10 @@ contains
     end do
     if (simulated_at > 0) then
       first = maxloc(abs(influence), 1)
-      call paragraph('', 'influence ' // percent(influence(first)) // at_position(first) // &
-                     ', least ' // percent(influence(minloc(abs(influence), 1, simulated))), buffer)
+      if (all(influence > not_computed)) &
+        call paragraph('', 'influence ' // percent(influence(first)) // at_position(first) // &
+                       ', least ' // percent(influence(minloc(abs(influence), 1, simulated))), &
+                       buffer)
       first = maxloc(residual, 1)
       write (digits, '(es9.1e3)') residual(first)
       call paragraph('', 'converged everywhere, largest residual ' // trim(adjustl(digits)) // &

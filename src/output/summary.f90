@@ -7,10 +7,11 @@ module asperity_summary
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
                                        slope_row, total_area_row, total_difference_row, &
                                        total_load_row
+  use asperity_map_table, only: write_map_table
   use asperity_position_lists, only: counted, positions_listed
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: last_state, nominal_values, scene_results
-  use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene
+  use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -65,6 +66,8 @@ contains
     if (any(results%positions%overlapping_circles > 0)) &
       call buffer%line(overlap_text(results%positions%overlapping_circles))
     call write_effects(results, buffer)
+    if (allocated(results%map)) call write_map_table(results%map, &
+      .not. scene_uses_samples(results), buffer)
 
   contains
 
@@ -88,7 +91,9 @@ contains
     type(scene), intent(in) :: scene_in
     character(len=:), allocatable :: text
 
-    if (scene_in%upper%is_plane) then
+    if (allocated(scene_in%map)) then
+      text = maps_in_words(scene_in%map)
+    else if (scene_in%upper%is_plane) then
       text = 'upper plane on ' // decimal_text(size(scene_in%lower%x)) // ' lower asperities'
     else if (scene_in%lower%is_plane) then
       text = decimal_text(size(scene_in%upper%x)) // ' upper asperities on lower plane'
@@ -97,6 +102,31 @@ contains
              decimal_text(size(scene_in%lower%x)) // ' lower asperities'
     end if
   end function surfaces_in_words
+
+  ! The maps and their samples.
+  pure function maps_in_words(maps) result(text)
+    type(scene_map), intent(in) :: maps
+    character(len=:), allocatable :: text
+
+    associate (columns => max(maps%upper%columns, maps%lower%columns), &
+               rows => max(maps%upper%rows, maps%lower%rows))
+      text = decimal_text(columns) // ' x ' // decimal_text(rows) // ' samples'
+    end associate
+    if (min(maps%upper%columns, maps%lower%columns) > 0) then
+      text = 'the sum of two maps of ' // text // ' under a plane'
+    else
+      text = 'a map of ' // text // ' and a plane'
+    end if
+    if (maps%periodic) text = text // ', repeated'
+  end function maps_in_words
+
+  ! Whether the results are those of the samples of a map.
+  pure logical function scene_uses_samples(results) result(uses)
+    type(scene_results), intent(in) :: results
+
+    uses = .false.
+    if (allocated(results%effects)) uses = any(results%effects%state_columns == 'sample_area')
+  end function scene_uses_samples
 
   !> The average; a sum beyond the range of a double is not needed for it.
   pure real(real64) function average(column)

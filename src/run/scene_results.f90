@@ -1,12 +1,12 @@
 !> What a run gives: all positions of a scene. Numbers are doubles in the units of the scene.
 module asperity_scene_results
   use asperity_contact_records, only: position_result, state_row
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   implicit none
   private
 
-  public :: effect_header, scene_results, kinds_of_warnings, last_state, nominal_values, &
-            nominal_names
+  public :: effect_header, map_record, scene_results, kinds_of_warnings, last_state, &
+            nominal_values, nominal_names
 
   !> What is told over the nominal area: the vertical load, the projected area of the contacts.
   character(len=*), parameter :: nominal_names(2) = &
@@ -22,6 +22,25 @@ module asperity_scene_results
     real(real64) :: plasticity_index = -1.0_real64         !! of the surfaces; negative: not known
   end type effect_header
 
+  !> How the summits of a map compare with the map itself at the same load.
+  type :: map_record
+    integer :: summits = 0                              !! how many
+    integer :: coarser = 1                              !! samples of the map in one of those pressed
+    real(real64) :: rms_height = 0.0_real64             !! of the map
+    real(real64) :: level = 0.0_real64                  !! separation of the map
+    real(real64) :: closing = 0.0_real64                !! of the map, from its highest sample
+    real(real64) :: difference = 0.0_real64             !! separation less that, in rms heights
+    real(real64) :: uncertain = 0.0_real64              !! of that, for the coarser map
+    real(real64) :: area = not_computed                 !! of the map
+    real(real64) :: area_difference = not_computed      !! share of it
+    real(real64) :: load_difference = huge(1.0_real64)  !! at the same separation, share of the map's
+    real(real64) :: stiffness = not_computed            !! of the map: load over approach
+    real(real64) :: stiffness_difference = not_computed !! share of it
+    real(real64) :: on_edge = 0.0_real64                !! share of the load, on two rows all round
+    real(real64) :: without_summit = 0.0_real64         !! share of the load, on spots without one
+    real(real64) :: on_lines = 0.0_real64               !! share of the load, on single scan lines
+  end type map_record
+
   !> All positions of a scene.
   type :: scene_results
     type(position_result), allocatable :: positions(:)     !! in order
@@ -29,6 +48,7 @@ module asperity_scene_results
     type(effect_header), allocatable :: effects
     character(len=7) :: arithmetic = ''                    !! in which it was solved
     real(real64) :: nominal_area = 0.0_real64              !! of the surfaces in plan; 0: not given
+    type(map_record), allocatable :: map                   !! where summits stand for a map
     real(real64) :: error_bound = 0.0_real64               !! where an accuracy was asked for
   end type scene_results
 

@@ -1,16 +1,23 @@
 !> The way from a scene to its results: with its effects, in an arithmetic, or to an accuracy.
 module asperity_solve
   use asperity_accuracy_bound, only: error_bound, front_arithmetics
-  use asperity_contact_records, only: solve_method
+  use asperity_contact_records, only: solve_method, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_solver, only: make_effect_solver
   use asperity_files, only: read_whole_file, same_name
+  use asperity_height_map, only: height_map
   use asperity_kept_records, only: checksum, kept_work
+  use asperity_kinds, only: not_computed, real64
+  use asperity_map_check, only: a_little_more, hold_against_map, stiffness_between
+  use asperity_map_press_solver, only: make_map_solver, name_map_columns
+  use asperity_map_scene, only: area_of_map, join_maps, load_the_map, map_loading, summits_of_scene
+  use asperity_map_summits, only: map_summits
   use asperity_arithmetics, only: solver_in
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
-  use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: scene
+  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_values, only: combined_modulus, control_approach, effect_auto, &
+                                   effect_boundary, scene
   use asperity_sweep, only: run_sweep
   use asperity_version, only: version
   implicit none
@@ -30,6 +37,22 @@ contains
     type(run_options) :: chosen
 
     if (present(options)) chosen = options
+    if (allocated(scene_in%map)) then
+      call solve_map(scene_in, chosen, results, failure)
+    else
+      call solve_surfaces(scene_in, chosen, results, failure)
+    end if
+    if (.not. results%nominal_area > 0.0_real64) &
+      results%nominal_area = decimal_to_real64(scene_in%nominal_area)
+  end subroutine solve
+
+  ! Two surfaces of summits, or one and a plane.
+  subroutine solve_surfaces(scene_in, chosen, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: chosen
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+
     if (needs_doubles(scene_in)) then
       call solve_effects(scene_in, chosen, results, failure)
     else if (chosen%accuracy > 0) then
@@ -37,8 +60,108 @@ contains
     else
       call solve_in_arithmetic(scene_in, solve_method(), chosen, results, failure)
     end if
+  end subroutine solve_surfaces
+
+  ! A map: its summits, held against the map itself, or the samples of the map.
+  subroutine solve_map(scene_in, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    type(height_map), target :: map
+    type(map_summits) :: summits
+    type(scene) :: plain
+    type(scene_results) :: of_summits
+    integer :: mode
+
+    call join_maps(scene_in, map)
+    mode = scene_in%effects%mode('interaction')
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
-  end subroutine solve
+    if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
+    if (mode == effect_boundary) then
+      call solve_samples(scene_in, map, options, results, failure)
+      return
+    end if
+    call summits_of_scene(scene_in, map, plain, summits, failure)
+    if (allocated(failure)) return
+    call solve_surfaces(plain, options, of_summits, failure)
+    if (allocated(failure)) return
+    call check_summits(scene_in, plain, map, summits, of_summits, failure)
+    if (allocated(failure)) return
+    of_summits%nominal_area = results%nominal_area
+    if (mode == effect_auto .and. .not. is_good_enough(scene_in, of_summits)) then
+      results%map = of_summits%map
+      call solve_samples(scene_in, map, options, results, failure)
+      if (allocated(failure)) failure = 'its summits are not good enough, and its samples: ' // &
+                                        failure
+    else
+      results = of_summits
+    end if
+  end subroutine solve_map
+
+  ! The samples of a map themselves.
+  subroutine solve_samples(scene_in, map, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(height_map), intent(in), target :: map
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    class(position_solver), allocatable :: solver
+    type(map_loading) :: loading
+
+    results%arithmetic = 'real64'
+    call load_the_map(scene_in, map, loading)
+    call make_map_solver(map, scene_in%map%periodic, loading, solver)
+    allocate (results%effects)
+    call name_map_columns(scene_in%effects%mode('interaction'), results%effects)
+    results%effects%tolerance = scene_in%effects%number('tolerance')
+    call sweep(scene_in, options, solver, results, failure)
+  end subroutine solve_samples
+
+  ! What the summits cost, from the map itself: told with the results.
+  subroutine check_summits(scene_in, plain, map, summits, results, failure)
+    type(scene), intent(in) :: scene_in, plain
+    type(height_map), intent(in) :: map
+    type(map_summits), intent(in) :: summits
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    type(scene_results) :: more
+    type(scene) :: other
+    type(state_row) :: last
+    real(real64) :: stiffness
+    character(len=:), allocatable :: why
+
+    last = last_state(results%positions(1))
+    if (.not. last%vertical_load > 0.0_real64) return
+    ! The stiffness of the summits takes a second state. None: it is not told.
+    other = plain
+    other%loading = a_little_more(last)
+    call solve_surfaces(other, run_options(), more, why)
+    stiffness = not_computed
+    if (.not. allocated(why)) stiffness = stiffness_between(last, last_state(more%positions(1)))
+    allocate (results%map)
+    call hold_against_map(map, scene_in%map%periodic, combined_modulus(scene_in), summits, last, &
+                          stiffness, results%map, failure)
+    if (allocated(failure)) return
+    if (scene_in%loading%control == control_approach) then
+      results%positions(1)%error_estimate = abs(results%map%load_difference)
+    else
+      results%positions(1)%error_estimate = &
+        (abs(results%map%difference) + results%map%uncertain) * results%map%rms_height / &
+        results%map%closing
+    end if
+  end subroutine check_summits
+
+  ! Whether `auto` is content with summits: within its tolerance, area included.
+  logical function is_good_enough(scene_in, results)
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: results
+    real(real64) :: tolerance
+
+    tolerance = scene_in%effects%number('tolerance')
+    is_good_enough = results%positions(1)%error_estimate <= tolerance .and. &
+                     results%map%coarser == 1 .and. abs(results%map%area_difference) <= tolerance
+  end function is_good_enough
 
   !> Solves every position without effects, in the arithmetic of the options, by a method: the
   !> solver proper is `solve_method()`, the others serve the accuracy study.

@@ -1,0 +1,139 @@
+!> Solves a scene on the samples of its map themselves: state by state, with the spots as contacts.
+module asperity_map_press_solver
+  use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
+  use asperity_height_map, only: height_map
+  use asperity_kinds, only: int64, not_computed, real64
+  use asperity_map_contact, only: map_answer, press_map
+  use asperity_map_patches, only: find_patches, map_patch
+  use asperity_map_scene, only: map_loading
+  use asperity_position_solver, only: position_solver
+  use asperity_scene_results, only: effect_header
+  implicit none
+  private
+
+  public :: make_map_solver, name_map_columns
+
+  !> A map made ready.
+  type, extends(position_solver) :: map_press_solver
+    private
+    type(height_map), pointer :: map => null()
+    logical :: periodic = .false.
+    type(map_loading) :: loading
+  contains
+    procedure :: solve => press_to_states  !! its one position
+  end type map_press_solver
+
+contains
+
+  !> Makes a map ready to be pressed.
+  subroutine make_map_solver(map, periodic, loading, solver)
+    type(height_map), intent(in), target :: map       !! levelled; must outlive the solver
+    logical, intent(in) :: periodic                   !! it repeats itself
+    type(map_loading), intent(in) :: loading          !! how far it is pressed
+    class(position_solver), allocatable, intent(out) :: solver
+    type(map_press_solver), allocatable :: new
+
+    allocate (new)
+    new%map => map
+    new%periodic = periodic
+    new%loading = loading
+    new%positions = 1
+    new%states = size(loading%values)
+    new%work = int(map%columns, int64) * map%rows
+    call move_alloc(new, solver)
+  end subroutine make_map_solver
+
+  !> What a pressed map tells beside its contacts.
+  subroutine name_map_columns(mode, header)
+    integer, intent(in) :: mode                 !! how interaction is called for
+    type(effect_header), intent(out) :: header  !! of one effect, interaction on the samples
+
+    header%names = [character(len=11) :: 'interaction']
+    header%modes = [mode]
+    header%contact_columns = [character(len=20) :: 'samples']
+    header%state_columns = [character(len=20) :: 'samples_in_contact', 'sample_area']
+  end subroutine name_map_columns
+
+  ! Presses to one state after the other, each the start of the next.
+  subroutine press_to_states(self, m, keep_rows, result, failure)
+    class(map_press_solver), intent(in) :: self
+    integer, intent(in) :: m
+    logical, intent(in) :: keep_rows
+    type(position_result), intent(out) :: result
+    character(len=:), allocatable, intent(out) :: failure
+    type(map_answer) :: answer
+    type(map_patch), allocatable :: patches(:)
+    real(real64), allocatable :: values(:, :)
+    integer :: i
+
+    allocate (result%states(self%states), result%rows(0), values(0, 1))
+    do i = m, self%states
+      if (self%loading%by_load .and. self%loading%values(i) > 0.0_real64) then
+        call press_map(self%map, self%periodic, self%loading%modulus, answer, &
+                       self%loading%values(i))
+      else
+        answer%level = maxval(self%map%height)
+        if (.not. self%loading%by_load) answer%level = self%loading%values(i)
+        call press_map(self%map, self%periodic, self%loading%modulus, answer)
+      end if
+      if (allocated(answer%failure)) then
+        failure = answer%failure
+        return
+      end if
+      call find_patches(self%map, self%periodic, answer%pressure, patches)
+      call tell_state(self, answer, patches, keep_rows, result, i)
+      if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
+                                      [size(values) + size(patches), 1])
+    end do
+    result%state_values = [real(count(answer%pressure > 0.0_real64), real64), answer%sample_area]
+    call move_alloc(values, result%contact_values)
+    allocate (result%effects(1))
+    result%effects(1)%simulated = 'boundary'
+    result%effects(1)%why = 'on the samples of the map'
+    result%effects(1)%estimate = not_computed
+    result%effects(1)%influence = not_computed
+    result%effects(1)%ending = answer%ending
+    result%error_estimate = answer%ending%residual
+  end subroutine press_to_states
+
+  ! One state and its spots.
+  subroutine tell_state(self, answer, patches, keep_rows, result, number)
+    class(map_press_solver), intent(in) :: self
+    type(map_answer), intent(in) :: answer
+    type(map_patch), intent(in) :: patches(:)
+    logical, intent(in) :: keep_rows
+    type(position_result), intent(inout) :: result
+    integer, intent(in) :: number
+    type(contact_row) :: rows(size(patches))
+    type(state_row) :: state
+    integer :: i
+
+    state%approach = answer%level
+    state%closing = maxval(self%map%height) - answer%level
+    state%contacts = size(patches)
+    state%load = answer%load
+    state%vertical_load = answer%load
+    state%area = answer%area
+    state%projected_area = answer%area
+    if (keep_rows) then
+      do i = 1, size(patches)
+        associate (row => rows(i), patch => patches(i))
+          row%area_no = i
+          row%lower = i
+          row%x = patch%x
+          row%y = patch%y
+          row%area = patch%area
+          row%projected_area = patch%area
+          row%load = patch%load
+          row%vertical_load = patch%load
+          if (patch%area > 0.0_real64) row%average_pressure = patch%load / patch%area
+          row%maximum_pressure = patch%highest
+          row%penetration = patch%top - answer%level
+        end associate
+      end do
+      call add_rows(result, rows, state)
+    end if
+    result%states(number) = state
+  end subroutine tell_state
+
+end module asperity_map_press_solver

@@ -1,0 +1,118 @@
+!> A scene with a map, made ready: one levelled map, its summits as a surface, its loading.
+module asperity_map_scene
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_height_map, only: height_map, is_measured, no_height
+  use asperity_kinds, only: real64
+  use asperity_map_levelling, only: level_map, level_plane
+  use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
+  use asperity_scene_values, only: combined_modulus, control_approach, &
+                                   effect_auto, effect_coupled, scene
+  implicit none
+  private
+
+  public :: area_of_map, join_maps, load_the_map, map_loading, summits_of_scene
+
+  !> How far a map is pressed.
+  type :: map_loading
+    real(real64) :: modulus = 0.0_real64          !! combined
+    logical :: by_load = .true.                   !! values are loads; else levels of the flat
+    real(real64), allocatable :: values(:)        !! at least one
+  end type map_loading
+
+contains
+
+  !> The one map that a flat presses: levelled; of two, their sum.
+  subroutine join_maps(scene_in, map)
+    type(scene), intent(in) :: scene_in    !! with a map, or two on the same grid
+    type(height_map), intent(out) :: map   !! what is missing in one of them is missing
+    type(height_map) :: other
+
+    associate (maps => scene_in%map)
+      if (maps%lower%columns > 0) map = maps%lower
+      if (maps%lower%columns == 0) map = maps%upper
+      call level_map(map, level_plane)
+      if (.not. (maps%lower%columns > 0 .and. maps%upper%columns > 0)) return
+      other = maps%upper
+      call level_map(other, level_plane)
+      where (is_measured(map%height) .and. is_measured(other%height))
+        map%height = map%height + other%height
+      else where
+        map%height = no_height
+      end where
+      ! Samples may be missing in one of them only.
+      call level_map(map, level_plane)
+    end associate
+  end subroutine join_maps
+
+  !> The area that was measured.
+  pure real(real64) function area_of_map(map) result(area)
+    type(height_map), intent(in) :: map  !! any
+
+    area = product(map%spacing) * count(is_measured(map%height))
+  end function area_of_map
+
+  !> The same scene with the summits of the map as its lower surface, under a plane.
+  subroutine summits_of_scene(scene_in, map, plain, summits, failure)
+    type(scene), intent(in) :: scene_in                     !! with a map
+    type(height_map), intent(in) :: map                     !! joined
+    type(scene), intent(out) :: plain                       !! without one
+    type(map_summits), intent(out) :: summits               !! as found
+    character(len=:), allocatable, intent(out) :: failure   !! why not
+
+    call find_summits(map, rule_contact, usual_radius(rule_contact), summits, failure)
+    if (allocated(failure)) return
+    if (size(summits%x) == 0) then
+      failure = 'the map has no summit: expected interaction = ''boundary'', its samples themselves'
+      return
+    end if
+    plain = scene_in
+    deallocate (plain%map)
+    ! What `auto` would resolve of the summits' circles is less than what summits are off by.
+    if (plain%effects%mode('interaction') == effect_auto) &
+      call plain%effects%call_for('interaction', effect_coupled)
+    associate (upper => plain%upper, lower => plain%lower)
+      upper%is_plane = .true.
+      upper%x = [real(real64) ::]
+      upper%y = upper%x
+      upper%height = upper%x
+      upper%radius = upper%x
+      lower%is_plane = .false.
+      lower%x = summits%x
+      lower%y = summits%y
+      lower%height = summits%height
+      lower%radius = summits%radius
+    end associate
+  end subroutine summits_of_scene
+
+  !> The loads or levels of a scene, one after the other.
+  subroutine load_the_map(scene_in, map, loading)
+    type(scene), intent(in) :: scene_in           !! not under control of a limit
+    type(height_map), intent(in) :: map           !! joined
+    type(map_loading), intent(out) :: loading     !! how far it is pressed
+    type(decimal_value), allocatable :: ends(:)
+    real(real64) :: from, to, unit
+    integer :: i, j, parts
+
+    loading%modulus = combined_modulus(scene_in)
+    loading%by_load = scene_in%loading%control /= control_approach
+    if (allocated(scene_in%loading%path)) then
+      allocate (ends, source=scene_in%loading%path)
+    else
+      allocate (ends(1), source=scene_in%loading%value)
+    end if
+    unit = 1.0_real64
+    parts = max(1, scene_in%loading%points)
+    from = 0.0_real64
+    if (.not. loading%by_load) from = maxval(map%height)
+    allocate (loading%values(0))
+    do i = 1, size(ends)
+      to = unit * decimal_to_real64(ends(i))
+      do j = 1, parts
+        loading%values = [loading%values, from + (to - from) * j / parts]
+      end do
+      loading%values(size(loading%values)) = to
+      from = to
+    end do
+  end subroutine load_the_map
+
+end module asperity_map_scene

@@ -1,0 +1,184 @@
+"""A height map in a scene: its samples against Polonsky and Keer's method in numpy, its summits
+against the map, what the summary says of that, and what is refused."""
+
+import re
+
+import numpy as np
+import pytest
+
+from map_press_truth import press, rough
+from surfaces_csv import solve, write_scene
+
+E = 3.0
+
+
+def level(height):
+    """Less the plane of least squares."""
+    place = np.indices(height.shape).reshape(2, -1)
+    there = ~np.isnan(height.ravel())
+    columns = np.c_[place[0], place[1], np.ones(place.shape[1])]
+    plane = np.linalg.lstsq(columns[there], height.ravel()[there], rcond=None)[0]
+    return height - (columns @ plane).reshape(height.shape)
+
+
+def write_map(path, height):
+    """A matrix, one profile a line; x runs along it."""
+    path.write_text("".join(" ".join("BAD" if np.isnan(z) else repr(float(z)) for z in row) + "\n"
+                            for row in height.T))
+    return path.name
+
+
+def map_scene(folder, height, sides, name="map", upper="plane", interaction="boundary",
+              surfaces=None, **groups):
+    return write_scene(
+        folder / f"{name}.scene",
+        surfaces={"upper": upper, "lower": write_map(folder / f"{name}.txt", height),
+                  "map_spacing": sides, **(surfaces or {})},
+        material={"contact_modulus": E}, effects={"interaction": interaction}, **groups)
+
+
+def load_for(height, sides, share):
+    """What presses about a share of the area: half the rms slope times E, over the area."""
+    slope = np.gradient(height, *sides)
+    rms = np.sqrt(np.mean(slope[0] ** 2 + slope[1] ** 2))
+    return float(share * E * rms / 2 * height.size * np.prod(sides))
+
+
+def rim_area(pressed, sides, periodic):
+    """Yastrebov et al. 2017: less .118 of the sides on the rim."""
+    pad = np.pad(pressed, 1, mode="wrap" if periodic else "constant")
+    edges = ((pad[1:-1, 1:-1] & ~pad[2:, 1:-1]).sum() + (pad[1:-1, 1:-1] & ~pad[:-2, 1:-1]).sum()
+             + (pad[1:-1, 1:-1] & ~pad[1:-1, 2:]).sum() + (pad[1:-1, 1:-1] & ~pad[1:-1, :-2]).sum())
+    return (pressed.sum() - (np.pi - 1 + np.log(2)) / 24 * edges) * np.prod(sides)
+
+
+@pytest.mark.parametrize("edge", ["free", "periodic"])
+@pytest.mark.parametrize("share", [0.003, 0.05, 0.2])
+def test_samples_against_numpy(asperity, tmp_path, tally, edge, share):
+    sides = (0.01, 0.017)
+    height = 1e-3 * rough(56, 41, shortest=5, seed=11)
+    load = load_for(height, sides, share)
+    scene = map_scene(tmp_path, height, sides, surfaces={"map_edge": edge},
+                      loading={"control": "load", "value": load})
+    found = solve(asperity, scene)
+    assert found.status == 0, found.stderr
+    flat, pressure = press(level(height), sides, E, load, edge == "periodic")
+    row = found.positions[0]
+    errors = [float(row["approach"]) / flat - 1, float(row["load"]) / load - 1,
+              float(row["sample_area"]) / ((pressure > 0).sum() * np.prod(sides)) - 1,
+              float(row["area"]) / rim_area(pressure > 0, sides, edge == "periodic") - 1,
+              max(float(c["maximum_pressure"]) for c in found.contacts) / pressure.max() - 1,
+              sum(float(c["load"]) for c in found.contacts) / load - 1,
+              sum(float(c["area"]) for c in found.contacts) / float(row["area"]) - 1]
+    assert max(map(abs, errors)) < 1e-6, errors
+    tally.add("a map's samples against numpy", len(errors), len(errors))
+    # The same at the separation that was found.
+    there = map_scene(tmp_path, height, sides, name="there", surfaces={"map_edge": edge},
+                      loading={"control": "approach", "value": float(row["approach"])})
+    again = solve(asperity, there)
+    assert abs(float(again.positions[0]["load"]) / load - 1) < 1e-6
+
+
+def test_missing_samples_and_a_curve(asperity, tmp_path):
+    sides = (0.02, 0.02)
+    height = 1e-3 * rough(40, shortest=5, seed=12)
+    height[10:14, 5:8] = np.nan
+    load = load_for(np.nan_to_num(height), sides, 0.05)
+    scene = map_scene(tmp_path, height, sides, loading={"control": "load", "value": load,
+                                                        "points": 3})
+    found = solve(asperity, scene, curve=True)
+    assert found.status == 0, found.stderr
+    for k, row in enumerate(found.curve, 1):
+        flat, pressure = press(level(height), sides, E, load * k / 3)
+        assert abs(float(row["approach"]) / flat - 1) < 1e-6
+        assert not pressure[10:14, 5:8].any()
+
+
+def test_two_maps_are_their_sum(asperity, tmp_path):
+    sides = (0.02, 0.02)
+    lower, upper = (1e-3 * rough(32, shortest=4, seed=s) for s in (13, 14))
+    load = load_for(lower, sides, 0.05)
+    write_map(tmp_path / "upper.txt", upper)
+    scene = map_scene(tmp_path, lower, sides, upper="upper.txt",
+                      loading={"control": "load", "value": load})
+    found = solve(asperity, scene)
+    assert "the sum of two maps" in found.stdout
+    flat, _ = press(level(lower + upper), sides, E, load)
+    assert abs(float(found.positions[0]["approach"]) / flat - 1) < 1e-6
+
+
+def told(text, name):
+    return float(re.search(rf"{name} +([-+.\deE]+)", text.split("Summits against")[1])[1])
+
+
+@pytest.mark.parametrize("share", [0.01, 0.1])
+def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
+    """The error that is told is the error: measured here with a solver of its own."""
+    sides = (1 / 96, 1 / 96)
+    height = 1e-4 * rough(96, shortest=6, seed=15)
+    load = load_for(height, sides, share)
+    flat, pressure = press(level(height), sides, E, load)
+    area = rim_area(pressure > 0, sides, False)
+    more, _ = press(level(height), sides, E, 1.01 * load)
+    found = solve(asperity, map_scene(tmp_path, height, sides, interaction="coupled",
+                                      loading={"control": "load", "value": load}))
+    assert found.status == 0, found.stderr
+    row = found.positions[0]
+    approach = float(row["approach"])
+    rms = np.std(level(height))
+    assert abs(told(found.stdout, "separation") - (approach - flat) / rms) < 1e-3
+    assert abs(told(found.stdout, "contact area")
+               - 100 * (float(row["projected_area"]) / area - 1)) < 1e-2
+    closing = level(height).max() - flat
+    assert abs(float(row["error_estimate"]) / (abs(approach - flat) / closing) - 1) < 1e-6
+    # The stiffness: a hundredth more load.
+    again = solve(asperity, map_scene(tmp_path, height, sides, name="more", interaction="coupled",
+                                      loading={"control": "load", "value": 1.01 * load}))
+    stiffness = 0.01 * load / (approach - float(again.positions[0]["approach"]))
+    assert abs(told(found.stdout, "contact stiffness")
+               - 100 * (stiffness * (flat - more) / (0.01 * load) - 1)) < 1e-2
+    tally.add("what summits cost, against numpy", 4, 4)
+
+
+def test_auto_takes_what_is_good_enough(asperity, tmp_path):
+    sides = (1 / 64, 1 / 64)
+    height = 1e-4 * rough(64, shortest=8, seed=16)
+    loading = {"control": "load", "value": load_for(height, sides, 0.03)}
+    rough_scene = map_scene(tmp_path, height, sides, interaction="auto", loading=loading)
+    text = rough_scene.read_text().replace("'auto'", "'auto', tolerance = 0.3")
+    rough_scene.write_text(text)
+    summits = solve(asperity, rough_scene)
+    assert summits.status == 0 and summits.positions[0]["interaction"] == "coupled"
+    rough_scene.write_text(text.replace("0.3", "1e-4"))
+    samples = solve(asperity, rough_scene)
+    assert samples.positions[0]["interaction"] == "boundary"
+    assert "not good enough" in samples.stdout
+    flat, _ = press(level(height), sides, E, loading["value"])
+    assert abs(float(samples.positions[0]["approach"]) / flat - 1) < 1e-6
+    assert abs(float(summits.positions[0]["approach"]) / flat - 1) > 1e-4
+
+
+@pytest.mark.parametrize("change, said", [
+    (("map_spacing", "radius = 1., 1., map_spacing"), "radius: found beside a map"),
+    (("&material", "&motion x_first = 1. / &material"), "found beside a map"),
+    (("&material", "&tilt upper_slope = .1, .1 / &material"), "a map is levelled"),
+    (("'plane'", "'caps.csv'"), "found no map beside a map"),
+    (("'plane'", "'small.txt'"), "expected the same grid"),
+    (("control = 'load', value = 0.001", "control = 'limit'"), "have no limit"),
+    (("'boundary'", "'boundary', friction = 'on', friction_coefficient = .1"),
+     "samples of a map are elastic"),
+    ((", map_spacing = (0.1, 0.1)", ""), "spacing"),
+    (("'map.txt'", "'caps.csv'"), "found without a map"),
+])
+def test_refused(asperity, tmp_path, change, said):
+    scene = map_scene(tmp_path, rough(32, shortest=4), (0.1, 0.1),
+                      loading={"control": "load", "value": 0.001})
+    (tmp_path / "caps.csv").write_text("x,y,height,radius\n0,0,0.1,1\n")
+    write_map(tmp_path / "small.txt", rough(24, shortest=4))
+    text = scene.read_text()
+    old = change[0].replace("(", "").replace(")", "")
+    assert old in text
+    scene.write_text(text.replace(old, change[1]))
+    found = solve(asperity, scene)
+    assert found.status == 2
+    assert said in found.stderr, found.stderr
