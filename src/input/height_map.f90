@@ -9,8 +9,8 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, change_unit, length_units, no_height, is_measured, is_length, make_room, read_height, &
-            expected_length, number_text, most_samples
+  public :: height_map, change_unit, length_units, no_height, is_measured, is_length, &
+            make_room, read_height, expected_length, number_text, most_samples
 
   !> Stands for the height of a sample that was not measured.
   real(real64), parameter :: no_height = -huge(1.0_real64)

@@ -23,19 +23,17 @@ module asperity_scene_maps
 
 contains
 
-  !> Whether a file is a height map: surface data, or numbers from the first line on, where a surface
-  !> in CSV has names.
+  !> Whether a file is a height map: surface data, or numbers from the first line on, where a
+  !> surface in CSV has names.
   logical function is_map(path)
     character(len=*), intent(in) :: path  !! the file
     type(token_reader) :: file
-    character(len=magic_length) :: magic
-    integer :: got
+    character(len=:), allocatable :: magic
 
     call file%open(path)
-    call file%take(magic, got)
-    is_map = .not. allocated(file%failure) .and. got > 0
-    if (is_map) is_map = is_sdf(magic(:got)) .or. &
-                         scan(adjustl(magic(:got) // 'x'), '+-.0123456789') == 1
+    call file%take(magic_length, magic)
+    is_map = .not. allocated(file%failure)
+    if (is_map) is_map = is_sdf(magic) .or. scan(adjustl(magic), '+-.0123456789') == 1
   end function is_map
 
   !> Reads the maps that a scene names in the place of surfaces; '' is none.
@@ -64,8 +62,8 @@ contains
       if (any([maps%upper%columns, maps%upper%rows] /= [maps%lower%columns, maps%lower%rows]) .or. &
           any(abs(maps%upper%spacing / maps%lower%spacing - 1.0_real64) > 1.0e-9_real64)) &
         call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid(maps%upper) // &
-             ' and ' // grid(maps%lower) // ' samples, expected the same grid: the sum of both ' // &
-             'is pressed by a plane')
+             ' and ' // grid(maps%lower) // ' samples, expected the same grid: a plane ' // &
+             'presses the sum of both')
     end associate
 
   contains
@@ -81,8 +79,8 @@ contains
       call other_files%append(found)
       if (found%count() > 0 .or. unit == 0) return
       if (map%unit == '') then
-        call fields%complain_of('surfaces', 'map_unit', quoted(file) // ' has no unit, expected ' // &
-                                'none: its lengths are taken as they are')
+        call fields%complain_of('surfaces', 'map_unit', quoted(file) // ' has no unit, ' // &
+                                'expected none: its lengths are taken as they are')
       else
         call change_unit(map, unit)
       end if
@@ -112,14 +110,14 @@ contains
       return
     end if
     if (fields%has_group('motion')) &
-      call fields%complain_of_group('motion', 'found beside a map, expected none: a plane does ' // &
-                                    'not care where it stands, and two maps share a grid')
+      call fields%complain_of_group('motion', 'found beside a map, expected none: a plane is ' // &
+                                    'the same everywhere, and two maps share a grid')
     if (fields%has_group('tilt')) &
-      call fields%complain_of_group('tilt', 'found beside a map, expected none: a map is levelled')
+      call fields%complain_of_group('tilt', 'found beside a map, expected none: it is levelled')
     if (checked%effects%mode('interaction') /= effect_boundary) return
     if (checked%loading%control == control_limit) &
-      call fields%complain_of_group('loading', 'no control: the samples of a map have no limit, ' // &
-           'expected control = ''approach'', ''load'', ''vertical_load'' or ''pressure''')
+      call fields%complain_of_group('loading', 'no control: the samples of a map have no ' // &
+           'limit, expected control = ''approach'', ''load'', ''vertical_load'' or ''pressure''')
     if (count(checked%effects%modes /= effect_off) > 1) &
       call fields%complain_of_group('effects', 'found another effect beside interaction = ' // &
            '''boundary'', expected none: the samples of a map are elastic')

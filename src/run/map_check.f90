@@ -118,13 +118,15 @@ contains
     integer, allocatable :: spot(:, :)
     logical, allocatable :: has_summit(:)
     integer :: i, j, k
-    real(real64) :: total
+    real(real64) :: first, total
 
+    ! From the first sample to the middle of the first of those that are coarser.
+    first = 0.5_real64 * (1.0_real64 - 1.0_real64 / coarser)
     call find_patches(map, periodic, answer%pressure, patches, spot)
     allocate (has_summit(0:size(patches)), source=.false.)
     do k = 1, size(summits%x)
-      i = 1 + nint((summits%x(k) / map%spacing(1)) - 0.5_real64 * (1.0_real64 - 1.0_real64 / coarser))
-      j = 1 + nint((summits%y(k) / map%spacing(2)) - 0.5_real64 * (1.0_real64 - 1.0_real64 / coarser))
+      i = 1 + nint(summits%x(k) / map%spacing(1) - first)
+      j = 1 + nint(summits%y(k) / map%spacing(2) - first)
       has_summit(spot(min(max(i, 1), map%columns), min(max(j, 1), map%rows))) = .true.
     end do
     total = sum(patches%load)

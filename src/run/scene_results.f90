@@ -25,7 +25,7 @@ module asperity_scene_results
   !> How the summits of a map compare with the map itself at the same load.
   type :: map_record
     integer :: summits = 0                              !! how many
-    integer :: coarser = 1                              !! samples of the map in one of those pressed
+    integer :: coarser = 1                              !! samples in one of those pressed, a side
     real(real64) :: rms_height = 0.0_real64             !! of the map
     real(real64) :: level = 0.0_real64                  !! separation of the map
     real(real64) :: closing = 0.0_real64                !! of the map, from its highest sample
@@ -33,7 +33,7 @@ module asperity_scene_results
     real(real64) :: uncertain = 0.0_real64              !! of that, for the coarser map
     real(real64) :: area = not_computed                 !! of the map
     real(real64) :: area_difference = not_computed      !! share of it
-    real(real64) :: load_difference = huge(1.0_real64)  !! at the same separation, share of the map's
+    real(real64) :: load_difference = huge(1.0_real64)  !! at the same separation, share
     real(real64) :: stiffness = not_computed            !! of the map: load over approach
     real(real64) :: stiffness_difference = not_computed !! share of it
     real(real64) :: on_edge = 0.0_real64                !! share of the load, on two rows all round
@@ -48,7 +48,7 @@ module asperity_scene_results
     type(effect_header), allocatable :: effects
     character(len=7) :: arithmetic = ''                    !! in which it was solved
     real(real64) :: nominal_area = 0.0_real64              !! of the surfaces in plan; 0: not given
-    type(map_record), allocatable :: map                   !! where summits stand for a map
+    type(map_record), allocatable :: map                   !! summits for a map
     real(real64) :: error_bound = 0.0_real64               !! where an accuracy was asked for
   end type scene_results
 

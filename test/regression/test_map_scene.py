@@ -161,7 +161,7 @@ def test_auto_takes_what_is_good_enough(asperity, tmp_path):
 @pytest.mark.parametrize("change, said", [
     (("map_spacing", "radius = 1., 1., map_spacing"), "radius: found beside a map"),
     (("&material", "&motion x_first = 1. / &material"), "found beside a map"),
-    (("&material", "&tilt upper_slope = .1, .1 / &material"), "a map is levelled"),
+    (("&material", "&tilt upper_slope = .1, .1 / &material"), "it is levelled"),
     (("'plane'", "'caps.csv'"), "found no map beside a map"),
     (("'plane'", "'small.txt'"), "expected the same grid"),
     (("control = 'load', value = 0.001", "control = 'limit'"), "have no limit"),

@@ -98,7 +98,7 @@ contains
     do k = 1, 4
       answer = map_answer()
       mean = pi * 3.0_real64 * 0.02_real64 * sin(pi * 0.1_real64 * k)**2
-      call press_map(map, .true., 3.0_real64, answer, mean * n * map%spacing(1) * 4 * map%spacing(2))
+      call press_map(map, .true., 3.0_real64, answer, mean * n * 4 * product(map%spacing))
       call check(error, .not. allocated(answer%failure), 'a wave is solved')
       call check(error, abs(answer%sample_area / (0.2_real64 * k * 0.04_real64) - 1.0_real64) < &
                  2.0_real64 / n / (0.2_real64 * k) * 2, 'the width is Westergaard''s')
