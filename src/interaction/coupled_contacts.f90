@@ -13,7 +13,7 @@ module asperity_coupled_contacts
                                    plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_open, only: look_around, open_places
+  use asperity_coupled_open, only: look_around, open_places, stands_out
   use asperity_coupled_step, only: newton_step
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
@@ -51,6 +51,7 @@ module asperity_coupled_contacts
     real(real64) :: target = -1.0_real64            ! normal load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64
     integer, allocatable :: joins(:)                ! how often a pair has joined
+    logical, allocatable :: is_new(:)               ! joined since the last look, or at the start
   end type solve_state
 
   ! Residuals: asked for; accepted where rounding allows no less.
@@ -68,6 +69,10 @@ module asperity_coupled_contacts
   integer, parameter :: most_looks = 4
   ! A contact that joins once more begins with this share of its penetration.
   real(real64), parameter :: share_of_rejoined = 0.25_real64
+  ! Of two that begin together the one that stands out of the other by less than this share of its
+  ! penetration waits: contacts nearer than that have several solutions, and that with the deepest
+  ! alone in its place has the least potential.
+  real(real64), parameter :: out_at_start = 0.2_real64
   ! A penetration stays below this share of the height between centres.
   real(real64), parameter :: level = 0.999999_real64
 
@@ -90,6 +95,7 @@ contains
     call prepare(pairs, law, solution, state, target, resolved)
     if (allocated(solution%failure)) return
     call evaluate(pairs, law, solution, state, resolved)
+    call open_hidden(pairs, law, solution, state, resolved)
     looked = 1.0_real64
     before = huge(before)
     joined = 0
@@ -106,7 +112,10 @@ contains
         looked = state%residual
         if (allocated(solution%failure)) return
         if (done .and. joined == 0) exit
-        if (joined > 0) call evaluate(pairs, law, solution, state, resolved)
+        if (joined > 0) then
+          call evaluate(pairs, law, solution, state, resolved)
+          call open_hidden(pairs, law, solution, state, resolved)
+        end if
       end if
       call take_step(pairs, law, solution, state, resolved)
       solution%ending%iterations = iteration + 1
@@ -176,6 +185,7 @@ contains
     if (present(resolved)) state%gap = merge(resolved%gap, state%gap, resolved%is_one)
     state%order = [(i, i=1, n)]
     allocate (state%joins(n), source=0)
+    allocate (state%is_new(n), source=.not. allocated(solution%penetration))
     if (.not. allocated(solution%penetration)) then
       solution%penetration = solution%closing - state%gap
       allocate (solution%move_x(n), source=0.0_real64)
@@ -304,6 +314,55 @@ contains
       state%residual = state%residual / deepest
     end associate
   end subroutine evaluate
+
+  ! Of those that begin together opens the ones that are as good as hidden in another; the next look
+  ! finds where beside it they touch, if they do.
+  subroutine open_hidden(pairs, law, solution, state, resolved)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(inout) :: state
+    type(resolved_contacts), intent(in), optional :: resolved
+    logical, allocatable :: opens(:)
+    real(real64) :: over, under
+    integer :: i, j, k
+
+    if (allocated(solution%failure) .or. .not. any(state%is_new)) return
+    if (size(solution%set%x) == 0) return
+    associate (set => solution%set, p => solution%penetration)
+      allocate (opens(size(set%x)), source=.false.)
+      do k = 1, size(set%one)
+        i = set%one(k)
+        j = set%other(k)
+        if (opens(i) .or. opens(j) .or. set%still(i) .or. set%still(j)) cycle
+        if (.not. (state%is_new(set%number(i)) .and. state%is_new(set%number(j)))) cycle
+        ! The one that stands out less waits; of equals the one listed last.
+        over = out_of(host=i, one=j)
+        under = out_of(host=j, one=i)
+        opens(j) = over <= out_at_start .and. .not. under < over
+        opens(i) = under <= out_at_start .and. .not. opens(j)
+      end do
+      state%is_new = .false.
+      if (.not. any(opens)) return
+      p(pack(set%number, opens)) = -0.5_real64 * huge(p)
+    end associate
+    if (state%target > 0.0_real64) call raise(pairs, law, solution, state)
+    call evaluate(pairs, law, solution, state, resolved)
+
+  contains
+
+    real(real64) function out_of(host, one)
+      integer, intent(in) :: host, one
+
+      associate (set => solution%set)
+        out_of = stands_out(state%gap(set%number(one)), set%x(one), set%y(one), &
+                            set%curvature(one), state%gap(set%number(host)), set%x(host), &
+                            set%y(host), set%curvature(host), set%circle(host), &
+                            set%move_x(host), set%move_y(host))
+      end associate
+    end function out_of
+
+  end subroutine open_hidden
 
   ! Sets out the circles of those that carry load.
   subroutine gather(pairs, law, solution, state, resolved, same)
@@ -529,8 +588,10 @@ contains
       places%radius = pairs%list(number)%radius
       places%move_x = solution%move_x(number)
       places%move_y = solution%move_y(number)
+      places%gap = state%gap(number)
       places%lift = places%x
-      call look_around(solution%set, places, 0.1_real64 * asked * deepest, solution%failure)
+      call look_around(solution%set, state%gap(solution%set%number), places, &
+                       0.1_real64 * asked * deepest, solution%failure)
       if (allocated(solution%failure)) return
       solution%penetration(number) = solution%closing - state%gap(number) - places%lift
       solution%move_x(number) = places%move_x
@@ -546,6 +607,7 @@ contains
       ! Who has opened again had more than its place can bear.
       solution%penetration(i) = start_of_rejoined(solution%penetration(i), i)
       state%joins(i) = state%joins(i) + 1
+      state%is_new(i) = .true.
       joined = joined + 1
     end do
     if (joined > 0 .and. state%target > 0.0_real64) call raise(pairs, law, solution, state)

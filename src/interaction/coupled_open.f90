@@ -8,12 +8,13 @@ module asperity_coupled_open
   implicit none
   private
 
-  public :: open_places, look_around
+  public :: open_places, look_around, stands_out
 
   !> Open contacts: places, and what the surface does there.
   type :: open_places
     real(real64), allocatable :: x(:), y(:)            !! without shift
     real(real64), allocatable :: radius(:)             !! R
+    real(real64), allocatable :: gap(:)                !! without load
     real(real64), allocatable :: move_x(:), move_y(:)  !! the shifts: a guess, then the best
     real(real64), allocatable :: lift(:)               !! least of s**2/(2 R) + u(x + s)
   end type open_places
@@ -27,12 +28,45 @@ module asperity_coupled_open
 
   integer, parameter :: most_steps = 40, most_cuts = 40
 
+  ! A cap that stands out of a loaded circle's own surface by no more than this share of the
+  ! penetration is a part of that contact: as one of its own it would bear less than its 3/2th power
+  ! of the load, nearly all of it taken from the circle.
+  real(real64), parameter :: out_of_host = 0.02_real64
+
 contains
 
+  !> How far the surface of a pair stands out of another's, its host, within twice the host's
+  !> circle: a share of the host's penetration. 2 where it is much blunter, or does not touch first
+  !> inside the circle. Farther off the surfaces part by more than it can stand out. Paraboloids.
+  pure real(real64) function stands_out(gap, x, y, curvature, host_gap, host_x, host_y, &
+                                        host_curvature, circle, move_x, move_y) result(share)
+    real(real64), intent(in) :: gap, x, y, curvature  !! of the pair: without load; place; 1/R
+    real(real64), intent(in) :: host_gap, host_x, host_y, host_curvature  !! of the host
+    real(real64), intent(in) :: circle                !! radius of the host's circle
+    real(real64), intent(in) :: move_x, move_y        !! its centre, from `host_x`, `host_y`
+    real(real64) :: dx, dy, rho, sharper, slope
+
+    share = 2.0_real64
+    dx = host_x + move_x - x
+    dy = host_y + move_y - y
+    sharper = curvature - host_curvature
+    if (.not. (2 * sharper > -host_curvature .and. hypot(dx, dy) < circle)) return
+    ! Along its steepest line it stands out by a parabola: as far as its top, or to the end.
+    slope = hypot(curvature * dx - host_curvature * move_x, &
+                  curvature * dy - host_curvature * move_y)
+    rho = 2 * circle
+    if (sharper * rho > slope) rho = slope / sharper
+    share = (host_gap - gap + 0.5_real64 * (host_curvature * (move_x**2 + move_y**2) - &
+             curvature * (dx**2 + dy**2)) + rho * (slope - 0.5_real64 * sharper * rho)) / &
+            (circle**2 * host_curvature)
+  end function stands_out
+
   !> For each open contact the shift at which it is lowest, s**2/(2 R) + u(x + s): near neighbours
-  !> act exactly, the others by value and slope. Newton's method that only goes down.
-  subroutine look_around(set, places, accuracy, failure)
+  !> act exactly, the others by value and slope. Newton's method that only goes down. What is hidden
+  !> in a circle touches nowhere else: its `lift` is out of reach.
+  subroutine look_around(set, gap, places, accuracy, failure)
     type(circle_set), intent(in) :: set          !! loaded contacts
+    real(real64), intent(in) :: gap(:)           !! theirs, without load
     type(open_places), intent(inout) :: places   !! open contacts
     real(real64), intent(in) :: accuracy         !! of `lift`
     character(len=:), allocatable, intent(out) :: failure  !! no memory
@@ -52,11 +86,36 @@ contains
                      set%move_x, set%move_y, places%move_x, places%move_y)
     !$omp parallel do schedule(dynamic, 64) if(n > many)
     do i = 1, n
-      call settle(set, tree%near(tree%first(i):tree%first(i + 1) - 1), potential(i) / pi, &
-                  [slope_x(i), slope_y(i)] / pi, accuracy, places, i)
+      associate (near => tree%near(tree%first(i):tree%first(i + 1) - 1))
+        if (is_hidden(set, gap, near, places, i)) then
+          places%lift(i) = 0.5_real64 * huge(1.0_real64)
+        else
+          call settle(set, near, potential(i) / pi, [slope_x(i), slope_y(i)] / pi, accuracy, &
+                      places, i)
+        end if
+      end associate
     end do
     !$omp end parallel do
   end subroutine look_around
+
+  ! Whether it is a part of one of these loaded contacts.
+  pure logical function is_hidden(set, gap, near, places, i)
+    type(circle_set), intent(in) :: set
+    real(real64), intent(in) :: gap(:)
+    integer, intent(in) :: near(:), i
+    type(open_places), intent(in) :: places
+    integer :: j, k
+
+    is_hidden = .true.
+    do k = 1, size(near)
+      j = near(k)
+      if (set%still(j)) cycle
+      if (stands_out(places%gap(i), places%x(i), places%y(i), 1.0_real64 / places%radius(i), &
+                     gap(j), set%x(j), set%y(j), set%curvature(j), set%circle(j), set%move_x(j), &
+                     set%move_y(j)) <= out_of_host) return
+    end do
+    is_hidden = .false.
+  end function is_hidden
 
   ! One contact.
   subroutine settle(set, near, far_lift, far_slope, accuracy, places, i)

@@ -51,15 +51,6 @@ def hertz(radius, penetration, modulus=None):
     return 4.0 / 3.0 * (modulus or combined()) * sqrt(radius) * penetration ** 1.5
 
 
-def coincident(count):
-    """Factor of equal coupled contacts in one place.
-
-    A flat punch's mean of Hertz's displacement over the same circle is P/(2 E a) = (2/3) p: each
-    keeps p = delta/(1 + (2/3) (count - 1)) of its penetration.
-    """
-    return (1.0 + 2.0 / 3.0 * (count - 1)) ** -1.5
-
-
 # ---------------------------------------------------------------- laws
 
 def number(row, name):
@@ -167,27 +158,18 @@ def in_one_place():
     for n in (2, 5, 10):
         upper = caps([(0.0, 0.0)] * n)
         groups = approach(0.499)
-        yield EffectCase(
-            f"coincident_{n}_coupled", f"{n} equal contacts in one place: each lies on the others.",
-            upper, FLAT, {**groups, **effects(interaction=COUPLED)},
-            (factor(coincident(n), 1e-9), count(n)),
-            "By symmetry each keeps 1/(1 + 2 (n - 1)/3) of its penetration.")
-        for way in (BOUNDARY, AUTO):
+        for way in WAYS:
+            exact = 1e-9 if way == COUPLED else 2e-3
+            one = (factor(1.0 / n, exact), total(hertz(flat_radius(), 1e-3), exact))
             yield EffectCase(
                 f"coincident_{n}_{way}", f"{n} equal contacts in one place are one contact.",
-                upper, FLAT, {**groups, **effects(interaction=way)},
-                (factor(1.0 / n, 2e-3), total(hertz(flat_radius(), 1e-3), 2e-3),
-                 simulated("boundary" if way == BOUNDARY else "coupled+boundary")),
+                upper, FLAT, {**groups, **effects(interaction=way)}, (*one, count(1)),
                 "Hertz's load of one of them: 1/n of the sum.")
-        for way in WAYS:
             yield EffectCase(
                 f"as_good_as_coincident_{n}_{way}",
                 f"{n} equal contacts 1e-12 apart: their differences are all rounding.",
                 caps([(1e-12 * i, 0.0) for i in range(n)]), FLAT,
-                {**groups, **effects(interaction=way)},
-                (factor(1.0 / n, 2e-3), total(hertz(flat_radius(), 1e-3), 2e-3)) if way != COUPLED
-                else (),
-                "As for coincident contacts; coupled keeps the laws, but has several solutions.")
+                {**groups, **effects(interaction=way)}, one, "As for coincident contacts.")
     yield EffectCase(
         "as_good_as_coincident_load", "Five contacts 1e-12 apart under a load: which of them stay "
         "is open, the load is not.", *(caps([(1e-12 * i, 0.0) for i in range(5)]),
