@@ -6,7 +6,7 @@ module asperity_command_line
   use asperity_map_levelling, only: level_names, level_plane
   use asperity_map_summits, only: rule_eight, rule_names
   use asperity_height_map, only: length_units
-  use asperity_option_values, only: read_accuracy, read_count, read_spacing, &
+  use asperity_option_values, only: read_accuracy, read_count, read_seconds, read_spacing, &
                                     read_tables, read_word
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions
@@ -27,7 +27,8 @@ module asperity_command_line
   character(len=*), parameter :: solve_options(*) = [character(len=18) :: &
     '--contacts=', '--positions=', '--curve=', '--arithmetic=', '--accuracy=', '--threads=', &
     '--keep=', '--budget', '--quiet']
-  character(len=*), parameter :: accuracy_options(*) = [character(len=18) :: '--csv=', '--quiet']
+  character(len=*), parameter :: accuracy_options(*) = [character(len=18) :: &
+    '--csv=', '--seconds=', '--quiet']
   character(len=*), parameter :: generate_options(*) = [character(len=18) :: &
     '--output=', '--upper=', '--lower=', '--surface=']
   character(len=*), parameter :: study_options(*) = [character(len=18) :: &
@@ -58,6 +59,7 @@ module asperity_command_line
     logical :: budget = .false.                      !! print the error budget
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
+    real(real64) :: seconds = 0.0_real64             !! time that may be spent; 0 when not given
     integer :: rule = rule_eight                     !! what a summit is
     integer :: level = level_plane                   !! what heights of a map count from
     integer :: radius = 0                            !! rule for radii; 0: that of the rule
@@ -167,6 +169,8 @@ contains
       line%budget = .true.
     case ('--threads')
       call read_count(name, value, 4, 'a number from 1 to 9999', line%threads, problems)
+    case ('--seconds')
+      call read_seconds(value, line%seconds, problems)
     case ('--accuracy')
       call read_accuracy(value, line%accuracy, problems)
     case ('--rule')

@@ -63,6 +63,8 @@ module asperity_help
     'neighbouring contacts, and prints time and errors of each. Without a file it', &
     'takes data/thesis.deck of the current folder.', &
     '', &
+    '  --seconds S         time that may be spent (default 60); ways that take longer', &
+    '                      are left out', &
     '  --csv FILE          write the table with all digits', &
     '  --quiet             print no table']
   character(len=*), parameter :: generate_help(*) = [character(len=82) :: &

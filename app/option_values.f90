@@ -9,7 +9,7 @@ module asperity_option_values
   implicit none
   private
 
-  public :: read_accuracy, read_count, read_spacing, read_tables, read_word
+  public :: read_accuracy, read_count, read_seconds, read_spacing, read_tables, read_word
 
 contains
 
@@ -91,6 +91,21 @@ contains
                         expected_length)
     end if
   end subroutine read_spacing
+
+  !> Seconds, more than 0.
+  subroutine read_seconds(value, seconds, problems)
+    character(len=*), intent(in) :: value          !! the word
+    real(real64), intent(inout) :: seconds         !! 0 when the word is no such number
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    type(decimal_value) :: decimal
+    logical :: good
+
+    call read_numeral(value, decimal, good)
+    seconds = decimal_to_real64(decimal)
+    if (good .and. seconds > 0.0_real64 .and. seconds <= huge(seconds)) return
+    seconds = 0.0_real64
+    call problems%add('--seconds: found ' // quoted(value) // ', expected a number more than 0')
+  end subroutine read_seconds
 
   !> `none`, `all`, or positions separated by commas.
   subroutine read_tables(list, printed, problems)

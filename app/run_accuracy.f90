@@ -1,23 +1,26 @@
 !> The command `asperity accuracy [DECK or SCENE]`: the study of what accuracy costs in time.
 module asperity_run_accuracy
-  use asperity_accuracy_study, only: accuracy_row, run_accuracy_study
+  use asperity_accuracy_study, only: accuracy_row, number_of_ways, run_accuracy_study
   use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
   use asperity_card_deck, only: card_deck
   use asperity_command_line, only: command_line, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: same_name
   use asperity_kinds, only: real64
-  use asperity_model_rungs, only: model_rung, run_model_rungs
+  use asperity_model_rungs, only: model_rung, number_of_rungs, run_model_rungs
+  use asperity_progress, only: progress_line
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
   use asperity_text_buffer, only: text_buffer
+  use asperity_timing, only: time_allowance
   implicit none
   private
 
   public :: run_accuracy_command
 
-  ! Time spent on every row, s: enough for a steady median.
-  real(real64), parameter :: seconds_a_row = 0.2_real64
+  ! Time spent on every row at most, s: enough for a steady median; and what all of them may take
+  ! when the user does not say.
+  real(real64), parameter :: seconds_a_row = 0.2_real64, usual_seconds = 60.0_real64
 
 contains
 
@@ -31,6 +34,10 @@ contains
     type(model_rung), allocatable :: rungs(:)
     type(text_buffer) :: csv
     character(len=:), allocatable :: left_out
+    type(time_allowance) :: allowance
+    type(progress_line) :: progress
+    real(real64) :: seconds, least_seconds
+    integer :: ways_left_out, pieces
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) then
@@ -44,16 +51,25 @@ contains
     end if
     if (outcome%problems%count() > 0) return
     if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
-    call run_accuracy_study(scene_in, deck, seconds_a_row, rows, outcome%failure)
+    seconds = merge(line%seconds, usual_seconds, line%seconds > 0.0_real64)
+    pieces = number_of_ways(allocated(deck)) + number_of_rungs
+    least_seconds = min(seconds_a_row, seconds / (2 * pieces))
+    call allowance%begin(seconds)
+    call progress%begin(.true., 'ways of computing', pieces, 0)
+    call run_accuracy_study(scene_in, deck, least_seconds, allowance, progress, rows, &
+                            ways_left_out, outcome%failure)
     if (.not. allocated(outcome%failure)) &
-      call run_model_rungs(scene_in, seconds_a_row, rungs, left_out, outcome%failure)
+      call run_model_rungs(scene_in, least_seconds, allowance, progress, rungs, left_out, &
+                           outcome%failure)
+    call progress%finish()
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
     call write_accuracy_csv(rows, rungs, csv)
     call outcome%stage(line%output('--csv'), csv)
-    if (.not. line%quiet) call write_accuracy_table(rows, rungs, left_out, outcome%text)
+    if (.not. line%quiet) &
+      call write_accuracy_table(rows, ways_left_out, rungs, left_out, outcome%text)
   end subroutine run_accuracy_command
 
 end module asperity_run_accuracy

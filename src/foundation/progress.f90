@@ -1,7 +1,7 @@
 !> How far long work has come, as one line on standard error.
 !>
-!> Nothing is shown unless the caller wants it, standard error is a terminal and the work takes over
-!> two seconds. A line belongs to whoever does the work; its threads take turns in calling it.
+!> Nothing is shown unless the caller wants it and standard error is a terminal. How much work there is
+!> is shown at once, as its first piece may take long; how fast it goes after two seconds. A line belongs to whoever does the work; its threads take turns in calling it.
 module asperity_progress
   use, intrinsic :: iso_c_binding, only: c_int
   use asperity_files, only: standard_error, write_standard_error
@@ -48,7 +48,9 @@ contains
     self%done = before
     self%done_before = before
     self%shown = patience - pause
-    if (self%wanted) call system_clock(self%began)
+    if (.not. self%wanted) return
+    call system_clock(self%began)
+    call show(self, decimal_text(before) // ' of ' // decimal_text(number) // ' ' // what)
   end subroutine progress_begin
 
   !> One more piece is done.
@@ -72,9 +74,17 @@ contains
         self%done <= self%done_before) return
     self%shown = seconds
     line = progress_text(self%pieces, self%done, self%total, self%done_before, seconds)
+    call show(self, line)
+  end subroutine progress_reach
+
+  ! Shows a line in place of the one before.
+  subroutine show(self, line)
+    class(progress_line), intent(inout) :: self
+    character(len=*), intent(in) :: line
+
     call write_standard_error(line // repeat(' ', max(0, self%width - len(line))) // achar(13))
     self%width = len(line)
-  end subroutine progress_reach
+  end subroutine show
 
   !> Work is at its end: the line goes.
   subroutine progress_finish(self)

@@ -18,15 +18,16 @@ module asperity_accuracy_table
   integer, parameter :: shown(5) = &
     [load_error, area_error, pressure_error, approach_error, count_error]
   character(len=*), parameter :: row_format = &
-    '(a1, 1x, a10, 1x, a8, 1x, a7, 1x, a8, 1x, f13.2, f7.0, "%", f7.1, 5(2x, a16))'
+    '(a1, 1x, a10, 1x, a8, 1x, a7, 1x, a8, 1x, f13.2, f7.0, "%", f9.1, 5(2x, a16))'
   character(len=*), parameter :: rung_format = &
-    '(2x, a11, 1x, a9, 11x, f13.2, f7.0, "%", f7.1, 2x, a, 2x, a)'
+    '(2x, a11, 1x, a9, 11x, f13.2, f7.0, "%", f9.1, 2x, a, 2x, a)'
 
 contains
 
   !> One line a way of computing; the front carries a star.
-  subroutine write_accuracy_table(rows, rungs, left_out, buffer)
-    type(accuracy_row), intent(in) :: rows(:)   !! all ways
+  subroutine write_accuracy_table(rows, ways_left_out, rungs, left_out, buffer)
+    type(accuracy_row), intent(in) :: rows(:)   !! all ways that there was time for
+    integer, intent(in) :: ways_left_out        !! how many there was none for
     type(model_rung), intent(in) :: rungs(:)    !! the model's ladder
     character(len=*), intent(in) :: left_out    !! why its end is missing; empty: it is not
     type(text_buffer), intent(inout) :: buffer  !! the text
@@ -37,7 +38,7 @@ contains
                      'Reference: exact events in real128.')
     call buffer%line('* the cheapest way for its accuracy')
     call buffer%line('')
-    call buffer%line('  arithmetic way      step    overlap    us/position  spread  ratio  ' // &
+    call buffer%line('  arithmetic way      step    overlap    us/position  spread    ratio  ' // &
                      'load              area              pressure          approach' // &
                      '          contacts')
     do i = 1, size(rows)
@@ -48,6 +49,9 @@ contains
         (both(rows(i)%largest(shown(k)), rows(i)%mean(shown(k))), k = 1, size(shown))
       call buffer%line(line)
     end do
+    if (ways_left_out > 0) &
+      call buffer%line('left out: ' // decimal_text(ways_left_out) // ' ways that take longer ' // &
+                       'than --seconds allow')
     call write_rungs(rungs, minval(rows%seconds), left_out, buffer)
   end subroutine write_accuracy_table
 
@@ -68,7 +72,7 @@ contains
     call buffer%line('load together over load of the same contacts each alone, to the finest ' // &
                      'cells.')
     call buffer%line('')
-    call buffer%line('  interaction tolerance             us/position  spread  ratio  factor' // &
+    call buffer%line('  interaction tolerance             us/position  spread    ratio  factor' // &
                      '              at position')
     do i = 1, size(rungs)
       tolerance = '-'

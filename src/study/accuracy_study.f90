@@ -13,13 +13,14 @@ module asperity_accuracy_study
   use asperity_original, only: arithmetic_names, run_in_arithmetic
   use asperity_original_records, only: original_positions, original_records, original_request
   use asperity_position_solver, only: position_solver
+  use asperity_progress, only: progress_line
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_timing, only: time_solver, timing_samples
+  use asperity_timing, only: time_allowance, time_solver, timing_samples
   implicit none
   private
 
-  public :: accuracy_row, run_accuracy_study
+  public :: accuracy_row, run_accuracy_study, number_of_ways
   public :: load_error, area_error, pressure_error, approach_error, count_error
   public :: way_events, way_marching, way_original
 
@@ -63,25 +64,42 @@ module asperity_accuracy_study
 
 contains
 
+  !> How many ways there are to be measured.
+  pure integer function number_of_ways(with_original)
+    logical, intent(in) :: with_original  !! the original program is one of them
+
+    number_of_ways = size(arithmetic_names) * (2 * (1 + size(steps)) + merge(1, 0, with_original))
+  end function number_of_ways
+
   !> Runs the study. The scene is a sweep to the limit; `deck` is allocated when it came from a
   !> deck alone, and the original program can be run on it.
-  subroutine run_accuracy_study(scene_in, deck, least_seconds, rows, failure)
+  subroutine run_accuracy_study(scene_in, deck, least_seconds, allowance, progress, rows, &
+                                left_out, failure)
     type(scene), intent(in) :: scene_in                         !! checked values
     type(card_deck), allocatable, intent(in) :: deck            !! its cards, or not allocated
     real(real64), intent(in) :: least_seconds                   !! time to spend on a row, s
-    type(accuracy_row), allocatable, intent(out) :: rows(:)     !! all ways, in a fixed order
+    type(time_allowance), intent(in) :: allowance               !! time that may be spent
+    type(progress_line), intent(inout) :: progress              !! begun; a piece is a way
+    type(accuracy_row), allocatable, intent(out) :: rows(:)     !! in a fixed order
+    integer, intent(out) :: left_out                            !! ways that took too long
     character(len=:), allocatable, intent(out) :: failure       !! why it cannot be run
     type(scene_results) :: reference(size(steps)), results
     type(timing_samples) :: timing
     type(accuracy_row) :: row
     integer :: a, k, overlap
 
+    allocate (rows(0))
+    left_out = 0
     do k = 1, size(steps)
       row = accuracy_row(arithmetic='real128', way=way_events)
-      call run_row(row, scene_in, k, 0.0_real64, reference(k), timing, failure)
+      call run_row(row, scene_in, k, 0.0_real64, allowance%left(), reference(k), timing, failure)
       if (allocated(failure)) return
+      if (timing%passes() == 0) then
+        failure = 'the reference, exact events in real128, takes longer than --seconds: ' // &
+                  'expected more of them, or fewer positions'
+        return
+      end if
     end do
-    allocate (rows(0))
     do a = 1, size(arithmetic_names)
       do overlap = overlap_stable, overlap_original
         row = accuracy_row(arithmetic=arithmetic_names(a), way=way_events, overlap=overlap)
@@ -97,8 +115,12 @@ contains
       if (allocated(deck)) then
         row = accuracy_row(arithmetic=arithmetic_names(a), way=way_original, &
                            step=steps(usual_step), overlap=overlap_original)
-        call run_original_row(row, deck, reference(usual_step), least_seconds, failure)
-        if (allocated(failure)) then
+        call run_original_row(row, deck, reference(usual_step), least_seconds, &
+                              allowance%next(), failure)
+        call progress%step()
+        if (row%seconds < 0.0_real64) then
+          left_out = left_out + 1
+        else if (allocated(failure)) then
           ! The original goes astray on this deck: its row is left out, the study goes on.
           deallocate (failure)
         else
@@ -114,8 +136,13 @@ contains
     subroutine add_row(k)
       integer, intent(in) :: k
 
-      call run_row(row, scene_in, k, least_seconds, results, timing, failure)
+      call run_row(row, scene_in, k, least_seconds, allowance%next(), results, timing, failure)
       if (allocated(failure)) return
+      call progress%step()
+      if (timing%passes() == 0) then
+        left_out = left_out + 1
+        return
+      end if
       call measure(row, timing, results, reference(k))
       rows = [rows, row]
     end subroutine add_row
@@ -123,11 +150,11 @@ contains
   end subroutine run_accuracy_study
 
   !> Runs one row of the present-day kernel.
-  subroutine run_row(row, scene_in, k, least_seconds, results, timing, failure)
+  subroutine run_row(row, scene_in, k, least_seconds, most_seconds, results, timing, failure)
     type(accuracy_row), intent(in) :: row
     type(scene), intent(in) :: scene_in
     integer, intent(in) :: k
-    real(real64), intent(in) :: least_seconds
+    real(real64), intent(in) :: least_seconds, most_seconds
     type(scene_results), intent(out) :: results
     type(timing_samples), intent(out) :: timing
     character(len=:), allocatable, intent(out) :: failure
@@ -139,17 +166,19 @@ contains
     method%step = steps(k)
     call solver_in(trim(row%arithmetic), scene_in, method, solver, failure)
     if (.not. allocated(failure)) &
-      call time_solver(solver, least_seconds, results%positions, timing, failure)
+      call time_solver(solver, least_seconds, most_seconds, results%positions, timing, failure)
   end subroutine run_row
 
-  !> Runs the original program as a row: timed without its contact rows, measured with them.
-  subroutine run_original_row(row, deck, reference, least_seconds, failure)
+  !> Runs the original program as a row: timed without its contact rows, measured with them. It
+  !> is not begun without time, and has a time below 0 then.
+  subroutine run_original_row(row, deck, reference, least_seconds, most_seconds, failure)
     type(accuracy_row), intent(inout) :: row
     type(card_deck), intent(in) :: deck
     type(scene_results), intent(in) :: reference
-    real(real64), intent(in) :: least_seconds
+    real(real64), intent(in) :: least_seconds, most_seconds
     character(len=:), allocatable, intent(out) :: failure
     type(original_request) :: request
+    type(time_allowance) :: allowance
     type(original_records) :: records
     type(scene_results) :: results
     type(timing_samples) :: timing
@@ -157,7 +186,13 @@ contains
     integer :: m
 
     request%approach_step = decimal_value(1_int64, step_powers(usual_step))
+    call allowance%begin(most_seconds)
+    if (allowance%left() < 0.0_real64) then
+      row%seconds = -1.0_real64
+      return
+    end if
     do while (.not. timing%are_enough(least_seconds))
+      if (allowance%left() < 0.0_real64 .and. timing%passes() > 0) exit
       call system_clock(from, rate)
       call run_in_arithmetic(row%arithmetic, deck, request, records, failure)
       call system_clock(until)

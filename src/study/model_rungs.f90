@@ -11,21 +11,23 @@ module asperity_model_rungs
   use asperity_kinds, only: int64, real64
   use asperity_model_run, only: model_run, take_last_states, too_many_for_cells
   use asperity_position_solver, only: position_solver
+  use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, &
                                    scene, scene_effects
   use asperity_solve, only: solve
-  use asperity_timing, only: time_solver, timing_samples
+  use asperity_timing, only: time_allowance, time_solver, timing_samples
   implicit none
   private
 
-  public :: model_rung, run_model_rungs
+  public :: model_rung, run_model_rungs, number_of_rungs
 
   !> The ladder, and the tolerance of each rung: of `auto` the share of the load that it may leave
   !> out, of `boundary` what the last halving of the cells may change.
   integer, parameter :: ladder(6) = [effect_off, effect_coupled, effect_auto, effect_boundary, &
                                      effect_boundary, effect_boundary]
+  integer, parameter :: number_of_rungs = size(ladder)  !! all of them
   type(decimal_value), parameter :: tolerances(6) = &
     [decimal_value(0_int64, 0), decimal_value(0_int64, 0), decimal_value(1_int64, -2), &
      decimal_value(1_int64, -2), decimal_value(1_int64, -3), decimal_value(1_int64, -4)]
@@ -47,9 +49,11 @@ contains
 
   !> Climbs the ladder as far as it goes; `left_out` says why it ends early. The finest cells are
   !> the reference of the others, and have no error that is known.
-  subroutine run_model_rungs(scene_in, least_seconds, rungs, left_out, failure)
+  subroutine run_model_rungs(scene_in, least_seconds, allowance, progress, rungs, left_out, failure)
     type(scene), intent(in) :: scene_in                       !! checked values
     real(real64), intent(in) :: least_seconds                 !! time to spend on a rung, s
+    type(time_allowance), intent(in) :: allowance             !! time that may be spent
+    type(progress_line), intent(inout) :: progress            !! begun; a piece is a rung
     type(model_rung), allocatable, intent(out) :: rungs(:)    !! those that were reached
     character(len=:), allocatable, intent(out) :: left_out    !! why not all of them
     character(len=:), allocatable, intent(out) :: failure     !! why there is none at all
@@ -70,7 +74,10 @@ contains
     reached = 0
     do i = 1, size(ladder)
       if (ladder(i) == effect_boundary .and. left_out /= '') exit
-      call run_timed(bare, i, least_seconds, runs(i), timing, failure)
+      call run_timed(bare, i, least_seconds, 2 * allowance%next(), runs(i), timing, failure)
+      call progress%step()
+      if (.not. allocated(failure) .and. timing%passes() == 0) &
+        failure = 'the next rung takes longer than --seconds allow'
       if (allocated(failure)) then
         call move_alloc(failure, left_out)
         exit
@@ -89,10 +96,10 @@ contains
   end subroutine run_model_rungs
 
   ! One rung on the clock.
-  subroutine run_timed(bare, number, least_seconds, run, timing, failure)
+  subroutine run_timed(bare, number, least_seconds, most_seconds, run, timing, failure)
     type(scene), intent(in) :: bare
     integer, intent(in) :: number
-    real(real64), intent(in) :: least_seconds
+    real(real64), intent(in) :: least_seconds, most_seconds
     type(model_run), intent(out) :: run
     type(timing_samples), intent(out) :: timing
     character(len=:), allocatable, intent(out) :: failure
@@ -112,8 +119,8 @@ contains
       call solver_in('real64', copy, solve_method(), solver, failure)
     end if
     if (.not. allocated(failure)) &
-      call time_solver(solver, least_seconds, results%positions, timing, failure)
-    if (.not. allocated(failure)) call take_last_states(results, run)
+      call time_solver(solver, least_seconds, most_seconds, results%positions, timing, failure)
+    if (.not. allocated(failure) .and. timing%passes() > 0) call take_last_states(results, run)
   end subroutine run_timed
 
   ! Differences of the factor over all positions.

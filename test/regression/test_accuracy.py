@@ -364,6 +364,24 @@ def test_a_study_needs_a_limit(asperity, tmp_path):
     assert done.returncode == 2 and "limit" in done.stderr and done.stdout == ""
 
 
+def test_the_time_is_bounded(asperity, root, tmp_path):
+    """Ways that take longer than the time given are left out; without a reference nothing is."""
+    done = subprocess.run([asperity, "accuracy", root / "data/thesis.deck", "--seconds", "1e-6"],
+                          capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1 and done.stdout == ""
+    assert "takes longer than --seconds: expected more of them" in done.stderr
+    # Whatever there is no time for is counted, be it the reference itself in a slow build.
+    done = subprocess.run([asperity, "accuracy", root / "data/thesis.deck", "--seconds", "2.5"],
+                          capture_output=True, text=True, timeout=60)
+    assert done.returncode in (0, 1)
+    if done.returncode == 0:
+        assert "--seconds allow" in done.stdout
+    for wrong in ("0", "-1", "x", "1e400"):
+        done = subprocess.run([asperity, "accuracy", root / "data/thesis.deck", "--seconds", wrong],
+                              capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2 and "--seconds: found" in done.stderr
+
+
 def test_the_csv_is_csv(pair, tmp_path):
     _, ways, rungs = pair
     rows = ways + rungs
