@@ -1,7 +1,8 @@
 !> How far long work has come, as one line on standard error.
 !>
-!> Nothing is shown unless the caller wants it and standard error is a terminal. How much work there is
-!> is shown at once, as its first piece may take long; how fast it goes after two seconds. A line belongs to whoever does the work; its threads take turns in calling it.
+!> Nothing is shown unless the caller wants it and standard error is a terminal. How much work there
+!> is is shown at once, as its first piece may take long; how fast it goes after two seconds. A line
+!> belongs to whoever does the work; its threads take turns in calling it.
 module asperity_progress
   use, intrinsic :: iso_c_binding, only: c_int
   use asperity_files, only: standard_error, write_standard_error
