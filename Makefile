@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
-.PHONY: setup clean
+.PHONY: setup clean laws
 
 DECK ?= data/thesis.deck
 
@@ -57,6 +57,11 @@ fuzz: ## random decks, scenes and command lines (MINUTES=10); faults are kept in
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/fuzz.py --exe "$$exe" \
 	  --minutes $(or $(MINUTES),10) --keep build/fuzz
+
+laws: ## random scenes with effects, each under one law (RUNS=20000); misses in build/laws
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/metamorphic.py --exe "$$exe" \
+	  --runs $(or $(RUNS),20000) --keep build/laws
 
 setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint

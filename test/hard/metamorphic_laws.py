@@ -215,9 +215,10 @@ def law_copied(scene, exe, folder, _rng):
 
 
 def law_tighter(scene, exe, folder, _rng):
-    """What `auto` leaves out is at most the tolerance."""
+    """What `auto` leaves out is at most the tolerance. In a hold that is left out both load and
+    approach stay; in one that is not, one moves."""
     effects = scene.groups.get("effects", {})
-    if "auto" not in effects.values():
+    if "auto" not in effects.values() or effects.get("creep") == "auto":
         return None
     other = scenes.mapped(scene, lambda row: row)
     other.groups["effects"]["tolerance"] = effects["tolerance"] / 30

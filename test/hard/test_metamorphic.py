@@ -1,0 +1,68 @@
+"""A small sample of the laws, by fixed seeds; `make laws` asks them of thousands of scenes."""
+
+import random
+
+import metamorphic_laws as laws
+import metamorphic_scenes as scenes
+import pytest
+
+# Of the first seeds, so many a law.
+SAMPLE = 12
+
+
+@pytest.mark.parametrize("law", range(len(laws.LAWS)), ids=list(laws.LAWS))
+def test_law(law, asperity, tmp_path, tally):
+    asked = 0
+    for seed in range(law, SAMPLE * len(laws.LAWS), len(laws.LAWS)):
+        name, status, wrong = laws.broken(seed, asperity, tmp_path)
+        assert name == list(laws.LAWS)[law]
+        assert not wrong, (seed, wrong)
+        asked += status == 0
+    assert asked >= SAMPLE // 3
+    tally.add(f"law: {name}", asked, asked)
+
+
+def good_run(asperity, tmp_path):
+    scene = next(s for s in map(scenes.scene_of_seed, range(100))
+                 if s.groups["loading"]["control"] == "load" and s.kind == "apart"
+                 and "effects" not in s.groups)
+    run = scenes.run(asperity, scene, tmp_path)
+    laws.look(scene, run)
+    return scene, run
+
+
+@pytest.mark.parametrize("what, name, factor", [
+    ("curve", "load", 1 + 2e-6), ("contacts", "area", 1 + 1e-9), ("positions", "approach", 2),
+    ("positions", "load", float("nan"))])
+def test_a_wrong_number_is_seen(asperity, tmp_path, what, name, factor):
+    scene, run = good_run(asperity, tmp_path)
+    row = run.files[what][-1]
+    row[name] = repr(float(row[name]) * factor).replace("nan", "NaN")
+    with pytest.raises(laws.Broken):
+        laws.look(scene, run)
+
+
+def test_a_contact_beyond_its_cap_is_seen(asperity, tmp_path):
+    scene, run = good_run(asperity, tmp_path)
+    for row in run.files["positions"]:
+        row["warnings"] = "0"
+    scene.upper = [(x, y, 1e-9, radius) for x, y, _, radius in scene.upper]
+    with pytest.raises(laws.Broken):
+        laws.caps_are_kept(scene, run)
+
+
+def test_another_digit_is_seen():
+    one = scenes.Run(0, "", "", {"curve": [{"load": "1.5"}, {"load": "3.0"}]})
+    laws.same_digits(one, scenes.Run(0, "", "", {"curve": [{"load": "6.0"}, {"load": "12.0"}]}),
+                     1, 0)
+    for wrong in ("12.000000000000002", "24.0", "0.0"):
+        other = scenes.Run(0, "", "", {"curve": [{"load": "6.0"}, {"load": wrong}]})
+        with pytest.raises(laws.Broken):
+            laws.same_digits(one, other, 1, 0)
+
+
+def test_same_seed_same_scene():
+    for seed in range(50):
+        assert scenes.scene_of_seed(seed) == scenes.scene_of_seed(seed)
+        rng = random.Random(seed)
+        assert scenes.permuted(scenes.scene_of_seed(seed), rng).kind
