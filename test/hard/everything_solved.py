@@ -182,7 +182,7 @@ def load_cases():
         # A half of the loads are round: 40, 45, 50, 60 and 90 N a cap among them.
         for each in sorted({*np.arange(5, 91, 5.0), *np.round(np.geomspace(3, 88, 22), 2)}):
             yield Case(f"{count} caps, {each:g} N a cap", f"{count} caps", caps, area,
-                       {"control": "load", "value": each * count})
+                       {"control": "load", "value": float(each * count)})
 
 
 # ---------------------------------------------------------------- summits of rough surfaces

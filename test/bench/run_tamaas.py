@@ -1,0 +1,147 @@
+"""Caps under a flat at a load: asperity against tamaas on a grid, time and memory at an error.
+
+    python test/bench/run_tamaas.py [--most N] [--seconds S] [--small] [--save]
+
+tamaas (conjugate gradients of Polonsky and Keer over FFTs, free boundary) is installed by pip into
+a venv of its own, build/tamaas; where that cannot be, a sentence says so and nothing is measured.
+N caps of 1.27 cm, 26 a cm2, heights normal 0.127 +- 0.03 cm, 40 N a cap, one thread. The grid is
+refined until a solve takes more than S seconds. What the closing converges to is taken from the two
+finest grids, whose error falls with the power 3/2 of the cell, and an error is the difference from
+that over the closing.
+"""
+
+import argparse
+import csv
+import math
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+
+from run_bench import machine, release_build, save
+from whole_runs import ENVIRONMENT, Work, available_memory
+
+ROOT = Path(__file__).resolve().parents[2]
+VERSION = "tamaas==2.9.0"
+MODULUS, RATIO, RADIUS, DENSITY, EACH = 275760.0, 0.42, 1.27, 26.0, 40.0
+# Room around the caps, so that no contact is cut off by the edge of the grid.
+MARGIN = 0.25
+# Bytes a sample that it wants: its padded lattice, complex, and some fields.
+BYTES_A_SAMPLE = 250
+TOLERANCE = 1e-6
+
+
+def its_python():
+    """Of the venv that has tamaas; None where it cannot be installed."""
+    folder = ROOT / "build/tamaas"
+    python = folder / "bin/python"
+    has_it = [python, "-c", "import tamaas"]
+    if python.exists() and subprocess.run(has_it, capture_output=True, check=False).returncode == 0:
+        return python
+    for command in ([sys.executable, "-m", "venv", folder],
+                    [python, "-m", "pip", "install", "-q", VERSION]):
+        if subprocess.run(command, capture_output=True, check=False).returncode != 0:
+            return None
+    return python
+
+
+def write_caps(folder, count):
+    """The caps, and the side of the square that holds them."""
+    rng = np.random.default_rng([26, count])
+    side = math.sqrt(count / DENSITY)
+    caps = np.column_stack([MARGIN + side * rng.random((count, 2)),
+                            0.127 + 0.03 * rng.standard_normal(count), np.full(count, RADIUS)])
+    np.savetxt(folder / "caps.csv", caps, "%.17g", ",", header="x,y,height,radius", comments="")
+    return caps, side + 2 * MARGIN
+
+
+def ours(exe, folder, caps, effects):
+    """Seconds and peak memory of the whole process, and the closing past first touch."""
+    scene, positions = folder / "caps.scene", folder / "positions.csv"
+    scene.write_text(
+        "&surfaces upper = 'plane', lower = 'caps.csv' /\n"
+        f"&material elastic_modulus = 2*{MODULUS}, poisson_ratio = 2*{RATIO} /\n"
+        f"&loading control = 'load', value = {EACH * len(caps)} /\n"
+        f"&effects {effects} /\n", encoding="ascii")
+    work = Work(exe, "solve", scene, "--quiet", "--threads", "1", "--positions", positions)
+    work.run()
+    with open(positions, encoding="ascii", newline="") as rows:
+        row = next(csv.DictReader(rows))
+    return work.least, work.peak(), caps[:, 2].max() - float(row["approach"]), row["contacts"]
+
+
+def theirs(python, folder, caps, side, samples):
+    """Seconds of the solve alone, peak memory of the process, and the closing."""
+    combined = MODULUS / (2 * (1 - RATIO ** 2))
+    words = map(repr, (samples, side, combined, EACH * len(caps), TOLERANCE))
+    done = subprocess.run([python, ROOT / "test/bench/tamaas_solve.py", folder / "caps.csv",
+                           *words], env=ENVIRONMENT, capture_output=True, text=True, check=True)
+    return tuple(map(float, done.stdout.split()))
+
+
+def table(exe, python, count, seconds):
+    """The lines of one number of caps."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        caps, side = write_caps(folder, count)
+        ways = {way: ours(exe, folder, caps, effects) for way, effects in (
+            ("coupled", "interaction = 'coupled'"),
+            ("auto 0.01", "interaction = 'auto', tolerance = 0.01"),
+            ("auto 0.001", "interaction = 'auto', tolerance = 0.001"))}
+        grids, samples = {}, 2 ** round(math.log2(side / 0.1))
+        while len(grids) < 2 or list(grids.values())[-1][0] < seconds:
+            if samples ** 2 * BYTES_A_SAMPLE > available_memory():
+                break
+            grids[samples] = theirs(python, folder, caps, side, samples)
+            samples *= 2
+    if len(grids) < 2:
+        yield f"{count} caps: no two grids within time and memory"
+        return
+    coarse, fine = [closing for *_, closing in grids.values()][-2:]
+    limit = fine + (fine - coarse) / (2 ** 1.5 - 1)
+    yield (f"{count} caps, {ways['coupled'][3]} contacts, closing {limit:.6f} cm, the finest grid "
+           f"{abs(fine / limit - 1):.1e} from it")
+    yield f"  {'':<26}{'s':>9}{'MB':>9}{'error':>10}"
+    for way, (spent, peak, closing, _) in ways.items():
+        yield row(f"asperity, {way}", spent, peak, closing / limit - 1)
+    for samples, (spent, peak, closing) in grids.items():
+        yield row(f"tamaas, {samples} x {samples}", spent, peak, closing / limit - 1)
+
+
+def row(name, spent, peak, error):
+    return f"  {name:<26}{spent:>9.3f}{peak / 1e6:>9.1f}{error:>10.1e}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--most", type=float, default=1e5, help="caps at most (default 1e5)")
+    parser.add_argument("--seconds", type=float, default=60.0,
+                        help="a solve of tamaas above this is the last (default 60)")
+    parser.add_argument("--small", action="store_true", help="to see that it runs")
+    parser.add_argument("--save", action="store_true", help="also to reference_output/bench")
+    options = parser.parse_args()
+
+    python = its_python()
+    if python is None:
+        print(f"{VERSION} cannot be installed here: the comparison on a grid is left out")
+        return
+    exe, flags = release_build()
+    blocks = ["\n".join([*machine(flags), f"peer      {VERSION}, tolerance {TOLERANCE:g}"])]
+    print(blocks[0])
+    counts = [300] if options.small else [c for c in (1000, 3000, 10_000, 100_000)
+                                          if c <= options.most]
+    for count in counts:
+        blocks.append("\n".join(table(exe, python, count, 0.0 if options.small else
+                                      options.seconds)))
+        print("\n" + blocks[-1], flush=True)
+    if options.save:
+        save("tamaas.txt", "\n\n".join(blocks) + "\n")
+
+
+if __name__ == "__main__":
+    main()
