@@ -21,8 +21,9 @@ module asperity_kernel_real128
   use asperity_problems, only: decimal_text
   use asperity_root_bracket_real128, only: guess_root, narrow_bracket, root_bracket
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
-                                   criterion_greenwood_williamson, criterion_hardy, &
-                                   criterion_load, criterion_none, criterion_pressure, scene, &
+                                   control_pressure, criterion_greenwood_williamson, &
+                                   criterion_hardy, criterion_load, criterion_none, &
+                                   criterion_pressure, is_load, is_vertical_load, scene, &
                                    scene_limit, scene_surface
   use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact, &
                                     set_theory_limits, theory_limits

@@ -12,11 +12,11 @@ module asperity_scene_reader
   use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
-  use asperity_scene_values, only: control_limit, control_load, control_words, &
+  use asperity_scene_values, only: control_limit, control_pressure, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
-                                   criterion_words, effect_off, scene, scene_loading, &
-                                   scene_motion, scene_surface
+                                   criterion_words, effect_off, is_load, scene, &
+                                   scene_loading, scene_motion, scene_surface
   implicit none
   private
 
@@ -234,6 +234,10 @@ contains
       if (loading%control == 0) return
       call need(fields, 'loading', 'value', loading%control /= control_limit, &
                 'control = ''' // trim(control_words(loading%control)) // '''')
+      if (loading%control == control_pressure .and. &
+          .not. checked%nominal_area%digits > 0_int64) &
+        call fields%complain_of('loading', 'control', 'a pressure needs an area: found no ' // &
+                                'nominal_area in &surfaces, expected one')
     end associate
   end subroutine read_loading
 
@@ -246,7 +250,7 @@ contains
     number = fields%value_count('loading', 'value')
     if (number <= 1 .or. loading%control == control_limit) then
       call fields%take_number('loading', 'value', &
-           merge(above_zero, any_number, loading%control == control_load), loading%value)
+           merge(above_zero, any_number, is_load(loading%control)), loading%value)
     else if (number > most_values) then
       call fields%complain_of('loading', 'value', 'too many values: found ' // &
                               decimal_text(number) // ', expected at most ' // &
@@ -254,9 +258,9 @@ contains
     else
       allocate (loading%path(number))
       call fields%take_numbers('loading', 'value', &
-           merge(not_negative, any_number, loading%control == control_load), loading%path)
+           merge(not_negative, any_number, is_load(loading%control)), loading%path)
       loading%value = deepest(loading%path, loading%control)
-      if (loading%control == control_load .and. loading%value%digits == 0_int64) &
+      if (is_load(loading%control) .and. loading%value%digits == 0_int64) &
         call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
     end if
   end subroutine read_path
@@ -269,7 +273,7 @@ contains
     real(real64) :: numbers(size(path))
 
     numbers = decimal_to_real64(path)
-    if (control == control_load) numbers = -numbers
+    if (is_load(control)) numbers = -numbers
     value = path(minloc(numbers, 1))
   end function deepest
 

@@ -17,7 +17,8 @@ module asperity_scene_values
   private
 
   public :: scene_map, scene, scene_surface, scene_motion, scene_loading, scene_limit, scene_effects
-  public :: control_limit, control_approach, control_load, control_words
+  public :: control_limit, control_approach, control_load, control_vertical_load, &
+            control_pressure, control_words, is_load, is_vertical_load
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
   public :: hold_load, hold_approach, hold_words
@@ -28,11 +29,15 @@ module asperity_scene_values
   integer, parameter :: control_limit = 1
   !> Closing ends at a given separation of the reference planes.
   integer, parameter :: control_approach = 2
-  !> Closing ends at a given total load.
+  !> Closing ends at a given sum of the forces normal to the contacts.
   integer, parameter :: control_load = 3
+  !> Closing ends at a given sum of their vertical parts: what a dead weight brings.
+  integer, parameter :: control_vertical_load = 4
+  !> Closing ends at a given vertical load over the nominal area.
+  integer, parameter :: control_pressure = 5
   !> The words of a scene for them.
-  character(len=*), parameter :: control_words(3) = &
-    [character(len=8) :: 'limit', 'approach', 'load']
+  character(len=*), parameter :: control_words(5) = &
+    [character(len=13) :: 'limit', 'approach', 'load', 'vertical_load', 'pressure']
 
   !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
   integer, parameter :: criterion_none = 0
@@ -80,10 +85,10 @@ module asperity_scene_values
 
   !> How far the surfaces close.
   type :: scene_loading
-    integer :: control = control_limit  !! `control_limit`, `control_approach` or `control_load`
-    !> Separation or load at the end, or the deepest of the path; unused for the limit.
+    integer :: control = control_limit  !! one of the `control_` numbers
+    !> Separation, load or pressure at the end, or the deepest of the path; unused for the limit.
     type(decimal_value) :: value
-    !> Separations or loads, one after the other, up and down; allocated when there are several.
+    !> Separations, loads or pressures, one after the other, up and down; allocated when there are several.
     type(decimal_value), allocatable :: path(:)
     integer :: points = 0               !! states on the way; 0 or 1 is the end state only
   end type scene_loading
@@ -189,6 +194,20 @@ contains
 
     any_effect_on = any(effects%modes /= effect_off)
   end function any_effect_on
+
+  !> Whether a control asks for a load, one way or another.
+  elemental logical function is_load(control)
+    integer, intent(in) :: control  !! one of the `control_` numbers
+
+    is_load = any(control == [control_load, control_vertical_load, control_pressure])
+  end function is_load
+
+  !> Whether the load that a control asks for is the vertical one.
+  elemental logical function is_vertical_load(control)
+    integer, intent(in) :: control  !! one of the `control_` numbers
+
+    is_vertical_load = any(control == [control_vertical_load, control_pressure])
+  end function is_vertical_load
 
   !> Whether the scene is a bare deck: the sweep that the original program computes.
   pure logical function is_thesis_sweep(scene_in)
