@@ -48,6 +48,7 @@ module asperity_contact_pairs
     real(real64) :: closing = 0.0_real64            !! where independent elastic contacts end
     type(theory_limits) :: limits                   !! what contacts are held against
     real(real64) :: target = 0.0_real64             !! load to reach, in modulus times length**2
+    logical :: vertical = .false.                   !! loads asked for are of the vertical parts
     real(real64) :: x_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
   end type contact_pairs

@@ -9,6 +9,7 @@ module asperity_contact_records
   private
 
   public :: contact_row, effect_record, position_result, solve_method, state_row
+  public :: asked_nothing, asked_normal, asked_vertical
   public :: by_events, by_marching, overlap_stable, overlap_original
   public :: add_rows, are_finite, cut_rows, most_rows, room_of_a_state
 
@@ -27,6 +28,13 @@ module asperity_contact_records
   integer, parameter :: overlap_stable = 1
   !> Overlap as RU + RL - SQRT(d**2 + z**2), as the original computes it.
   integer, parameter :: overlap_original = 2
+
+  !> A state ends at no load.
+  integer, parameter :: asked_nothing = 0
+  !> A state ends at a sum of the normal forces.
+  integer, parameter :: asked_normal = 1
+  !> A state ends at a sum of their vertical parts.
+  integer, parameter :: asked_vertical = 2
 
   !> How to compute: the solver proper is `solve_method()`; the rest serves the accuracy study.
   type :: solve_method
@@ -65,6 +73,8 @@ module asperity_contact_records
     real(real64) :: vertical_load = 0.0_real64   !! sum of their vertical parts
     real(real64) :: area = 0.0_real64            !! sum of the areas
     real(real64) :: projected_area = 0.0_real64  !! sum of the projected areas
+    integer :: asked = asked_nothing             !! which load was asked for
+    real(real64) :: load_asked = 0.0_real64      !! how much of it
     integer :: first_row = 1                     !! its contacts are rows(first_row ...
     integer :: last_row = 0                      !! ... last_row) of the position
   end type state_row

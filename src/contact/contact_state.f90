@@ -6,7 +6,7 @@ module asperity_contact_state
   implicit none
   private
 
-  public :: contact_state, start_state, answer_all, total_load, total_vertical_load
+  public :: contact_state, start_state, answer_all, total_load, total_vertical_load, load_asked_for
 
   !> All contacts at one closing, in the units of their pairs.
   type :: contact_state
@@ -60,5 +60,17 @@ contains
 
     total_vertical_load = sum(state%answers%vertical_load)
   end function total_vertical_load
+
+  !> The total that a load asked for is of.
+  pure real(real64) function load_asked_for(pairs, state)
+    type(contact_pairs), intent(in) :: pairs  !! the position
+    type(contact_state), intent(in) :: state  !! the contacts
+
+    if (pairs%vertical) then
+      load_asked_for = total_vertical_load(state)
+    else
+      load_asked_for = total_load(state)
+    end if
+  end function load_asked_for
 
 end module asperity_contact_state

@@ -3,7 +3,8 @@
 !> The present-day solver's kernel in IEEE arithmetic of kind real64.
 module asperity_kernel_real64
   use asperity_cell_reach, only: margin_of_arithmetic, squared_reach
-  use asperity_contact_records, only: add_rows, by_events, by_marching, contact_row, &
+  use asperity_contact_records, only: add_rows, asked_normal, asked_vertical, by_events, &
+                                      by_marching, contact_row, &
                                       cut_rows, most_rows, overlap_stable, position_result, &
                                       solve_method, state_row
   use asperity_contact_pairs, only: contact_pairs, least_exponent
@@ -18,7 +19,7 @@ module asperity_kernel_real64
                                          surface_points
   use asperity_pair_search_row, only: build_row, first_from, summit_row
   use asperity_position_solver, only: position_solver
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
                                    control_pressure, criterion_greenwood_williamson, &

@@ -2,7 +2,7 @@
 !> the effects.
 module asperity_position_solver
   use asperity_contact_records, only: position_result
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: int64, real64
   implicit none
   private
 
@@ -13,6 +13,11 @@ module asperity_position_solver
     integer :: positions = 0              !! of the scene
     integer :: states = 1                 !! of a position, as far as that is known
     integer(int64) :: work = 0_int64      !! asperities that a position looks at, at most
+    !> How near a load asked for is met; numbers of few digits are no nearer.
+    real(real64) :: load_precision = 1.0e-6_real64
+    !> Normal forces and vertical load are told when they differ by more than this share; huge:
+    !> never.
+    real(real64) :: loads_differ = huge(1.0_real64)
   contains
     procedure(solve_one), deferred :: solve  !! one position
   end type position_solver

@@ -9,7 +9,7 @@ module asperity_theory_warnings
 
   public :: theory_warning, warning_kind, warning_kinds, warn, take_worse
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
-            of_creep_strain, of_relaxing, of_together
+            of_creep_strain, of_relaxing, of_together, of_load_direction
 
   !> Contact radius over the radius of the smaller sphere.
   integer, parameter :: of_contact_radius = 1
@@ -31,6 +31,9 @@ module asperity_theory_warnings
   integer, parameter :: of_relaxing = 9
   !> Estimated share of an effect that has no common theory with another one.
   integer, parameter :: of_together = 10
+
+  !> Difference of the sum of the normal forces and the vertical load.
+  integer, parameter :: of_load_direction = 11
 
   !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`.
   type :: warning_kind
@@ -77,7 +80,10 @@ module asperity_theory_warnings
     warning_kind('not_together', 0.0_real64, .true., &
       'two effects have no common theory and one is left out', &
       'is the estimated share of the one left out', &
-      'choose one of them by ''off'' and ''on''')]
+      'choose one of them by ''off'' and ''on'''), &
+    warning_kind('load_direction', 0.0_real64, .true., &
+      'the load is not the vertical load', 'is what they differ by', &
+      'use control = ''vertical_load'' for a dead weight, or read vertical_load')]
 
   !> One kind of warning at one position.
   type :: theory_warning

@@ -7,7 +7,8 @@
 !> `estimate` and `apply` must be written for each; the other procedures have a default, which does
 !> nothing. An effect that remembers overrides `begin` and `keep`; one that acts while load or
 !> approach is held sets `acts_in_time` and overrides `held_share`; one whose columns depend on what
-!> later effects do, `finish`; one that knows a short way to a load, `closing_at_load`.
+!> later effects do, `finish`; one that knows a short way to a load, `closing_at_load`; one that
+!> attracts, `letting_go`.
 module asperity_contact_effect
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
@@ -61,6 +62,7 @@ module asperity_contact_effect
     procedure :: finish           !! tells its columns anew, after all effects
     procedure :: held_share       !! what it leaves of a load that is held
     procedure :: closing_at_load  !! where a load is reached
+    procedure :: letting_go       !! where contacts part that were held by attraction
     procedure, non_overridable :: call_as  !! name, mode and tolerance
   end type contact_effect
 
@@ -178,5 +180,17 @@ contains
       if (allocated(found) .or. allocated(failure)) return
     end associate
   end subroutine closing_at_load
+
+  !> Closings below which a contact parts that attraction holds, one for each that may pull; the
+  !> load jumps there. Here: nothing attracts.
+  subroutine letting_go(self, pairs, closings)
+    class(contact_effect), intent(in) :: self                 !! the effect
+    type(contact_pairs), intent(in) :: pairs                  !! the position
+    real(real64), allocatable, intent(out) :: closings(:)     !! none, or one for each pair
+
+    associate (unused => self, unused_too => pairs)
+    end associate
+    allocate (closings(0))
+  end subroutine letting_go
 
 end module asperity_contact_effect

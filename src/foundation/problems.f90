@@ -1,11 +1,12 @@
 !> Problems found in a file or a command line: values that are carried to the edge of the program.
 module asperity_problems
+  use asperity_kinds, only: real64
   use asperity_printable, only: printable
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
-  public :: problem_list, decimal_text
+  public :: problem_list, decimal_text, real_text
 
   ! So many problems of a file are written out, the rest is counted: enough for any file that a
   ! person wrote, and no flood from one that is not of this kind at all.
@@ -126,5 +127,15 @@ contains
     write (digits, '(i0)') value
     text = trim(digits)
   end function decimal_text
+
+  !> A number as text of seven digits, without blanks.
+  pure function real_text(value) result(text)
+    real(real64), intent(in) :: value      !! any number
+    character(len=:), allocatable :: text  !! as `1.234567E+005`
+    character(len=16) :: digits
+
+    write (digits, '(es16.6e3)') value
+    text = trim(adjustl(digits))
+  end function real_text
 
 end module asperity_problems

@@ -6,7 +6,8 @@ module asperity_scene_effects
   use asperity_kinds, only: int64, real64
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_approach, criterion_none, effect_auto, effect_off, &
-                                   effect_on, effect_words, scene, scene_effects
+                                   effect_on, effect_words, is_load, scene, scene_effects, &
+                                   scene_loading
   implicit none
   private
 
@@ -36,6 +37,7 @@ contains
         call fields%complain_of('effects', 'friction', 'friction is computed for surfaces ' // &
                                 'that close without going back: found a path in &loading ' // &
                                 'that does, expected friction = ''off''')
+      if (effects%mode('adhesion') == effect_off) call refuse_pulls(fields, checked%loading)
       call check_together(fields, effects%modes)
       if (checked%contact_modulus%digits > 0_int64) call refuse_combined(fields, effects%modes)
     end associate
@@ -118,6 +120,20 @@ contains
 
     is_there = effects%numbers(findloc(effect_numbers%name, name, 1))%digits /= 0_int64
   end function is_there
+
+  ! Only surfaces that attract each other bear a load of 0 or less by itself.
+  subroutine refuse_pulls(fields, loading)
+    type(scene_fields), intent(inout) :: fields
+    type(scene_loading), intent(in) :: loading
+    logical :: bad
+
+    if (.not. is_load(loading%control) .or. .not. fields%has('loading', 'value')) return
+    bad = loading%value%digits <= 0_int64
+    if (allocated(loading%path)) bad = bad .or. any(loading%path%digits < 0_int64)
+    if (bad .and. fields%has('effects', 'adhesion')) &
+      call fields%complain_of('loading', 'value', 'a load of 0 or less needs adhesion: found ' // &
+                              'adhesion = ''off'', expected loads above 0, or ''on'' or ''auto''')
+  end subroutine refuse_pulls
 
   ! A combined modulus says nothing of the two bodies that it stands for.
   subroutine refuse_combined(fields, modes)

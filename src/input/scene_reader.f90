@@ -241,16 +241,19 @@ contains
     end associate
   end subroutine read_loading
 
-  !> One value, or several to go to one after the other. A load may go back to zero.
+  !> One value, or several to go to one after the other. A load may go back to zero, and below where
+  !> surfaces attract each other: `read_effects` sees to it that they do.
   subroutine read_path(fields, loading)
     type(scene_fields), intent(inout) :: fields
     type(scene_loading), intent(inout) :: loading
     integer :: number
+    logical :: pulls
 
+    pulls = fields%has('effects', 'adhesion')
     number = fields%value_count('loading', 'value')
     if (number <= 1 .or. loading%control == control_limit) then
       call fields%take_number('loading', 'value', &
-           merge(above_zero, any_number, is_load(loading%control)), loading%value)
+           merge(above_zero, any_number, is_load(loading%control) .and. .not. pulls), loading%value)
     else if (number > most_values) then
       call fields%complain_of('loading', 'value', 'too many values: found ' // &
                               decimal_text(number) // ', expected at most ' // &
@@ -258,9 +261,10 @@ contains
     else
       allocate (loading%path(number))
       call fields%take_numbers('loading', 'value', &
-           merge(not_negative, any_number, is_load(loading%control)), loading%path)
+           merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls), &
+           loading%path)
       loading%value = deepest(loading%path, loading%control)
-      if (is_load(loading%control) .and. loading%value%digits == 0_int64) &
+      if (is_load(loading%control) .and. .not. pulls .and. loading%value%digits == 0_int64) &
         call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
     end if
   end subroutine read_path

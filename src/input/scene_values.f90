@@ -88,7 +88,8 @@ module asperity_scene_values
     integer :: control = control_limit  !! one of the `control_` numbers
     !> Separation, load or pressure at the end, or the deepest of the path; unused for the limit.
     type(decimal_value) :: value
-    !> Separations, loads or pressures, one after the other, up and down; allocated when there are several.
+    !> Separations, loads or pressures, one after the other, up and down; allocated when there are
+    !> several.
     type(decimal_value), allocatable :: path(:)
     integer :: points = 0               !! states on the way; 0 or 1 is the end state only
   end type scene_loading

@@ -12,10 +12,11 @@ module asperity_coupled_contacts
   use asperity_circle_field, only: circle_set, find_field, inclination, many, &
                                    plant_circles
   use asperity_contact_law, only: contact_law, contact_response
-  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_coupled_open, only: look_around, open_places, stands_out
   use asperity_coupled_step, only: newton_step
   use asperity_kinds, only: real64
+  use asperity_problems, only: real_text
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
@@ -48,7 +49,7 @@ module asperity_coupled_contacts
     real(real64), allocatable :: along(:)           ! the step's change of p, by pair
     real(real64), allocatable :: off(:)             ! gradient by load, by circle
     real(real64), allocatable :: off_x(:), off_y(:) ! gradient by shift over load, by circle
-    real(real64) :: target = -1.0_real64            ! normal load over modulus; below 0: not asked
+    real(real64) :: target = -1.0_real64            ! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64
     integer, allocatable :: joins(:)                ! how often a pair has joined
     logical, allocatable :: is_new(:)               ! joined since the last look, or at the start
@@ -78,7 +79,8 @@ module asperity_coupled_contacts
 
 contains
 
-  !> Solves at a given closing, or, where `target` is present, at a sum of the normal loads.
+  !> Solves at a given closing, or, where `target` is present, at a sum of the normal loads, or of
+  !> the vertical ones, as the pairs have it.
   subroutine solve_coupled(pairs, law, solution, target, resolved)
     type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
     class(contact_law), intent(in) :: law              !! of each contact
@@ -124,13 +126,14 @@ contains
     solution%ending%converged = state%residual <= accepted .and. joined == 0
     if (solution%closing > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
-    if (.not. normal_load(pairs, law, solution) >= (1.0_real64 - accepted) * target) &
-      solution%failure = 'the load is more than the surfaces can bear before the centres of two ' &
-                         // 'asperities are level'
+    before = load_borne(pairs, law, solution)
+    if (.not. before >= (1.0_real64 - accepted) * target) solution%failure = &
+      'the load is more than the surfaces can bear before the centres of two asperities are ' // &
+      'level: ' // real_text(in_scene_units(pairs, before, 1, 2)) // ' at most'
   end subroutine solve_coupled
 
-  ! Sum of the loads along the normals.
-  real(real64) function normal_load(pairs, law, solution) result(total)
+  ! Sum of the loads along the normals, or of the vertical ones.
+  real(real64) function load_borne(pairs, law, solution) result(total)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     type(coupled_solution), intent(in) :: solution
@@ -143,9 +146,9 @@ contains
         call law%respond(pairs%list(i), i, min(solution%penetration(i), &
                                                level * pairs%list(i)%zc), answer)
       end associate
-      total = total + answer%load
+      total = total + merge(answer%vertical_load, answer%load, pairs%vertical)
     end do
-  end function normal_load
+  end function load_borne
 
   !> Takes the penetrations as they are: finds their circles and field, and the gaps of resolved
   !> contacts with which the equations hold for them.
@@ -251,8 +254,8 @@ contains
         i = state%order(k)
         if (.not. solution%penetration(i) + by > 0.0_real64) cycle
         call law%respond(pairs%list(i), i, solution%penetration(i) + by, response)
-        total = total + response%load
-        slope = slope + response%stiffness / response%cosine
+        total = total + merge(response%vertical_load, response%load, pairs%vertical)
+        slope = slope + response%stiffness / merge(1.0_real64, response%cosine, pairs%vertical)
       end do
       total = total / pairs%modulus
       slope = slope / pairs%modulus

@@ -5,7 +5,7 @@ module asperity_effect_path
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kernel_real64, only: closings_on_the_way
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: control_load, hold_load, scene
+  use asperity_scene_values, only: control_pressure, hold_load, is_load, scene
   use asperity_viscoelastic_solid, only: hold_times
   implicit none
   private
@@ -23,6 +23,8 @@ module asperity_effect_path
     integer :: kind = to_closing       !! `to_closing`, `to_load`, `stay` or `as_before`
     real(real64) :: value = 0.0_real64 !! the closing or the load, in the unit of the pairs
     real(real64) :: time = 0.0_real64  !! since the end of loading
+    !> The load asked for, in the unit of the pairs; huge: none. Of `as_before` it is the one held.
+    real(real64) :: load = huge(1.0_real64)
   end type path_step
 
 contains
@@ -43,11 +45,12 @@ contains
       call closings_on_the_way(scene_in%loading%points, gaps, closing, closings)
       allocate (steps(size(closings)))
       steps%value = closings
+      if (is_load(scene_in%loading%control)) steps(size(steps))%load = pairs%target
       return
     end if
     parts = max(1, scene_in%loading%points)
     allocate (steps(1 + parts * size(scene_in%loading%path)))
-    if (scene_in%loading%control == control_load) steps%kind = to_load
+    if (is_load(scene_in%loading%control)) steps%kind = to_load
     used = 1
     from = 0.0_real64
     do i = 1, size(scene_in%loading%path)
@@ -59,6 +62,7 @@ contains
       steps(used)%value = to
       from = to
     end do
+    if (is_load(scene_in%loading%control)) steps%load = steps%value
     ! The curve begins at first touch.
     if (parts == 1) steps = steps(2:)
   end subroutine plan_states
@@ -84,7 +88,10 @@ contains
     type(contact_pairs), intent(in) :: pairs
     type(decimal_value), intent(in) :: value
 
-    if (scene_in%loading%control == control_load) then
+    if (scene_in%loading%control == control_pressure) then
+      value_of = scale(decimal_to_real64(value), -4 * pairs%modulus_power) * &
+                 scale(decimal_to_real64(scene_in%nominal_area), -8 * pairs%length_power)
+    else if (is_load(scene_in%loading%control)) then
       value_of = scale(decimal_to_real64(value), &
                        -4 * (pairs%modulus_power + 2 * pairs%length_power))
     else

@@ -2,15 +2,16 @@
 module asperity_effect_position
   use asperity_closing_at_load, only: close_to_load
   use asperity_contact_effect, only: effect_box, effect_outcome
-  use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_records, only: most_rows, position_result
-  use asperity_contact_state, only: contact_state, start_state, total_load
+  use asperity_contact_pairs, only: contact_pairs, in_scene_units
+  use asperity_contact_records, only: asked_normal, asked_vertical, most_rows, &
+                                      position_result
+  use asperity_contact_state, only: contact_state, load_asked_for, start_state
   use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, to_closing, to_load
   use asperity_effect_rows, only: add_state
   use asperity_effect_sequence, only: first_failure, simulate
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: control_load, effect_auto, scene
+  use asperity_scene_values, only: effect_auto, is_load, scene
   implicit none
   private
 
@@ -33,6 +34,7 @@ contains
     type(path_step), allocatable :: steps(:), hold(:)
     type(contact_state) :: state
     type(effect_outcome), allocatable :: outcomes(:)
+    logical, allocatable :: called_for(:)
     real(real64) :: closing
     integer :: i
 
@@ -44,8 +46,9 @@ contains
       call effects(i)%effect%begin(pairs)
     end do
     closing = pairs%closing
-    if (scene_in%loading%control == control_load .and. .not. simulated) then
-      call close_to_load(pairs, effects, pairs%target, closing, state, outcomes, failure)
+    if (is_load(scene_in%loading%control) .and. .not. simulated) then
+      call close_to_load(pairs, effects, pairs%target, 0.0_real64, closing, state, outcomes, &
+                         called_for, failure)
       if (allocated(failure)) return
     end if
     call plan_states(scene_in, pairs, closing, steps)
@@ -53,13 +56,13 @@ contains
     if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, hold)
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
-    call walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, simulated, &
-              too_far, failure)
+    call walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, called_for, &
+              simulated, too_far, failure)
   end subroutine run_position
 
   ! Goes from state to state. A state that is known already, from the search for a load, is not
   ! simulated again.
-  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, &
+  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, called_for, &
                   simulated, too_far, failure)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
@@ -69,30 +72,40 @@ contains
     type(position_result), intent(inout) :: result
     type(contact_state), intent(inout) :: state
     type(effect_outcome), allocatable, intent(inout) :: outcomes(:)
+    logical, allocatable, intent(inout) :: called_for(:)
     logical, intent(inout) :: simulated
     logical, intent(out) :: too_far
     character(len=:), allocatable, intent(out) :: failure
-    real(real64) :: closing, held
+    real(real64) :: asked, closing, held
     integer :: e, i
 
     closing = 0.0_real64
     held = 0.0_real64
     too_far = .false.
     do i = 1, size(steps)
+      asked = steps(i)%load
       select case (steps(i)%kind)
       case (to_closing)
         closing = steps(i)%value
       case (to_load)
-        call close_to_load(pairs, effects, steps(i)%value, closing, state, outcomes, failure)
+        call close_to_load(pairs, effects, asked, 0.0_real64, closing, state, outcomes, &
+                           called_for, failure)
       case (as_before)
-        call close_to_load(pairs, effects, held / share_held(effects, steps(i)%time), closing, &
-                           state, outcomes, failure)
+        asked = held
+        call close_to_load(pairs, effects, held, steps(i)%time, closing, state, outcomes, &
+                           called_for, failure)
       case default  ! stay
       end select
       too_far = closing > pairs%complete_to
       if (allocated(failure) .or. too_far) return
-      if (.not. is_known(state, outcomes, effects, closing, steps(i)%time)) &
-        call simulate(pairs, effects, closing, steps(i)%time, state, outcomes)
+      if (.not. is_known(state, outcomes, effects, closing, steps(i)%time)) then
+        if (asked < huge(asked)) then
+          call simulate(pairs, effects, closing, steps(i)%time, state, outcomes, &
+                        called_for=called_for)
+        else
+          call simulate(pairs, effects, closing, steps(i)%time, state, outcomes)
+        end if
+      end if
       call first_failure(effects, outcomes, failure)
       if (allocated(failure)) return
       simulated = simulated .or. any(outcomes%simulated /= 'off')
@@ -100,15 +113,19 @@ contains
         call effects(e)%effect%keep(pairs, state)
       end do
       call add_state(scene_in, pairs, effects, state, outcomes, i, keep_rows, result)
+      if (asked < huge(asked)) then
+        result%states(i)%asked = merge(asked_vertical, asked_normal, pairs%vertical)
+        result%states(i)%load_asked = in_scene_units(pairs, asked, 1, 2)
+      end if
       ! What follows may remember this state and answer otherwise.
       if (allocated(outcomes)) deallocate (outcomes)
-      if (steps(i)%kind /= as_before) held = total_load(state)
+      if (steps(i)%kind /= as_before) held = load_asked_for(pairs, state)
       if (result%rows_used > most_rows) exit
     end do
   end subroutine walk
 
-  ! Whether a state is that of a closing and time, with all effects. The search for a load leaves
-  ! out those that act in time.
+  ! Whether a state is that of a closing and time, with all effects. The search for a load while
+  ! loading leaves out those that act in time.
   pure logical function is_known(state, outcomes, effects, closing, time)
     type(contact_state), intent(in) :: state
     type(effect_outcome), allocatable, intent(in) :: outcomes(:)
@@ -116,9 +133,11 @@ contains
     real(real64), intent(in) :: closing, time
     integer :: i
 
-    is_known = allocated(outcomes) .and. .not. time > 0.0_real64
+    is_known = allocated(outcomes)
+    if (is_known .and. time > 0.0_real64) is_known = .not. abs(state%time - time) > 0.0_real64
     do i = 1, size(effects)
-      is_known = is_known .and. .not. effects(i)%effect%acts_in_time
+      if (.not. time > 0.0_real64) &
+        is_known = is_known .and. .not. effects(i)%effect%acts_in_time
     end do
     if (is_known) is_known = .not. abs(state%closing - closing) > 0.0_real64
   end function is_known
@@ -142,17 +161,5 @@ contains
       end associate
     end do
   end function acts_in_time
-
-  ! What is left of a held load at a time, over the load of the same closing while loading.
-  real(real64) function share_held(effects, time) result(share)
-    type(effect_box), intent(in) :: effects(:)
-    real(real64), intent(in) :: time
-    integer :: i
-
-    share = 1.0_real64
-    do i = 1, size(effects)
-      share = share * effects(i)%effect%held_share(time)
-    end do
-  end function share_held
 
 end module asperity_effect_position

@@ -15,7 +15,8 @@ module asperity_effect_sequence
 contains
 
   !> The contacts at a closing with the effects called for.
-  subroutine simulate(pairs, effects, closing, time, state, outcomes, loading_only, found)
+  subroutine simulate(pairs, effects, closing, time, state, outcomes, loading_only, found, &
+                      called_for)
     type(contact_pairs), intent(in) :: pairs                        !! the position
     type(effect_box), intent(in) :: effects(:)                      !! in the order they act
     real(real64), intent(in) :: closing                             !! past first touch
@@ -26,6 +27,8 @@ contains
     logical, intent(in), optional :: loading_only
     !> what a search for the closing has found (pair, quantity)
     real(real64), intent(in), optional :: found(:, :)
+    !> of `auto`, what is simulated whatever its estimate is, and what is not
+    logical, intent(in), optional :: called_for(:)
     real(real64) :: before
     logical :: without_time
     integer :: i
@@ -42,8 +45,13 @@ contains
         before = total_vertical_load(state)
         if (effect%mode == effect_auto) then
           outcome%estimate = effect%estimate(pairs, state)
-          if (.not. outcome%estimate > effect%tolerance) cycle
-          outcome%why = 'estimate above tolerance'
+          if (present(called_for)) then
+            if (.not. called_for(i)) cycle
+            outcome%why = 'estimate at tolerance'
+          else
+            if (.not. outcome%estimate > effect%tolerance) cycle
+            outcome%why = 'estimate above tolerance'
+          end if
         end if
         call effect%apply(pairs, state, outcome)
         if (allocated(outcome%failure)) return

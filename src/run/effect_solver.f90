@@ -54,6 +54,7 @@ contains
     call place_scene(scene_in, new%placed, failure)
     if (allocated(failure)) return
     new%positions = new%placed%positions
+    new%loads_differ = new%placed%loads_differ
     ! Effects take long: a few positions are worth a thread each.
     new%work = huge(new%work)
     call move_alloc(new, solver)

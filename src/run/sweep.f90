@@ -9,6 +9,7 @@ module asperity_sweep
   use asperity_images, only: image_number
   use asperity_kept_records, only: kept_work
   use asperity_kinds, only: int64
+  use asperity_loads_met, only: check_loads, compare_loads
   use asperity_position_packet, only: pack_position, unpack_position
   use asperity_position_solver, only: position_solver
   use asperity_problems, only: decimal_text
@@ -133,6 +134,10 @@ contains
     if (.not. allocated(failure)) then
       if (.not. are_finite(position)) &
         failure = 'a result is beyond the range of a double, expected other units'
+    end if
+    if (.not. allocated(failure)) then
+      call check_loads(position, solver%load_precision, failure)
+      call compare_loads(position, solver%loads_differ)
     end if
     if (watch%work%packed .and. .not. allocated(failure)) call pack_position(position, words)
     !$omp critical (asperity_positions)

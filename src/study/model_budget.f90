@@ -10,7 +10,7 @@ module asperity_model_budget
   use asperity_numeral, only: rounded_decimal
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: control_approach, control_load, effect_boundary, effect_off, &
+  use asperity_scene_values, only: control_approach, effect_boundary, effect_off, is_load, &
                                    scene
   implicit none
   private
@@ -69,7 +69,7 @@ contains
     if (allocated(model%why_not)) return
     if (model%interaction == effect_boundary) then
       call cells_themselves(scene_in, results, model)
-    else if (scene_in%loading%control == control_load) then
+    else if (is_load(scene_in%loading%control)) then
       call compare_at_load(scene_in, doubles, results, model)
     else
       call compare_at_approach(scene_in, doubles, results, model)
@@ -92,7 +92,7 @@ contains
     end do
     model%known([of_load, of_vertical_load]) = share_measured
     model%known(of_approach) = share_given
-    if (scene_in%loading%control == control_load) model%known(of_approach) = share_unknown
+    if (is_load(scene_in%loading%control)) model%known(of_approach) = share_unknown
   end subroutine cells_themselves
 
   ! Where the approach is the same in both ways.

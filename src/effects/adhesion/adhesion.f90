@@ -26,6 +26,7 @@ module asperity_adhesion
     procedure :: apply
     procedure :: begin
     procedure :: keep
+    procedure :: letting_go
   end type adhesion_effect
 
 contains
@@ -124,5 +125,27 @@ contains
       self%law%adhered(i) = self%law%holds(pairs%list(i), i, state%penetration(i))
     end do
   end subroutine keep
+
+  !> Where each contact lets go: its law knows the overlap, along the line of centres.
+  subroutine letting_go(self, pairs, closings)
+    class(adhesion_effect), intent(in) :: self             !! adhesion
+    type(contact_pairs), intent(in) :: pairs               !! the position
+    real(real64), allocatable, intent(out) :: closings(:)  !! of every pair
+    real(real64) :: centres, overlap
+    integer :: i
+
+    allocate (closings(merge(size(pairs%list), 0, self%work > 0.0_real64)))
+    do i = 1, size(closings)
+      associate (pair => pairs%list(i))
+        overlap = self%law%known(i)%snap_off
+        if (.not. self%law%adhered(i)) overlap = self%law%known(i)%snap_in
+        centres = pair%s - overlap
+        ! zc - sqrt(centres**2 - d**2), without cancellation.
+        closings(i) = pair%gap + overlap * ((pair%s + centres) / (pair%zc + &
+                      sqrt((centres - pair%d) * (centres + pair%d))))
+        if (.not. pair%d > 0.0_real64) closings(i) = pair%gap + overlap
+      end associate
+    end do
+  end subroutine letting_go
 
 end module asperity_adhesion

@@ -1,0 +1,66 @@
+!> Whether every state of a position bears the load that was asked for.
+!>
+!> The driver asks, whoever solved the position: what a solver says of itself is not enough.
+module asperity_loads_met
+  use asperity_contact_records, only: asked_nothing, asked_vertical, position_result, state_row
+  use asperity_kinds, only: real64
+  use asperity_problems, only: decimal_text, real_text
+  use asperity_theory_warnings, only: of_load_direction, take_worse, theory_warning, warn
+  implicit none
+  private
+
+  public :: check_loads, compare_loads
+
+contains
+
+  !> `failure` is allocated when a load is missed by more than a share of it. No load at all is met
+  !> to that share of the largest load asked for.
+  pure subroutine check_loads(position, precision, failure)
+    type(position_result), intent(in) :: position             !! solved
+    real(real64), intent(in) :: precision                     !! share of the load
+    character(len=:), allocatable, intent(inout) :: failure   !! which load is missed
+    real(real64) :: found, largest, scale
+    integer :: i
+
+    largest = 0.0_real64
+    do i = 1, size(position%states)
+      if (position%states(i)%asked /= asked_nothing) &
+        largest = max(largest, abs(position%states(i)%load_asked))
+    end do
+    do i = 1, size(position%states)
+      associate (state => position%states(i))
+        if (state%asked == asked_nothing) cycle
+        found = merge(state%vertical_load, state%load, state%asked == asked_vertical)
+        scale = abs(state%load_asked)
+        if (.not. scale > 0.0_real64) scale = largest
+        if (abs(found - state%load_asked) <= precision * scale) cycle
+        ! Nothing but no load was asked for.
+        if (.not. scale > 0.0_real64) cycle
+        failure = 'the load of state ' // decimal_text(i) // ' is missed: asked for ' // &
+                  real_text(state%load_asked) // ', found ' // real_text(found)
+        return
+      end associate
+    end do
+  end subroutine check_loads
+
+  !> Warns where the sum of the normal forces and the vertical load differ by more than a share.
+  pure subroutine compare_loads(position, share)
+    type(position_result), intent(inout) :: position  !! solved; gets the warning
+    real(real64), intent(in) :: share                 !! of the sum of the normal forces
+    type(theory_warning), allocatable :: found(:)
+    real(real64) :: difference
+    integer :: i
+
+    do i = 1, size(position%states)
+      associate (state => position%states(i))
+        if (.not. state%load > 0.0_real64) cycle
+        difference = abs(state%load - state%vertical_load) / state%load
+        if (.not. difference > share) cycle
+        if (allocated(found)) deallocate (found)
+        call warn(found, of_load_direction, difference)
+        call take_worse(position%warnings, found, i)
+      end associate
+    end do
+  end subroutine compare_loads
+
+end module asperity_loads_met
