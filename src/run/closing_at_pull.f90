@@ -47,7 +47,7 @@ contains
   subroutine close_to_pull(pairs, effects, target, closing, state, outcomes, failure)
     type(contact_pairs), intent(in) :: pairs                !! the position
     type(effect_box), intent(in) :: effects(:)              !! of the scene
-    real(real64), intent(in) :: target                      !! less than that of the state before, or 0 or less
+    real(real64), intent(in) :: target                      !! less than that of the state before
     real(real64), intent(inout) :: closing                  !! of the state before; then there
     type(contact_state), intent(out) :: state               !! there
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did

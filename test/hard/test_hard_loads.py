@@ -198,5 +198,6 @@ def test_arithmetics(asperity, tmp_path, arithmetic, control):
     row = solve(asperity, path, "--arithmetic", arithmetic).positions[0]
     asked = 0.3 if control == "pressure" else 0.0375
     found = float(row["load" if control == "load" else "vertical_load"])
-    units = {"real64": 2.0 ** -52, "real128": 2.0 ** -52, "real32": 2.0 ** -23, "ibm370": 16.0 ** -5}
+    units = {"real64": 2.0 ** -52, "real128": 2.0 ** -52, "real32": 2.0 ** -23,
+             "ibm370": 16.0 ** -5}
     assert abs(found / asked - 1) <= 16 * units[arithmetic]

@@ -466,7 +466,8 @@ contains
     call refuse(error, deck // '|&material poisson_ratio = 0.51, 0 /', '2:27', 'at most 0.5')
     call refuse(error, deck // '|&material poisson_ratio = 0, -1 /', '2:30', 'more than -1')
     call refuse(error, deck // '|&loading control="lode" /', '2:18', &
-                'found the text ''lode'', expected ''limit'', ''approach'' or ''load''')
+                'found the text ''lode'', expected ''limit'', ''approach'', ''load'', ' // &
+                '''vertical_load'' or ''pressure''')
     call refuse(error, deck // '|&loading control=limit /', '2:18', 'found ''limit'', expected')
     call refuse(error, deck // '|&loading control="load", value=0 /', '2:32', 'more than 0')
     call refuse(error, deck // '|&loading points=-1 /', '2:17', 'a whole number from 0')
