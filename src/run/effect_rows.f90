@@ -9,7 +9,7 @@ module asperity_effect_rows
   use asperity_kinds, only: not_computed, real64
   use asperity_overlapping_circles, only: count_overlapping
   use asperity_scene_results, only: effect_header
-  use asperity_scene_values, only: control_load, criterion_load, criterion_none, scene
+  use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact
   use asperity_theory_warnings, only: take_worse, theory_warning
   implicit none
@@ -127,7 +127,7 @@ contains
 
     total = not_computed
     per_load = 1.0_real64
-    if (scene_in%loading%control == control_load) per_load = of_closing
+    if (is_load(scene_in%loading%control)) per_load = of_closing
     do i = 1, size(outcomes)
       associate (outcome => outcomes(i))
         if (outcome%simulated == 'off') then

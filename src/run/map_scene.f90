@@ -2,10 +2,11 @@
 module asperity_map_scene
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: height_map, is_measured, no_height
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_map_levelling, only: level_map, level_plane
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
-  use asperity_scene_values, only: combined_modulus, control_approach, &
+  use asperity_numeral, only: rounded_decimal
+  use asperity_scene_values, only: combined_modulus, control_approach, control_pressure, &
                                    effect_auto, effect_coupled, scene
   implicit none
   private
@@ -67,6 +68,8 @@ contains
     end if
     plain = scene_in
     deallocate (plain%map)
+    if (plain%loading%control == control_pressure .and. plain%nominal_area%digits == 0_int64) &
+      plain%nominal_area = rounded_decimal(area_of_map(map), 17)
     ! What `auto` would resolve of the summits' circles is less than what summits are off by.
     if (plain%effects%mode('interaction') == effect_auto) &
       call plain%effects%call_for('interaction', effect_coupled)
@@ -101,6 +104,10 @@ contains
       allocate (ends(1), source=scene_in%loading%value)
     end if
     unit = 1.0_real64
+    if (scene_in%loading%control == control_pressure) then
+      unit = decimal_to_real64(scene_in%nominal_area)
+      if (.not. unit > 0.0_real64) unit = area_of_map(map)
+    end if
     parts = max(1, scene_in%loading%points)
     from = 0.0_real64
     if (.not. loading%by_load) from = maxval(map%height)
