@@ -11,6 +11,7 @@ import argparse
 import json
 import multiprocessing
 import os
+import random
 import resource
 import shlex
 import sys
@@ -34,19 +35,27 @@ def prepare(place):
                        (most if memory == resource.RLIM_INFINITY else min(most, memory), memory))
 
 
+def tight_limits(seed):
+    """Little memory, and a stack that is too small for one run in two: `ulimit -v`, `-s`."""
+    rng = random.Random(f"tight {seed}")
+    return {"RLIMIT_AS": int(14e6 * 20 ** rng.random()),
+            "RLIMIT_STACK": 1024 * rng.choice([64, 256, 512, 1024, 8192, 8192])}
+
+
 def one_seed(task):
-    exe, seed, limits = task
-    status, _, wrong = run_and_check(exe, make_case(seed), **limits)
+    exe, seed, tight, limits = task
+    status, _, wrong = run_and_check(exe, make_case(seed), tight_limits(seed) if tight else None,
+                                     **limits)
     return seed, status, wrong
 
 
-def campaign(exe, seeds, processes=2, until=None, **limits):
+def campaign(exe, seeds, processes=2, until=None, tight=False, **limits):
     """Run the cases of all seeds; how many ended with which status, and the faults by seed."""
     ended, faults = Counter(), {}
     # One place, so that a campaign that is cut short leaves nothing behind.
     with tempfile.TemporaryDirectory(prefix="fuzz") as place, \
             multiprocessing.Pool(processes, prepare, (place,)) as pool:
-        tasks = ((str(exe), seed, limits) for seed in seeds)
+        tasks = ((str(exe), seed, tight, limits) for seed in seeds)
         for seed, status, wrong in pool.imap_unordered(one_seed, tasks, chunksize=16):
             ended[status] += 1
             if wrong:
@@ -76,6 +85,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=1.0, help="processor time for a run")
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     parser.add_argument("--keep", type=Path, help="folder for the cases with faults")
+    parser.add_argument("--tight", action="store_true", help="little memory and small stacks")
     parser.add_argument("--show", action="store_true", help="print each fault's command and errors")
     given = parser.parse_args()
     first = int(time.time()) * 1000 if given.seed is None else given.seed
@@ -84,7 +94,8 @@ def main():
     until = None if given.runs else time.monotonic() + 60 * given.minutes
     exe = Path(given.exe).resolve()
     begun = time.monotonic()
-    ended, faults = campaign(exe, seeds, given.processes, until, most_seconds=given.seconds)
+    ended, faults = campaign(exe, seeds, given.processes, until, given.tight,
+                             most_seconds=given.seconds)
     for seed in sorted(faults):
         case = make_case(seed)
         print(f"seed {seed} ({case.what}): {'; '.join(faults[seed])}")

@@ -4,6 +4,7 @@ import csv
 import math
 import os
 import re
+import resource
 import signal
 import subprocess
 import tempfile
@@ -25,7 +26,13 @@ def late(_signal, _frame):
     raise Late
 
 
-def run(exe, case, folder, patience=PATIENCE):
+def within(limits):
+    """What a child does first: limits of `resource`, by their names."""
+    for name, most in (limits or {}).items():
+        resource.setrlimit(getattr(resource, name), (most, most))
+
+
+def run(exe, case, folder, patience=PATIENCE, limits=None):
     """Run a case in a folder of its own: status, stdout, stderr, processor seconds, kilobytes."""
     (folder / "sub").mkdir()
     for name, data in case.files.items():
@@ -34,7 +41,7 @@ def run(exe, case, folder, patience=PATIENCE):
     with open(paths[0], "wb") as out, open(paths[1], "wb") as err:
         words = [os.fsencode(word) for word in case.arguments]
         child = subprocess.Popen([os.fsencode(exe)] + words, cwd=folder, stdin=subprocess.DEVNULL,
-                                 stdout=out, stderr=err)
+                                 stdout=out, stderr=err, preexec_fn=lambda: within(limits))
         old = signal.signal(signal.SIGALRM, late)
         signal.setitimer(signal.ITIMER_REAL, patience)
         try:
@@ -53,7 +60,8 @@ def run(exe, case, folder, patience=PATIENCE):
 
 
 CRASH = re.compile(rb"Error termination|Fortran runtime|Backtrace|Segmentation|Aborted|"
-                   rb"At line \d+ of file|Floating-point exception|IEEE_|signal [A-Z]|AddressSan")
+                   rb"At line \d+ of file|Floating-point exception|IEEE_|signal [A-Z]|AddressSan|"
+                   rb"libgomp:|fftw:|Operating system error|Error allocating")
 NOT_FINITE = re.compile(rb"(?i)(?<![a-z])(?:[-+]?nan|[-+]?inf(?:inity)?)(?![a-z])")
 
 
@@ -184,9 +192,9 @@ def check(case, folder, outcome, most_seconds=math.inf, most_kilobytes=300_000):
     return wrong
 
 
-def run_and_check(exe, case, **limits):
+def run_and_check(exe, case, tight=None, **limits):
     """Run a case in a new folder; status and all that is wrong."""
     with tempfile.TemporaryDirectory(prefix="fuzz") as name:
         folder = Path(name)
-        outcome = run(exe, case, folder)
+        outcome = run(exe, case, folder, limits=tight)
         return outcome[0], outcome[2], check(case, folder, outcome, **limits)

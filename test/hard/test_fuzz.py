@@ -62,6 +62,14 @@ def test_fuzz(part, asperity, tmp_path, tally):
     tally.add("fuzz: runs without a fault", RUNS - len(left_out), RUNS - len(left_out))
 
 
+@pytest.mark.once
+def test_fuzz_with_little(asperity, tmp_path, tally):
+    """The same with little memory and small stacks: a sentence, and no part of a file."""
+    ended = fuzz(asperity, tmp_path, "--seed", 4000, "--runs", 200, "--tight")
+    assert sum(ended.values()) == 200 and ended[1] > 50
+    tally.add("fuzz: runs with little memory without a fault", 200, 200)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("seed", LONG)
 def test_fuzz_on_many_cells(seed, asperity, tmp_path, tally):
