@@ -377,7 +377,7 @@ contains
     logical, intent(out) :: same  ! the same contacts as before
     type(contact_response), allocatable :: answer(:)
     integer, allocatable :: number(:)
-    real(real64) :: inclined
+    real(real64) :: inclined, place(2)
     integer :: i, k, n
 
     allocate (answer(size(state%order)), number(size(state%order)))
@@ -407,14 +407,14 @@ contains
       set%number = number(:n)
       do k = 1, n
         i = number(k)
-        set%x(k) = pairs%list(i)%x
-        set%y(k) = pairs%list(i)%y
+        place = [pairs%list(i)%x, pairs%list(i)%y]
         set%still(k) = .false.
         if (present(resolved)) set%still(k) = resolved%is_one(i)
-        if (set%still(k)) then
-          set%x(k) = resolved%x(i)
-          set%y(k) = resolved%y(i)
-        end if
+        if (set%still(k)) place = [resolved%x(i), resolved%y(i)]
+        ! Whoever stands elsewhere is to be planted there.
+        if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) same = .false.
+        set%x(k) = place(1)
+        set%y(k) = place(2)
         set%curvature(k) = 1.0_real64 / pairs%list(i)%radius
         set%move_x(k) = solution%move_x(i)
         set%move_y(k) = solution%move_y(i)
