@@ -32,8 +32,10 @@ module asperity_contact_effect
     character(len=20) :: text = ''            !! its name, as in the header
     integer :: modulus_power = 0              !! its unit holds the modulus to this power
     integer :: length_power = 0               !! and the length to this
-    !> What it is where `auto` left the effect out: this times the vertical load, plus ...
+    !> What it is where `auto` left the effect out: this times the vertical load, plus this times
+    !> the estimate of what the effect would change, plus ...
     real(real64) :: of_load = 0.0_real64
+    real(real64) :: of_estimate = 0.0_real64
     real(real64) :: otherwise = 0.0_real64    !! ... this
   end type column_name
 
@@ -97,16 +99,18 @@ module asperity_contact_effect
 contains
 
   !> A column: its name, its unit, and what it is where `auto` left the effect out.
-  pure type(column_name) function column(name, unit, of_load, otherwise)
+  pure type(column_name) function column(name, unit, of_load, of_estimate, otherwise)
     character(len=*), intent(in) :: name              !! as in the header
     integer, intent(in) :: unit(2)                    !! `plain`, `length`, `force` or `moment`
     real(real64), intent(in), optional :: of_load     !! times the vertical load; 0 without it
+    real(real64), intent(in), optional :: of_estimate !! times the estimate; 0 without it
     real(real64), intent(in), optional :: otherwise   !! plus this; 0 without it
 
     column%text = name
     column%modulus_power = unit(1)
     column%length_power = unit(2)
     if (present(of_load)) column%of_load = of_load
+    if (present(of_estimate)) column%of_estimate = of_estimate
     if (present(otherwise)) column%otherwise = otherwise
   end function column
 

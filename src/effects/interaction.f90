@@ -53,7 +53,8 @@ contains
       column('factor', plain, otherwise=1.0_real64), &   ! load together over load alone
       column('cells', plain), &                          ! how many
       column('resolved', plain), &                       ! contacts on cells
-      column('area_error_estimate', plain)]
+      ! left out: as much as neighbours may change
+      column('area_error_estimate', plain, of_estimate=1.0_real64)]
     allocate (effect, source=new)
   end subroutine new_interaction
 

@@ -5,11 +5,13 @@
 !> the least gap and belongs to the contact that comes deepest, of equals to the first.
 module asperity_cells_lattice
   use asperity_cells_gap, only: gap_at, gap_nowhere, gap_shape
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: cell_frame, cell_lattice, frame_of, box_of, lay_cells, cells_expected
+  public :: cell_frame, cell_lattice, frame_of, box_of, lay_cells, cells_expected, start_forces
+  public :: refine_forces
 
   ! Place of the lattice in a cluster's largest contact, in coarse cells. Any but a symmetric one:
   ! there the errors of many cells at the contact's edge are the same and add up.
@@ -142,5 +144,50 @@ contains
     end function line_of
 
   end subroutine lay_cells
+
+  !> Begins with the pressure of Hertz under every contact as if alone: 2/pi E (a/R) sqrt(1 -
+  !> (r/a)**2), and its undeformed gap is p (r**2/(2 a**2) - 1).
+  subroutine start_forces(frame, shapes, lattice)
+    type(cell_frame), intent(in) :: frame           !! of the cluster
+    type(gap_shape), intent(in) :: shapes(:)       !! the contacts
+    type(cell_lattice), intent(inout) :: lattice   !! gets its forces
+    integer :: i, j
+
+    do j = 1, size(lattice%gap, 2)
+      do i = 1, size(lattice%gap, 1)
+        if (lattice%owner(i, j) == 0) cycle
+        associate (s => shapes(lattice%owner(i, j)), gap => lattice%gap(i, j) * frame%scale)
+          lattice%force(i, j) = 2.0_real64 / pi * lattice%cell / s%contact_radius * sqrt(max( &
+            0.0_real64, -1.0_real64 - 2.0_real64 * gap / s%penetration)) * &
+            (s%penetration / frame%scale)
+        end associate
+      end do
+    end do
+  end subroutine start_forces
+
+  !> Shares the force of a cell out over its four parts. A coarse lattice covers the fine one.
+  subroutine refine_forces(coarse, fine)
+    type(cell_lattice), intent(in) :: coarse     !! solved
+    type(cell_lattice), intent(inout) :: fine    !! of half the cells; gets its forces
+    integer :: i, j
+
+    do j = 1, size(fine%gap, 2)
+      do i = 1, size(fine%gap, 1)
+        ! A quarter, and the unit is half.
+        if (fine%owner(i, j) > 0) fine%force(i, j) = 0.5_real64 * &
+          coarse%force(half(fine%left + i - 1) - coarse%left + 1, &
+                       half(fine%bottom + j - 1) - coarse%bottom + 1)
+      end do
+    end do
+
+  contains
+
+    pure integer function half(i)
+      integer, intent(in) :: i
+
+      half = (i - modulo(i, 2)) / 2
+    end function half
+
+  end subroutine refine_forces
 
 end module asperity_cells_lattice

@@ -3,13 +3,14 @@
 !> Away from overlap what is missing is ovality: the harmonics n >= 2 of the neighbours' field on
 !> the edge of a circle. The load gains E R/(2 a) (U0**2 + 1/2 sum U_n**2) to second order, and the
 !> oval contact presses its neighbours down less. Of a point load V at r the harmonics from 2 on are
-!> below B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add up to B**2/18 at most. Where
+!> below B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add up to B**2/18 at most. Beside a
+!> large circle B is 2/3 a**2 times what its field bends more along than across, if more. Where
 !> circles overlap, one of the two takes from the other at most a share of the smaller load.
 module asperity_circle_error
-  use asperity_circle_field, only: many
+  use asperity_circle_field, only: bend, many
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_contacts, only: coupled_solution
+  use asperity_coupled_contacts, only: coupled_solution, sphere_share
   use asperity_kinds, only: real64
   use asperity_source_tree, only: plant_tree, source_tree
   implicit none
@@ -21,7 +22,7 @@ module asperity_circle_error
   ! most, and all of it where one centre is nearer to the other than this share of a radius.
   real(real64), parameter :: taken = 0.25_real64, taken_inside = 1.0_real64, inside = 0.35_real64
   ! How much an oval contact presses its neighbours down less, over its own gain.
-  real(real64), parameter :: emitted = 1.2_real64
+  real(real64), parameter :: emits = 1.2_real64
   ! Share of the square of the harmonics above the second.
   real(real64), parameter :: higher = 1.0_real64 / 18
   ! Over the radius of its host, a cap that stands out by less is narrow.
@@ -33,25 +34,23 @@ contains
 
   !> Loads that the contacts may be off by, over the modulus: a bound observed, not proved. Zero
   !> where open and with nothing to tell. Elastic contacts.
-  subroutine find_errors(pairs, solution, hosts, error, emission)
+  subroutine find_errors(pairs, solution, hosts, error, emitted)
     type(contact_pairs), intent(in) :: pairs           !! the position
     type(coupled_solution), intent(in) :: solution     !! solved
     integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
     real(real64), intent(out) :: error(:)              !! of each by itself, by pair
-    !> what each circle's being oval changes at its near neighbours, in the order of the tree's list
-    real(real64), allocatable, intent(out) :: emission(:)
+    real(real64), intent(out) :: emitted(:)            !! what it changes by it at its neighbours
     type(source_tree) :: tree
     integer, allocatable :: number(:)
     integer :: i, j, k, l
 
     error = 0.0_real64
+    emitted = 0.0_real64
     hosts = 0
-    allocate (emission(size(solution%set%tree%near)))
     associate (set => solution%set)
       !$omp parallel do schedule(static) if(size(set%number) > many)
       do k = 1, size(set%number)
-        call judge_circle(pairs, solution, k, error(set%number(k)), &
-                          emission(set%tree%first(k):set%tree%first(k + 1) - 1))
+        call judge_circle(pairs, solution, k, error(set%number(k)), emitted(set%number(k)))
       end do
       !$omp end parallel do
       call open_about(pairs, solution, 1.0_real64, tree, number)
@@ -92,12 +91,12 @@ contains
   end subroutine open_about
 
   ! One circle.
-  subroutine judge_circle(pairs, solution, k, error, emission)
+  subroutine judge_circle(pairs, solution, k, error, emitted)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
-    real(real64), intent(out) :: error, emission(:)
-    real(real64) :: a, p, r, x, y, with_all, apart, overlap, shift, cut
+    real(real64), intent(out) :: error, emitted
+    real(real64) :: a, p, r, x, y, apart, overlap, shift, gone
     integer :: l, j
 
     associate (set => solution%set)
@@ -113,16 +112,18 @@ contains
         overlap = overlap + merge(taken_inside, taken, hypot(x, y) < inside * &
                                   max(a, set%circle(j))) * min(set%load(k), set%load(j))
       end do
-      call oval(.true., with_all, emission)
-      error = with_all
+      call oval(.true., error, emitted)
       if (overlap > 0.0_real64) then
-        cut = sum(emission)
-        call oval(.false., apart, emission)
-        error = min(with_all + cut, apart + sum(emission) + overlap)
-        emission = 0.0_real64
+        call oval(.false., apart, gone)
+        error = min(error + emitted, apart + gone + overlap)
+        emitted = 0.0_real64
       end if
       shift = hypot(set%move_x(k), set%move_y(k))
       if (shift > steep * a) error = error + gained(r, p, flank * shift**2 / (2 * r))
+      ! Together over alone a sphere has gained what it lost alone, by what neighbours took of p.
+      associate (pair => pairs%list(set%number(k)))
+        error = error + set%load(k) * sphere_share(pair, solution%closing - pair%gap - p)
+      end associate
     end associate
 
   contains
@@ -130,37 +131,38 @@ contains
     ! Own gain, and what the neighbours gain.
     subroutine oval(all_of_them, gain, emission)
       logical, intent(in) :: all_of_them
-      real(real64), intent(out) :: gain, emission(:)
-      real(real64) :: b, rr, cosine, sine, part_x, part_y, part, about
+      real(real64), intent(out) :: gain, emission
+      real(real64) :: about, b, rr, cosine, sine, part_x, part_y, part
 
-      associate (set => solution%set, first => solution%set%tree%first(k))
+      associate (set => solution%set, first => solution%set%tree%first)
         part_x = 0.0_real64
         part_y = 0.0_real64
         part = 0.0_real64
-        do l = 1, size(emission)
-          call harmonics(set%tree%near(first + l - 1), all_of_them, b, cosine, sine)
+        do l = first(k), first(k + 1) - 1
+          call harmonics(l, all_of_them, b, cosine, sine)
           part_x = part_x + b * cosine
           part_y = part_y + b * sine
           part = part + b
         end do
         rr = r / (4 * a)
         gain = rr * (part_x**2 + part_y**2 + higher * part**2)
-        do l = 1, size(emission)
-          call harmonics(set%tree%near(first + l - 1), all_of_them, b, cosine, sine)
-          about = solution%penetration(set%number(set%tree%near(first + l - 1)))
-          emission(l) = emitted * rr * p / about * abs(b * (cosine * part_x + sine * part_y) + &
-                                                       higher * b * part)
+        emission = 0.0_real64
+        do l = first(k), first(k + 1) - 1
+          call harmonics(l, all_of_them, b, cosine, sine)
+          about = solution%penetration(set%number(set%tree%near(l)))
+          emission = emission + emits * rr * p / about * &
+                     abs(b * (cosine * part_x + sine * part_y) + higher * b * part)
         end do
       end associate
     end subroutine oval
 
-    subroutine harmonics(j, all_of_them, b, cosine, sine)
-      integer, intent(in) :: j
+    subroutine harmonics(l, all_of_them, b, cosine, sine)
+      integer, intent(in) :: l  ! place in the list of near ones
       logical, intent(in) :: all_of_them
       real(real64), intent(out) :: b, cosine, sine
       real(real64) :: rr
 
-      associate (set => solution%set)
+      associate (set => solution%set, j => solution%set%tree%near(l))
         x = set%x(j) + set%move_x(j) - set%x(k) - set%move_x(k)
         y = set%y(j) + set%move_y(j) - set%y(k) - set%move_y(k)
         ! In one place nothing is known: very much.
@@ -169,7 +171,9 @@ contains
         cosine = 0.0_real64
         sine = 0.0_real64
         if (.not. all_of_them .and. rr < (a + set%circle(j))**2) return
-        b = 2 * set%load(j) * a**2 / (pi * sqrt(rr) * max(rr - a**2, 0.1_real64 * rr))
+        b = 1.0_real64 / (sqrt(rr) * max(rr - a**2, 0.1_real64 * rr))
+        if (rr > (a + set%circle(j))**2) b = max(b, set%terms(bend, set%pair(l)) * pi / 3)
+        b = 2 * set%load(j) * a**2 / pi * b
         cosine = (x * x - y * y) / rr
         sine = 2 * x * y / rr
       end associate

@@ -27,8 +27,9 @@ module asperity_circle_field
   !> Sums of radii below which a pair is near.
   real(real64), parameter, public :: near_factor = 5.0_real64
 
-  ! Mean squares of a Hertz row and of a flat one, halved: what widens 1/r by its Laplacian.
-  real(real64), parameter :: hertz_spread = 0.1_real64, flat_spread = 1.0_real64 / 6
+  !> Mean squares of a Hertz row and of a flat one, halved: what widens 1/r by its Laplacian.
+  real(real64), parameter, public :: hertz_spread = 0.1_real64
+  real(real64), parameter :: flat_spread = 1.0_real64 / 6
 
   !> Circles or near pairs from which on threads share the work: less takes microseconds.
   integer, parameter, public :: many = 1000
@@ -65,8 +66,9 @@ module asperity_circle_field
 
   ! Quantities of a near pair: compliance; slope of lift of one and of the other; slope over
   ! distance and the rest of the bend, for the tilt; direction from the other to the one.
-  integer, parameter :: comply = 1, steer_one = 2, steer_other = 3, turn = 4, bend = 5, east = 6
-  integer, parameter :: north = 7
+  integer, parameter :: comply = 1, steer_one = 2, steer_other = 3, turn = 4, east = 6, north = 7
+  !> The rest of the bend: second derivative along less that across the line of centres.
+  integer, parameter, public :: bend = 5
 
 contains
 

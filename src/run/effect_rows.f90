@@ -235,7 +235,8 @@ contains
           if (allocated(outcomes(e)%of_contacts)) then
             values(row, at:last) = in_units(columns, pairs, outcomes(e)%of_contacts(i, :))
           else
-            values(row, at:last) = left_out(columns, pairs, state%answers(i)%vertical_load)
+            values(row, at:last) = left_out(columns, pairs, outcomes(e)%estimate, &
+                                           state%answers(i)%vertical_load)
           end if
         end associate
       end do
@@ -260,19 +261,21 @@ contains
                                  in_units(columns, pairs, outcomes(e)%of_state)]
         else
           result%state_values = [result%state_values, &
-                                 left_out(columns, pairs, total_vertical_load(state))]
+                                 left_out(columns, pairs, outcomes(e)%estimate, &
+                                          total_vertical_load(state))]
         end if
       end associate
     end do
   end subroutine set_state_values
 
   ! A value of a column where `auto` left its effect out.
-  elemental real(real64) function left_out(column, pairs, vertical_load)
+  elemental real(real64) function left_out(column, pairs, estimate, vertical_load)
     type(column_name), intent(in) :: column
     type(contact_pairs), intent(in) :: pairs
-    real(real64), intent(in) :: vertical_load
+    real(real64), intent(in) :: estimate, vertical_load
 
-    left_out = in_units(column, pairs, column%of_load * vertical_load + column%otherwise)
+    left_out = in_units(column, pairs, column%of_load * vertical_load + &
+                        column%of_estimate * estimate + column%otherwise)
   end function left_out
 
   ! A value of a column in the units of the scene.

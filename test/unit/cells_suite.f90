@@ -6,7 +6,9 @@
 module asperity_cells_suite
   use asperity_cell_convolution, only: cell_convolution, padded_length
   use asperity_cells_influence, only: influence_table
-  use asperity_cells_solver, only: cells_answer, outside_field, reach_of_cluster, solve_cells
+  use asperity_cells_answer, only: cells_answer
+  use asperity_cells_outside, only: outside_field
+  use asperity_cells_solver, only: reach_of_cluster, solve_cells
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64

@@ -13,7 +13,7 @@ module asperity_coupled_scenes
   public :: known_scene, known_scenes, lay_known, random, set_out, share_of, solve_at
 
   !> Penetration of a contact alone, so small that the sphere is a paraboloid.
-  real(real64), parameter, public :: depth = 1.0e-8_real64
+  real(real64), parameter, public :: depth = 1.0e-12_real64
   !> How good the truths are: a contact that bears alone, 8/9 of the load, they put at .88886.
   real(real64), parameter, public :: truth_noise = 4.0e-5_real64
 

@@ -2,7 +2,9 @@
 !>
 !> Truths: boundary elements (see coupled_scenes); one contact alone; all contacts on one lattice.
 module asperity_joint_suite
-  use asperity_cells_solver, only: cells_answer, outside_field, solve_cells
+  use asperity_cells_answer, only: cells_answer
+  use asperity_cells_outside, only: outside_field
+  use asperity_cells_solver, only: solve_cells
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, set_out, &
                                      share_of, truth_noise

@@ -1,0 +1,80 @@
+!> Which contacts go on cells: those whose indicated error is too large, with all that is close.
+module asperity_resolved_choice
+  use asperity_circle_error, only: open_about
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_coupled_contacts, only: coupled_solution
+  use asperity_key_sort, only: sort_keys
+  use asperity_kinds, only: real64
+  use asperity_source_tree, only: source_tree
+  implicit none
+  private
+
+  public :: choose_resolved
+
+  ! Radii from a circle within which an open contact shares its cells.
+  real(real64), parameter :: about_member = 1.3_real64
+  ! Sums of radii: a circle nearer to a member than that goes along. Just beside a large circle the
+  ! errors indicated for a small one were a third of the true ones.
+  real(real64), parameter :: along = 1.1_real64
+
+contains
+
+  !> Adds to the resolved until what the others are off by is no more than 1.
+  subroutine choose_resolved(pairs, coupled, error, hosts, is_one)
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(coupled_solution), intent(in) :: coupled   !! solved
+    real(real64), intent(in) :: error(:)            !! by pair, over what all may be off by
+    integer, intent(in) :: hosts(:)                 !! circle that hides an open pair, else 0
+    logical, intent(inout) :: is_one(:)             !! by pair: resolved
+    type(source_tree) :: tree
+    integer, allocatable :: number(:)
+    integer :: order(size(error)), i, k, l, next
+    real(real64) :: over, gone
+    logical :: more
+
+    call sort_keys(-error, order)
+    next = 1
+    associate (set => coupled%set)
+      do
+        over = sum(error, mask=.not. is_one) - 1.0_real64
+        if (.not. over > 0.0_real64) exit
+        ! The largest errors, the more at a time the farther off the rest is.
+        gone = 0.0_real64
+        do while (gone < 0.5_real64 * over .and. next <= size(order))
+          i = order(next)
+          next = next + 1
+          if (is_one(i)) cycle
+          is_one(i) = .true.
+          if (hosts(i) > 0) is_one(hosts(i)) = .true.
+          gone = gone + error(i)
+        end do
+        ! Circles that overlap a member, or all but.
+        do
+          more = .false.
+          do k = 1, size(set%number)
+            if (.not. is_one(set%number(k))) cycle
+            do l = set%tree%first(k), set%tree%first(k + 1) - 1
+              associate (j => set%tree%near(l))
+                if (is_one(set%number(j))) cycle
+                if (hypot(set%x(k) + set%move_x(k) - set%x(j) - set%move_x(j), &
+                          set%y(k) + set%move_y(k) - set%y(j) - set%move_y(j)) < &
+                    along * (set%circle(k) + set%circle(j))) then
+                  is_one(set%number(j)) = .true.
+                  more = .true.
+                end if
+              end associate
+            end do
+          end do
+          if (.not. more) exit
+        end do
+        call open_about(pairs, coupled, about_member, tree, number)
+        do i = 1, size(number)
+          do l = tree%first(i), tree%first(i + 1) - 1
+            if (is_one(set%number(tree%near(l)))) is_one(number(i)) = .true.
+          end do
+        end do
+      end do
+    end associate
+  end subroutine choose_resolved
+
+end module asperity_resolved_choice

@@ -1,0 +1,357 @@
+!> Contacts on cells: clusters, each under the field of all others, and what they answer.
+module asperity_resolved_clusters
+  use asperity_cells_answer, only: cells_answer
+  use asperity_cells_outside, only: beside_circle, outside_field
+  use asperity_cells_solver, only: reach_of_cluster, solve_cells
+  use asperity_chebyshev_basis, only: chebyshev_nodes
+  use asperity_circle_field, only: circle_set, hertz_spread, near_factor
+  use asperity_constants, only: pi
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_coupled_contacts, only: adopt, coupled_solution, resolved_contacts
+  use asperity_kinds, only: real64
+  use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
+  use asperity_source_tree, only: plant_tree, source_tree, sum_sources
+  implicit none
+  private
+
+  public :: cluster, form_clusters, solve_clusters, answer_with
+
+  !> A cluster of resolved contacts.
+  type :: cluster
+    integer, allocatable :: members(:)              !! places in the list of pairs
+    type(cells_answer) :: answer                    !! of its cells
+    real(real64) :: lowered = 0.0_real64            !! of the closing, for its cells
+    type(outside_field), private :: outside
+  end type cluster
+
+  !> Penetration of a resolved contact that the cells leave open: it joins no more.
+  real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
+
+  ! Sums of radii between members of two clusters, at least: what a contact's being oval changes at
+  ! another falls with the sixth power of their distance, and is below 4e-6 of its load from there.
+  real(real64), parameter :: between = 3.0_real64
+  ! A cluster that bears less than its part of the total over this is told as if it bore that: all
+  ! errors together are a quarter above the tolerance at most.
+  real(real64), parameter :: few_of_all = 4.0_real64
+  ! Chebyshev nodes of a field whose sources are farther off than so many half diagonals: 8 nodes
+  ! are right within (3 + sqrt(8))**-8 = 1e-6 of it.
+  integer, parameter :: nodes = 8
+  real(real64), parameter :: far_off = 3.0_real64
+
+contains
+
+  !> Members nearer to each other than `between` share a lattice.
+  subroutine form_clusters(pairs, coupled, is_one, clusters)
+    type(contact_pairs), intent(in) :: pairs                 !! the position
+    type(coupled_solution), intent(in) :: coupled            !! solved
+    logical, intent(in) :: is_one(:)                         !! by pair: resolved
+    type(cluster), allocatable, intent(out) :: clusters(:)   !! not solved
+    type(source_tree) :: tree
+    integer, allocatable :: number(:), parent(:), row(:), of(:)
+    real(real64), allocatable :: reach(:)
+    integer :: i, k, l, n
+
+    number = pack([(i, i=1, size(pairs%list))], is_one)
+    n = size(number)
+    allocate (reach(n), of(n))
+    parent = [(i, i=1, n)]
+    allocate (row(size(pairs%list)), source=0)
+    row(coupled%set%number) = [(i, i=1, size(coupled%set%number))]
+    do i = 1, n
+      reach(i) = 1.0e-3_real64 * sqrt(pairs%list(number(i))%radius * &
+                                      (coupled%closing - pairs%list(number(i))%gap))
+      if (row(number(i)) > 0) reach(i) = coupled%set%circle(row(number(i)))
+    end do
+    call plant_tree(tree, pairs%list(number)%x, pairs%list(number)%y, reach, between)
+    do i = 1, n
+      do l = tree%first(i), tree%first(i + 1) - 1
+        k = root_of(tree%near(l))
+        parent(max(k, root_of(i))) = min(k, root_of(i))
+      end do
+    end do
+    k = 0
+    of = 0
+    do i = 1, n
+      if (root_of(i) == i) then
+        k = k + 1
+        of(i) = k
+      end if
+    end do
+    allocate (clusters(k))
+    do i = 1, n
+      of(i) = of(root_of(i))
+    end do
+    do i = 1, k
+      clusters(i)%members = pack(number, of == i)
+    end do
+
+  contains
+
+    integer function root_of(one)
+      integer, intent(in) :: one
+
+      root_of = one
+      do while (parent(root_of) /= root_of)
+        root_of = parent(root_of)
+      end do
+    end function root_of
+
+  end subroutine form_clusters
+
+  !> Solves all clusters, each under the field of the circles that are no members.
+  subroutine solve_clusters(pairs, coupled, tolerance, clusters, failure)
+    type(contact_pairs), intent(in) :: pairs              !! the position
+    type(coupled_solution), intent(in) :: coupled         !! solved
+    real(real64), intent(in) :: tolerance                 !! relative change by the last halving
+    type(cluster), intent(inout) :: clusters(:)           !! get their answers
+    character(len=:), allocatable, intent(inout) :: failure  !! no memory, or cells that do not end
+    integer, allocatable :: of(:)
+    integer :: k, pass
+    real(real64) :: worth
+
+    allocate (of(size(pairs%list)), source=0)
+    do k = 1, size(clusters)
+      of(clusters(k)%members) = k
+    end do
+    clusters%lowered = 0.0_real64
+    if (size(clusters) > 1 .or. any(of(coupled%set%number) == 0)) then
+      ! What the others lower the whole cluster by makes its lattice smaller.
+      do pass = 1, 3
+        call find_outside(pairs, coupled, of(coupled%set%number), clusters, failure)
+        if (allocated(failure)) return
+      end do
+    end if
+    worth = pairs%modulus * sum(coupled%set%load) / (few_of_all * size(clusters))
+    !$omp parallel do schedule(dynamic) if(size(clusters) > 1)
+    do k = 1, size(clusters)
+      associate (one => clusters(k))
+        if (allocated(one%outside%at_nodes)) &
+          one%outside%at_nodes = one%outside%at_nodes - one%lowered
+        call solve_cells(pairs, one%members, coupled%closing - one%lowered, one%outside, &
+                         tolerance, one%answer, worth)
+      end associate
+    end do
+    !$omp end parallel do
+    do k = 1, size(clusters)
+      if (allocated(clusters(k)%answer%failure)) failure = clusters(k)%answer%failure
+    end do
+  end subroutine solve_clusters
+
+  ! The field of the others on the rectangle of each cluster, and a bound that it is nowhere below.
+  subroutine find_outside(pairs, coupled, of, clusters, failure)
+    type(contact_pairs), intent(in) :: pairs
+    type(coupled_solution), intent(in) :: coupled
+    integer, intent(in) :: of(:)             ! cluster of each circle, 0: none
+    type(cluster), intent(inout) :: clusters(:)
+    character(len=:), allocatable, intent(inout) :: failure
+    type(source_tree) :: tree
+    real(real64), allocatable :: x(:), y(:), reach(:), field(:), u(:), v(:)
+    real(real64) :: node(nodes), half
+    integer, allocatable :: beside(:)
+    integer :: i, j, k, l, n
+
+    node = chebyshev_nodes(nodes)
+    allocate (x(nodes**2 * size(clusters)), y(nodes**2 * size(clusters)))
+    allocate (reach(size(x)), field(size(x)))
+    associate (set => coupled%set)
+      u = set%x + set%move_x
+      v = set%y + set%move_y
+      n = 0
+      do k = 1, size(clusters)
+        associate (o => clusters(k)%outside)
+          call reach_of_cluster(pairs, clusters(k)%members, coupled%closing - clusters(k)%lowered, &
+                                o%x0, o%x1, o%y0, o%y1)
+          half = 0.5_real64 * hypot(o%x1 - o%x0, o%y1 - o%y0)
+          ! Members are near all nodes.
+          reach(n + 1:n + nodes**2) = half + max(far_off * half, maxval(hypot( &
+            pairs%list(clusters(k)%members)%x - o%x0, pairs%list(clusters(k)%members)%y - o%y0)))
+          do j = 1, nodes
+            do i = 1, nodes
+              n = n + 1
+              x(n) = 0.5_real64 * (o%x0 + o%x1 + node(i) * (o%x1 - o%x0))
+              y(n) = 0.5_real64 * (o%y0 + o%y1 + node(j) * (o%y1 - o%y0))
+            end do
+          end do
+        end associate
+      end do
+      call plant_tree(tree, u, v, near_factor * set%circle, 1.0_real64, x, y, reach)
+      if (allocated(tree%failure)) then
+        failure = tree%failure
+        return
+      end if
+      call sum_sources(tree, set%load, hertz_spread * set%circle**2, field)
+      do k = 1, size(clusters)
+        n = nodes**2 * (k - 1)
+        associate (o => clusters(k)%outside, middle_x => 0.5_real64 * &
+                   (clusters(k)%outside%x0 + clusters(k)%outside%x1), middle_y => 0.5_real64 * &
+                   (clusters(k)%outside%y0 + clusters(k)%outside%y1))
+          half = 0.5_real64 * hypot(o%x1 - o%x0, o%y1 - o%y0)
+          if (.not. half > 0.0_real64) cycle
+          ! Beside the cluster: cell by cell.
+          beside = tree%near(tree%first(n + 1):tree%first(n + 2) - 1)
+          beside = pack(beside, of(beside) /= k)
+          beside = pack(beside, hypot(u(beside) - middle_x, v(beside) - middle_y) < &
+                       far_off * half + set%circle(beside))
+          o%x = u(beside)
+          o%y = v(beside)
+          o%circle = set%circle(beside)
+          o%load = set%load(beside) * pairs%modulus
+          do i = n + 1, n + nodes**2
+            field(i) = field(i) / pi
+            do l = tree%first(i), tree%first(i + 1) - 1
+              j = tree%near(l)
+              if (of(j) == k) cycle
+              if (hypot(u(j) - middle_x, v(j) - middle_y) < far_off * half + set%circle(j)) cycle
+              field(i) = field(i) + set%load(j) * &
+                         beside_circle(set%circle(j), hypot(x(i) - u(j), y(i) - v(j)))
+            end do
+          end do
+          o%at_nodes = reshape(field(n + 1:n + nodes**2), [nodes, nodes])
+          ! Between the nodes the field is a little less than at the least of them at most.
+          clusters(k)%lowered = 0.98_real64 * minval(o%at_nodes) + sum(set%load(beside) * &
+            beside_circle(set%circle(beside), &
+                          hypot(abs(o%x - middle_x) + 0.5_real64 * (o%x1 - o%x0), &
+                                abs(o%y - middle_y) + 0.5_real64 * (o%y1 - o%y0))))
+        end associate
+      end do
+    end associate
+  end subroutine find_outside
+
+  !> The answers of the cells, as contacts that carry their loads where their pressures are.
+  subroutine answer_with(pairs, law, clusters, coupled, resolved)
+    type(contact_pairs), intent(in) :: pairs            !! the position
+    class(contact_law), intent(in) :: law               !! of each contact
+    type(cluster), intent(in) :: clusters(:)            !! solved
+    type(coupled_solution), intent(inout) :: coupled    !! gets their penetrations
+    type(resolved_contacts), intent(inout) :: resolved  !! those on cells: all but places and gaps
+    type(contact_response) :: free
+    type(circle_set) :: old
+    integer, dimension(size(pairs%list)) :: before, now
+    real(real64) :: share
+    integer :: i, k, m
+
+    old = coupled%set
+    do k = 1, size(clusters)
+      associate (answer => clusters(k)%answer)
+        do m = 1, size(clusters(k)%members)
+          i = clusters(k)%members(m)
+          resolved%x(i) = answer%centre_x(m)
+          resolved%y(i) = answer%centre_y(m)
+          coupled%penetration(i) = far_below
+          coupled%move_x(i) = 0.0_real64
+          coupled%move_y(i) = 0.0_real64
+          if (.not. (answer%vertical_load(m) > 0.0_real64 .and. &
+                     answer%alone_load(m) > 0.0_real64)) cycle
+          ! Together over alone: how a pair is inclined counts as it does in its law. Neighbours
+          ! never raise a load: more than 1 is what the cells are not solved to.
+          share = min(1.0_real64, answer%vertical_load(m) / answer%alone_load(m))
+          call law%respond(pairs%list(i), i, &
+                           coupled%closing - clusters(k)%lowered - pairs%list(i)%gap, free)
+          coupled%penetration(i) = penetration_at(pairs, law, i, share * free%vertical_load, &
+                                                  coupled%closing - pairs%list(i)%gap)
+        end do
+      end associate
+    end do
+    call adopt(pairs, law, coupled, resolved)
+    if (allocated(coupled%failure)) return
+    before = 0
+    now = 0
+    before(old%number) = [(i, i=1, size(old%number))]
+    now(coupled%set%number) = [(i, i=1, size(coupled%set%number))]
+    where (.not. resolved%is_one) resolved%gap = pairs%list%gap
+    do k = 1, size(clusters)
+      call lift_by_others(old, coupled, before, now, clusters(k)%members, resolved%gap)
+      do m = 1, size(clusters(k)%members)
+        i = now(clusters(k)%members(m))
+        if (i > 0) call lift_others(coupled%set, i, clusters(k)%answer%spread(:, m), resolved)
+      end do
+    end do
+  end subroutine answer_with
+
+  ! What a pressure on cells does to circles beside it, and a circle there does not: by its second
+  ! moments. V/(2 pi) M_ab d2/dx_a dx_b (1/r), with M = a**2/5 along both axes for a circle.
+  subroutine lift_others(set, k, spread, resolved)
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: k                 ! circle
+    real(real64), intent(in) :: spread(3)    ! xx, xy, yy
+    type(resolved_contacts), intent(inout) :: resolved
+    real(real64) :: moment(3), x, y, r
+    integer :: l
+
+    moment = spread - 2 * hertz_spread * set%circle(k)**2 * [1.0_real64, 0.0_real64, 1.0_real64]
+    do l = set%tree%first(k), set%tree%first(k + 1) - 1
+      associate (j => set%tree%near(l), n => set%number(set%tree%near(l)))
+        if (resolved%is_one(n)) cycle
+        x = set%x(j) + set%move_x(j) - set%x(k)
+        y = set%y(j) + set%move_y(j) - set%y(k)
+        r = hypot(x, y)
+        resolved%gap(n) = resolved%gap(n) + set%load(k) / (2 * pi * r**3) * &
+          (3 * (moment(1) * x * x + 2 * moment(2) * x * y + moment(3) * y * y) / r**2 - &
+           moment(1) - moment(3))
+      end associate
+    end do
+  end subroutine lift_others
+
+  ! The cells were solved under the others' old loads. With these the equations shall hold, so that
+  ! the coupling lets each cluster respond to what the others have become since.
+  subroutine lift_by_others(old, coupled, before, now, members, gap)
+    type(circle_set), intent(in) :: old
+    type(coupled_solution), intent(in) :: coupled
+    integer, intent(in) :: before(:), now(:)  ! circle of a pair, 0: none
+    integer, intent(in) :: members(:)
+    real(real64), intent(inout) :: gap(:)
+    integer :: i, j, m, n
+
+    do m = 1, size(members)
+      i = members(m)
+      if (before(i) == 0 .or. now(i) == 0) cycle
+      ! The field of the others alone: first as it is, then as it was.
+      gap(i) = gap(i) + coupled%set%lift(now(i)) - old%lift(before(i))
+      do n = 1, size(members)
+        j = members(n)
+        if (n == m) cycle
+        if (now(j) > 0) gap(i) = gap(i) - lift(coupled%set, now(i), now(j))
+        if (before(j) > 0) gap(i) = gap(i) + lift(old, before(i), before(j))
+      end do
+    end do
+
+  contains
+
+    real(real64) function lift(set, on, by)
+      type(circle_set), intent(in) :: set
+      integer, intent(in) :: on, by
+      type(mutual_terms) :: terms
+
+      call mutual_displacement(hypot(set%x(on) + set%move_x(on) - set%x(by) - set%move_x(by), &
+                                     set%y(on) + set%move_y(on) - set%y(by) - set%move_y(by)), &
+                               set%circle(on), set%circle(by), terms)
+      lift = set%load(by) * terms%on_first
+    end function lift
+
+  end subroutine lift_by_others
+
+  ! Where a law has a vertical load.
+  real(real64) function penetration_at(pairs, law, i, load, most) result(p)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    integer, intent(in) :: i
+    real(real64), intent(in) :: load, most
+    type(contact_response) :: response
+    real(real64) :: before
+    integer :: step
+
+    p = most
+    ! Newton's method on load**(2/3), nearly straight.
+    do step = 1, 50
+      call law%respond(pairs%list(i), i, p, response)
+      if (.not. response%stiffness > 0.0_real64) exit
+      before = p
+      p = p + 1.5_real64 * response%vertical_load / response%stiffness * &
+          ((load / response%vertical_load)**(2.0_real64 / 3.0_real64) - 1.0_real64)
+      p = min(max(p, 0.1_real64 * before), 2 * before)
+      if (abs(p - before) <= 1.0e-14_real64 * p) exit
+    end do
+  end function penetration_at
+
+end module asperity_resolved_clusters
