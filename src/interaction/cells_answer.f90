@@ -95,7 +95,8 @@ contains
     answer%error = 0.0_real64
     do k = 1, size(shapes)
       if (cells(k) == 0) cycle
-      associate (m => shapes(k)%pair, load => moment(1, k), h => lattice%cell)
+      associate (m => shapes(k)%pair, load => moment(1, k), h => lattice%cell, &
+                 radius => sqrt(cells(k) / pi))
         moment(2:, k) = moment(2:, k) / load
         x = moment(2, k)
         y = moment(3, k)
@@ -108,7 +109,8 @@ contains
         answer%spread(:, m) = h**2 * (moment(4:, k) - [x * x, x * y, y * y] + &
                                       [1.0_real64, 0.0_real64, 1.0_real64] / 12)
         answer%error = hypot(answer%error, answer%vertical_load(m) * &
-                             min(1.0_real64, load_error / sqrt(cells(k) / pi)**2.5_real64))
+                             load_error * min(1.0_real64, radius**(-2.5_real64)) * &
+                             min(1.0_real64, sides(k) / (8 * radius)))
       end associate
     end do
 

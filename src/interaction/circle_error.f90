@@ -29,6 +29,9 @@ module asperity_circle_error
   real(real64), parameter :: narrow = 0.3_real64
   ! A contact on a flank steeper than that, R slope over a, has lost this share of its rise.
   real(real64), parameter :: steep = 0.6_real64, flank = 0.3_real64
+  ! Of what neighbours take of the load, over the slope squared: .036 at most on 33 scenes of slopes
+  ! from .14 to .56, where nothing else is larger.
+  real(real64), parameter :: inclined = 0.04_real64
 
 contains
 
@@ -120,9 +123,12 @@ contains
       end if
       shift = hypot(set%move_x(k), set%move_y(k))
       if (shift > steep * a) error = error + gained(r, p, flank * shift**2 / (2 * r))
-      ! Together over alone a sphere has gained what it lost alone, by what neighbours took of p.
-      associate (pair => pairs%list(set%number(k)))
-        error = error + set%load(k) * sphere_share(pair, solution%closing - pair%gap - p)
+      ! Together over alone a sphere has gained what it lost alone, by what neighbours took of p; an
+      ! inclined contact is an ellipse that neighbours see as a circle.
+      associate (pair => pairs%list(set%number(k)), &
+                 taken_off => max(0.0_real64, solution%closing - pairs%list(set%number(k))%gap - p))
+        error = error + set%load(k) * (sphere_share(pair, taken_off) + &
+                inclined * 1.5_real64 * taken_off / (p + taken_off) * (pair%d / pair%zc)**2)
       end associate
     end associate
 

@@ -146,7 +146,8 @@ contains
     if (pair%upper_radius > 0.0_real64) sphere_share = 1.0_real64 / pair%upper_radius**3
     if (pair%lower_radius > 0.0_real64) sphere_share = sphere_share + 1.0_real64 / &
                                                        pair%lower_radius**3
-    sphere_share = min(0.5_real64, sphere_share * pair%radius**2 / 10 * max(0.0_real64, penetration))
+    sphere_share = min(0.5_real64, sphere_share * pair%radius**2 / 10 * &
+                                   max(0.0_real64, penetration))
   end function sphere_share
 
   ! Sum of the loads along the normals, or of the vertical ones.
