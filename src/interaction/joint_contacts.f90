@@ -43,7 +43,7 @@ module asperity_joint_contacts
   ! What circles may leave out of the area: of the tolerance, or of this if more.
   real(real64), parameter :: area_share = 0.7_real64, least_area = 0.005_real64
   integer, parameter :: most_rounds = 30
-  ! Of the change by a round, what the next would change: rounds alternate and contract by .25 to .5.
+  ! Of the change by a round, what the next would change: they alternate and contract by .25 to .5.
   real(real64), parameter :: round_left = 0.33_real64
   ! Standard deviations that are told of the scatter of loads on cells.
   real(real64), parameter :: scatter_told = 3.0_real64
