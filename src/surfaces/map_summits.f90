@@ -6,7 +6,8 @@
 !>
 !> Rule `contact`, made to be pressed: the edge of the map, and of what is missing, is a mirror, so
 !> that a hill which it cuts has a summit; ridges are filled with samples of which one neighbour
-!> alone is not lower, the highest first, none nearer than 2.5 samples to a summit or another one;
+!> alone is not lower, the highest first, none nearer than 2.5 samples to a summit or another one,
+!> with the radius by neighbours;
 !> the top is the vertex of the parabolas through the neighbours.
 module asperity_map_summits
   use, intrinsic :: iso_c_binding, only: c_bool
@@ -269,13 +270,11 @@ contains
         flattest = 1.0_real64 / (most_radius * median(summits%radius(:kept)))
       call place_of(map, places%place(k), i, j)
       near = neighbourhood(map, i, j)
+      usual = mean_curvature(near, map%spacing, radius_neighbours)
       curvature = mean_curvature(near, map%spacing, radius_rule)
-      if (k > plain) then
-        curvature = max(flattest, curvature)
-      else
-        usual = mean_curvature(near, map%spacing, radius_neighbours)
-        if (.not. curvature > rounding * usual) curvature = usual
-      end if
+      ! A ridge may rise on one side, and has no geometric mean then.
+      if (k > plain) curvature = max(flattest, usual)
+      if (.not. curvature > rounding * usual) curvature = usual
       if (.not. curvature > no_curvature) cycle
       step = 0.0_real64
       rise = 0.0_real64

@@ -108,7 +108,7 @@ def summits(heights, dx, dy, rule="eight", radius=None, level="plane"):
     if contact:
         most = 4 * np.median([r for _, _, r in found]) if found else np.inf
         for row, column in ridge_samples(h, near, plain):
-            bend = max(bends[row, column], 1 / most)
+            bend = max(usual[row, column], 1 / most)
             if bend > 0:
                 found.append((row, column, 1 / bend))
     rows = []
