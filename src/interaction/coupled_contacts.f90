@@ -76,6 +76,8 @@ module asperity_coupled_contacts
   ! penetration waits: contacts nearer than that have several solutions, and that with the deepest
   ! alone in its place has the least potential.
   real(real64), parameter :: out_at_start = 0.2_real64
+  ! Deepest penetrations by which what is hidden stays open: no step raises all by so much.
+  real(real64), parameter :: out_of_reach = 10.0_real64
   ! A penetration stays below this share of the height between centres.
   real(real64), parameter :: level = 0.999999_real64
 
@@ -365,7 +367,7 @@ contains
       end do
       state%is_new = .false.
       if (.not. any(opens)) return
-      p(pack(set%number, opens)) = -0.5_real64 * huge(p)
+      p(pack(set%number, opens)) = -out_of_reach * maxval(p(set%number))
     end associate
     if (state%target > 0.0_real64) call raise(pairs, law, solution, state)
     call evaluate(pairs, law, solution, state, resolved)
@@ -486,7 +488,8 @@ contains
     slope_low = slope_first
     slope_high = 0.0_real64
     high = 0.0_real64
-    t = 1.0_real64
+    ! Where the potential curves down the step's length means nothing: no farther than the deepest.
+    t = min(1.0_real64, maxval(p(solution%set%number)) / max(maxval(abs(dp)), tiny(t)))
     do trial = 1, most_trials
       solution%penetration = p + t * dp
       solution%move_x = x + t * dx
@@ -615,7 +618,8 @@ contains
       call look_around(solution%set, state%gap(solution%set%number), places, &
                        0.1_real64 * asked * deepest, solution%failure)
       if (allocated(solution%failure)) return
-      solution%penetration(number) = solution%closing - state%gap(number) - places%lift
+      solution%penetration(number) = max(solution%closing - state%gap(number) - places%lift, &
+                                         -out_of_reach * deepest)
       solution%move_x(number) = places%move_x
       solution%move_y(number) = places%move_y
       ! Those that would join are looked at from where they would: the far field bends.
