@@ -10,7 +10,7 @@ module asperity_circle_error
   use asperity_circle_field, only: bend, many
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_contacts, only: coupled_solution, sphere_share
+  use asperity_coupled_contacts, only: coupled_solution
   use asperity_kinds, only: real64
   use asperity_source_tree, only: plant_tree, source_tree
   implicit none
@@ -123,12 +123,11 @@ contains
       end if
       shift = hypot(set%move_x(k), set%move_y(k))
       if (shift > steep * a) error = error + gained(r, p, flank * shift**2 / (2 * r))
-      ! Together over alone a sphere has gained what it lost alone, by what neighbours took of p; an
-      ! inclined contact is an ellipse that neighbours see as a circle.
+      ! An inclined contact is an ellipse that neighbours see as a circle.
       associate (pair => pairs%list(set%number(k)), &
                  taken_off => max(0.0_real64, solution%closing - pairs%list(set%number(k))%gap - p))
-        error = error + set%load(k) * (sphere_share(pair, taken_off) + &
-                inclined * 1.5_real64 * taken_off / (p + taken_off) * (pair%d / pair%zc)**2)
+        error = error + set%load(k) * inclined * 1.5_real64 * taken_off / (p + taken_off) * &
+                (pair%d / pair%zc)**2
       end associate
     end associate
 

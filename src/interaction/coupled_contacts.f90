@@ -12,7 +12,7 @@ module asperity_coupled_contacts
   use asperity_circle_field, only: circle_set, find_field, inclination, many, &
                                    plant_circles
   use asperity_contact_law, only: contact_law, contact_response
-  use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
+  use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_coupled_open, only: look_around, open_places, stands_out
   use asperity_coupled_step, only: newton_step
   use asperity_kinds, only: real64
@@ -21,7 +21,7 @@ module asperity_coupled_contacts
   implicit none
   private
 
-  public :: adopt, coupled_solution, resolved_contacts, solve_coupled, sphere_share
+  public :: adopt, coupled_solution, resolved_contacts, solve_coupled
 
   !> Contacts that are solved elsewhere: their answer to what is around them, by pair of all.
   type :: resolved_contacts
@@ -135,22 +135,6 @@ contains
       'the load is more than the surfaces can bear before the centres of two asperities are ' // &
       'level: ' // real_text(in_scene_units(pairs, before, 1, 2)) // ' at most'
   end subroutine solve_coupled
-
-  !> What a sphere bears less than its paraboloid, a share: p/(10 R) under a flat, to first order
-  !> (the next term of the gap is r**4/(8 R**3)). A law without it means more by its load than what
-  !> presses the neighbours down; alone, so that load together over load alone stays what it is.
-  elemental real(real64) function sphere_share(pair, penetration)
-    type(contact_pair), intent(in) :: pair        !! whose gap
-    real(real64), intent(in) :: penetration       !! alone
-
-    sphere_share = 0.0_real64
-    ! A plane has the radius 0, and no fourth power.
-    if (pair%upper_radius > 0.0_real64) sphere_share = 1.0_real64 / pair%upper_radius**3
-    if (pair%lower_radius > 0.0_real64) sphere_share = sphere_share + 1.0_real64 / &
-                                                       pair%lower_radius**3
-    sphere_share = min(0.5_real64, sphere_share * pair%radius**2 / 10 * &
-                                   max(0.0_real64, penetration))
-  end function sphere_share
 
   ! Sum of the loads along the normals, or of the vertical ones.
   real(real64) function load_borne(pairs, law, solution) result(total)
@@ -443,8 +427,7 @@ contains
           set%move_x(k) = 0.0_real64
           set%move_y(k) = 0.0_real64
         end if
-        inclined = inclination(answer(k)%cosine) / pairs%modulus * (1.0_real64 - sphere_share( &
-                   pairs%list(i), solution%closing - pairs%list(i)%gap))
+        inclined = inclination(answer(k)%cosine) / pairs%modulus
         set%load(k) = answer(k)%vertical_load * inclined
         set%stiffness(k) = answer(k)%stiffness * inclined
         set%circle(k) = answer(k)%contact_radius
