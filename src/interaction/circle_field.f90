@@ -231,7 +231,7 @@ contains
     allocate (potential(n), lap(n))
     call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, potential, lap, &
                      move_x=set%move_x, move_y=set%move_y, target_move_x=set%move_x, &
-                     target_move_y=set%move_y)
+                     target_move_y=set%move_y, rough=.true.)
     !$omp parallel do schedule(static) if(n > many) &
     !$omp   private(i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
     !$omp   slope_here, slope_there, x, y)

@@ -77,13 +77,15 @@ contains
     n = size(places%x)
     allocate (potential(n), slope_x(n), slope_y(n), lap(n))
     allocate (none(n), source=0.0_real64)
-    call plant_tree(tree, set%x, set%y, set%circle, near_factor, places%x, places%y, none)
+    ! Near where they are: far off a tilted surface moves them past many a circle.
+    call plant_tree(tree, set%x, set%y, set%circle, near_factor, places%x + places%move_x, &
+                    places%y + places%move_y, none)
     if (allocated(tree%failure)) then
       failure = tree%failure
       return
     end if
     call sum_sources(tree, set%load, 0.1_real64 * set%circle**2, potential, lap, slope_x, slope_y, &
-                     set%move_x, set%move_y, places%move_x, places%move_y)
+                     set%move_x, set%move_y)
     !$omp parallel do schedule(dynamic, 64) if(n > many)
     do i = 1, n
       associate (near => tree%near(tree%first(i):tree%first(i + 1) - 1))
@@ -151,7 +153,9 @@ contains
           call feel(set, near, places%x(i) + trial(1), places%y(i) + trial(2), far_lift, &
                     far_slope, trial - first, there)
           height = there%lift + dot_product(trial, trial) / (2 * r)
-          if (height <= least + 1.0e-4_real64 * part * dot_product(slope, move)) exit
+          ! Neighbours only push down: farther off their value and slope say nothing.
+          if (there%lift >= 0.0_real64 .and. &
+              height <= least + 1.0e-4_real64 * part * dot_product(slope, move)) exit
           part = part / 2
         end do
         if (cut > most_cuts) exit

@@ -1,7 +1,8 @@
 !> One Newton step of coupled contacts, by conjugate gradients.
 module asperity_coupled_step
   use asperity_circle_field, only: circle_set, many, multiply
-  use asperity_coarse_circles, only: add_coarse, coarse_circles, gather_circles
+  use asperity_coarse_circles, only: coarse_circles, factor_squares, gather_squares, &
+                                     shared_change, sum_of_squares
   use asperity_kinds, only: real64
   implicit none
   private
@@ -32,13 +33,13 @@ contains
     allocate (scaled, direction, image, mold=gradient)
     allocate (left, source=-gradient)
     step = 0.0_real64
-    if (size(set%x) > many) call gather_circles(set, coarse)
+    if (size(set%x) > many) then
+      call gather_squares(set%x, set%y, coarse)
+      call factor_squares(coarse, set%stiffness)
+    end if
     ! What all alike would change, to be taken off where the sum is kept.
-    allocate (even(size(set%x)))
-    even = set%stiffness
-    if (allocated(coarse%square)) &
-      call add_coarse(set, coarse, spread(1.0_real64, 1, size(even)), even)
-    if (.not. keep_sum) even = 0.0_real64
+    allocate (even(size(set%x)), source=0.0_real64)
+    if (keep_sum) call add_loads(set, coarse, spread(1.0_real64, 1, size(even)), even)
     call precondition(set, coarse, even, left, scaled)
     direction = scaled
     size_now = sum(left * scaled)
@@ -71,12 +72,25 @@ contains
     integer :: i
 
     scaled = 0.0_real64
-    scaled(1, :) = set%stiffness * left(1, :)
-    if (allocated(coarse%square)) call add_coarse(set, coarse, left(1, :), scaled(1, :))
+    call add_loads(set, coarse, left(1, :), scaled(1, :))
     if (sum(even) > 0.0_real64) scaled(1, :) = scaled(1, :) - even * (sum(scaled(1, :)) / sum(even))
     do i = 1, size(set%x)
       if (.not. set%still(i)) scaled(2:, i) = left(2:, i) / (set%load(i) * set%curvature(i))
     end do
   end subroutine precondition
+
+  ! Changes of load for what the equations leave over: each alone, and in squares.
+  subroutine add_loads(set, coarse, left, loads)
+    type(circle_set), intent(in) :: set
+    type(coarse_circles), intent(in) :: coarse
+    real(real64), intent(in) :: left(:)
+    real(real64), intent(inout) :: loads(:)
+    real(real64), allocatable :: shared(:)
+
+    loads = loads + set%stiffness * left
+    if (.not. allocated(coarse%square)) return
+    shared = shared_change(coarse, sum_of_squares(coarse, set%stiffness * left))
+    loads = loads + set%stiffness * shared(coarse%square)
+  end subroutine add_loads
 
 end module asperity_coupled_step

@@ -16,11 +16,15 @@ module asperity_box_expansions
   ! 1e6 places by their mean, all over a square and in clusters: order 6: 2e-4, 5e-7, 2e-6;
   ! 7: 4e-5, 9e-8, 4e-7; 8: 1.3e-5, 1.5e-8, 9e-8, at a tenth more time than 7.
   integer, parameter :: order = 8
+  ! Greatest degree of rough sums.
+  integer, parameter :: rough_order = 4
 
   !> Ways between the moments of boxes; those of a parent and its four children by quarter.
   type :: translations
-    !> number of moments
-    integer :: terms = 0
+    !> number of moments, and of those that rough sums use: the first
+    integer :: terms = 0, few = 0
+    !> degrees in x and y of each, the sum of their squares ascending
+    integer, allocatable :: in_x(:), in_y(:)
     !> moments of a box to the field in a box 7 rows + columns before it
     real(real64), allocatable :: across(:, :, :)
     !> moments of a child to its parent's, and field of a parent to its child's
@@ -36,21 +40,34 @@ contains
     real(real64) :: node(n), x(nodes), y(nodes)
     real(real64), allocatable :: value(:, :), to_terms(:, :), from_nodes(:, :), kernel(:, :), &
                                  half(:, :)
-    integer :: i, k, row, column, terms
+    integer :: i, k, row, column, terms, in_x(nodes), in_y(nodes)
 
+    terms = 0
     node = chebyshev_nodes(n)
     x = [(node, i=1, n)]
     y = [(spread(node(i), 1, n), i=1, n)]
-    terms = sum([(columns(i) + 1, i=0, order)])
+    do k = 0, order**2
+      if (k == rough_order**2 + 1) ways%few = terms
+      do i = 0, order
+        do row = 0, order
+          if (i**2 + row**2 /= k) cycle
+          terms = terms + 1
+          in_x(terms) = i
+          in_y(terms) = row
+        end do
+      end do
+    end do
+    ways%in_x = in_x(:terms)
+    ways%in_y = in_y(:terms)
+    ways%terms = terms
     allocate (value(terms, nodes), to_terms(terms, nodes), from_nodes(nodes, terms), &
               kernel(nodes, nodes), half(terms, nodes), ways%across(terms, terms, -24:24), &
               ways%up(terms, terms, 0:3), ways%down(terms, terms, 0:3))
-    ways%terms = terms
     ways%across = 0.0_real64
     ! A sum over Chebyshev's nodes of a function times T_a is its coefficient.
     do k = 1, nodes
       to_terms(:, k) = 0.0_real64
-      call add_moments(x(k), y(k), 1.0_real64, 1.0_real64, 0.0_real64, to_terms(:, k))
+      call add_moments(ways, x(k), y(k), 1.0_real64, 1.0_real64, 0.0_real64, to_terms(:, k))
     end do
     do i = 1, terms
       to_terms(i, :) = to_terms(i, :) / sum(to_terms(i, :)**2)
@@ -62,28 +79,21 @@ contains
         do k = 1, nodes
           kernel(:, k) = 1.0_real64 / sqrt((x - x(k) - 2 * column)**2 + (y - y(k) - 2 * row)**2)
         end do
-        call multiply(to_terms, kernel, nodes, half)
-        call multiply(half, from_nodes, terms, ways%across(:, :, 7 * row + column))
+        call multiply(to_terms, kernel, terms, nodes, half)
+        call multiply(half, from_nodes, terms, terms, ways%across(:, :, 7 * row + column))
         ways%across(:, :, -7 * row - column) = transpose(ways%across(:, :, 7 * row + column))
       end do
     end do
     do i = 0, 3
       do k = 1, nodes
         value(:, k) = 0.0_real64
-        call add_moments(x(k) + (2 * mod(i, 2) - 1), y(k) + (2 * (i / 2) - 1), 2.0_real64, &
+        call add_moments(ways, x(k) + (2 * mod(i, 2) - 1), y(k) + (2 * (i / 2) - 1), 2.0_real64, &
                          1.0_real64, 0.0_real64, value(:, k))
       end do
-      call multiply(value, from_nodes, terms, ways%up(:, :, i))
+      call multiply(value, from_nodes, terms, terms, ways%up(:, :, i))
       ways%down(:, :, i) = transpose(ways%up(:, :, i))
     end do
   end subroutine prepare
-
-  ! Greatest degree in x beside one in y.
-  pure elemental integer function columns(row)
-    integer, intent(in) :: row
-
-    columns = int(sqrt(order**2 - row**2 + 0.5_real64))
-  end function columns
 
   ! Chebyshev's polynomials, their slopes and second derivatives.
   pure subroutine polynomials(z, t, d, dd)
@@ -102,75 +112,78 @@ contains
   end subroutine polynomials
 
   !> Adds the moments of a source and of its Laplacian.
-  pure subroutine add_moments(x, y, half, charge, spread, moment)
+  pure subroutine add_moments(ways, x, y, half, charge, spread, moment)
+    type(translations), intent(in) :: ways    !! their degrees
     real(real64), intent(in) :: x             !! place from the middle of the box
     real(real64), intent(in) :: y             !! place from the middle of the box
     real(real64), intent(in) :: half          !! half of the box's width
     real(real64), intent(in) :: charge        !! of 1/r
     real(real64), intent(in) :: spread        !! of its Laplacian: charge times a length squared
-    real(real64), intent(inout) :: moment(:)  !! of the box
+    real(real64), intent(inout) :: moment(:)  !! of the box, all or the first
     real(real64), dimension(0:order) :: tx, ty, dx, dy, ddx, ddy
-    real(real64) :: second, u, v
-    integer :: a, b, k
+    real(real64) :: second
+    integer :: k
 
     call polynomials(x / half, tx, dx, ddx)
     call polynomials(y / half, ty, dy, ddy)
     second = spread / (half * half)
-    k = 1
-    do b = 0, order
-      u = charge * ty(b) + second * ddy(b)
-      v = second * ty(b)
-      do a = 0, columns(b)
-        moment(k + a) = moment(k + a) + (u * tx(a) + v * ddx(a))
-      end do
-      k = k + columns(b) + 1
+    ddy = charge * ty + second * ddy
+    ty = second * ty
+    do k = 1, size(moment)
+      associate (a => ways%in_x(k), b => ways%in_y(k))
+        moment(k) = moment(k) + (ddy(b) * tx(a) + ty(b) * ddx(a))
+      end associate
     end do
   end subroutine add_moments
 
   !> Adds the field of a box at a place.
-  pure subroutine add_field(x, y, half, field, value)
+  pure subroutine add_field(ways, x, y, half, field, value)
+    type(translations), intent(in) :: ways    !! their degrees
     real(real64), intent(in) :: x             !! place from the middle of the box
     real(real64), intent(in) :: y             !! place from the middle of the box
     real(real64), intent(in) :: half          !! half of the box's width
-    real(real64), intent(in) :: field(:)      !! of the box
+    real(real64), intent(in) :: field(:)      !! of the box, all or the first
     real(real64), intent(inout) :: value(4)   !! potential, Laplacian, slopes in x and y
     real(real64), dimension(0:order) :: tx, ty, dx, dy, ddx, ddy
-    real(real64) :: s(0:2)
-    integer :: a, b, k
+    integer :: k
 
     call polynomials(x / half, tx, dx, ddx)
     call polynomials(y / half, ty, dy, ddy)
-    k = 1
-    do b = 0, order
-      s = 0.0_real64
-      do a = 0, columns(b)
-        s = s + field(k + a) * [tx(a), dx(a), ddx(a)]
-      end do
-      value = value + [s(0) * ty(b), (s(2) * ty(b) + s(0) * ddy(b)) / (half * half), &
-                       s(1) * ty(b) / half, s(0) * dy(b) / half]
-      k = k + columns(b) + 1
+    dx = dx / half
+    dy = dy / half
+    ddx = ddx / (half * half)
+    ddy = ddy / (half * half)
+    do k = 1, size(field)
+      associate (a => ways%in_x(k), b => ways%in_y(k))
+        value = value + field(k) * [tx(a) * ty(b), ddx(a) * ty(b) + tx(a) * ddy(b), &
+                                    dx(a) * ty(b), tx(a) * dy(b)]
+      end associate
     end do
   end subroutine add_field
 
   !> A product of matrices, in an order that neither library nor processor decides.
-  pure subroutine multiply(left, right, columns, product)
+  pure subroutine multiply(left, right, rows, columns, product)
     real(real64), contiguous, intent(in) :: left(:, :)        !! first factor
     real(real64), contiguous, intent(in) :: right(:, :)       !! second factor
+    integer, intent(in) :: rows                               !! of the first factor that count
     integer, intent(in) :: columns                            !! of the second factor that count
-    real(real64), contiguous, intent(inout) :: product(:, :)  !! gets these columns
-    integer :: j, k, whole
+    real(real64), contiguous, intent(inout) :: product(:, :)  !! gets these rows and columns
+    integer :: inner, j, k, whole
 
-    whole = size(left, 2) - mod(size(left, 2), 4)
+    ! A square matrix is cut on both sides.
+    inner = size(left, 2)
+    if (size(left, 1) == inner) inner = rows
+    whole = inner - mod(inner, 4)
     do j = 1, columns
-      product(:, j) = 0.0_real64
+      product(:rows, j) = 0.0_real64
       do k = 1, whole, 4
-        product(:, j) = product(:, j) + (left(:, k) * right(k, j) &
-                                         + left(:, k + 1) * right(k + 1, j) &
-                                         + left(:, k + 2) * right(k + 2, j) &
-                                         + left(:, k + 3) * right(k + 3, j))
+        product(:rows, j) = product(:rows, j) + (left(:rows, k) * right(k, j) &
+                                                 + left(:rows, k + 1) * right(k + 1, j) &
+                                                 + left(:rows, k + 2) * right(k + 2, j) &
+                                                 + left(:rows, k + 3) * right(k + 3, j))
       end do
-      do k = whole + 1, size(left, 2)
-        product(:, j) = product(:, j) + left(:, k) * right(k, j)
+      do k = whole + 1, inner
+        product(:rows, j) = product(:rows, j) + left(:rows, k) * right(k, j)
       end do
     end do
   end subroutine multiply

@@ -7,6 +7,7 @@
 module asperity_source_tree
   use asperity_box_expansions, only: add_field, add_moments, multiply, prepare, translations
   use asperity_box_tree, only: box_tree, plant_boxes
+  use asperity_direct_sums, only: add_direct, gather_sources
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
   use asperity_process, only: has_memory
@@ -17,8 +18,6 @@ module asperity_source_tree
 
   ! Boxes whose translations are made together, and fewest places for which threads are started.
   integer, parameter :: batch = 64, many = 512
-  ! Sums side by side.
-  integer, parameter :: lanes = 4
   ! Bytes of a source or target without near ones. A million circles that are both took 210 each
   ! all over a square, 200 in clusters (measured); the rest is for worse.
   integer(int64), parameter :: bytes_per_place = 200_int64
@@ -109,11 +108,11 @@ contains
       !$omp if(size(tree%target, 2) > many)
       allocate (about(0, 7))
       do l = 0, tree%boxes%last
-        !$omp do schedule(static, 16)
+        !$omp do schedule(dynamic, 16)
         do a = 1, tree%boxes%level(l)%boxes
           associate (run => tree%boxes%level(l)%target(:, a))
             if (run(2) < run(1)) cycle
-            call gather(tree%boxes, l, a, tree%source, about, n)
+            call gather_sources(tree%boxes, l, a, tree%source, about, n)
             do i = run(1), run(2)
               close_by = (about(:n, 1) - tree%target(1, i))**2 &
                          + (about(:n, 2) - tree%target(2, i))**2 &
@@ -156,7 +155,7 @@ contains
   !> smooth functions of charges and moves. Moves must be small against the reaches. Laplacian and
   !> slopes are those of the potential with its spread.
   subroutine sum_sources(tree, charge, spread, potential, lap, slope_x, slope_y, move_x, move_y, &
-                         target_move_x, target_move_y)
+                         target_move_x, target_move_y, rough)
     type(source_tree), intent(inout) :: tree                  !! the tree
     real(real64), intent(in) :: charge(:)                     !! of sources
     real(real64), intent(in) :: spread(:)                     !! of sources, at most reach**2
@@ -168,10 +167,14 @@ contains
     real(real64), intent(in), optional :: move_y(:)           !! of sources
     real(real64), intent(in), optional :: target_move_x(:)    !! of targets
     real(real64), intent(in), optional :: target_move_y(:)    !! of targets
+    !> errors of 1e-4 or so will do
+    logical, intent(in), optional :: rough
     real(real64), allocatable :: about(:, :)
     real(real64) :: value(4), place(2)
-    integer :: l, a, i, n, at
+    integer :: l, a, i, n, at, terms
 
+    terms = tree%ways%terms
+    if (present(rough)) terms = merge(tree%ways%few, terms, rough)
     potential(:) = 0.0_real64
     if (present(lap)) lap(:) = 0.0_real64
     if (present(slope_x)) slope_x(:) = 0.0_real64
@@ -188,25 +191,25 @@ contains
       tree%source(7, :) = charge(s) * spread(s)
     end associate
     do l = tree%boxes%last, tree%boxes%top, -1
-      call rise(tree, l)
+      call rise(tree, l, terms)
     end do
     do l = tree%boxes%top, tree%boxes%last
-      call fall(tree, l)
+      call fall(tree, l, terms)
     end do
     !$omp parallel private(about, value, place, l, a, i, n, at) if(size(tree%target, 2) > many)
     allocate (about(0, 7))
     do l = 0, tree%boxes%last
-      !$omp do schedule(static, 16)
+      !$omp do schedule(dynamic, 16)
       do a = 1, tree%boxes%level(l)%boxes
         associate (this => tree%boxes%level(l))
           if (this%target(2, a) < this%target(1, a)) cycle
-          call gather(tree%boxes, l, a, tree%source, about, n)
+          call gather_sources(tree%boxes, l, a, tree%source, about, n)
           do i = this%target(1, a), this%target(2, a)
             value = 0.0_real64
             call add_direct(about, n, tree%target(:, i), value)
             place = tree%target(4:5, i) - middle_of(tree%boxes, l, a)
             if (l >= tree%boxes%top) &
-              call add_field(place(1), place(2), this%half, this%field(:, a), value)
+              call add_field(tree%ways, place(1), place(2), this%half, this%field(:terms, a), value)
             at = tree%boxes%target_order(i)
             potential(at) = value(1)
             if (present(lap)) lap(at) = value(2)
@@ -221,26 +224,27 @@ contains
   end subroutine sum_sources
 
   ! Moments of the boxes of a level, from their children and from what is in none.
-  subroutine rise(tree, l)
+  subroutine rise(tree, l, terms)
     type(source_tree), intent(inout) :: tree
-    integer, intent(in) :: l
-    real(real64) :: place(2), part(tree%ways%terms, 1)
+    integer, intent(in) :: l, terms
+    real(real64) :: place(2), part(terms, 1)
     integer :: a, b, j
 
     associate (this => tree%boxes%level(l))
       !$omp parallel do schedule(static, 16) private(place, part, b, j) if(this%boxes > batch)
       do a = 1, this%boxes
-        this%moment(:, a) = 0.0_real64
+        this%moment(:terms, a) = 0.0_real64
         do j = this%source(1, a), this%source(2, a)
           place = tree%source(4:5, j) - middle_of(tree%boxes, l, a)
-          call add_moments(place(1), place(2), this%half, tree%source(6, j), tree%source(7, j), &
-                           this%moment(:, a))
+          call add_moments(tree%ways, place(1), place(2), this%half, tree%source(6, j), &
+                           tree%source(7, j), this%moment(:terms, a))
         end do
         do b = this%child(a), this%child(a + 1) - 1
           associate (below => tree%boxes%level(l + 1))
-            call multiply(tree%ways%up(:, :, below%quarter(b)), below%moment(:, b:b), 1, part)
+            call multiply(tree%ways%up(:, :, below%quarter(b)), below%moment(:, b:b), terms, 1, &
+                          part)
           end associate
-          this%moment(:, a) = this%moment(:, a) + part(:, 1)
+          this%moment(:terms, a) = this%moment(:terms, a) + part(:, 1)
         end do
       end do
       !$omp end parallel do
@@ -248,10 +252,10 @@ contains
   end subroutine rise
 
   ! Fields in the boxes of a level: from the box around, and from boxes that act as a whole.
-  subroutine fall(tree, l)
+  subroutine fall(tree, l, terms)
     type(source_tree), intent(inout) :: tree
-    integer, intent(in) :: l
-    real(real64) :: panel(tree%ways%terms, batch), part(tree%ways%terms, batch)
+    integer, intent(in) :: l, terms
+    real(real64) :: panel(terms, batch), part(terms, batch)
     integer :: begin, a, b, n, shift, into(batch)
 
     associate (this => tree%boxes%level(l))
@@ -259,10 +263,10 @@ contains
       !$omp if(this%boxes > batch)
       do begin = 1, this%boxes, batch
         do a = begin, min(begin + batch - 1, this%boxes)
-          this%field(:, a) = 0.0_real64
+          this%field(:terms, a) = 0.0_real64
           if (l > tree%boxes%top) call multiply(tree%ways%down(:, :, this%quarter(a)), &
                                                 tree%boxes%level(l - 1)%field(:, this%parent(a): &
-                                                this%parent(a)), 1, this%field(:, a:a))
+                                                this%parent(a)), terms, 1, this%field(:, a:a))
         end do
         do shift = -24, 24
           n = 0
@@ -271,110 +275,17 @@ contains
             if (b == 0) cycle
             n = n + 1
             into(n) = a
-            panel(:, n) = this%moment(:, b)
+            panel(:, n) = this%moment(:terms, b)
           end do
-          call multiply(tree%ways%across(:, :, shift), panel, n, part)
+          call multiply(tree%ways%across(:, :, shift), panel, terms, n, part)
           do b = 1, n
-            this%field(:, into(b)) = this%field(:, into(b)) + part(:, b) / this%half
+            this%field(:terms, into(b)) = this%field(:terms, into(b)) + part(:, b) / this%half
           end do
         end do
       end do
       !$omp end parallel do
     end associate
   end subroutine fall
-
-  ! The sources that act place by place on what is in a box and in none of its children.
-  pure subroutine gather(boxes, depth, box, source, about, n)
-    type(box_tree), intent(in) :: boxes
-    integer, intent(in) :: depth, box
-    real(real64), intent(in) :: source(:, :)
-    real(real64), allocatable, intent(inout) :: about(:, :)
-    integer, intent(out) :: n
-    real(real64), allocatable :: more(:, :)
-    integer :: l, a, b, k, j, last
-
-    n = 0
-    a = box
-    do l = depth, 0, -1
-      associate (this => boxes%level(l))
-        do k = this%first(a), this%first(a + 1) - 1
-          b = abs(this%near(k))
-          last = this%source(3, b)
-          ! What children of both boxes do was settled in the levels below.
-          if (l < depth .and. this%near(k) < 0) last = this%source(2, b)
-          j = n + last - this%source(1, b) + 1
-          if (j > size(about, 1)) then
-            allocate (more(2 * j, 7))
-            more(:n, :) = about(:n, :)
-            call move_alloc(more, about)
-          end if
-          do j = this%source(1, b), last
-            n = n + 1
-            about(n, :) = source(:, j)
-          end do
-        end do
-        a = this%parent(a)
-      end associate
-    end do
-  end subroutine gather
-
-  ! Adds what sources do at a target. What is near was told by the same sums when the tree was
-  ! planted; nothing acts on its own place.
-  pure subroutine add_direct(about, n, target, value)
-    real(real64), contiguous, intent(in) :: about(:, :)
-    integer, intent(in) :: n
-    real(real64), intent(in) :: target(5)
-    real(real64), intent(inout) :: value(4)
-    real(real64), dimension(lanes) :: phi, lap, gx, gy
-    integer :: k, l
-
-    phi = 0.0_real64
-    lap = 0.0_real64
-    gx = 0.0_real64
-    gy = 0.0_real64
-    ! Side by side in lanes that are added at the end: the same bytes however it is compiled.
-    do k = 0, n - lanes, lanes
-      do l = 1, lanes
-        call add_one(about(k + l, 1), about(k + l, 2), about(k + l, 3), about(k + l, 4), &
-                     about(k + l, 5), about(k + l, 6), about(k + l, 7), phi(l), lap(l), gx(l), &
-                     gy(l))
-      end do
-    end do
-    do k = n - modulo(n, lanes) + 1, n
-      call add_one(about(k, 1), about(k, 2), about(k, 3), about(k, 4), about(k, 5), about(k, 6), &
-                   about(k, 7), phi(1), lap(1), gx(1), gy(1))
-    end do
-    value = value + [((phi(1) + phi(2)) + (phi(3) + phi(4))), &
-                     ((lap(1) + lap(2)) + (lap(3) + lap(4))), &
-                     ((gx(1) + gx(2)) + (gx(3) + gx(4))), ((gy(1) + gy(2)) + (gy(3) + gy(4)))]
-
-  contains
-
-    pure subroutine add_one(x, y, limit_there, moved_x, moved_y, charge_there, spread_there, phi, &
-                            lap, gx, gy)
-      real(real64), intent(in) :: x, y, limit_there, moved_x, moved_y, charge_there, spread_there
-      real(real64), intent(inout) :: phi, lap, gx, gy
-      real(real64) :: dx, dy, counts, limit, inverse, first, third, charge, spread
-
-      limit = limit_there + target(3)
-      ! 1, or 0 when they are near or, without reaches, coincide.
-      counts = 0.5_real64 + sign(0.5_real64, (x - target(1))**2 + (y - target(2))**2 - &
-                                 (limit * limit + tiny(limit)))
-      dx = target(4) - moved_x
-      dy = target(5) - moved_y
-      inverse = 1.0_real64 / ((dx * dx + dy * dy) * counts + (1.0_real64 - counts))
-      charge = charge_there * counts
-      spread = spread_there * counts
-      first = sqrt(inverse)
-      third = first * inverse
-      phi = phi + (charge * first + spread * third)
-      lap = lap + (charge + 9.0_real64 * spread * inverse) * third
-      third = (charge + 3.0_real64 * spread * inverse) * third
-      gx = gx - third * dx
-      gy = gy - third * dy
-    end subroutine add_one
-
-  end subroutine add_direct
 
   pure function middle_of(boxes, l, a) result(middle)
     type(box_tree), intent(in) :: boxes

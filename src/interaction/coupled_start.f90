@@ -1,0 +1,97 @@
+!> Where the iteration of coupled contacts begins.
+module asperity_coupled_start
+  use asperity_circle_field, only: inclination, many
+  use asperity_coarse_circles, only: coarse_circles, factor_squares, gather_squares, &
+                                     shared_change, sum_of_squares
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_coupled_state, only: answer_at, coupled_solution, raise, resolved_contacts, &
+                                    solve_state
+  use asperity_kinds, only: real64
+  use asperity_solve_ending, only: solve_ending
+  implicit none
+  private
+
+  public :: prepare
+
+  ! A start settles in three to six steps; it need not.
+  integer, parameter :: most_in_squares = 20
+
+contains
+
+  !> A start: the contacts as they were before, or alone, at the load or the closing; where they are
+  !> many, lowered by what squares full of them do to each other.
+  subroutine prepare(pairs, law, solution, state, target, resolved)
+    type(contact_pairs), intent(in) :: pairs               !! the position
+    class(contact_law), intent(in) :: law                  !! of each contact
+    type(coupled_solution), intent(inout) :: solution      !! gets what is not allocated
+    type(solve_state), intent(out) :: state                !! ready for the first residual
+    real(real64), intent(in), optional :: target           !! normal load
+    type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
+    logical :: fresh
+    integer :: n
+
+    n = size(pairs%list)
+    solution%ending = solve_ending()
+    state%gap = pairs%list%gap
+    if (present(resolved)) state%gap = resolved%gap
+    allocate (state%joins(n), source=0)
+    fresh = .not. allocated(solution%penetration)
+    allocate (state%is_new(n), source=fresh)
+    if (fresh) then
+      solution%penetration = solution%closing - state%gap
+      if (present(target)) solution%penetration = -state%gap
+      allocate (solution%move_x(n), source=0.0_real64)
+      allocate (solution%move_y(n), source=0.0_real64)
+    end if
+    if (present(target)) then
+      state%target = target / pairs%modulus
+      call raise(pairs, law, state%target, solution%penetration)
+    end if
+    if (fresh .and. count(solution%penetration > 0.0_real64) > many) &
+      call lower_squares(pairs, law, state%target, solution%penetration)
+  end subroutine prepare
+
+  ! Squares as contacts: each presses all others down by the mean of 1/r over both, and its law is
+  ! that of its contacts, lowered alike. Newton's method on them.
+  subroutine lower_squares(pairs, law, target, penetration)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    real(real64), intent(in) :: target
+    real(real64), intent(inout) :: penetration(:)
+    type(coarse_circles) :: coarse
+    type(contact_response) :: answer
+    real(real64), allocatable :: load(:), stiffness(:)
+    real(real64), allocatable, dimension(:) :: loads, lowered, lower, change, even
+    integer :: i, step
+
+    call gather_squares(pairs%list%x, pairs%list%y, coarse)
+    allocate (load(size(penetration)), stiffness(size(penetration)))
+    allocate (lowered(size(coarse%presses, 1)), source=0.0_real64)
+    do step = 1, most_in_squares
+      load = 0.0_real64
+      stiffness = 0.0_real64
+      do i = 1, size(load)
+        if (.not. penetration(i) > 0.0_real64) cycle
+        answer = answer_at(pairs, law, i, penetration(i))
+        load(i) = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
+        stiffness(i) = answer%stiffness * inclination(answer%cosine) / pairs%modulus
+      end do
+      call factor_squares(coarse, stiffness)
+      loads = sum_of_squares(coarse, load)
+      change = shared_change(coarse, coarse%stiffness * (lowered - matmul(coarse%presses, loads)))
+      if (target > 0.0_real64) then
+        even = shared_change(coarse, coarse%stiffness)
+        change = change - even * (sum(coarse%stiffness * change) / sum(coarse%stiffness * even))
+      end if
+      ! A load is convex in its penetration: it falls by less than its slope says.
+      lower = matmul(coarse%presses, max(loads + coarse%stiffness * change, 0.1_real64 * loads))
+      penetration = penetration + (lowered(coarse%square) - lower(coarse%square))
+      if (target > 0.0_real64) call raise(pairs, law, target, penetration)
+      change = lower - lowered
+      lowered = lower
+      if (maxval(change) - minval(change) < 0.01_real64 * maxval(penetration)) exit
+    end do
+  end subroutine lower_squares
+
+end module asperity_coupled_start

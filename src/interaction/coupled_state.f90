@@ -1,0 +1,242 @@
+!> Coupled contacts between two steps: what the solver carries, and the residual of its equations.
+module asperity_coupled_state
+  use asperity_circle_field, only: circle_set, find_field, inclination, many, plant_circles
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_kinds, only: real64
+  use asperity_solve_ending, only: solve_ending
+  implicit none
+  private
+
+  public :: answer_at, coupled_solution, evaluate, raise, resolved_contacts, solve_state
+
+  !> Contacts that are solved elsewhere: their answer to what is around them, by pair of all.
+  type :: resolved_contacts
+    logical, allocatable :: is_one(:)       !! this pair is
+    real(real64), allocatable :: x(:), y(:) !! centre of its pressure
+    !> that makes its law answer with its load; huge: open. Of others: their own, with what they
+    !> feel of pressures that are not those of circles
+    real(real64), allocatable :: gap(:)
+  end type resolved_contacts
+
+  !> Coupled contacts, by pair.
+  type :: coupled_solution
+    real(real64) :: closing = 0.0_real64            !! past first touch of all
+    real(real64), allocatable :: penetration(:)     !! not positive where open
+    real(real64), allocatable :: move_x(:), move_y(:)  !! shifts
+    type(circle_set) :: set                         !! those that carry load, with their field
+    type(solve_ending) :: ending                    !! residual over the largest penetration
+    integer :: products = 0                         !! of the matrix, in all steps
+    integer :: fields = 0                           !! found in all steps
+    character(len=:), allocatable :: failure        !! why there is none
+  end type coupled_solution
+
+  !> What the solver carries from step to step.
+  type :: solve_state
+    real(real64), allocatable :: gap(:)             !! of every pair
+    real(real64), allocatable :: off(:)             !! gradient by load, by circle
+    real(real64), allocatable :: off_x(:), off_y(:) !! gradient by shift over load, by circle
+    real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
+    real(real64) :: residual = 0.0_real64           !! over the largest penetration
+    integer, allocatable :: joins(:)                !! how often a pair has joined
+    logical, allocatable :: is_new(:)               !! joined since the last look, or at the start
+  end type solve_state
+
+  ! A circle that has grown by this factor, or shrunk as much, has other near neighbours.
+  real(real64), parameter :: outgrown = 1.2_real64
+  ! A penetration stays below this share of the height between centres.
+  real(real64), parameter :: level = 0.999999_real64
+
+contains
+
+  !> What a contact answers to a penetration; no centres pass each other.
+  pure function answer_at(pairs, law, i, penetration) result(answer)
+    type(contact_pairs), intent(in) :: pairs     !! the position
+    class(contact_law), intent(in) :: law        !! of each contact
+    integer, intent(in) :: i                     !! the pair
+    real(real64), intent(in) :: penetration      !! of it
+    type(contact_response) :: answer
+
+    call law%respond(pairs%list(i), i, min(penetration, level * pairs%list(i)%zc), answer)
+  end function answer_at
+
+  !> Raises all penetrations alike until the contacts carry the target.
+  subroutine raise(pairs, law, target, penetration)
+    type(contact_pairs), intent(in) :: pairs              !! the position
+    class(contact_law), intent(in) :: law                 !! of each contact
+    real(real64), intent(in) :: target                    !! load over modulus
+    real(real64), intent(inout) :: penetration(:)         !! by pair
+    real(real64) :: low, high, by, total, slope, most, before
+    integer :: try
+
+    ! No more than until the first centres are level.
+    most = minval(level * pairs%list%zc - penetration)
+    low = -maxval(penetration)
+    high = most
+    by = min(max(0.0_real64, low), most)
+    before = by
+    do try = 1, 200
+      call total_at(by, total, slope)
+      if (abs(total - target) <= 1.0e-13_real64 * target) exit
+      if (total < target) then
+        low = by
+      else
+        high = by
+      end if
+      if (.not. high - low > epsilon(high) * max(abs(low), abs(high))) exit
+      before = by
+      by = 0.5_real64 * (low + high)
+      ! Newton's method on load**(2/3), nearly straight.
+      if (total > 0.0_real64 .and. slope > 0.0_real64) &
+        by = before + 1.5_real64 * total / slope * &
+             ((target / total)**(2.0_real64 / 3.0_real64) - 1.0_real64)
+      if (by <= low .or. by >= high) then
+        by = 0.5_real64 * (low + high)
+        if (high >= most .and. total < target) by = max(by, most - 0.1_real64 * (most - low))
+      end if
+    end do
+    penetration = penetration + by
+
+  contains
+
+    subroutine total_at(by, total, slope)
+      real(real64), intent(in) :: by
+      real(real64), intent(out) :: total, slope
+      type(contact_response) :: response
+      integer :: i
+
+      total = 0.0_real64
+      slope = 0.0_real64
+      do i = 1, size(penetration)
+        if (.not. penetration(i) + by > 0.0_real64) cycle
+        call law%respond(pairs%list(i), i, penetration(i) + by, response)
+        total = total + merge(response%vertical_load, response%load, pairs%vertical)
+        slope = slope + response%stiffness / merge(1.0_real64, response%cosine, pairs%vertical)
+      end do
+      total = total / pairs%modulus
+      slope = slope / pairs%modulus
+    end subroutine total_at
+
+  end subroutine raise
+
+  !> The circles of the present penetrations, their field, and what the equations leave over.
+  subroutine evaluate(pairs, law, solution, state, resolved)
+    type(contact_pairs), intent(in) :: pairs               !! the position
+    class(contact_law), intent(in) :: law                  !! of each contact
+    !> penetrations and shifts; gets circles, field and, under a target, the closing
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(inout) :: state              !! gets gradient and residual
+    type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
+    real(real64) :: deepest, aside
+    integer :: i, k
+    logical :: same
+
+    call gather(pairs, law, solution, state, resolved, same)
+    associate (set => solution%set)
+      if (size(set%x) == 0) then
+        state%residual = 0.0_real64
+        return
+      end if
+      if (same) same = all(set%circle < outgrown * set%planted .and. &
+                           set%planted < outgrown * set%circle)
+      if (.not. same) call plant_circles(set)
+      if (allocated(set%tree%failure)) then
+        solution%failure = set%tree%failure
+        return
+      end if
+      call find_field(set)
+      solution%fields = solution%fields + 1
+      deepest = 0.0_real64
+      do k = 1, size(set%x)
+        i = set%number(k)
+        deepest = max(deepest, solution%penetration(i))
+        state%off(k) = solution%penetration(i) + state%gap(i) + set%lift(k) + &
+                       0.5_real64 * set%curvature(k) * (set%move_x(k)**2 + set%move_y(k)**2)
+        state%off_x(k) = set%curvature(k) * set%move_x(k) + set%tilt_x(k)
+        state%off_y(k) = set%curvature(k) * set%move_y(k) + set%tilt_y(k)
+        if (set%still(k)) then
+          state%off_x(k) = 0.0_real64
+          state%off_y(k) = 0.0_real64
+        end if
+      end do
+      if (state%target > 0.0_real64) &
+        solution%closing = dot_product(set%stiffness, state%off) / sum(set%stiffness)
+      state%residual = 0.0_real64
+      do k = 1, size(set%x)
+        state%off(k) = state%off(k) - solution%closing
+        ! A shift that is off changes the penetration by no more than this times the slopes.
+        aside = 0.0_real64
+        if (.not. set%still(k)) aside = hypot(state%off_x(k), state%off_y(k)) / set%curvature(k) * &
+                                        (hypot(set%tilt_x(k), set%tilt_y(k)) + &
+                                         set%curvature(k) * hypot(set%move_x(k), set%move_y(k)))
+        state%residual = max(state%residual, abs(state%off(k)), aside)
+      end do
+      state%residual = state%residual / deepest
+      ! What is no number is no solution.
+      if (.not. sum(abs(state%off)) <= huge(deepest)) state%residual = huge(deepest)
+    end associate
+  end subroutine evaluate
+
+  ! Sets out the circles of those that carry load.
+  subroutine gather(pairs, law, solution, state, resolved, same)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(inout) :: state
+    type(resolved_contacts), intent(in), optional :: resolved
+    logical, intent(out) :: same  ! the same contacts as before
+    type(contact_response), allocatable :: answer(:)
+    integer, allocatable :: number(:)
+    real(real64) :: inclined, place(2)
+    integer :: i, k, n
+
+    allocate (answer(size(state%gap)), number(size(state%gap)))
+    !$omp parallel do schedule(static) if(size(state%gap) > many)
+    do k = 1, size(state%gap)
+      if (solution%penetration(k) > 0.0_real64) &
+        answer(k) = answer_at(pairs, law, k, solution%penetration(k))
+    end do
+    !$omp end parallel do
+    n = 0
+    do k = 1, size(state%gap)
+      if (.not. answer(k)%vertical_load > 0.0_real64) cycle
+      n = n + 1
+      number(n) = k
+      answer(n) = answer(k)
+    end do
+    associate (set => solution%set)
+      same = .false.
+      if (allocated(set%number)) then
+        if (size(set%number) == n) same = all(set%number == number(:n))
+      end if
+      if (.not. same) call set%make_room(n)
+      if (allocated(state%off)) deallocate (state%off, state%off_x, state%off_y)
+      allocate (state%off(n), state%off_x(n), state%off_y(n))
+      set%number = number(:n)
+      do k = 1, n
+        i = number(k)
+        place = [pairs%list(i)%x, pairs%list(i)%y]
+        set%curvature(k) = 1.0_real64 / pairs%list(i)%radius
+        set%move_x(k) = solution%move_x(i)
+        set%move_y(k) = solution%move_y(i)
+        set%still(k) = .false.
+        if (present(resolved)) set%still(k) = resolved%is_one(i)
+        if (set%still(k)) then
+          place = [resolved%x(i), resolved%y(i)]
+          set%curvature(k) = 0.0_real64
+          set%move_x(k) = 0.0_real64
+          set%move_y(k) = 0.0_real64
+        end if
+        ! Whoever stands elsewhere is to be planted there.
+        if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) same = .false.
+        set%x(k) = place(1)
+        set%y(k) = place(2)
+        inclined = inclination(answer(k)%cosine) / pairs%modulus
+        set%load(k) = answer(k)%vertical_load * inclined
+        set%stiffness(k) = answer(k)%stiffness * inclined
+        set%circle(k) = answer(k)%contact_radius
+      end do
+    end associate
+  end subroutine gather
+
+end module asperity_coupled_state
