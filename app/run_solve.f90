@@ -74,6 +74,8 @@ contains
     call refuse_input(line, scene_in%upper%file, problems)
     if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
       call refuse_input(line, scene_in%lower%file, problems)
+    if (allocated(scene_in%map) .and. line%budget) &
+      call problems%add('--budget: a map is compared with its summits in every run, expected none')
     if (.not. (scene_in%effects%any_on() .or. allocated(scene_in%loading%path))) return
     if (line%arithmetic /= '' .and. line%arithmetic /= 'real64') &
       call problems%add('--arithmetic ' // line%arithmetic // ': effects and paths of several ' // &

@@ -2,6 +2,7 @@
 against the map, what the summary says of that, and what is refused."""
 
 import re
+import subprocess
 
 import numpy as np
 import pytest
@@ -156,6 +157,31 @@ def test_auto_takes_what_is_good_enough(asperity, tmp_path):
     flat, _ = press(level(height), sides, E, loading["value"])
     assert abs(float(samples.positions[0]["approach"]) / flat - 1) < 1e-6
     assert abs(float(summits.positions[0]["approach"]) / flat - 1) > 1e-4
+
+
+def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
+    """Over its own area, or over the one that is given; on samples and on summits."""
+    sides = (0.02, 0.03)
+    height = 1e-3 * rough(32, 40, shortest=4, seed=17)
+    for interaction in ("boundary", "coupled"):
+        for area in ({}, {"nominal_area": 0.5}):
+            scene = map_scene(tmp_path, height, sides, interaction=interaction, surfaces=area,
+                              loading={"control": "pressure", "value": 1e-3})
+            found = solve(asperity, scene)
+            over = area.get("nominal_area", height.size * sides[0] * sides[1])
+            row = found.positions[0]
+            assert abs(float(row["vertical_load"]) / (1e-3 * over) - 1) < 1e-9
+            assert abs(float(row["nominal_pressure"]) / 1e-3 - 1) < 1e-9
+            assert abs(float(row["area_fraction"]) * over / float(row["projected_area"]) - 1) < 1e-12
+
+
+def test_commands_that_take_no_map(asperity, tmp_path):
+    scene = map_scene(tmp_path, rough(32, shortest=4), (0.1, 0.1), interaction="off",
+                      loading={"control": "limit"}, limit={"criterion": "load", "value": 1e-3})
+    for command in (["solve", scene, "--budget"], ["accuracy", scene]):
+        done = subprocess.run([asperity, *command], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2, (command, done)
+        assert "map" in done.stderr
 
 
 @pytest.mark.parametrize("change, said", [
