@@ -45,8 +45,8 @@ contains
       if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
         call refuse_input(line, scene_in%lower%file, outcome%problems)
       if (allocated(scene_in%map)) &
-        call outcome%problems%add(line%input // ': the accuracy study takes no map yet: expected ' // &
-                                  'surfaces of summits')
+        call outcome%problems%add(line%input // ': the accuracy study takes no ' // &
+                                  'map, expected surfaces of summits')
       if (scene_in%loading%control /= control_limit .or. &
           scene_in%limit%criterion /= criterion_load) &
         call outcome%problems%add(line%input // ': the accuracy study needs a scene that ends ' // &

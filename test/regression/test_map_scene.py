@@ -172,7 +172,8 @@ def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
             row = found.positions[0]
             assert abs(float(row["vertical_load"]) / (1e-3 * over) - 1) < 1e-9
             assert abs(float(row["nominal_pressure"]) / 1e-3 - 1) < 1e-9
-            assert abs(float(row["area_fraction"]) * over / float(row["projected_area"]) - 1) < 1e-12
+            assert abs(float(row["area_fraction"]) * over
+                       / float(row["projected_area"]) - 1) < 1e-12
 
 
 def test_commands_that_take_no_map(asperity, tmp_path):
