@@ -84,8 +84,8 @@ module asperity_contact_records
   type :: effect_record
     character(len=16) :: simulated = 'off'    !! how: coupled, boundary, on; `off`: left out
     character(len=40) :: why = ''             !! in a few words, where the effect had a choice
-    real(real64) :: estimate = 0.0_real64     !! estimated share of the total vertical load
-    real(real64) :: influence = 0.0_real64    !! measured share, where simulated; with its sign
+    real(real64) :: estimate = not_computed   !! estimated share of the total vertical load
+    real(real64) :: influence = not_computed  !! measured share, where simulated; with its sign
     real(real64) :: error = not_computed      !! estimated relative error of its own solve
     type(solve_ending) :: ending              !! how its solve ended
     logical :: influence_known = .false.      !! the effect measured it like with like

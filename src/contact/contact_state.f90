@@ -12,6 +12,7 @@ module asperity_contact_state
   type :: contact_state
     real(real64) :: closing = 0.0_real64             !! past the first touch of the position
     real(real64) :: time = 0.0_real64                !! since the end of loading
+    real(real64) :: left = 1.0_real64                !! of the tolerance, for what is simulated
     class(contact_law), allocatable :: law           !! what a contact answers
     real(real64), allocatable :: penetration(:)      !! of each pair; not positive where open
     type(contact_response), allocatable :: answers(:)  !! of each pair

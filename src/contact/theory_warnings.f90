@@ -23,7 +23,7 @@ module asperity_theory_warnings
   integer, parameter :: of_overlapping = 5
   !> Share of the nominal area that contacts cover, with interaction off.
   integer, parameter :: of_crowding = 6
-  !> Contact radius, or neck, that the law of adhesion takes for small.
+  !> Tabor parameter of a contact that adheres by the law for small ones.
   integer, parameter :: of_tabor = 7
   !> Strain in a contact that creeps.
   integer, parameter :: of_creep_strain = 8
@@ -68,9 +68,10 @@ module asperity_theory_warnings
       'contacts cover much of the area and interaction is off', &
       'of the nominal area (limit 10 %)', &
       'set interaction = ''auto'': these contacts are not independent'), &
-    warning_kind('tabor', 0.0_real64, .false., &
-      'adhesion is outside the range of its law', 'is the Tabor parameter', &
-      'take pull-off and snap-in of these contacts as estimates'), &
+    warning_kind('tabor', 0.045_real64, .false., &
+      'a contact adheres by the law for small Tabor parameters', &
+      'is its Tabor parameter (limit 0.045)', &
+      'expect a pull-off that is too large by more than 1 %'), &
     warning_kind('creep_strain', 0.01_real64, .true., &
       'a contact creeps beyond the linear range', 'of strain (limit 1 %)', &
       'press less or expect more creep than is computed'), &

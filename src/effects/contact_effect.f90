@@ -6,9 +6,10 @@
 !>
 !> `estimate` and `apply` must be written for each; the other procedures have a default, which does
 !> nothing. An effect that remembers overrides `begin` and `keep`; one that acts while load or
-!> approach is held sets `acts_in_time` and overrides `held_share`; one whose columns depend on what
-!> later effects do, `finish`; one that knows a short way to a load, `closing_at_load`; one that
-!> attracts, `letting_go`.
+!> approach is held sets `acts_in_time` and overrides `held_share`; one that knows some of its
+!> columns without being simulated, `leave_out`; one whose columns depend on what later effects do,
+!> `finish`; one that knows a short way to a load, `closing_at_load`; one that attracts,
+!> `letting_go`.
 module asperity_contact_effect
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
@@ -32,11 +33,6 @@ module asperity_contact_effect
     character(len=20) :: text = ''            !! its name, as in the header
     integer :: modulus_power = 0              !! its unit holds the modulus to this power
     integer :: length_power = 0               !! and the length to this
-    !> What it is where `auto` left the effect out: this times the vertical load, plus this times
-    !> the estimate of what the effect would change, plus ...
-    real(real64) :: of_load = 0.0_real64
-    real(real64) :: of_estimate = 0.0_real64
-    real(real64) :: otherwise = 0.0_real64    !! ... this
   end type column_name
 
   !> What one effect did to one state, and what it tells of it.
@@ -51,9 +47,10 @@ module asperity_contact_effect
   type, abstract :: contact_effect
     character(len=11) :: name = ''                      !! as in &effects
     integer :: mode = effect_off                        !! as in &effects
-    real(real64) :: tolerance = 0.0_real64              !! share of the load that may be left out
+    real(real64) :: tolerance = 0.0_real64              !! share that all may leave out together
     real(real64) :: load_tolerance = 1.0e-11_real64     !! how near a load asked for is met
     logical :: acts_in_time = .false.                   !! acts while load or approach is held
+    logical :: approximates = .false.                   !! its `auto` leaves something out itself
     type(column_name), allocatable :: contact_columns(:)  !! what it tells of a contact
     type(column_name), allocatable :: state_columns(:)    !! what it tells of a position
   contains
@@ -61,6 +58,7 @@ module asperity_contact_effect
     procedure(apply_effect), deferred :: apply           !! changes the state
     procedure :: begin            !! forgets the position before
     procedure :: keep             !! remembers a state for those that follow
+    procedure :: leave_out        !! tells its columns where `auto` left it out
     procedure :: finish           !! tells its columns anew, after all effects
     procedure :: held_share       !! what it leaves of a load that is held
     procedure :: closing_at_load  !! where a load is reached
@@ -98,20 +96,14 @@ module asperity_contact_effect
 
 contains
 
-  !> A column: its name, its unit, and what it is where `auto` left the effect out.
-  pure type(column_name) function column(name, unit, of_load, of_estimate, otherwise)
-    character(len=*), intent(in) :: name              !! as in the header
-    integer, intent(in) :: unit(2)                    !! `plain`, `length`, `force` or `moment`
-    real(real64), intent(in), optional :: of_load     !! times the vertical load; 0 without it
-    real(real64), intent(in), optional :: of_estimate !! times the estimate; 0 without it
-    real(real64), intent(in), optional :: otherwise   !! plus this; 0 without it
+  !> A column: its name and its unit.
+  pure type(column_name) function column(name, unit)
+    character(len=*), intent(in) :: name  !! as in the header
+    integer, intent(in) :: unit(2)        !! `plain`, `length`, `force` or `moment`
 
     column%text = name
     column%modulus_power = unit(1)
     column%length_power = unit(2)
-    if (present(of_load)) column%of_load = of_load
-    if (present(of_estimate)) column%of_estimate = of_estimate
-    if (present(otherwise)) column%otherwise = otherwise
   end function column
 
   !> Name, mode and tolerance, as the scene has them.
@@ -144,7 +136,20 @@ contains
     end associate
   end subroutine keep
 
-  !> Tells the columns anew, when the effects after it have changed the state. Here: they stand.
+  !> Tells what is cheap to know where `auto` left the effect out. Here: nothing, and the cells of
+  !> its columns are empty.
+  subroutine leave_out(self, pairs, state, outcome)
+    class(contact_effect), intent(in) :: self       !! the effect
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(in) :: state        !! without this effect
+    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
+
+    associate (unused => self, unused_too => pairs, unused_also => state, as_it_is => outcome)
+    end associate
+  end subroutine leave_out
+
+  !> Tells the columns anew, when the effects after it have changed the state, whether or not the
+  !> effect was left out. Here: they stand.
   subroutine finish(self, pairs, state, outcome)
     class(contact_effect), intent(in) :: self       !! the effect
     type(contact_pairs), intent(in) :: pairs        !! the position
@@ -167,20 +172,21 @@ contains
     share = 1.0_real64
   end function held_share
 
-  !> Changes a closing to that at which the contacts with this effect alone carry a load; leaves it
-  !> where the effect is not called for. Here: no way is known, it stays.
-  subroutine closing_at_load(self, pairs, law, target, closing, found, failure)
+  !> Changes a closing to that at which the contacts with this effect alone carry a load. Here: no
+  !> way is known, it stays.
+  subroutine closing_at_load(self, pairs, law, target, left, closing, found, failure)
     class(contact_effect), intent(in) :: self                 !! the effect
     type(contact_pairs), intent(in) :: pairs                  !! the position
     class(contact_law), intent(in) :: law                     !! of every contact
     real(real64), intent(in) :: target                        !! sum of the normal forces
+    real(real64), intent(in) :: left                          !! of the tolerance, for this effect
     real(real64), intent(inout) :: closing                    !! past first touch
     !> what the effect wants to know again when it acts there (pair, quantity); else as it was
     real(real64), allocatable, intent(inout) :: found(:, :)
     character(len=:), allocatable, intent(inout) :: failure   !! why the load cannot be reached
 
     associate (unused => self, unused_too => pairs, unused_also => law, load => target, &
-               as_it_is => closing)
+               share => left, as_it_is => closing)
       if (allocated(found) .or. allocated(failure)) return
     end associate
   end subroutine closing_at_load

@@ -12,7 +12,7 @@ module asperity_interaction
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
                                      resolve_none, solve_joint
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
   implicit none
   private
@@ -29,6 +29,7 @@ module asperity_interaction
   contains
     procedure :: estimate
     procedure :: apply
+    procedure :: leave_out
     procedure :: closing_at_load
   end type interaction_effect
 
@@ -41,16 +42,17 @@ contains
     type(interaction_effect) :: new
 
     call new%call_as('interaction', scene_in%effects)
+    new%approximates = .true.
     new%boundary_tolerance = scene_in%effects%number('boundary_tolerance')
     ! Cells come and go with the closing, which moves the load a little.
     if (any(new%mode == [effect_auto, effect_boundary])) &
       new%load_tolerance = 0.1_real64 * new%boundary_tolerance
     new%contact_columns = [ &
       column('lowered', length), &                       ! how far by its neighbours
-      column('alone_load', force, of_load=1.0_real64)]   ! vertical, without them
+      column('alone_load', force)]   ! vertical, without them
     new%state_columns = [ &
-      column('alone_load', force, of_load=1.0_real64), & ! sum of those of the contacts
-      column('factor', plain, otherwise=1.0_real64), &   ! load together over load alone
+      column('alone_load', force), & ! sum of those of the contacts
+      column('factor', plain), &   ! load together over load alone
       column('cells', plain), &                          ! how many
       column('resolved', plain), &                       ! contacts on cells
       ! left out: as much as neighbours may change
@@ -88,8 +90,8 @@ contains
       call unpack_solution(state%found, solution)
     else
       solution%coupled%closing = state%closing
-      call solve_joint(pairs, state%law, what_to_resolve(self, state%law), self%tolerance, &
-                       self%boundary_tolerance, solution)
+      call solve_joint(pairs, state%law, what_to_resolve(self, state%law), &
+                       min(self%tolerance, state%left), self%boundary_tolerance, solution)
     end if
     outcome%ending = solution%coupled%ending
     if (allocated(solution%failure)) then
@@ -122,21 +124,34 @@ contains
     outcome%influence_known = .true.
   end subroutine apply
 
-  !> Where the contacts together carry a load. `auto` that has no call for it leaves the closing.
-  subroutine closing_at_load(self, pairs, law, target, closing, found, failure)
+  !> Left out: what the contacts carry alone is known, and what they may change at most.
+  subroutine leave_out(self, pairs, state, outcome)
+    class(interaction_effect), intent(in) :: self   !! interaction
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(in) :: state        !! contacts that know nothing of each other
+    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
+
+    associate (unused => self)
+    end associate
+    allocate (outcome%of_contacts(size(pairs%list), 2), source=not_computed)
+    outcome%of_contacts(:, 2) = state%answers%vertical_load
+    outcome%of_state = [sum(state%answers%vertical_load), not_computed, 0.0_real64, 0.0_real64, &
+                        outcome%estimate]
+  end subroutine leave_out
+
+  !> Where the contacts together carry a load.
+  subroutine closing_at_load(self, pairs, law, target, left, closing, found, failure)
     class(interaction_effect), intent(in) :: self              !! interaction
     type(contact_pairs), intent(in) :: pairs                   !! the position
     class(contact_law), intent(in) :: law                      !! of every contact
     real(real64), intent(in) :: target                         !! sum of the normal forces
+    real(real64), intent(in) :: left                           !! of the tolerance
     real(real64), intent(inout) :: closing                     !! past first touch
     real(real64), allocatable, intent(inout) :: found(:, :)    !! the solution there
     character(len=:), allocatable, intent(inout) :: failure    !! why there is none
     type(joint_solution) :: solution
 
-    if (self%mode == effect_auto) then
-      if (.not. estimate_of_interaction(pairs, law, closing) > self%tolerance) return
-    end if
-    call solve_joint(pairs, law, what_to_resolve(self, law), self%tolerance, &
+    call solve_joint(pairs, law, what_to_resolve(self, law), min(self%tolerance, left), &
                      self%boundary_tolerance, solution, target)
     if (allocated(solution%failure)) then
       failure = 'interaction: ' // solution%failure

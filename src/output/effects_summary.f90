@@ -67,10 +67,11 @@ contains
       associate (outcome => results%positions(m)%effects(e))
         simulated(m) = outcome%simulated /= 'off'
         if (simulated(m)) then
-          influence(m) = outcome%influence
+          influence(m) = 0.0_real64
+          if (outcome%influence > not_computed) influence(m) = outcome%influence
           residual(m) = outcome%ending%residual
         else
-          left_out(m) = outcome%estimate
+          left_out(m) = max(0.0_real64, outcome%estimate)
         end if
       end associate
     end do

@@ -2,6 +2,7 @@
 module asperity_results_csv
   use asperity_contact_records, only: contact_row, position_result, state_row
   use asperity_csv, only: csv_line
+  use asperity_kinds, only: not_computed
   use asperity_scene_results, only: kinds_of_warnings, last_state, nominal_names, nominal_values, &
                                     scene_results
   use asperity_text_buffer, only: text_buffer
@@ -129,9 +130,13 @@ contains
 
     do i = 1, size(position%effects)
       call line%put(position%effects(i)%simulated)
-      call line%put([position%effects(i)%estimate, position%effects(i)%influence, &
-                     position%effects(i)%ending%residual])
-      call line%put(position%effects(i)%ending%iterations)
+      call line%put([position%effects(i)%estimate, position%effects(i)%influence])
+      if (position%effects(i)%simulated == 'off') then
+        call line%put([not_computed, not_computed])
+      else
+        call line%put(position%effects(i)%ending%residual)
+        call line%put(position%effects(i)%ending%iterations)
+      end if
     end do
     call line%put(position%state_values)
   end subroutine put_effects

@@ -3,7 +3,8 @@ module asperity_closing_at_load
   use asperity_closing_at_pull, only: close_to_pull, pulls
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_state, only: contact_state, load_asked_for
+  use asperity_contact_state, only: contact_state, load_asked_for, start_state
+  use asperity_effect_choice, only: choose_effects
   use asperity_effect_sequence, only: first_failure, simulate
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
@@ -94,7 +95,8 @@ contains
     enough = .false.
     greatest = 0.0_real64
     if (target > 0.0_real64) &
-      call ask_effects(pairs, effects, target / share_held(effects, time), closing, found, failure)
+      call ask_effects(pairs, effects, target / share_held(effects, time), time, called_for, &
+                       closing, found, failure)
     if (allocated(failure)) return
     asked = closing
     if (target > 0.0_real64 .and. pairs%target > 0.0_real64) &
@@ -164,18 +166,29 @@ contains
   end subroutine search
 
   ! Where the effects that know it say that the load is reached.
-  subroutine ask_effects(pairs, effects, target, closing, found, failure)
+  subroutine ask_effects(pairs, effects, target, time, called_for, closing, found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
-    real(real64), intent(in) :: target
+    real(real64), intent(in) :: target, time
+    logical, allocatable, intent(in) :: called_for(:)
     real(real64), intent(inout) :: closing
     real(real64), allocatable, intent(inout) :: found(:, :)
     character(len=:), allocatable, intent(inout) :: failure
+    type(contact_state) :: state
+    type(effect_outcome) :: outcomes(size(effects))
+    logical, allocatable :: called(:)
+    real(real64) :: left
     integer :: i
 
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
+    state%time = time
+    call choose_effects(pairs, effects, state, outcomes, called, left)
     do i = 1, size(effects)
+      if (allocated(called_for) .and. effects(i)%effect%mode == effect_auto) &
+        called(i) = called_for(i)
+      if (.not. called(i)) cycle
       call effects(i)%effect%closing_at_load(pairs, hertz_law(modulus=pairs%modulus), target, &
-                                             closing, found, failure)
+                                             left, closing, found, failure)
       if (allocated(failure)) return
     end do
   end subroutine ask_effects

@@ -6,12 +6,13 @@ module asperity_effect_position
   use asperity_contact_records, only: asked_normal, asked_vertical, most_rows, &
                                       position_result
   use asperity_contact_state, only: contact_state, load_asked_for, start_state
+  use asperity_effect_choice, only: choose_effects
   use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, to_closing, to_load
   use asperity_effect_rows, only: add_state
   use asperity_effect_sequence, only: first_failure, simulate
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_auto, is_load, scene
+  use asperity_scene_values, only: is_load, scene
   implicit none
   private
 
@@ -148,17 +149,16 @@ contains
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: closing
     type(contact_state) :: state
+    type(effect_outcome) :: outcomes(size(effects))
+    logical, allocatable :: called(:)
+    real(real64) :: left
     integer :: i
 
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
+    call choose_effects(pairs, effects, state, outcomes, called, left)
     acts_in_time = .false.
     do i = 1, size(effects)
-      associate (effect => effects(i)%effect)
-        if (.not. effect%acts_in_time .or. acts_in_time) cycle
-        acts_in_time = effect%mode /= effect_auto
-        if (acts_in_time) cycle
-        call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
-        acts_in_time = effect%estimate(pairs, state) > effect%tolerance
-      end associate
+      acts_in_time = acts_in_time .or. (called(i) .and. effects(i)%effect%acts_in_time)
     end do
   end function acts_in_time
 

@@ -4,7 +4,7 @@ module asperity_effect_rows
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
-  use asperity_contact_state, only: contact_state, total_vertical_load
+  use asperity_contact_state, only: contact_state
   use asperity_contact_law, only: contact_response
   use asperity_kinds, only: not_computed, real64
   use asperity_overlapping_circles, only: count_overlapping
@@ -99,7 +99,7 @@ contains
       call take_worse(result%warnings, outcomes(i)%warnings, number)
     end do
     if (number < size(result%states)) return
-    call set_state_values(pairs, effects, state, outcomes, result)
+    call set_state_values(pairs, effects, outcomes, result)
     allocate (result%effects(size(outcomes)))
     do i = 1, size(outcomes)
       result%effects(i) = outcomes(i)%effect_record
@@ -235,8 +235,7 @@ contains
           if (allocated(outcomes(e)%of_contacts)) then
             values(row, at:last) = in_units(columns, pairs, outcomes(e)%of_contacts(i, :))
           else
-            values(row, at:last) = left_out(columns, pairs, outcomes(e)%estimate, &
-                                           state%answers(i)%vertical_load)
+            values(row, at:last) = not_computed
           end if
         end associate
       end do
@@ -245,10 +244,9 @@ contains
   end subroutine add_contact_values
 
   ! What the effects tell of the last state.
-  subroutine set_state_values(pairs, effects, state, outcomes, result)
+  subroutine set_state_values(pairs, effects, outcomes, result)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
-    type(contact_state), intent(in) :: state
     type(effect_outcome), intent(in) :: outcomes(:)
     type(position_result), intent(inout) :: result
     integer :: e
@@ -261,22 +259,11 @@ contains
                                  in_units(columns, pairs, outcomes(e)%of_state)]
         else
           result%state_values = [result%state_values, &
-                                 left_out(columns, pairs, outcomes(e)%estimate, &
-                                          total_vertical_load(state))]
+                                 spread(not_computed, 1, size(columns))]
         end if
       end associate
     end do
   end subroutine set_state_values
-
-  ! A value of a column where `auto` left its effect out.
-  elemental real(real64) function left_out(column, pairs, estimate, vertical_load)
-    type(column_name), intent(in) :: column
-    type(contact_pairs), intent(in) :: pairs
-    real(real64), intent(in) :: estimate, vertical_load
-
-    left_out = in_units(column, pairs, column%of_load * vertical_load + &
-                        column%of_estimate * estimate + column%otherwise)
-  end function left_out
 
   ! A value of a column in the units of the scene.
   elemental real(real64) function in_units(column, pairs, value)
@@ -284,7 +271,9 @@ contains
     type(contact_pairs), intent(in) :: pairs
     real(real64), intent(in) :: value
 
-    in_units = in_scene_units(pairs, value, column%modulus_power, column%length_power)
+    in_units = value
+    if (value > not_computed) &
+      in_units = in_scene_units(pairs, value, column%modulus_power, column%length_power)
   end function in_units
 
 end module asperity_effect_rows

@@ -3,7 +3,7 @@ module asperity_effect_sequence
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_vertical_load
-  use asperity_effect_names, only: why_not_together
+  use asperity_effect_choice, only: choose_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_auto
@@ -30,6 +30,8 @@ contains
     !> of `auto`, what is simulated whatever its estimate is, and what is not
     logical, intent(in), optional :: called_for(:)
     real(real64) :: before
+    logical, allocatable :: called(:)
+    character(len=:), allocatable :: why
     logical :: without_time
     integer :: i
 
@@ -39,50 +41,33 @@ contains
     call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
     state%time = time
     if (present(found)) state%found = found
+    call choose_effects(pairs, effects, state, outcomes, called, state%left)
+    why = 'estimate above tolerance'
+    if (present(called_for)) then
+      why = 'estimate at tolerance'
+      do i = 1, size(effects)
+        if (effects(i)%effect%mode == effect_auto) called(i) = called_for(i)
+      end do
+    end if
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => outcomes(i))
         if (without_time .and. effect%acts_in_time) cycle
-        before = total_vertical_load(state)
-        if (effect%mode == effect_auto) then
-          outcome%estimate = effect%estimate(pairs, state)
-          if (present(called_for)) then
-            if (.not. called_for(i)) cycle
-            outcome%why = 'estimate at tolerance'
-          else
-            if (.not. outcome%estimate > effect%tolerance) cycle
-            outcome%why = 'estimate above tolerance'
-          end if
+        if (.not. called(i)) then
+          call effect%leave_out(pairs, state, outcome)
+          cycle
         end if
+        if (effect%mode == effect_auto) outcome%why = why
+        before = total_vertical_load(state)
         call effect%apply(pairs, state, outcome)
         if (allocated(outcome%failure)) return
         if (before > 0.0_real64 .and. .not. outcome%influence_known) &
           outcome%influence = total_vertical_load(state) / before - 1.0_real64
       end associate
     end do
-    call check_together(effects, outcomes)
     do i = 1, size(effects)
-      if (outcomes(i)%simulated == 'off') cycle
       call effects(i)%effect%finish(pairs, state, outcomes(i))
     end do
   end subroutine simulate
-
-  ! What `auto` has called for must go together.
-  subroutine check_together(effects, outcomes)
-    type(effect_box), intent(in) :: effects(:)
-    type(effect_outcome), intent(inout) :: outcomes(:)
-    character(len=:), allocatable :: why
-    integer :: i, j
-
-    do i = 2, size(effects)
-      if (outcomes(i)%simulated == 'off') cycle
-      do j = 1, i - 1
-        if (outcomes(j)%simulated == 'off') cycle
-        why = why_not_together(trim(effects(i)%effect%name), trim(outcomes(i)%simulated), &
-                               trim(effects(j)%effect%name), trim(outcomes(j)%simulated))
-        if (why /= '') outcomes(i)%failure = why
-      end do
-    end do
-  end subroutine check_together
 
   !> Why the first of the effects that failed could not be simulated.
   subroutine first_failure(effects, outcomes, failure)

@@ -11,7 +11,7 @@ module asperity_effect_solver
   use asperity_effect_rows, only: name_columns
   use asperity_kernel_real64, only: empty_state, list_pairs, place_scene, placed_scene, &
                                     solve_position
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: int64, not_computed
   use asperity_plastic_surface, only: surface_index
   use asperity_position_solver, only: position_solver
   use asperity_scene_results, only: effect_header
@@ -76,7 +76,7 @@ contains
     if (size(pairs%list) == 0) then
       allocate (result%effects(size(self%effects)), result%state_values(self%state_columns), &
                 result%contact_values(0, self%contact_columns))
-      result%state_values = 0
+      result%state_values = not_computed
       result%x_displacement = pairs%x_displacement
       result%y_displacement = pairs%y_displacement
       call empty_state(self%placed, result, failure)

@@ -67,21 +67,25 @@ class Sphere:
         return self.published(x) * (jump + (1 - jump) * weight)
 
     def lost(self, x):
-        """Work that a press to x and back loses, over Pc times w_c; x of 6 or more."""
+        """Work that a press to x and back loses, over Pc times w_c; x of 1 or more."""
         x = mpf(x)
-        taken = mpmath.quad(self.joined, [0, "1.9", 3, 6]) + mpmath.quad(self.published, [6, x])
+        taken = mpmath.quad(self.joined, [0, *(v for v in ("1.9", "3", "6") if mpf(v) < x), x])
         residual, power, _ = unloading(x)
         low = residual * x
-        back = mpmath.quad(lambda w: self.published(x) * ((w - low) / (x - low)) ** power,
+        back = mpmath.quad(lambda w: self.joined(x) * ((w - low) / (x - low)) ** power,
                            mpmath.linspace(low, x, 5))
         return taken - back
 
 
 def unloading(x):
-    """Residual over largest overlap, power of the load, power of the area; x of 6 or more."""
+    """Residual over largest overlap, power of the load, power of the area; x of 1 or more.
+
+    Up to x = 1.2 the program's power of the load is a little above the published one: the least
+    with which no work is won."""
     x = mpf(x)
     residual = (1 - x ** mpf("-0.28")) * (1 - x ** mpf("-0.69"))
-    return residual, mpf("1.5") * x ** mpf("-0.0331"), x ** mpf("-0.12")
+    power = max(x ** mpf("-0.0331"), 1 - residual)
+    return residual, mpf("1.5") * power, x ** mpf("-0.12")
 
 
 def kogut_etsion(x):
@@ -111,7 +115,7 @@ def main():
         print(" ", x, mpmath.nstr(steel.joined(x), 20), mpmath.nstr(steel.area(x), 20),
               mpmath.nstr(steel.published(x) / steel.joined(x), 6))
     print("unloading: x, residual, powers of load and area, work lost over Pc w_c")
-    for x in ("6", "10", "50", "100"):
+    for x in ("1.1", "1.9", "3", "6", "10", "50", "100"):
         print(" ", x, *(mpmath.nstr(v, 20) for v in (*unloading(x), steel.lost(x))))
     # The thesis: E0 of two spheres of 2e4 kg/cm2, H = 22 kg/mm2, R = 0.635 cm.
     ratio = mpf(2e4) / (2 * (1 - mpf("0.42") ** 2)) / 2200

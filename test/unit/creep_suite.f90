@@ -11,7 +11,7 @@ module asperity_creep_suite
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction, only: new_interaction
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_auto, effect_coupled, effect_on, scene
+  use asperity_scene_values, only: effect_coupled, effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   use asperity_viscoelastic_solid, only: hold_times, standard_linear_solid
   implicit none
@@ -36,7 +36,7 @@ contains
       new_unittest('no, instant and endless relaxation', limits), &
       new_unittest('a hold dissipates: no more comes back than was taken', energy), &
       new_unittest('shrinking areas are refused, rounding is not', refusals), &
-      new_unittest('the estimate bounds the truth; auto below it remembers nothing', estimates)]
+      new_unittest('the estimate bounds the truth', estimates)]
   end subroutine collect_creep
 
   subroutine held_approach(error)
@@ -290,13 +290,6 @@ contains
               'held approach')
     call held_at(pairs, creep, 0.05_real64, 1.0_real64, state, outcome)
     call check(error, share > 1.0_real64 - total_load(state) / outcome%of_state(2), 'growing')
-    creep%mode = effect_auto
-    creep%tolerance = 0.5_real64
-    call creep%begin(pairs)
-    call held_at(pairs, creep, 0.04_real64, 0.0_real64, state, outcome)
-    call creep%keep(pairs, state)
-    call held_at(pairs, creep, 0.01_real64, 1.0_real64, state, outcome)
-    call check(error, .not. allocated(outcome%failure), 'auto: left out, nothing kept')
     call creep_of(half, 0.0_real64, creep)
     call check(error, creep%estimate(pairs, state), 0.0_real64, 0.0_real64, 'no hold')
   end subroutine estimates

@@ -44,8 +44,8 @@ contains
     new%share = share
     new%acts_in_time = in_time
     new%contact_columns = [column('added_load', force), column('depth', length)]
-    new%state_columns = [column('bare_load', force, of_load=1.0_real64), &
-                         column('kept', plain, otherwise=-1.0_real64)]
+    new%state_columns = [column('bare_load', force), &
+                         column('kept', plain)]
     allocate (effect, source=new)
   end subroutine make_up
 

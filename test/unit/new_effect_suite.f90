@@ -11,7 +11,7 @@ module asperity_new_effect_suite
   use asperity_effect_names, only: known_effects
   use asperity_effect_position, only: run_position
   use asperity_hertz_law, only: hertz_law
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_made_up_effect, only: make_up
   use asperity_scene_values, only: control_approach, control_load, effect_auto, effect_on, &
                                    hold_approach, hold_load, scene
@@ -134,10 +134,14 @@ contains
       call near(error, result%states(1)%vertical_load * 16.0_real64, &
                 total_vertical_load(hertz) * merge(1.0_real64, 1.04_real64, i == 1), rounding, &
                 'load')
-      ! Left out, a column is what it says of itself.
+      ! Left out, a column is not computed.
+      if (i == 1) then
+        call check(error, .not. any(result%state_values > not_computed), 'columns left out')
+        cycle
+      end if
       call near(error, result%state_values(1) * 16.0_real64, total_vertical_load(hertz), rounding, &
                 'the load without it')
-      call check(error, nint(result%state_values(2)), merge(-1, 0, i == 1), 'the other column')
+      call check(error, nint(result%state_values(2)), 0, 'the other column')
     end do
   end subroutine by_auto
 

@@ -85,8 +85,8 @@ contains
     pair = pair_of(1.0_real64, 1.0_real64, 1.2_real64)
     law = plastic_law_with(0.42_real64, 1.0_real64, critical)
 
-    ! Below the onset: what went in comes out.
-    most = penetration_of(pair, 1.899_real64 * critical)
+    ! Below first yield: what went in comes out.
+    most = penetration_of(pair, 0.999_real64 * critical)
     up = work(law, pair, 0.0_real64, most)
     law%largest = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, most)
     down = work(law, pair, 0.0_real64, most)

@@ -4,13 +4,15 @@
 !> answers across a gap depends on whether it adhered before, so the effect keeps this from one
 !> state of a position to the next.
 module asperity_adhesion
-  use asperity_adhesion_contact, only: adhesion_numbers
+  use asperity_adhesion_contact, only: adhesion_numbers, model_dmt
   use asperity_adhesion_law, only: adhesion_law, new_adhesion_law
   use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, plain
+  use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
+  use asperity_theory_warnings, only: of_tabor, warn, warning_kinds
   implicit none
   private
 
@@ -24,6 +26,7 @@ module asperity_adhesion
   contains
     procedure :: estimate
     procedure :: apply
+    procedure :: leave_out
     procedure :: begin
     procedure :: keep
     procedure :: letting_go
@@ -51,27 +54,33 @@ contains
     allocate (effect, source=new)
   end subroutine new_adhesion
 
-  !> Sum of the largest pulls of the contacts that adhere, over the total vertical load. Adhesion
-  !> takes no more than that from the load of a contact that is pressed.
+  !> Sum of the largest pulls of the contacts that adhere, over the total vertical load: adhesion
+  !> takes no more than that from the load of a contact that is pressed. Or by how much the area
+  !> grows, if that is more.
   function estimate(self, pairs, state) result(share)
     class(adhesion_effect), intent(in) :: self  !! adhesion
     type(contact_pairs), intent(in) :: pairs    !! the position
     type(contact_state), intent(in) :: state    !! without adhesion
     real(real64) :: share
-    real(real64) :: load, pull
+    type(contact_response) :: answer
+    real(real64) :: area, load, pull
     integer :: i
 
     share = 0.0_real64
     if (.not. self%work > 0.0_real64) return
+    area = 0.0_real64
     pull = 0.0_real64
     do i = 1, size(pairs%list)
-      if (self%law%holds(pairs%list(i), i, state%penetration(i))) &
-        pull = pull + self%law%known(i)%pull_off
+      if (.not. self%law%holds(pairs%list(i), i, state%penetration(i))) cycle
+      pull = pull + self%law%known(i)%pull_off
+      call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
+      area = area + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
     end do
     load = sum(state%answers%vertical_load)
     if (.not. pull > 0.0_real64) return
     share = huge(share)
-    if (load > 0.0_real64) share = pull / load
+    if (load > 0.0_real64) &
+      share = max(pull / load, area / sum(state%answers%contact_radius**2))
   end function estimate
 
   !> Answers the penetrations of the state with adhesion.
@@ -80,27 +89,71 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! the position
     type(contact_state), intent(inout) :: state     !! gets law and answers with adhesion
     type(effect_outcome), intent(inout) :: outcome  !! what it did
-    real(real64) :: pull
-    integer :: adhering, i
 
     if (allocated(state%law)) deallocate (state%law)
     allocate (state%law, source=self%law)
     call answer_all(pairs, state)
+    call tell(self, pairs, state%penetration, count(state%answers%load < 0.0_real64), outcome)
+    outcome%simulated = 'on'
+    call warn_of_limits(self, pairs, outcome)
+  end subroutine apply
+
+  !> Left out, it is known all the same which contacts adhere and how far they would pull.
+  subroutine leave_out(self, pairs, state, outcome)
+    class(adhesion_effect), intent(in) :: self      !! adhesion
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(in) :: state        !! without adhesion
+    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
+    type(contact_response) :: answer
+    integer :: i, pulling
+
+    pulling = 0
+    do i = 1, size(pairs%list)
+      call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
+      if (answer%load < 0.0_real64) pulling = pulling + 1
+    end do
+    call tell(self, pairs, state%penetration, pulling, outcome)
+  end subroutine leave_out
+
+  ! Fills the columns.
+  subroutine tell(self, pairs, penetration, pulling, outcome)
+    class(adhesion_effect), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    real(real64), intent(in) :: penetration(:)
+    integer, intent(in) :: pulling
+    type(effect_outcome), intent(inout) :: outcome
+    real(real64) :: pull
+    integer :: adhering, i
+
     allocate (outcome%of_contacts(size(pairs%list), 3), source=0.0_real64)
     pull = 0.0_real64
     adhering = 0
     do i = 1, size(pairs%list)
       outcome%of_contacts(i, 2) = self%law%known(i)%pull_off
       outcome%of_contacts(i, 3) = self%law%known(i)%tabor
-      if (.not. self%law%holds(pairs%list(i), i, state%penetration(i))) cycle
+      if (.not. self%law%holds(pairs%list(i), i, penetration(i))) cycle
       outcome%of_contacts(i, 1) = 1.0_real64
       adhering = adhering + 1
       pull = pull + self%law%known(i)%pull_off
     end do
-    outcome%of_state = [real(adhering, real64), &
-                        real(count(state%answers%load < 0.0_real64), real64), pull]
-    outcome%simulated = 'on'
-  end subroutine apply
+    outcome%of_state = [real(adhering, real64), real(pulling, real64), pull]
+  end subroutine tell
+
+  ! The law of Derjaguin, Muller and Toporov pulls by more than Maugis' near its border.
+  subroutine warn_of_limits(self, pairs, outcome)
+    class(adhesion_effect), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_outcome), intent(inout) :: outcome
+    integer :: i
+
+    do i = 1, size(pairs%list)
+      associate (known => self%law%known(i))
+        if (known%model /= model_dmt .or. .not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
+        if (known%tabor > warning_kinds(of_tabor)%limit) &
+          call warn(outcome%warnings, of_tabor, known%tabor, contacts=1)
+      end associate
+    end do
+  end subroutine warn_of_limits
 
   !> A position begins: its law, of contacts none of which adheres yet.
   subroutine begin(self, pairs)

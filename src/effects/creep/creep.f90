@@ -8,15 +8,20 @@ module asperity_creep
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, not_computed, real64
   use asperity_problems, only: decimal_text
-  use asperity_scene_values, only: effect_auto, effect_boundary, scene
+  use asperity_scene_values, only: compliance, effect_auto, effect_boundary, hold_load, scene
+  use asperity_theory_warnings, only: of_creep_strain, of_relaxing, warn, warning_kinds
   use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, loaded, relaxation, &
                                          solid_step, standard_linear_solid, step_over
   implicit none
   private
 
   public :: new_creep
+
+  ! Representative strain over contact radius by combined radius (Tabor 1951).
+  real(real64), parameter :: strain_per_radius = 0.2_real64
+  real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
 
   !> What one contact remembers of the last state kept: of its load and of its greatest pressure.
   type :: contact_memory
@@ -28,12 +33,15 @@ module asperity_creep
   type, extends(contact_effect) :: creep_effect
     type(standard_linear_solid) :: solid            !! of both bodies
     real(real64) :: hold_time = 0.0_real64          !! how long the last state is held, 0 or more
+    logical :: holds_load = .true.                  !! not the approach
+    real(real64) :: softer_share = 1.0_real64       !! of the combined compliance, the softer body's
     real(real64) :: may_fall = 0.0_real64           !! elastic load that may go, share of the total
     real(real64) :: time = 0.0_real64               !! of the last state kept
     type(contact_memory), allocatable :: memory(:)  !! of each pair; allocated by `begin`
   contains
     procedure :: estimate
     procedure :: apply
+    procedure :: leave_out
     procedure :: begin
     procedure :: keep
     procedure :: held_share
@@ -47,6 +55,7 @@ contains
     class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
     real(real64), parameter :: rounding = 1.0e-9_real64
     type(creep_effect) :: new
+    real(real64) :: compliances(2)
 
     associate (effects => scene_in%effects)
       call new%call_as('creep', effects)
@@ -54,6 +63,7 @@ contains
       new%solid%relaxed_ratio = effects%number('relaxed_modulus_ratio')
       new%solid%relaxation_time = effects%number('relaxation_time')
       new%hold_time = effects%number('hold_time')
+      new%holds_load = nint(effects%number('hold')) == hold_load
       ! Cells move the load of a contact by their tolerance, `auto` by its own where it sets in.
       new%may_fall = rounding
       if (any(effects%mode('interaction') == [effect_auto, effect_boundary])) &
@@ -61,12 +71,19 @@ contains
       if (effects%mode('interaction') == effect_auto) &
         new%may_fall = max(new%may_fall, new%tolerance)
     end associate
+    if (scene_in%contact_modulus%digits == 0_int64 .and. &
+        min(scene_in%upper%elastic_modulus%digits, &
+            scene_in%lower%elastic_modulus%digits) > 0_int64) then
+      compliances = compliance([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus], &
+                               [scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
+      new%softer_share = maxval(compliances) / sum(compliances)
+    end if
     new%contact_columns = [ &
-      column('elastic_load', force, of_load=1.0_real64), &     ! of an elastic one of this closing
-      column('relaxed_share', plain, otherwise=1.0_real64)]    ! load over that
+      column('elastic_load', force), &     ! of an elastic one of this closing
+      column('relaxed_share', plain)]    ! load over that
     new%state_columns = [ &
       column('time', plain), &                                 ! since the end of loading
-      column('elastic_load', force, of_load=1.0_real64)]       ! sum of those of the contacts
+      column('elastic_load', force)]       ! sum of those of the contacts
     allocate (effect, source=new)
   end subroutine new_creep
 
@@ -127,10 +144,51 @@ contains
       call relax(step, self%memory(i), pairs%list(i)%s, state%answers(i))
       outcome%of_contacts(i, 2) = state%answers(i)%load / elastic
     end do
+    call warn_of_limits(self, pairs, state, outcome)
     if (fall > self%may_fall * outcome%of_state(2)) outcome%failure = &
       'the area of contact ' // decimal_text(worst) // ' shrinks during the hold, which the ' // &
       'theory of Lee and Radok does not cover'
   end subroutine apply
+
+  !> Left out: all is elastic.
+  subroutine leave_out(self, pairs, state, outcome)
+    class(creep_effect), intent(in) :: self         !! creep
+    type(contact_pairs), intent(in) :: pairs        !! the position
+    type(contact_state), intent(in) :: state        !! without creep
+    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
+
+    associate (unused => self)
+    end associate
+    allocate (outcome%of_contacts(size(pairs%list), 2), source=not_computed)
+    outcome%of_contacts(:, 1) = state%answers%load
+    outcome%of_state = [not_computed, sum(state%answers%load)]
+  end subroutine leave_out
+
+  ! Strains beyond the linear range, and a hold that ends early: held, the approach still loses
+  ! load; under a held load one contact still closes by the power 2/3 of the compliance.
+  subroutine warn_of_limits(self, pairs, state, outcome)
+    class(creep_effect), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    type(effect_outcome), intent(inout) :: outcome
+    real(real64) :: strain, to_come
+    integer :: i
+
+    do i = 1, size(pairs%list)
+      strain = strain_per_radius * self%softer_share * &
+               state%answers(i)%contact_radius / pairs%list(i)%radius
+      if (strain > warning_kinds(of_creep_strain)%limit) &
+        call warn(outcome%warnings, of_creep_strain, strain, contacts=1)
+    end do
+    if (state%time < self%hold_time .or. .not. state%time > 0.0_real64) return
+    if (self%holds_load) then
+      to_come = (1.0_real64 / (self%solid%relaxed_ratio * &
+                               creep_compliance(self%solid, state%time)))**two_thirds - 1.0_real64
+    else
+      to_come = 1.0_real64 - self%solid%relaxed_ratio / relaxation(self%solid, state%time)
+    end if
+    if (to_come > self%tolerance) call warn(outcome%warnings, of_relaxing, to_come)
+  end subroutine warn_of_limits
 
   ! One contact: the elastic answer becomes that after a step.
   pure subroutine relax(step, before, sum_of_radii, answer)
@@ -170,9 +228,6 @@ contains
     type(contact_pairs), intent(in) :: pairs    !! the position
     type(contact_state), intent(in) :: state    !! all effects applied
 
-    if (self%mode == effect_auto) then
-      if (.not. self%estimate(pairs, state) > self%tolerance) return
-    end if
     if (.not. state%time > 0.0_real64) call self%begin(pairs)
     call remember(step_over(self%solid, self%time, state%time), state%answers, self%memory)
     self%time = state%time

@@ -3,7 +3,7 @@
 !> Overlaps x are multiples of the critical one, w_c = (pi C Sy/(2 E))**2 R, at which the material
 !> first yields below the surface. Loading: Jackson and Green 2005 (J. Tribology 127, 343), joined
 !> to Hertz at x = 1.9. Unloading: Etsion, Kligerman and Kadin 2005 (Int. J. Solids Struct. 42,
-!> 3716), joined there too. docs/effects/plasticity.md says how.
+!> 3716), from first yield on. docs/effects/plasticity.md says how.
 module asperity_plastic_curves
   use asperity_constants, only: pi
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
@@ -82,22 +82,23 @@ contains
   end subroutine loading_curve
 
   !> Unloading from a largest overlap x, and loading again up to it: the load is
-  !> P_x ((w - w_res)/(w_x - w_res))**load_power, the area likewise. At 1.9 it is that of Hertz.
+  !> P_x ((w - w_res)/(w_x - w_res))**load_power, the area likewise. The fit as published, from
+  !> x = 1 on, where it is that of Hertz. It would give back more than was put in up to x = 1.2, by
+  !> 0.002 in the power: there the power is the least one that does not, with which the load is
+  !> never above that of loading.
   pure subroutine unloading_shape(x, residual, load_power, area_power)
     real(real64), intent(in) :: x            !! largest overlap over the critical one
     real(real64), intent(out) :: residual    !! overlap without load over the largest one, 0 to 1
     real(real64), intent(out) :: load_power  !! 1.5 or less
     real(real64), intent(out) :: area_power  !! 1 or less
-    real(real64) :: step, step_slope
 
     residual = 0.0_real64
     load_power = 1.5_real64
     area_power = 1.0_real64
-    if (.not. x > departure) return
-    call smooth_step(x, step, step_slope)
-    residual = step * (1.0_real64 - x**(-0.28_real64)) * (1.0_real64 - x**(-0.69_real64))
-    load_power = 1.5_real64 * x**(-0.0331_real64 * step)
-    area_power = x**(-0.12_real64 * step)
+    if (.not. x > 1.0_real64) return
+    residual = (1.0_real64 - x**(-0.28_real64)) * (1.0_real64 - x**(-0.69_real64))
+    load_power = 1.5_real64 * max(x**(-0.0331_real64), 1.0_real64 - residual)
+    area_power = x**(-0.12_real64)
   end subroutine unloading_shape
 
   !> Work of first loading up to x, in units of the load times the overlap where x is 1.

@@ -1,8 +1,8 @@
 !> A contact that flows past its onset and is flattened for good.
 !>
-!> Up to the onset the answer is that of Hertz, bit for bit. Past it the overlap along the line of
-!> centres goes with the loading curve; below the largest overlap so far, with the unloading curve
-!> that ends at the residual overlap. Loading again goes up the same curve, then on with the loading
+!> Up to the onset the answer on loading is that of Hertz, bit for bit. Past it the overlap along the
+!> line of centres goes with the loading curve; below the largest overlap so far, if that is past
+!> first yield, with the unloading curve that ends at the residual overlap. Loading again goes up the same curve, then on with the loading
 !> curve. The geometry of an inclined contact is that of the elastic one.
 module asperity_plastic_law
   use asperity_constants, only: pi
@@ -17,9 +17,11 @@ module asperity_plastic_law
 
   public :: plastic_law, plastic_past, past_of_contact
 
-  ! The onset in critical overlaps. The margin is for the rounding of penetrations: a contact at the
-  ! limit of its scene has not flowed. The load is off by less than 1e-14 there.
-  real(real64), parameter :: onset = departure * (1.0_real64 + 1.0e-13_real64)
+  ! The onset of loading and first yield in critical overlaps. The margin is for the rounding of
+  ! penetrations: a contact at the limit of its scene has not passed it. The load is off by less
+  ! than 1e-14 there.
+  real(real64), parameter :: margin = 1.0_real64 + 1.0e-13_real64
+  real(real64), parameter :: onset = departure * margin
 
   !> The law, with what it remembers of every contact.
   type, extends(contact_law) :: plastic_law
@@ -33,7 +35,7 @@ module asperity_plastic_law
 
   !> What a contact has been through, in the units of its pair.
   type :: plastic_past
-    logical :: flowed = .false.                 !! it has passed its onset
+    logical :: flowed = .false.                 !! its load has left that of Hertz
     real(real64) :: largest = 0.0_real64        !! largest overlap
     real(real64) :: residual = 0.0_real64       !! overlap at which its load is gone
     real(real64) :: work_lost = 0.0_real64      !! not given back on unloading, 0 or more
@@ -58,9 +60,9 @@ contains
     critical = self%critical(number)
     largest = max(self%largest(number), response%overlap)
     ! Divided: an onset that is never reached has no room for a product.
-    if (.not. largest / onset > critical) return
+    if (.not. largest / merge(margin, onset, response%overlap < largest) > critical) return
     call set_scale(self%constraint, sqrt(critical / pair%radius), scale)
-    if (response%overlap < self%largest(number)) then
+    if (response%overlap < largest) then
       call unload(self%elastic%modulus, pair, scale, critical, largest, penetration, response)
     else
       call load_first(pair, scale, critical, penetration, response)
@@ -80,7 +82,7 @@ contains
     past%largest = largest
     critical = self%critical(number)
     past%flowed = largest / onset > critical
-    if (.not. past%flowed) return
+    if (.not. largest / margin > critical) return
     ! Beyond, a contact has as good as no elastic part, and powers leave the range.
     x = min(largest / critical, 1.0e100_real64)
     call set_scale(self%constraint, sqrt(critical / pair%radius), scale)

@@ -54,13 +54,13 @@ contains
       column('largest_overlap', length), &                  ! so far
       column('residual_overlap', length)]                   ! without load
     new%state_columns = [ &
-      column('elastic_load', force, of_load=1.0_real64), &  ! of Hertz at the same penetrations
+      column('elastic_load', force), &  ! of Hertz at the same penetrations
       column('contacts_flowing', plain), &                  ! how many flow now
       column('dissipated_work', moment)]                    ! lost since first touch
     allocate (effect, source=new)
   end subroutine new_plasticity
 
-  !> Change of the total vertical load by flow and by what is left of earlier flow, in full: the law
+  !> Change of the total vertical load, or of the area if that is more, by flow and by what is left of earlier flow, in full: the law
   !> answers for itself. The others only see less load, so it is not below the truth. In a hold
   !> pressures fall while the surfaces close: what has not flowed at its begin does not flow later.
   function estimate(self, pairs, state) result(share)
@@ -69,19 +69,22 @@ contains
     type(contact_state), intent(in) :: state      !! without plasticity
     real(real64) :: share
     type(contact_response) :: answer
-    real(real64) :: changed, total
+    real(real64) :: changed, area, total
     integer :: i
 
     share = 0.0_real64
     if (state%time > 0.0_real64) return
     changed = 0.0_real64
+    area = 0.0_real64
     total = sum(state%answers%vertical_load)
     do i = 1, size(pairs%list)
       if (.not. state%penetration(i) > 0.0_real64) cycle
       call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
       changed = changed + abs(answer%vertical_load - state%answers(i)%vertical_load)
+      area = area + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
     end do
-    if (total > 0.0_real64) share = changed / total
+    if (total > 0.0_real64) share = max(changed / total, &
+                                        area / sum(state%answers%contact_radius**2))
   end function estimate
 
   !> Gives the state the plastic law and asks again.
