@@ -4,8 +4,9 @@ module asperity_effect_rows
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
-  use asperity_contact_state, only: contact_state
+  use asperity_contact_state, only: contact_state, start_state
   use asperity_contact_law, only: contact_response
+  use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_overlapping_circles, only: count_overlapping
   use asperity_scene_results, only: effect_header
@@ -15,7 +16,7 @@ module asperity_effect_rows
   implicit none
   private
 
-  public :: add_state, name_columns
+  public :: add_nothing, add_state, name_columns
 
   ! The relative error of the closing at a load over that of the load at a closing, at most.
   real(real64), parameter :: of_closing = 0.75_real64
@@ -106,6 +107,29 @@ contains
     end do
     result%error_estimate = total_error(scene_in, outcomes)
   end subroutine add_state
+
+  !> What the effects tell of a position at which no pair can touch.
+  subroutine add_nothing(pairs, effects, result)
+    type(contact_pairs), intent(in) :: pairs         !! the position, without pairs
+    type(effect_box), intent(inout) :: effects(:)    !! of the scene
+    type(position_result), intent(inout) :: result   !! gets it
+    type(contact_state) :: state
+    type(effect_outcome) :: outcomes(size(effects))
+    integer :: columns, i
+
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), 0.0_real64, state)
+    columns = 0
+    do i = 1, size(effects)
+      associate (effect => effects(i)%effect)
+        call effect%begin(pairs)
+        call effect%leave_out(pairs, state, outcomes(i))
+        call effect%finish(pairs, state, outcomes(i))
+        columns = columns + size(effect%contact_columns)
+      end associate
+    end do
+    call set_state_values(pairs, effects, outcomes, result)
+    allocate (result%effects(size(effects)), result%contact_values(0, columns))
+  end subroutine add_nothing
 
   ! Whether a pair counts: it has a contact circle or a load, or is just at first touch.
   pure logical function in_contact(state, i)

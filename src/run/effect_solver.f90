@@ -8,10 +8,10 @@ module asperity_effect_solver
   use asperity_contact_records, only: position_result, solve_method
   use asperity_effect_list, only: list_effects
   use asperity_effect_position, only: run_position
-  use asperity_effect_rows, only: name_columns
+  use asperity_effect_rows, only: add_nothing, name_columns
   use asperity_kernel_real64, only: empty_state, list_pairs, place_scene, placed_scene, &
                                     solve_position
-  use asperity_kinds, only: int64, not_computed
+  use asperity_kinds, only: int64
   use asperity_plastic_surface, only: surface_index
   use asperity_position_solver, only: position_solver
   use asperity_scene_results, only: effect_header
@@ -27,7 +27,6 @@ module asperity_effect_solver
     type(scene), pointer :: scene_in => null()
     type(placed_scene) :: placed
     type(effect_box), allocatable :: effects(:)  ! as they are before a position
-    integer :: contact_columns = 0, state_columns = 0
   contains
     procedure :: solve => solve_with_effects  !! one position
   end type effect_solver
@@ -47,8 +46,6 @@ contains
     new%scene_in => scene_in
     call list_effects(scene_in, new%effects)
     call name_columns(new%effects, header)
-    new%contact_columns = size(header%contact_columns)
-    new%state_columns = size(header%state_columns)
     header%tolerance = scene_in%effects%number('tolerance')
     if (any(header%names == 'plasticity')) header%plasticity_index = surface_index(scene_in)
     call place_scene(scene_in, new%placed, failure)
@@ -69,14 +66,14 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(contact_pairs) :: pairs
     type(position_result) :: told
+    type(effect_box), allocatable :: effects(:)
     logical :: simulated, too_far
 
     call list_pairs(self%placed, m, .false., pairs, failure)
     if (allocated(failure)) return
     if (size(pairs%list) == 0) then
-      allocate (result%effects(size(self%effects)), result%state_values(self%state_columns), &
-                result%contact_values(0, self%contact_columns))
-      result%state_values = not_computed
+      call copy_effects(self%effects, effects)
+      call add_nothing(pairs, effects, result)
       result%x_displacement = pairs%x_displacement
       result%y_displacement = pairs%y_displacement
       call empty_state(self%placed, result, failure)
@@ -98,19 +95,27 @@ contains
 
   contains
 
-    ! With effects of its own: they remember.
+    ! With effects of its own.
     subroutine try(too_far)
       logical, intent(out) :: too_far
-      type(effect_box) :: effects(size(self%effects))
-      integer :: i
 
-      do i = 1, size(effects)
-        allocate (effects(i)%effect, source=self%effects(i)%effect)
-      end do
+      call copy_effects(self%effects, effects)
       call run_position(self%scene_in, pairs, effects, keep_rows, result, simulated, too_far, &
                         failure)
     end subroutine try
 
   end subroutine solve_with_effects
+
+  ! Effects of one position: they remember.
+  subroutine copy_effects(from, effects)
+    type(effect_box), intent(in) :: from(:)
+    type(effect_box), allocatable, intent(out) :: effects(:)
+    integer :: i
+
+    allocate (effects(size(from)))
+    do i = 1, size(effects)
+      allocate (effects(i)%effect, source=from(i)%effect)
+    end do
+  end subroutine copy_effects
 
 end module asperity_effect_solver

@@ -56,8 +56,8 @@ class Sweeps:
 
 
 def column(rows, name):
-    """A column as numbers."""
-    return np.array([float(row[name]) for row in rows])
+    """A column as numbers; what was not computed is none."""
+    return np.array([float(row[name] or "nan") for row in rows])
 
 
 def by_position(rows):

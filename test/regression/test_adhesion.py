@@ -218,15 +218,20 @@ def test_never_returns_more(tabor, asperity, tmp_path, tally):
 
 
 def test_auto(asperity, tmp_path):
-    """`auto` compares the largest pulls with the load."""
+    """`auto` compares the largest pulls with the load, and the area with that of Hertz."""
     effects = {"adhesion": "auto", "work_of_adhesion": WORK, "tolerance": 0.01,
                "equilibrium_distance": distance(50)}
-    for share, wanted in ((0.011, "on"), (0.009, "off")):
+    for share, wanted in ((6e-5, "on"), (3e-5, "off")):
         load = 1.5 * UNIT / share
         run = solved(asperity, balls(tmp_path, f"auto{share}", effects, {
             "control": "load", "value": load}, radii=(RADIUS,), modulus=MODULUS))
         assert run.positions[0]["adhesion"] == wanted
-        assert float(run.positions[0]["adhesion_estimate"]) == pytest.approx(share, rel=0.02)
+        overlap = float(run.contacts[0]["overlap"])
+        # a = L t**2 and overlap = L**2/R (t**4 - t): the largest root.
+        root = max(r.real for r in np.roots([1, 0, 0, -1, -overlap / DEPTH]) if abs(r.imag) < 1e-9)
+        area = LENGTH**2 * root**4 / (RADIUS * overlap) - 1
+        assert area > 10 * share and (area > 0.01) == (wanted == "on")
+        assert float(run.positions[0]["adhesion_estimate"]) == pytest.approx(area, rel=1e-6)
         assert float(run.positions[0]["load"]) == pytest.approx(load, rel=1e-10)
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from itertools import product
 
 import numpy as np
@@ -86,14 +87,21 @@ def test_the_page_says_what_goes_together():
 
 
 def test_auto_meets_a_refused_pair(asperity, tmp_path):
-    """With `auto` two such effects stop the run only where both are called for."""
+    """With `auto` the larger of two such effects is simulated; the other one is told with its size,
+    only where both are called for."""
     both = {"plasticity": "auto", "creep": "auto", **NUMBERS}
-    for load, status in ((1000.0, 0), (6000.0, 1)):
+    for load, met in ((1000.0, False), (6000.0, True)):
         done = run(asperity, tmp_path, effects=both, loading={"control": "load", "value": load})
-        assert done.status == status, done.stderr
-        assert (status == 0) == bool(done.positions)
-        if status:
-            assert "position 1: " in done.stderr and REFUSED["creep", "plasticity"] in done.stderr
+        assert done.status == 0, done.stderr
+        row = done.positions[0]
+        assert row["creep"] == "on" and row["plasticity"] == "off"
+        left_out = float(row["plasticity_estimate"])
+        assert float(row["error_estimate"]) >= 0.75 * left_out
+        told = re.search(r"position 1: two effects have no common theory and one is left out "
+                         r".plasticity beside creep., (\S+) % is", done.stderr)
+        assert bool(told) == met == (left_out > 0.01), done.stderr
+        if met:
+            assert float(told.group(1)) == pytest.approx(100 * left_out, rel=0.01)
 
 
 BAD = [

@@ -235,7 +235,7 @@ def test_summary(sweeps, tally):
     assert (f"coupled+boundary (circles alone are not good enough) at {len(resolved)}: "
             + ", ".join(map(str, resolved))) in text
     # The numbers of the summary are those of the columns.
-    influence = column(auto.positions, "interaction_influence")
+    influence = np.nan_to_num(column(auto.positions, "interaction_influence"))
     first = np.argmax(np.abs(influence))
     assert f"influence {100 * influence[first]:.1f} % (position {first + 1})" in text
     estimate = np.where([way == "off" for way in ways],

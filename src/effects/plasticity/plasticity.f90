@@ -26,6 +26,7 @@ module asperity_plasticity
   type, extends(contact_effect) :: plasticity_effect
     real(real64) :: yield_stress = 0.0_real64    !! in tension, in the scene's unit; 0: see limit
     logical :: limit_is_yield = .false.          !! the limit is the first yield, not the departure
+    real(real64) :: before_hold = 0.0_real64     !! estimate at the last state kept
     type(plastic_law) :: law                     !! of a position, with what its contacts remember
   contains
     procedure :: estimate
@@ -72,8 +73,9 @@ contains
     real(real64) :: changed, area, total
     integer :: i
 
-    share = 0.0_real64
+    share = self%before_hold
     if (state%time > 0.0_real64) return
+    share = 0.0_real64
     changed = 0.0_real64
     area = 0.0_real64
     total = sum(state%answers%vertical_load)
@@ -159,6 +161,7 @@ contains
     allocate (self%law%largest(size(pairs%list)), self%law%critical(size(pairs%list)))
     self%law%elastic = hertz_law(modulus=pairs%modulus)
     self%law%largest = 0.0_real64
+    self%before_hold = 0.0_real64
     do i = 1, size(pairs%list)
       self%law%critical(i) = critical_overlap(self, pairs, pairs%list(i))
     end do
@@ -171,6 +174,7 @@ contains
     type(contact_state), intent(in) :: state         !! all effects applied
     integer :: i
 
+    self%before_hold = self%estimate(pairs, state)
     do i = 1, size(pairs%list)
       if (.not. state%penetration(i) > 0.0_real64) cycle
       self%law%largest(i) = max(self%law%largest(i), state%answers(i)%overlap)
