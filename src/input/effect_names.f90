@@ -83,7 +83,7 @@ module asperity_effect_names
   !> All numbers, in the order in which messages list them.
   type(effect_number), parameter :: effect_numbers(*) = [ &
     effect_number('tolerance', '', share, decimal_value(1_int64, -2), &
-                  meaning='share of the load that ''auto'' may leave out'), &
+                  meaning='share that ''auto'' may leave out, of all effects together'), &
     effect_number('boundary_tolerance', 'interaction', share, decimal_value(1_int64, -3), &
                   meaning='share of the load that the last halving of the cells may change'), &
     effect_number('friction_coefficient', 'friction', not_negative, needed_with='on', &

@@ -265,8 +265,8 @@ contains
         call act(effect, pairs, state, outcome)
         change = max((before - sum(state%answers%vertical_load)) / before, &
                      sum(state%answers%contact_radius**2) / area - 1.0_real64)
-        call check(error, change > 0.3_real64 * share .and. change <= share * (1.0_real64 + 1.0e-14_real64), &
-                   'change and estimate')
+        call check(error, change > 0.3_real64 * share .and. &
+                   change <= share * (1.0_real64 + 1.0e-14_real64), 'change and estimate')
       end do
     end do
     call adhesion_of(0.0_real64, 1.0_real64, effect)

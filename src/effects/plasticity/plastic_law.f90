@@ -1,9 +1,10 @@
 !> A contact that flows past its onset and is flattened for good.
 !>
-!> Up to the onset the answer on loading is that of Hertz, bit for bit. Past it the overlap along the
-!> line of centres goes with the loading curve; below the largest overlap so far, if that is past
-!> first yield, with the unloading curve that ends at the residual overlap. Loading again goes up the same curve, then on with the loading
-!> curve. The geometry of an inclined contact is that of the elastic one.
+!> Up to the onset the answer on loading is that of Hertz, bit for bit. Past it the overlap along
+!> the line of centres goes with the loading curve; below the largest overlap so far, if that is
+!> past first yield, with the unloading curve that ends at the residual overlap. Loading again goes
+!> up the same curve, then on with the loading curve. The geometry of an inclined contact is that
+!> of the elastic one.
 module asperity_plastic_law
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response

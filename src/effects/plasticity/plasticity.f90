@@ -61,9 +61,10 @@ contains
     allocate (effect, source=new)
   end subroutine new_plasticity
 
-  !> Change of the total vertical load, or of the area if that is more, by flow and by what is left of earlier flow, in full: the law
-  !> answers for itself. The others only see less load, so it is not below the truth. In a hold
-  !> pressures fall while the surfaces close: what has not flowed at its begin does not flow later.
+  !> Change of the total vertical load, or of the area if that is more, by flow and by what is left
+  !> of earlier flow, in full: the law answers for itself. The others only see less load, so it is
+  !> not below the truth. In a hold pressures fall while the surfaces close: what has not flowed at
+  !> its begin does not flow later, so that state's estimate stays.
   function estimate(self, pairs, state) result(share)
     class(plasticity_effect), intent(in) :: self  !! plasticity
     type(contact_pairs), intent(in) :: pairs      !! the position
