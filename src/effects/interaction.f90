@@ -56,7 +56,7 @@ contains
       column('cells', plain), &                          ! how many
       column('resolved', plain), &                       ! contacts on cells
       ! left out: as much as neighbours may change
-      column('area_error_estimate', plain, of_estimate=1.0_real64)]
+      column('area_error_estimate', plain)]
     allocate (effect, source=new)
   end subroutine new_interaction
 
