@@ -52,6 +52,12 @@ contains
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, outcome => outcomes(i))
         if (without_time .and. effect%acts_in_time) cycle
+        if (called(i) .and. effect%approximates .and. effect%mode == effect_auto .and. &
+            .not. present(called_for)) then
+          ! The laws of contact may have changed what it would do.
+          outcome%estimate = effect%estimate(pairs, state)
+          called(i) = outcome%estimate > state%left
+        end if
         if (.not. called(i)) then
           call effect%leave_out(pairs, state, outcome)
           cycle
