@@ -40,6 +40,8 @@ module asperity_joint_contacts
   ! Shares of a tolerance: what circles may leave out, the last halving of cells, the last round.
   real(real64), parameter :: left_share = 0.4_real64, cells_share = 0.25_real64
   real(real64), parameter :: round_share = 0.1_real64
+  ! What circles may leave out with the shape of spheres, which is told too high, not too low.
+  real(real64), parameter :: shape_share = 0.8_real64
   ! What circles may leave out of the area: of the tolerance, or of this if more.
   real(real64), parameter :: area_share = 0.7_real64, least_area = 0.005_real64
   integer, parameter :: most_rounds = 30
@@ -68,7 +70,7 @@ contains
     real(real64), intent(in), optional :: target       !! normal load
     type(resolved_contacts) :: resolved
     type(cluster), allocatable :: clusters(:)
-    real(real64), dimension(size(pairs%list)) :: error, emitted, area_error
+    real(real64), dimension(size(pairs%list)) :: error, emitted, shape, area_error
     integer :: hosts(size(pairs%list)), k
     real(real64) :: before, now, total
 
@@ -78,16 +80,18 @@ contains
     associate (coupled => solution%coupled, is_one => solution%is_resolved)
       error = 0.0_real64
       emitted = 0.0_real64
+      shape = 0.0_real64
       total = sum(coupled%set%load)
       ! Else nothing touches.
-      if (total > 0.0_real64) call find_errors(pairs, coupled, hosts, error, emitted)
+      if (total > 0.0_real64) call find_errors(pairs, coupled, hosts, error, emitted, shape)
       if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
       area_error = 0.0_real64
       associate (set => coupled%set)
         area_error(set%number) = pi * set%circle**2 * min(most_of_area, area_per_load * &
                                  (error(set%number) + emitted(set%number)) / set%load)
         if (which == resolve_called_for .and. total > 0.0_real64) call choose_resolved(pairs, &
-          coupled, max((error + emitted) / (left_share * tolerance * total), area_error / &
+          coupled, max((error + emitted) / (left_share * tolerance * total), (error + emitted + &
+          shape) / (shape_share * tolerance * total), area_error / &
                        (area_share * max(tolerance, least_area) * pi * sum(set%circle**2))), &
           hosts, is_one)
       end associate
@@ -127,7 +131,7 @@ contains
       solution%area_error = area_left(solution, area_error)
       if (.not. total > 0.0_real64) return
       total = sum(coupled%set%load)
-      solution%error = sum(error + emitted, mask=.not. is_one) / total
+      solution%error = sum(error + emitted + shape, mask=.not. is_one) / total
       if (.not. allocated(clusters)) return
       solution%error = solution%error + round_left * abs(now - before) / now + (scatter_told * &
         norm2(clusters%answer%error) + sum([(clusters(k)%answer%ending%residual * &
