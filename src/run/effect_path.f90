@@ -45,7 +45,12 @@ contains
       call closings_on_the_way(scene_in%loading%points, gaps, closing, closings)
       allocate (steps(size(closings)))
       steps%value = closings
-      if (is_load(scene_in%loading%control)) steps(size(steps))%load = pairs%target
+      if (.not. is_load(scene_in%loading%control)) return
+      associate (last => steps(size(steps)))
+        last%load = pairs%target
+        ! Behind others the state of the load is found once more: those may be remembered.
+        if (size(steps) > 1) last%kind = to_load
+      end associate
       return
     end if
     parts = max(1, scene_in%loading%points)

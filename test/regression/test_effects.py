@@ -240,8 +240,8 @@ def test_summary(sweeps, tally):
     assert f"influence {100 * influence[first]:.1f} % (position {first + 1})" in text
     estimate = np.where([way == "off" for way in ways],
                         column(auto.positions, "interaction_estimate"), -1)
-    assert (f"largest estimate left out {100 * estimate.max():.3f} % "
-            f"(position {estimate.argmax() + 1})") in text
+    largest = f"{100 * estimate.max():.3f}" if estimate.max() else "0"
+    assert f"largest estimate left out {largest} % (position {estimate.argmax() + 1})" in text
 
 
 @pytest.mark.parametrize("mode", ("off", "coupled", "boundary", "auto"))
