@@ -251,7 +251,9 @@ def test_progress(asperity, tmp_path):
                            stdout=subprocess.DEVNULL,
                            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     os.close(other)
-    line = os.read(terminal, 1000).decode().split("\r")[0].rstrip()
+    line = "0 of 100000 surfaces"  # told at once, before any is done
+    while line == "0 of 100000 surfaces":
+        line = next(filter(None, os.read(terminal, 1000).decode().split("\r"))).rstrip()
     run.send_signal(signal.SIGINT)
     assert run.wait(20) != 0
     os.close(terminal)
