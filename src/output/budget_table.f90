@@ -82,7 +82,8 @@ contains
       call buffer%line('Load on cells: good to' // short(model%cells_are_good_to) // &
                        ' of it (boundary_tolerance).')
     if (model%known(of_area) == share_measured) &
-      call buffer%line('Area: compared in plan; cells count it in whole cells, good to about 1 %.')
+      call buffer%line('Area: compared in plan; that of cells is corrected at their rim, ' // &
+                       'good to some 0.3 %.')
     if (model%known(of_load) /= share_given .and. model%known(of_approach) == share_given) &
       call buffer%line('Approach: given, or that at which a contact by itself reaches its limit.')
     if (model%known(of_load) == share_given .and. model%known(of_approach) == share_measured) &
