@@ -44,6 +44,7 @@ contains
     logical, allocatable, intent(out) :: called_for(:)      !! by effect; or not allocated
     character(len=:), allocatable, intent(out) :: failure   !! why not
     logical :: jumps
+    integer :: i
 
     if (pulls(pairs, effects)) then
       if (goes_back()) then
@@ -54,7 +55,10 @@ contains
     call search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, failure)
     if (.not. jumps) return
     ! The last state is just past the jump.
-    called_for = outcomes%simulated /= 'off'
+    allocate (called_for(size(outcomes)))
+    do i = 1, size(outcomes)
+      called_for(i) = outcomes(i)%simulated /= 'off'
+    end do
     deallocate (failure)
     call search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, failure)
 
@@ -140,7 +144,7 @@ contains
       return
     end if
     closing = bracket%high
-    call simulate_at(closing)
+    call simulate_at(closing, found)
     if (abs(load_asked_for(pairs, state) - target) <= precision * target) return
     failure = 'the load is not reached: with the effects it jumps past it'
     jumps = .not. allocated(called_for) .and. any(effect_modes() == effect_auto)
@@ -149,7 +153,7 @@ contains
 
     subroutine simulate_at(at, found_there)
       real(real64), intent(in) :: at
-      real(real64), allocatable, intent(in), optional :: found_there(:, :)
+      real(real64), allocatable, intent(in) :: found_there(:, :)
 
       ! What is not allocated is not there.
       call simulate(pairs, effects, at, time, state, outcomes, .not. time > 0.0_real64, &
