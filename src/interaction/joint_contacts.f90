@@ -13,9 +13,9 @@ module asperity_joint_contacts
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, resolved_contacts, solve_coupled
   use asperity_kinds, only: real64
+  use asperity_resolved_answers, only: answer_with, far_below
   use asperity_resolved_choice, only: choose_resolved
-  use asperity_resolved_clusters, only: answer_with, cluster, far_below, form_clusters, &
-                                        solve_clusters
+  use asperity_resolved_clusters, only: cluster, form_clusters, solve_clusters
   implicit none
   private
 
