@@ -14,13 +14,12 @@ Prints every failure with its seed, and counts, steps and times at the end; stat
 """
 
 import argparse
-import csv
 import subprocess
 import sys
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -28,7 +27,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "regression"))
 
-from surfaces_csv import records, write_csv_scene  # noqa: E402
+from surfaces_csv import records, write_csv_scene, write_records  # noqa: E402
 
 MODULUS, RATIO = 275760.0, 0.42
 COMBINED = MODULUS / (2 * (1 - RATIO ** 2))
@@ -303,11 +302,7 @@ def main():
     for line in told(outcomes):
         print(line)
     if words.out:
-        with open(words.out, "w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            names = [f.name for f in fields(Outcome)]
-            writer.writerow(names)
-            writer.writerows([getattr(o, n) for n in names] for o in outcomes)
+        write_records(words.out, outcomes)
     return int(any(o.status != 0 for o in outcomes))
 
 

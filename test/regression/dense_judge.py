@@ -11,20 +11,19 @@ know the tolerance: they run at the first one.
 """
 
 import argparse
-import csv
 import subprocess
 import sys
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 from dense_scenes import dense_scenes
-from surfaces_csv import records
+from surfaces_csv import records, write_records
 
 TRUTH = Path(__file__).resolve().parents[2] / "reference_output" / "interaction" / "dense.csv"
 TOLERANCES = (0.01, 0.003, 0.001)
@@ -226,11 +225,7 @@ def main():
     for text in (*table(results), *worst(results, words.worst)):
         print(text)
     if words.out:
-        with open(words.out, "w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            names = [f.name for f in fields(Result)]
-            writer.writerow(names)
-            writer.writerows([getattr(r, n) for n in names] for r in results)
+        write_records(words.out, results)
     automatic = [r for r in results if r.mode == "auto"]
     return int(any(r.missed or r.area_missed for r in automatic))
 

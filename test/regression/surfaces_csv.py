@@ -2,7 +2,7 @@
 
 import csv
 import subprocess
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
 from fractions import Fraction
 
 from exact_contact import Scene, Surface
@@ -96,3 +96,11 @@ def records(path):
         return []
     with open(path, encoding="ascii", newline="") as file:
         return list(csv.DictReader(file))
+
+
+def write_records(path, results):
+    """Dataclasses of one kind as rows: what `records` reads."""
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(f.name for f in fields(results[0]))
+        writer.writerows(map(astuple, results))
