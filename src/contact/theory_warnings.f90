@@ -9,7 +9,8 @@ module asperity_theory_warnings
 
   public :: theory_warning, warning_kind, warning_kinds, warn, take_worse
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
-            of_creep_strain, of_relaxing, of_together, of_load_direction
+            of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
+            of_no_summit, of_scan_lines, of_spikes
 
   !> Contact radius over the radius of the smaller sphere.
   integer, parameter :: of_contact_radius = 1
@@ -34,6 +35,15 @@ module asperity_theory_warnings
 
   !> Difference of the sum of the normal forces and the vertical load.
   integer, parameter :: of_load_direction = 11
+
+  !> Share of the load of a map on its edge.
+  integer, parameter :: of_map_edge = 12
+  !> Share of the load of a map on spots without a summit.
+  integer, parameter :: of_no_summit = 13
+  !> Share of the load of a map on single scan lines.
+  integer, parameter :: of_scan_lines = 14
+  !> Share of the load of a map on outliers.
+  integer, parameter :: of_spikes = 15
 
   !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`.
   type :: warning_kind
@@ -84,7 +94,20 @@ module asperity_theory_warnings
       'choose one of them by ''off'' and ''on'''), &
     warning_kind('load_direction', 0.0_real64, .true., &
       'the load is not the vertical load', 'is what they differ by', &
-      'use control = ''vertical_load'' for a dead weight, or read vertical_load')]
+      'use control = ''vertical_load'' for a dead weight, or read vertical_load'), &
+    warning_kind('map_edge', 0.0_real64, .true., &
+      'hills that the edge cuts bear the map', &
+      'of the load on its two outer rows where a flat punch bears less', &
+      'take a larger map or another part of the surface'), &
+    warning_kind('no_summit', 0.0_real64, .true., &
+      'spots of the map without a summit bear load', 'of the load is on them', &
+      'set interaction = ''boundary'': no sphere stands for them'), &
+    warning_kind('scan_lines', 0.0_real64, .true., &
+      'single scan lines bear load', 'of the load is on them', &
+      'take what is noise of the instrument out of the map'), &
+    warning_kind('spikes', 0.0_real64, .true., &
+      'single outliers bear load', 'of the load is on them', &
+      'set map_despike = ''on'' where they are no part of the surface')]
 
   !> One kind of warning at one position.
   type :: theory_warning

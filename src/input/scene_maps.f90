@@ -16,10 +16,11 @@ module asperity_scene_maps
 
   public :: check_map_scene, is_map, read_maps
 
-  character(len=*), parameter :: edge_words(2) = [character(len=8) :: 'free', 'periodic']
+  character(len=*), parameter :: edge_words(2) = [character(len=8) :: 'free', 'periodic'], &
+                                 despike_words(2) = [character(len=3) :: 'off', 'on']
   ! Names of &surfaces that a map alone has.
-  character(len=*), parameter :: own_names(3) = &
-    [character(len=11) :: 'map_edge', 'map_unit', 'map_spacing']
+  character(len=*), parameter :: own_names(4) = &
+    [character(len=11) :: 'map_edge', 'map_unit', 'map_spacing', 'map_despike']
 
 contains
 
@@ -43,12 +44,14 @@ contains
     type(scene), intent(inout) :: checked             !! gets the maps
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
     type(decimal_value) :: spacing(2)
-    integer :: edge, unit
+    integer :: despike, edge, unit
 
     edge = 1
+    despike = 1
     unit = 0
     call fields%take_word('surfaces', 'map_edge', edge_words, edge)
     call fields%take_word('surfaces', 'map_unit', length_units, unit)
+    call fields%take_word('surfaces', 'map_despike', despike_words, despike)
     call fields%take_numbers('surfaces', 'map_spacing', above_zero, spacing)
     if (fields%has('surfaces', 'radius')) &
       call fields%complain_of('surfaces', 'radius', 'found beside a map, whose summits have ' // &
@@ -56,6 +59,7 @@ contains
     allocate (checked%map)
     associate (maps => checked%map)
       maps%periodic = edge == 2
+      maps%despike = despike == 2
       if (upper /= '') call read_one(upper, maps%upper)
       if (lower /= '') call read_one(lower, maps%lower)
       if (upper == '' .or. lower == '' .or. other_files%count() > 0) return

@@ -121,6 +121,7 @@ module asperity_scene_values
     type(height_map) :: upper      !! as it was read; without columns: there is none
     type(height_map) :: lower      !! as it was read; without columns: there is none
     logical :: periodic = .false.  !! they repeat themselves
+    logical :: despike = .false.   !! single outliers are taken out of them
   end type scene_map
 
   !> A whole scene, resolved: defaults and the deck's own values are filled in.

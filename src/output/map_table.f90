@@ -28,9 +28,10 @@ contains
     if (record%stiffness > 0.0_real64) &
       call buffer%line('  contact stiffness  ' // signed(100 * record%stiffness_difference) // &
                        ' % off')
-    call buffer%line('  load of the map on the edge ' // share(record%on_edge) // &
-                     ', on spots without a summit ' // share(record%without_summit) // &
-                     ', on scan lines ' // share(record%on_lines))
+    call buffer%line('  load of the map on the edge ' // share(record%shares%on_edge) // &
+                     ', on spots without a summit ' // share(record%shares%without_summit))
+    call buffer%line('  on scan lines ' // share(record%shares%on_lines) // ', on outliers ' // &
+                     share(record%shares%on_spikes))
     if (.not. used) call buffer%line('  not good enough: the results are those of the samples')
   end subroutine write_map_table
 

@@ -2,13 +2,17 @@
 !>
 !> The map is pressed at its full resolution when it has few enough samples, else at a half, a
 !> quarter and so on of it, and once more at half of that: the difference says how good the
-!> comparison is.
+!> comparison is. It is pressed before they are: where it is one contact with holes in it, summits
+!> are no contacts of their own.
 module asperity_map_check
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: half_map, map_answer, press_map
+  use asperity_map_despiking, only: limit_of_spikes
   use asperity_map_patches, only: find_patches, map_patch
+  use asperity_map_scene, only: area_of_map, map_loading
+  use asperity_map_shares, only: find_shares
   use asperity_map_summits, only: map_summits
   use asperity_numeral, only: read_numeral
   use asperity_scene_results, only: map_record
@@ -16,7 +20,15 @@ module asperity_map_check
   implicit none
   private
 
-  public :: a_little_more, hold_against_map, stiffness_between
+  public :: a_little_more, hold_against_map, map_seen, see_map, stiffness_between
+
+  !> A map as it is pressed beside its summits.
+  type :: map_seen
+    type(height_map) :: map        !! it, or coarser
+    integer :: coarser = 1         !! samples in one of those, a side
+    logical :: periodic = .false.  !! it repeats itself
+    type(map_answer) :: answer     !! how it was pressed last
+  end type map_seen
 
   !> Samples up to which the map is pressed as it is: some seconds.
   integer(int64), parameter, public :: full_samples = 600000_int64
@@ -24,11 +36,9 @@ module asperity_map_check
   ! Share of the load by which a stiffness is measured.
   real(real64), parameter :: stiffness_step = 0.01_real64
 
-  ! Rows and columns that count as the edge.
-  integer, parameter :: edge = 2
-
-  ! A spot of one row, at least so many samples long, is a scan line.
-  integer, parameter :: long_line = 8
+  ! Share of the area from which on what touches hangs together across a rough surface, whatever
+  ! its spectrum (Dapp, Luecke, Persson and Mueser, Phys. Rev. Lett. 108 (2012) 244301).
+  real(real64), parameter :: percolation = 0.42_real64
 
 contains
 
@@ -53,90 +63,118 @@ contains
       stiffness = (more%vertical_load - state%vertical_load) / (more%closing - state%closing)
   end function stiffness_between
 
+  !> Presses a map as far as a scene does at last, and says whether its summits can stand for it.
+  subroutine see_map(map, periodic, loading, seen, failure)
+    type(height_map), intent(in) :: map                    !! levelled
+    logical, intent(in) :: periodic                        !! it repeats itself
+    type(map_loading), intent(in) :: loading               !! how far it is pressed
+    type(map_seen), intent(out) :: seen                    !! pressed
+    character(len=:), allocatable, intent(out) :: failure  !! why they cannot, or it cannot be
+    real(real64) :: last
+    character(len=4) :: digits
+
+    seen%periodic = periodic
+    if (size(map%height, kind=int64) <= full_samples) then
+      seen%map = map
+    else
+      seen%map = half_map(map)
+      seen%coarser = 2
+      do while (size(seen%map%height, kind=int64) > full_samples)
+        seen%map = half_map(seen%map)
+        seen%coarser = 2 * seen%coarser
+      end do
+    end if
+    last = loading%values(size(loading%values))
+    if (.not. loading%by_load) then
+      seen%answer%level = last
+      call press_map(seen%map, periodic, loading%modulus, seen%answer)
+    else if (last > 0.0_real64) then
+      call press_map(seen%map, periodic, loading%modulus, seen%answer, last)
+    end if
+    if (allocated(seen%answer%failure)) then
+      failure = 'the map beside its summits: ' // seen%answer%failure
+    else if (seen%answer%area > percolation * area_of_map(seen%map)) then
+      write (digits, '(f4.2)') seen%answer%area / area_of_map(seen%map)
+      failure = 'the map touches over ' // digits // ' of its area: from 0.42 on it is one ' // &
+                'contact with holes, expected interaction = ''boundary'' or less load'
+    end if
+  end subroutine see_map
+
   !> Holds the last state of the summits against the map at the same load.
-  subroutine hold_against_map(map, periodic, modulus, summits, state, stiffness, check, failure)
+  subroutine hold_against_map(map, seen, modulus, summits, state, stiffness, check, failure)
     type(height_map), intent(in) :: map         !! levelled
-    logical, intent(in) :: periodic             !! it repeats itself
+    type(map_seen), intent(inout) :: seen       !! it as it is pressed
     real(real64), intent(in) :: modulus         !! combined
     type(map_summits), intent(in) :: summits    !! of this map
     type(state_row), intent(in) :: state        !! of the summits, its load more than 0
     real(real64), intent(in) :: stiffness       !! of them: load over approach; or `not_computed`
     type(map_record), intent(out) :: check      !! how they compare
     character(len=:), allocatable, intent(out) :: failure  !! why not
-    type(height_map) :: seen, half
-    type(map_answer) :: answer, at_level, coarse
+    type(height_map) :: half
+    type(map_answer) :: at_level, coarse
     real(real64) :: level
 
-    seen = map
     check%summits = size(summits%x)
-    check%coarser = 1
-    do while (size(seen%height, kind=int64) > full_samples)
-      seen = half_map(seen)
-      check%coarser = 2 * check%coarser
-    end do
+    check%coarser = seen%coarser
     check%rms_height = rms_of(map)
-    call press_map(seen, periodic, modulus, answer, state%vertical_load)
-    if (.not. allocated(answer%failure) .and. check%coarser > 1) then
-      half = half_map(seen)
-      call press_map(half, periodic, modulus, coarse, state%vertical_load)
-      check%uncertain = abs(coarse%level - answer%level) / check%rms_height
-      if (allocated(coarse%failure)) answer%failure = coarse%failure
-    end if
-    level = answer%level
-    check%level = level
-    check%difference = (state%approach - level) / check%rms_height
-    if (check%coarser == 1) then
-      check%area = answer%area
-      check%area_difference = state%area / answer%area - 1.0_real64
-    end if
-    check%closing = maxval(map%height) - level
-    at_level%level = state%approach
-    if (.not. allocated(answer%failure)) &
-      call press_map(seen, periodic, modulus, at_level)
-    if (at_level%load > 0.0_real64) &
-      check%load_difference = state%vertical_load / at_level%load - 1.0_real64
-    if (.not. allocated(answer%failure)) call share_out(seen, periodic, answer, summits, &
-                                                        check%coarser, check)
-    if (.not. allocated(answer%failure) .and. stiffness > 0.0_real64) then
-      call press_map(seen, periodic, modulus, answer, &
-                     (1.0_real64 + stiffness_step) * state%vertical_load)
-      check%stiffness = stiffness_step * state%vertical_load / (level - answer%level)
-      check%stiffness_difference = stiffness / check%stiffness - 1.0_real64
-    end if
-    if (allocated(answer%failure)) failure = 'beside its summits: ' // answer%failure
+    associate (answer => seen%answer)
+      call press_map(seen%map, seen%periodic, modulus, answer, state%vertical_load)
+      if (.not. allocated(answer%failure) .and. check%coarser > 1) then
+        half = half_map(seen%map)
+        call press_map(half, seen%periodic, modulus, coarse, state%vertical_load)
+        check%uncertain = abs(coarse%level - answer%level) / check%rms_height
+        if (allocated(coarse%failure)) answer%failure = coarse%failure
+      end if
+      level = answer%level
+      check%level = level
+      check%difference = (state%approach - level) / check%rms_height
+      if (check%coarser == 1) then
+        check%area = answer%area
+        check%area_difference = state%area / answer%area - 1.0_real64
+      end if
+      check%closing = maxval(map%height) - level
+      if (.not. allocated(answer%failure)) then
+        call share_out(map, seen, summits, check)
+        at_level%level = state%approach
+        at_level%pressure = answer%pressure
+        call press_map(seen%map, seen%periodic, modulus, at_level)
+      end if
+      if (at_level%load > 0.0_real64) &
+        check%load_difference = state%vertical_load / at_level%load - 1.0_real64
+      if (.not. allocated(answer%failure) .and. stiffness > 0.0_real64) then
+        call press_map(seen%map, seen%periodic, modulus, answer, &
+                       (1.0_real64 + stiffness_step) * state%vertical_load)
+        check%stiffness = stiffness_step * state%vertical_load / (level - answer%level)
+        check%stiffness_difference = stiffness / check%stiffness - 1.0_real64
+      end if
+      if (allocated(answer%failure)) failure = 'beside its summits: ' // answer%failure
+    end associate
   end subroutine hold_against_map
 
   ! Shares of the load that summits cannot stand for.
-  subroutine share_out(map, periodic, answer, summits, coarser, check)
+  subroutine share_out(map, seen, summits, check)
     type(height_map), intent(in) :: map
-    logical, intent(in) :: periodic
-    type(map_answer), intent(in) :: answer
+    type(map_seen), intent(in) :: seen
     type(map_summits), intent(in) :: summits
-    integer, intent(in) :: coarser
     type(map_record), intent(inout) :: check
     type(map_patch), allocatable :: patches(:)
     integer, allocatable :: spot(:, :)
     logical, allocatable :: has_summit(:)
     integer :: i, j, k
-    real(real64) :: first, total
+    real(real64) :: first
 
     ! From the first sample to the middle of the first of those that are coarser.
-    first = 0.5_real64 * (1.0_real64 - 1.0_real64 / coarser)
-    call find_patches(map, periodic, answer%pressure, patches, spot)
+    first = 0.5_real64 * (1.0_real64 - 1.0_real64 / seen%coarser)
+    call find_patches(seen%map, seen%periodic, seen%answer%pressure, patches, spot)
     allocate (has_summit(0:size(patches)), source=.false.)
     do k = 1, size(summits%x)
-      i = 1 + nint(summits%x(k) / map%spacing(1) - first)
-      j = 1 + nint(summits%y(k) / map%spacing(2) - first)
-      has_summit(spot(min(max(i, 1), map%columns), min(max(j, 1), map%rows))) = .true.
+      i = 1 + nint(summits%x(k) / seen%map%spacing(1) - first)
+      j = 1 + nint(summits%y(k) / seen%map%spacing(2) - first)
+      has_summit(spot(min(max(i, 1), seen%map%columns), min(max(j, 1), seen%map%rows))) = .true.
     end do
-    total = sum(patches%load)
-    check%without_summit = sum(patches%load, mask=.not. has_summit(1:)) / total
-    check%on_lines = sum(patches%load, mask=patches%along(1) == patches%along(2) .and. &
-                         patches%across(2) - patches%across(1) >= long_line - 1) / total
-    if (periodic) return
-    associate (p => answer%pressure, n => map%columns, m => map%rows)
-      check%on_edge = 1.0_real64 - sum(p(1 + edge:n - edge, 1 + edge:m - edge)) / sum(p)
-    end associate
+    call find_shares(map, seen%periodic, seen%answer%pressure, patches, &
+                     limit_of_spikes(map, seen%coarser), check%shares)
+    check%shares%without_summit = sum(patches%load, mask=.not. has_summit(1:)) / sum(patches%load)
   end subroutine share_out
 
   ! Root of the mean square of the heights about their mean.

@@ -4,10 +4,13 @@ module asperity_map_press_solver
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer, press_map
+  use asperity_map_despiking, only: limit_of_spikes
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
+  use asperity_map_shares, only: find_shares, map_shares, warn_of_shares
   use asperity_position_solver, only: position_solver
   use asperity_scene_results, only: effect_header
+  use asperity_theory_warnings, only: take_worse, theory_warning
   implicit none
   private
 
@@ -19,6 +22,8 @@ module asperity_map_press_solver
     type(height_map), pointer :: map => null()
     logical :: periodic = .false.
     type(map_loading) :: loading
+    real(real64) :: spike_limit = 0.0_real64
+    real(real64) :: tolerance = 0.0_real64
   contains
     procedure :: solve => press_to_states  !! its one position
   end type map_press_solver
@@ -26,10 +31,11 @@ module asperity_map_press_solver
 contains
 
   !> Makes a map ready to be pressed.
-  subroutine make_map_solver(map, periodic, loading, solver)
+  subroutine make_map_solver(map, periodic, loading, tolerance, solver)
     type(height_map), intent(in), target :: map       !! levelled; must outlive the solver
     logical, intent(in) :: periodic                   !! it repeats itself
     type(map_loading), intent(in) :: loading          !! how far it is pressed
+    real(real64), intent(in) :: tolerance             !! share of the load that may be left out
     class(position_solver), allocatable, intent(out) :: solver
     type(map_press_solver), allocatable :: new
 
@@ -37,6 +43,8 @@ contains
     new%map => map
     new%periodic = periodic
     new%loading = loading
+    new%tolerance = tolerance
+    new%spike_limit = limit_of_spikes(map, 1)
     new%positions = 1
     new%states = size(loading%values)
     new%work = int(map%columns, int64) * map%rows
@@ -63,6 +71,8 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     type(map_answer) :: answer
     type(map_patch), allocatable :: patches(:)
+    type(map_shares) :: shares
+    type(theory_warning), allocatable :: warnings(:)
     real(real64), allocatable :: values(:, :)
     integer :: i
 
@@ -81,6 +91,10 @@ contains
         return
       end if
       call find_patches(self%map, self%periodic, answer%pressure, patches)
+      call find_shares(self%map, self%periodic, answer%pressure, patches, self%spike_limit, shares)
+      if (allocated(warnings)) deallocate (warnings)
+      call warn_of_shares(shares, self%tolerance, warnings)
+      call take_worse(result%warnings, warnings, i)
       call tell_state(self, answer, patches, keep_rows, result, i)
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])

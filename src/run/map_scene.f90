@@ -3,6 +3,7 @@ module asperity_map_scene
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: int64, real64
+  use asperity_map_despiking, only: despike_map
   use asperity_map_levelling, only: level_map, level_plane
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
   use asperity_numeral, only: rounded_decimal
@@ -22,19 +23,21 @@ module asperity_map_scene
 
 contains
 
-  !> The one map that a flat presses: levelled; of two, their sum.
-  subroutine join_maps(scene_in, map)
+  !> The one map that a flat presses: levelled, without outliers where that is asked for; of two,
+  !> their sum.
+  subroutine join_maps(scene_in, map, failure)
     type(scene), intent(in) :: scene_in    !! with a map, or two on the same grid
     type(height_map), intent(out) :: map   !! what is missing in one of them is missing
+    character(len=:), allocatable, intent(out) :: failure  !! why there is none
     type(height_map) :: other
 
     associate (maps => scene_in%map)
       if (maps%lower%columns > 0) map = maps%lower
       if (maps%lower%columns == 0) map = maps%upper
-      call level_map(map, level_plane)
+      call make_level(map)
       if (.not. (maps%lower%columns > 0 .and. maps%upper%columns > 0)) return
       other = maps%upper
-      call level_map(other, level_plane)
+      call make_level(other)
       where (is_measured(map%height) .and. is_measured(other%height))
         map%height = map%height + other%height
       else where
@@ -43,6 +46,18 @@ contains
       ! Samples may be missing in one of them only.
       call level_map(map, level_plane)
     end associate
+
+  contains
+
+    subroutine make_level(one)
+      type(height_map), intent(inout) :: one
+      integer(int64) :: spikes
+
+      call level_map(one, level_plane)
+      if (scene_in%map%despike .and. .not. allocated(failure)) &
+        call despike_map(one, level_plane, .false., spikes, failure)
+    end subroutine make_level
+
   end subroutine join_maps
 
   !> The area that was measured.

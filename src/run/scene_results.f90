@@ -2,6 +2,7 @@
 module asperity_scene_results
   use asperity_contact_records, only: position_result, state_row
   use asperity_kinds, only: not_computed, real64
+  use asperity_map_shares, only: map_shares
   implicit none
   private
 
@@ -36,9 +37,7 @@ module asperity_scene_results
     real(real64) :: load_difference = huge(1.0_real64)  !! at the same separation, share
     real(real64) :: stiffness = not_computed            !! of the map: load over approach
     real(real64) :: stiffness_difference = not_computed !! share of it
-    real(real64) :: on_edge = 0.0_real64                !! share of the load, on two rows all round
-    real(real64) :: without_summit = 0.0_real64         !! share of the load, on spots without one
-    real(real64) :: on_lines = 0.0_real64               !! share of the load, on single scan lines
+    type(map_shares) :: shares                          !! of the load, where it is
   end type map_record
 
   !> All positions of a scene.

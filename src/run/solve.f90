@@ -8,17 +8,20 @@ module asperity_solve
   use asperity_height_map, only: height_map
   use asperity_kept_records, only: checksum, kept_work
   use asperity_kinds, only: not_computed, real64
-  use asperity_map_check, only: a_little_more, hold_against_map, stiffness_between
+  use asperity_map_check, only: a_little_more, hold_against_map, map_seen, see_map, &
+                                stiffness_between
   use asperity_map_press_solver, only: make_map_solver, name_map_columns
   use asperity_map_scene, only: area_of_map, join_maps, load_the_map, map_loading, summits_of_scene
+  use asperity_map_shares, only: warn_of_shares
   use asperity_map_summits, only: map_summits
   use asperity_arithmetics, only: solver_in
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: combined_modulus, control_approach, effect_auto, &
-                                   effect_boundary, scene
+  use asperity_scene_values, only: combined_modulus, control_approach, control_limit, effect_auto, &
+                                   effect_boundary, effect_off, scene
   use asperity_sweep, only: run_sweep
+  use asperity_theory_warnings, only: take_worse, theory_warning
   use asperity_version, only: version
   implicit none
   private
@@ -69,12 +72,15 @@ contains
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
     type(height_map), target :: map
+    type(map_loading) :: loading
+    type(map_seen) :: seen
     type(map_summits) :: summits
     type(scene) :: plain
     type(scene_results) :: of_summits
     integer :: mode
 
-    call join_maps(scene_in, map)
+    call join_maps(scene_in, map, failure)
+    if (allocated(failure)) return
     mode = scene_in%effects%mode('interaction')
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
@@ -82,11 +88,22 @@ contains
       call solve_samples(scene_in, map, options, results, failure)
       return
     end if
+    if (scene_in%loading%control == control_limit) then
+      loading%values = [0.0_real64]
+    else
+      call load_the_map(scene_in, map, loading)
+    end if
+    call see_map(map, scene_in%map%periodic, loading, seen, failure)
+    if (allocated(failure) .and. mode == effect_auto) then
+      call solve_samples(scene_in, map, options, results, failure)
+      return
+    end if
+    if (allocated(failure) .and. mode /= effect_off) return
     call summits_of_scene(scene_in, map, plain, summits, failure)
     if (allocated(failure)) return
     call solve_surfaces(plain, options, of_summits, failure)
     if (allocated(failure)) return
-    call check_summits(scene_in, plain, map, summits, of_summits, failure)
+    call check_summits(scene_in, plain, map, seen, summits, of_summits, failure)
     if (allocated(failure)) return
     of_summits%nominal_area = results%nominal_area
     if (mode == effect_auto .and. .not. is_good_enough(scene_in, of_summits)) then
@@ -111,7 +128,8 @@ contains
 
     results%arithmetic = 'real64'
     call load_the_map(scene_in, map, loading)
-    call make_map_solver(map, scene_in%map%periodic, loading, solver)
+    call make_map_solver(map, scene_in%map%periodic, loading, &
+                         scene_in%effects%number('tolerance'), solver)
     allocate (results%effects)
     call name_map_columns(scene_in%effects%mode('interaction'), results%effects)
     results%effects%tolerance = scene_in%effects%number('tolerance')
@@ -119,15 +137,17 @@ contains
   end subroutine solve_samples
 
   ! What the summits cost, from the map itself: told with the results.
-  subroutine check_summits(scene_in, plain, map, summits, results, failure)
+  subroutine check_summits(scene_in, plain, map, seen, summits, results, failure)
     type(scene), intent(in) :: scene_in, plain
     type(height_map), intent(in) :: map
+    type(map_seen), intent(inout) :: seen
     type(map_summits), intent(in) :: summits
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
     type(scene_results) :: more
     type(scene) :: other
     type(state_row) :: last
+    type(theory_warning), allocatable :: warnings(:)
     real(real64) :: stiffness
     character(len=:), allocatable :: why
 
@@ -140,9 +160,11 @@ contains
     stiffness = not_computed
     if (.not. allocated(why)) stiffness = stiffness_between(last, last_state(more%positions(1)))
     allocate (results%map)
-    call hold_against_map(map, scene_in%map%periodic, combined_modulus(scene_in), summits, last, &
-                          stiffness, results%map, failure)
+    call hold_against_map(map, seen, combined_modulus(scene_in), summits, last, stiffness, &
+                          results%map, failure)
     if (allocated(failure)) return
+    call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings)
+    call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
     if (scene_in%loading%control == control_approach) then
       results%positions(1)%error_estimate = abs(results%map%load_difference)
     else

@@ -13,7 +13,7 @@ module asperity_map_despiking
   implicit none
   private
 
-  public :: despike_map
+  public :: despike_map, is_spike, limit_of_spikes
 
   integer, parameter :: reach = 2, window = (2 * reach + 1)**2
   real(real64), parameter :: most_deviations = 8.0_real64
@@ -52,11 +52,7 @@ contains
         call shown%reach(j)
       end do
       call shown%finish()
-      limit = median_size(off)
-      ! Most samples of a coarsely quantised map are their own medians.
-      if (.not. limit > 0.0_real64) &
-        limit = sum(abs(off), mask=is_measured(off)) / count(is_measured(off), kind=int64)
-      limit = most_deviations * limit
+      limit = limit_of(off)
       do j = 1, map%rows
         do i = 1, map%columns
           if (abs(off(i, j)) > limit) call look_near(i, j)
@@ -82,6 +78,50 @@ contains
     end subroutine look_near
 
   end subroutine despike_map
+
+  !> How far a sample of a map must be from the median around it to be an outlier.
+  real(real64) function limit_of_spikes(map, step) result(limit)
+    type(height_map), intent(in) :: map   !! levelled
+    integer, intent(in) :: step           !! every so manieth sample is looked at, along x and y
+    real(real64), allocatable :: off(:, :)
+    integer :: i, j
+
+    allocate (off((map%columns - 1) / step + 1, (map%rows - 1) / step + 1))
+    do j = 1, size(off, 2)
+      do i = 1, size(off, 1)
+        associate (z => map%height(1 + step * (i - 1), 1 + step * (j - 1)))
+          off(i, j) = no_height
+          if (is_measured(z)) off(i, j) = z - median_near(map, 1 + step * (i - 1), &
+                                                          1 + step * (j - 1))
+        end associate
+      end do
+    end do
+    limit = limit_of(off)
+  end function limit_of_spikes
+
+  !> Whether a sample is an outlier that stands up.
+  pure logical function is_spike(map, i, j, limit)
+    type(height_map), intent(in) :: map   !! levelled
+    integer, intent(in) :: i, j           !! column and row of the sample, which is measured
+    real(real64), intent(in) :: limit     !! `limit_of_spikes` of the map
+    real(real64) :: median
+
+    median = median_near(map, i, j)
+    is_spike = map%height(i, j) - median > limit
+    if (is_spike) &
+      is_spike = map%height(i, j) - median > most_deviations * median_near(map, i, j, median)
+  end function is_spike
+
+  ! Eight times the median of the distances.
+  pure real(real64) function limit_of(off) result(limit)
+    real(real64), intent(in) :: off(:, :)
+
+    limit = median_size(off)
+    ! Most samples of a coarsely quantised map are their own medians.
+    if (.not. limit > 0.0_real64) &
+      limit = sum(abs(off), mask=is_measured(off)) / count(is_measured(off), kind=int64)
+    limit = most_deviations * limit
+  end function limit_of
 
   ! The median of the samples around one, itself included, or of their distances from a height.
   pure real(real64) function median_near(map, column, row, from) result(median)

@@ -1,0 +1,91 @@
+!> Where a pressed map bears its load: what of it lies on the edge, on spikes, on scan lines and on
+!> spots without a summit, and what of that is warned of.
+module asperity_map_shares
+  use asperity_height_map, only: height_map
+  use asperity_kinds, only: real64
+  use asperity_map_despiking, only: is_spike
+  use asperity_map_patches, only: map_patch
+  use asperity_theory_warnings, only: of_map_edge, of_no_summit, of_scan_lines, of_spikes, &
+                                      theory_warning, warn
+  implicit none
+  private
+
+  public :: find_shares, map_shares, warn_of_shares
+
+  !> Shares of the load of a map.
+  type :: map_shares
+    real(real64) :: on_edge = 0.0_real64         !! on two rows and columns all round
+    real(real64) :: edge_of_punch = 1.0_real64   !! what a flat punch bears there
+    real(real64) :: without_summit = 0.0_real64  !! on spots without one; looked for elsewhere
+    real(real64) :: on_lines = 0.0_real64        !! on spots that are single scan lines
+    real(real64) :: on_spikes = 0.0_real64       !! on outliers
+  end type map_shares
+
+  ! Rows and columns that count as the edge.
+  integer, parameter :: edge = 2
+
+  ! A spot of one row, at least so many samples long, is a scan line.
+  integer, parameter :: long_line = 8
+
+contains
+
+  !> Finds the shares of a map that was pressed as it is or coarser.
+  subroutine find_shares(map, periodic, pressure, patches, spike_limit, shares)
+    type(height_map), intent(in) :: map         !! at its full resolution
+    logical, intent(in) :: periodic             !! it repeats itself, and has no edge
+    real(real64), intent(in) :: pressure(:, :)  !! on its samples, or on squares of them
+    type(map_patch), intent(in) :: patches(:)   !! its spots
+    real(real64), intent(in) :: spike_limit     !! `limit_of_spikes` of it
+    type(map_shares), intent(out) :: shares     !! found
+    real(real64) :: total
+    integer :: coarser, i, j
+
+    total = sum(pressure)
+    if (.not. total > 0.0_real64) return
+    shares%on_lines = sum(patches%load, mask=patches%along(1) == patches%along(2) .and. &
+                          patches%across(2) - patches%across(1) >= long_line - 1) / &
+                      sum(patches%load)
+    coarser = (map%columns - 1) / size(pressure, 1) + 1
+    do j = 1, size(pressure, 2)
+      do i = 1, size(pressure, 1)
+        if (.not. pressure(i, j) > 0.0_real64) cycle
+        if (on_spike(i, j)) shares%on_spikes = shares%on_spikes + pressure(i, j) / total
+      end do
+    end do
+    if (periodic) return
+    associate (n => size(pressure, 1), m => size(pressure, 2))
+      shares%on_edge = 1.0_real64 - sum(pressure(1 + edge:n - edge, 1 + edge:m - edge)) / total
+      ! Beyond the radius r of a round punch of radius 1: sqrt(1 - r**2) (Johnson, eq. 3.34).
+      shares%edge_of_punch = &
+        sqrt(1.0_real64 - max(0.0_real64, 1.0_real64 - 2.0_real64 * edge / min(n, m))**2)
+    end associate
+
+  contains
+
+    ! Whether the highest sample of a square is an outlier.
+    logical function on_spike(across, along)
+      integer, intent(in) :: across, along
+      integer :: first(2), place(2)
+
+      first = coarser * ([across, along] - 1)
+      place = first + maxloc(map%height(first(1) + 1:min(first(1) + coarser, map%columns), &
+                                        first(2) + 1:min(first(2) + coarser, map%rows)))
+      on_spike = is_spike(map, place(1), place(2), spike_limit)
+    end function on_spike
+
+  end subroutine find_shares
+
+  !> Warns of load where it is not what a user would take it for.
+  pure subroutine warn_of_shares(shares, tolerance, warnings)
+    type(map_shares), intent(in) :: shares  !! of one state
+    real(real64), intent(in) :: tolerance   !! share of the load that may be left out
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+
+    if (shares%on_edge > shares%edge_of_punch) call warn(warnings, of_map_edge, shares%on_edge)
+    if (shares%without_summit > tolerance) &
+      call warn(warnings, of_no_summit, shares%without_summit)
+    if (shares%on_lines > tolerance) call warn(warnings, of_scan_lines, shares%on_lines)
+    if (shares%on_spikes > tolerance) call warn(warnings, of_spikes, shares%on_spikes)
+  end subroutine warn_of_shares
+
+end module asperity_map_shares

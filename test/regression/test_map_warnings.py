@@ -1,0 +1,142 @@
+"""Warnings of a map's load: each provoked just beyond its limit and absent just inside. The shares
+are found here, by a solution of its own in numpy."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from map_press_truth import press, rough
+from surfaces_csv import solve
+from test_map_scene import E, level, load_for, map_scene
+
+SIDES = (0.02, 0.02)
+N = 48
+# Little enough that nothing but what a test puts there touches.
+LOAD = 5e-5
+
+
+def floor():
+    """A bowl: the middle, and the edge, bear nothing."""
+    x, y = np.indices((N, N)) - 23.3
+    return -1e-2 * (1 - 1e-4 * (x**2 + y**2)) + 1e-5 * rough(N, shortest=6, seed=3)
+
+
+def cap(height, x, y, top):
+    """A round hill of radius 5 samples."""
+    i, j = np.indices(height.shape)
+    bump = top - 2e-4 * ((i - x) ** 2 + (j - y) ** 2)
+    height[:] = np.maximum(height, bump)
+
+
+def run(asperity, folder, height, load, tolerance, interaction="boundary", **surfaces):
+    folder.mkdir(exist_ok=True)
+    scene = map_scene(folder, height, SIDES, interaction=interaction, surfaces=surfaces,
+                      loading={"control": "load", "value": load})
+    scene.write_text(scene.read_text().replace(f"'{interaction}'",
+                                               f"'{interaction}', tolerance = {tolerance!r}"))
+    done = solve(asperity, scene)
+    assert done.status == 0, done.stderr
+    lines = [line for line in done.stderr.splitlines() if ": warning: " in line]
+    assert int(done.positions[0]["warnings"]) == len(lines)
+    return lines
+
+
+def shares(height, load):
+    """Of the load, on every sample."""
+    _, pressure = press(level(height), SIDES, E, load)
+    return pressure / pressure.sum()
+
+
+def told(lines, what):
+    found = [line for line in lines if what in line]
+    assert len(found) <= 1
+    return float(re.search(r", (\S+) % of", found[0])[1]) / 100 if found else None
+
+
+def check_at_tolerance(asperity, folder, height, share, what, interaction="boundary", load=LOAD):
+    share = float(share)
+    assert 0.02 < share < 0.98
+    inside = run(asperity, folder, height, load, 1.001 * share, interaction)
+    outside = run(asperity, folder, height, load, 0.999 * share, interaction)
+    assert told(inside, what) is None
+    assert told(outside, what) == pytest.approx(share, abs=6e-4 * max(1, 10 * share))
+
+
+@pytest.mark.parametrize("beyond", [False, True])
+def test_edge(asperity, tmp_path, beyond):
+    """A hill cut by the edge beside one that is not, against a round flat punch as wide."""
+    limit = math.sqrt(1 - (1 - 4 / N) ** 2)
+
+    def with_hills(top):
+        height = floor()
+        cap(height, 23, 24, 1e-3)
+        cap(height, 0.3, 24, top)
+        return height
+
+    def on_edge(top):
+        share = shares(with_hills(top), 4 * LOAD)
+        return 1 - share[2:-2, 2:-2].sum()
+
+    low, high = 0.0, 2e-3
+    for _ in range(14):
+        middle = (low + high) / 2
+        low, high = (low, middle) if on_edge(middle) > limit else (middle, high)
+    share = on_edge(high if beyond else low)
+    assert abs(share / limit - 1) < 0.02 and (share > limit) == beyond
+    lines = run(asperity, tmp_path, with_hills(high if beyond else low), 4 * LOAD, 0.5)
+    found = told(lines, "the edge cuts")
+    assert found == (pytest.approx(share, abs=6e-4) if beyond else None)
+    # One that repeats itself has no edge.
+    assert told(run(asperity, tmp_path, with_hills(high), 4 * LOAD, 0.5, map_edge="periodic"),
+                "the edge cuts") is None
+
+
+def test_scan_lines(asperity, tmp_path):
+    height = floor()
+    cap(height, 14, 24, 1.4e-3)
+    height[25:36, 30] = 1e-3
+    pressed = shares(height, LOAD)
+    assert (pressed[25:36, 30] > 0).all() and not pressed[25:36, [29, 31]].any()
+    check_at_tolerance(asperity, tmp_path, height, pressed[25:36, 30].sum(), "scan lines")
+    # Seven samples are no line.
+    height[25:29, 30] = floor()[25:29, 30]
+    assert told(run(asperity, tmp_path, height, LOAD, 1e-3), "scan lines") is None
+
+
+def test_spikes(asperity, tmp_path):
+    height = floor()
+    cap(height, 14, 24, 1e-3)
+    height[30, 30] = 1e-3
+    pressed = shares(height, LOAD)
+    check_at_tolerance(asperity, tmp_path, height, pressed[30, 30], "outliers")
+    # They are taken out where that is asked for.
+    assert told(run(asperity, tmp_path, height, LOAD, 1e-3, map_despike="on"), "outliers") is None
+
+
+def test_spots_without_a_summit(asperity, tmp_path):
+    """A ridge of samples that meet at their corners: every other one has a sphere."""
+    height = floor()
+    for k in range(6):
+        height[20 + k, 20 + k] = 1e-3 - 1e-6 * k
+    pressed = shares(height, LOAD)
+    diagonal = np.array([pressed[20 + k, 20 + k] for k in range(6)])
+    assert diagonal.sum() == pytest.approx(1) and (diagonal > 0).all()
+    check_at_tolerance(asperity, tmp_path, height, diagonal[1::2].sum(), "without a summit",
+                       "coupled")
+    assert told(run(asperity, tmp_path, height, LOAD, 1e-3), "without a summit") is None
+
+
+def test_too_much_contact_for_summits(asperity, tmp_path):
+    """One contact with holes: refused in time, and the samples for `auto`."""
+    height = 1e-3 * rough(64, shortest=8, seed=5)
+    load = load_for(height, SIDES, 0.8)
+    loading = {"control": "load", "value": load}
+    done = solve(asperity, map_scene(tmp_path, height, SIDES, interaction="coupled",
+                                     loading=loading))
+    assert done.status == 1 and "of its area: from 0.42 on" in done.stderr
+    done = solve(asperity, map_scene(tmp_path, height, SIDES, interaction="auto", loading=loading))
+    assert done.status == 0 and done.positions[0]["interaction"] == "boundary"
+    flat, _ = press(level(height), SIDES, E, load)
+    assert abs(float(done.positions[0]["approach"]) / flat - 1) < 1e-6
