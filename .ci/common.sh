@@ -16,6 +16,8 @@ checks_flags="-O0 -g -fbacktrace -fcheck=all,no-array-temps -finit-real=snan -fi
 # Archived IEEE output must not depend on what the processor offers: no contraction to fused
 # multiply-add, no -march=native, no -ffast-math. -g is for valgrind, and changes no instruction.
 archive_flags="-O2 -ffp-contract=off -g"
+# fpm's own, for objects that a shared library can be made of: the Python package has one.
+release_flags="-fPIC -fno-semantic-interposition"
 # More than the standard allows.
 fast_flags="-O3 -march=native -ffast-math"
 sanitize_flags="-O1 -g -fbacktrace -fno-omit-frame-pointer -fsanitize=address,undefined \
@@ -41,7 +43,7 @@ kinds="release|archive|fast|strict|checks|sanitize|images|second"
 options_of() {
   fpm_tests=()
   case $1 in
-    release) fpm_options=(--profile release) ;;
+    release) fpm_options=(--profile release --no-prune --flag "$release_flags") ;;
     archive) fpm_options=(--flag "$archive_flags") ;;
     fast) fpm_options=(--flag "$fast_flags") ;;
     strict) fpm_options=(--no-prune --flag "$strict_flags") ;;
@@ -52,7 +54,7 @@ options_of() {
         --link-flag "-Wl,--no-as-needed -lcaf_openmpi")
       ;;
     second)
-      fpm_options=(--no-prune --compiler "$second_compiler" --flag "$second_flags"
+      fpm_options=(--no-prune --compiler "$second_compiler" --c-compiler gcc --flag "$second_flags"
         --link-flag "$root/build/real128_functions.o -lquadmath -Wl,-z,muldefs")
       ;;
     *) return 1 ;;

@@ -9,7 +9,7 @@ module asperity_command_line
   use asperity_option_values, only: read_accuracy, read_count, read_seconds, read_spacing, &
                                     read_tables, read_word
   use asperity_original, only: arithmetic_names
-  use asperity_original_records, only: original_positions
+  use asperity_original_records, only: original_positions, thesis_tables
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_summit_spheres, only: radius_names
@@ -19,8 +19,6 @@ module asperity_command_line
 
   public :: command_line, is_shared, output_place, parse_command_line, refuse_input
 
-  ! Positions whose tables the original prints.
-  integer, parameter :: thesis_tables(3) = [13, 55, 56]
   ! Options of the commands; those with a value end with '='.
   character(len=*), parameter :: original_options(*) = [character(len=18) :: &
     '--arithmetic=', '--tables=', '--contacts=', '--positions=', '--carriage-control']

@@ -10,7 +10,8 @@ module asperity_run_solve
   use asperity_kinds, only: real64
   use asperity_output_files, only: tell_kept
   use asperity_problems, only: problem_list
-  use asperity_results_csv, only: write_contacts, write_curve, write_positions
+  use asperity_result_table, only: of_contacts, of_positions, of_states
+  use asperity_results_csv, only: write_results
   use asperity_run_options, only: run_options
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
@@ -34,7 +35,6 @@ contains
     type(scene) :: scene_in
     type(scene_results) :: results
     type(error_budget) :: budget
-    type(text_buffer) :: csv(3)
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
@@ -57,12 +57,22 @@ contains
       if (is_thesis_sweep(scene_in)) &
         call write_corrected_table(correct_table(scene_in%deck, results), outcome%text)
     end if
-    if (line%output('--contacts') /= '') call write_contacts(results, csv(1))
-    call outcome%stage(line%output('--contacts'), csv(1))
-    if (line%output('--positions') /= '') call write_positions(results, csv(2))
-    call outcome%stage(line%output('--positions'), csv(2))
-    if (line%output('--curve') /= '') call write_curve(results, csv(3))
-    call outcome%stage(line%output('--curve'), csv(3))
+    call write_table('--contacts', of_contacts)
+    call write_table('--positions', of_positions)
+    call write_table('--curve', of_states)
+
+  contains
+
+    subroutine write_table(option, which)
+      character(len=*), intent(in) :: option
+      integer, intent(in) :: which
+      type(text_buffer) :: csv
+
+      if (line%output(option) == '') return
+      call write_results(which, results, csv)
+      call outcome%stage(line%output(option), csv)
+    end subroutine write_table
+
   end subroutine run_solve_command
 
   ! What the command line and the scene ask for must agree.

@@ -2,43 +2,70 @@
 !>
 !> `docs/library.md` shows how.
 module asperity
+  use asperity_card_deck, only: card_deck, read_card_deck
   use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
   use asperity_kinds, only: not_computed
-  use asperity_height_map, only: height_map, is_measured, no_height
+  use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
+                                        surface_plan
+  use asperity_generation_spec, only: parse_generation_spec, read_generation_spec
+  use asperity_generation_values, only: generation_spec
+  use asperity_height_map, only: height_map, is_measured, length_units, no_height
   use asperity_height_map_reader, only: read_height_map
   use asperity_map_despiking, only: despike_map
-  use asperity_map_levelling, only: level_map, level_mean, level_none, level_plane
+  use asperity_map_levelling, only: level_map, level_mean, level_names, level_none, &
+                                    level_plane
   use asperity_map_statistics, only: map_statistics, measure_map
-  use asperity_map_summits, only: find_summits, map_summits, rule_contact, rule_eight
-  use asperity_problems, only: problem_list
+  use asperity_map_summits, only: find_summits, map_summits, rule_contact, rule_eight, rule_names
+  use asperity_original, only: arithmetic_names, run_in_arithmetic
+  use asperity_original_records, only: original_records, original_request, thesis_tables
+  use asperity_problems, only: problem_list, problem_place
+  use asperity_report, only: write_report
+  use asperity_result_arrays, only: add_reals, array_column, array_table, make_arrays
+  use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_run_options, only: run_options
-  use asperity_scene_reader, only: build_scene, read_scene
+  use asperity_scene_reader, only: build_scene, parse_scene, read_scene
   use asperity_scene_results, only: effect_header, kinds_of_warnings, last_state, &
                                     scene_results
   use asperity_scene_surfaces, only: plane_surface, take_surface
   use asperity_scene_values, only: scene, scene_surface
   use asperity_solve, only: solve
+  use asperity_summary, only: write_summary
+  use asperity_summits_of_file, only: summit_choices, summits_of_file
+  use asperity_summits_table, only: write_summits_table
+  use asperity_text_buffer, only: text_buffer
   use asperity_theory_warnings, only: theory_warning, warning_kind, warning_kinds
-  use asperity_summit_spheres, only: radius_geometric, radius_neighbours, radius_paraboloid
+  use asperity_summit_spheres, only: radius_geometric, radius_names, radius_neighbours, &
+                                      radius_paraboloid
   use asperity_version, only: version
   use asperity_warning_lines, only: list_warnings
   implicit none
   private
 
   ! Scenes.
-  public :: scene, scene_surface, problem_list
-  public :: read_scene, take_surface, plane_surface, build_scene
+  public :: scene, scene_surface, problem_list, problem_place
+  public :: read_scene, parse_scene, take_surface, plane_surface, build_scene
   ! Measured maps and their summits.
   public :: height_map, is_measured, no_height, read_height_map
   public :: level_map, level_plane, level_mean, level_none, despike_map
   public :: find_summits, map_summits, rule_eight, rule_contact
   public :: radius_neighbours, radius_geometric, radius_paraboloid
   public :: measure_map, map_statistics
+  public :: summits_of_file, summit_choices, write_summits_table
+  public :: length_units, level_names, radius_names, rule_names
+  ! Generated surfaces.
+  public :: generation_spec, read_generation_spec, parse_generation_spec
+  public :: surface_plan, plan_surface, generated_surface, generate_surface
+  ! The original program and its report.
+  public :: card_deck, read_card_deck, run_in_arithmetic, arithmetic_names
+  public :: original_request, original_records, thesis_tables, write_report
   ! Running scenes.
   public :: solve, run_options, version
   ! Results.
   public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header
   public :: last_state
+  ! Results as tables of arrays, and in words.
+  public :: make_arrays, array_table, array_column, add_reals, of_positions, of_states, of_contacts
+  public :: write_summary, text_buffer
   ! What lies outside a theory, and what was not computed.
   public :: theory_warning, warning_kind, warning_kinds, kinds_of_warnings, list_warnings
   public :: not_computed

@@ -16,7 +16,7 @@ settings.load_profile("fixed")
 
 
 # Tests that share what takes long to make: all of such a file run in one process.
-TOGETHER = ("test_archive.py", "test_accuracy.py", "test_effects.py")
+TOGETHER = ("test_archive.py", "test_accuracy.py", "test_effects.py", "test_python.py")
 
 
 class Tally:

@@ -6,16 +6,25 @@ module asperity_problems
   implicit none
   private
 
-  public :: problem_list, decimal_text, real_text
+  public :: problem_list, problem_place, decimal_text, real_text
 
   ! So many problems of a file are written out, the rest is counted: enough for any file that a
   ! person wrote, and no flood from one that is not of this kind at all.
   integer, parameter :: most_placed = 5000
 
+  !> Where a problem is.
+  type :: problem_place
+    integer :: line = 0         !! line of the file, from 1; 0: the problem has none
+    integer :: column = 0       !! column, from 1; 0: none
+    integer :: file_length = 0  !! the problem's text begins with the file's name, so long; 0: none
+    integer :: prefix = 0       !! and the message with the character after so many
+  end type problem_place
+
   !> All that is wrong with one input, in the order found.
   type :: problem_list
     private
     type(text_buffer) :: lines
+    type(problem_place), allocatable :: places(:)  ! of each line
     character(len=:), allocatable :: file  ! whose places `add_at` tells
     integer :: placed = 0, others = 0      ! problems with a place in it, and without
   contains
@@ -26,6 +35,7 @@ module asperity_problems
     procedure :: add                     !! adds a problem that has no place
     procedure :: append                  !! adds all problems of another list
     procedure :: count => problem_count  !! how many there are, those not written out included
+    procedure :: place => place_of_line  !! where the problem of a line is
     procedure :: text => problem_text    !! one line a problem
   end type problem_list
 
@@ -45,8 +55,7 @@ contains
     character(len=*), intent(in) :: message     !! place, what is wrong, found, expected
 
     self%placed = self%placed + 1
-    if (self%placed <= most_placed) &
-      call self%lines%line(printable(self%file // ': ' // message))
+    if (self%placed <= most_placed) call add_line(self, self%file, ': ', message, 0, 0)
   end subroutine add_in_file
 
   !> Adds `FILE:LINE:COLUMN: MESSAGE`.
@@ -58,8 +67,8 @@ contains
 
     self%placed = self%placed + 1
     if (self%placed <= most_placed) &
-      call self%lines%line(printable(self%file // ':' // decimal_text(line) // ':' // &
-                                     decimal_text(column) // ': ' // message))
+      call add_line(self, self%file, ':' // decimal_text(line) // ':' // decimal_text(column) // &
+                    ': ', message, line, column)
   end subroutine add_at
 
   !> Adds a problem at a byte of the file's text.
@@ -87,9 +96,28 @@ contains
     class(problem_list), intent(inout) :: self  !! the list
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    call self%lines%line(printable(message))
+    call add_line(self, '', '', message, 0, 0)
     self%others = self%others + 1
   end subroutine add
+
+  ! Adds a line, and where its problem is.
+  pure subroutine add_line(self, file, after_file, message, line, column)
+    class(problem_list), intent(inout) :: self
+    character(len=*), intent(in) :: file, after_file, message
+    integer, intent(in) :: line, column
+
+    call self%lines%line(printable(file // after_file // message))
+    call add_places(self, [problem_place(line, column, len(file), len(file // after_file))])
+  end subroutine add_line
+
+  ! Adds places of further lines.
+  pure subroutine add_places(self, places)
+    class(problem_list), intent(inout) :: self
+    type(problem_place), intent(in) :: places(:)
+
+    if (.not. allocated(self%places)) allocate (self%places(0))
+    self%places = [self%places, places]
+  end subroutine add_places
 
   !> Adds all problems of another list, each with the place that it has.
   pure subroutine append(self, other)
@@ -97,8 +125,19 @@ contains
     type(problem_list), intent(in) :: other     !! what follows
 
     call self%lines%append(other%text())
+    if (allocated(other%places)) call add_places(self, other%places)
+    if (other%placed > most_placed) call add_places(self, [problem_place()])
     self%others = self%others + other%count()
   end subroutine append
+
+  !> Where the problem of a line of `text` is; a line that only counts others has no place.
+  pure type(problem_place) function place_of_line(self, number)
+    class(problem_list), intent(in) :: self  !! the list
+    integer, intent(in) :: number            !! of the line, from 1
+
+    if (.not. allocated(self%places)) return
+    if (number <= size(self%places)) place_of_line = self%places(number)
+  end function place_of_line
 
   !> Number of problems; 0 means that the input is good.
   pure integer function problem_count(self)

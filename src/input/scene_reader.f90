@@ -73,6 +73,8 @@ contains
     checked%lower = lower
     call read_fields(checked%file, text, 'a scene', scene_table(), fields)
     fields%surfaces_given = .true.
+    if (upper%is_plane .and. lower%is_plane) &
+      call problems%add('surfaces: found two planes, expected one at most')
     call read_groups(fields, checked, problems)
   end subroutine build_scene
 

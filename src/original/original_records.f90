@@ -11,10 +11,13 @@ module asperity_original_records
 
   public :: contact_record, model_record, original_records, original_request, position_record
   public :: append_contact, total_load_row, total_area_row, points_row, approach_row, slope_row
-  public :: total_difference_row, individual_difference_row, original_positions
+  public :: total_difference_row, individual_difference_row, original_positions, &
+            thesis_tables
 
   !> Relative positions the original computes.
   integer, parameter :: original_positions = 100
+  !> Positions whose contact tables the thesis prints.
+  integer, parameter :: thesis_tables(3) = [13, 55, 56]
 
   ! Rows of Table VI.
   integer, parameter :: total_load_row = 1             !! N

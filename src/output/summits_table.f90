@@ -4,21 +4,16 @@ module asperity_summits_table
   use asperity_height_map, only: height_map, number_text
   use asperity_kinds, only: int64, real64
   use asperity_map_statistics, only: map_statistics
-  use asperity_map_summits, only: map_summits
+  use asperity_map_levelling, only: level_names
+  use asperity_map_summits, only: map_summits, rule_contact, rule_names
+  use asperity_printable, only: printable
+  use asperity_summit_spheres, only: radius_names
+  use asperity_summits_of_file, only: summit_choices
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
-  public :: summits_heading, write_summits_table, write_summits_csv
-
-  !> How the summits were found, in words.
-  type :: summits_heading
-    character(len=:), allocatable :: file    !! the map
-    character(len=:), allocatable :: level   !! what heights count from
-    character(len=:), allocatable :: rule    !! what a summit is
-    character(len=:), allocatable :: radius  !! what its radius is
-    integer(int64) :: spikes = -1_int64      !! taken out; less than 0: nobody looked for them
-  end type summits_heading
+  public :: write_summits_table, write_summits_csv
 
   ! Where the columns begin.
   integer, parameter :: value_column = 25, unit_column = 50, theory_column = 58
@@ -26,22 +21,26 @@ module asperity_summits_table
 contains
 
   !> The map, its statistics and those of its summits, beside what theory expects.
-  subroutine write_summits_table(heading, map, summits, found, buffer)
-    type(summits_heading), intent(in) :: heading  !! how it was done
+  subroutine write_summits_table(path, choices, spikes, map, summits, found, buffer)
+    character(len=*), intent(in) :: path          !! the file of the map
+    type(summit_choices), intent(in) :: choices   !! how it was done
+    integer(int64), intent(in) :: spikes          !! taken out; less than 0: nobody looked for them
     type(height_map), intent(in) :: map           !! levelled
     type(map_summits), intent(in) :: summits      !! of this map
     type(map_statistics), intent(in) :: found     !! of both
     type(text_buffer), intent(inout) :: buffer    !! the text
 
-    call buffer%line(heading%file // ': ' // number_text(int(map%columns, int64)) // ' x ' // &
-                     number_text(int(map%rows, int64)) // ' samples, level: ' // heading%level // &
-                     ', rule: ' // heading%rule // ', radius: ' // heading%radius)
+    call buffer%line(printable(path) // ': ' // number_text(int(map%columns, int64)) // ' x ' // &
+                     number_text(int(map%rows, int64)) // ' samples, level: ' // &
+                     trim(level_names(choices%level)) // ', rule: ' // &
+                     trim(rule_names(choices%rule)) // ', radius: ' // &
+                     trim(radius_names(choices%radius)))
     call buffer%line('')
     call whole('samples', found%samples)
     call whole('missing', found%missing)
-    if (heading%spikes >= 0_int64) call whole('spikes taken out', heading%spikes)
+    if (spikes >= 0_int64) call whole('spikes taken out', spikes)
     call whole('summits', size(summits%x, kind=int64))
-    if (heading%rule == 'contact') call whole('  on ridges', int(summits%on_ridges, int64))
+    if (choices%rule == rule_contact) call whole('  on ridges', int(summits%on_ridges, int64))
     call buffer%line('')
     call put('', '', '', 'Nayak expects')
     call number('spacing along x', map%spacing(1), 1)

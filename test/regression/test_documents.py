@@ -18,7 +18,7 @@ PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*
                 *ROOT.glob("docs/effects/*.md")])
 COMMANDS = ("", "solve", "accuracy", "generate", "study", "summits")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
-FOLDERS = "app|data|docs|example|reference_output|src|test|[.]ci"
+FOLDERS = "app|data|docs|example|include|python|reference_output|src|test|[.]ci"
 PATH = re.compile(rf"(?<![\w./-])(?:{FOLDERS})/[\w.*/-]*[\w*/]")
 SOURCE = re.compile(r"[\w*]+[.](?:f90|F90|inc|py)")
 MODULE = re.compile(r"\basperity_[a-z0-9_]+\b")
@@ -111,9 +111,12 @@ def test_files_exist(page):
 
 @each_page
 def test_modules_exist(page):
-    sources = [path.stem for path in (*(ROOT / "src").rglob("*.?90"), *ROOT.glob("app/*.f90"))]
-    named = {name for text in code(page) for name in MODULE.findall(PLACEHOLDER.sub("", text))}
-    assert not {name for name in named if name.removeprefix("asperity_") not in sources}
+    there = {path.stem for path in (*(ROOT / "src").rglob("*.?90"), *ROOT.glob("app/*.f90"))}
+    there |= {f"asperity_{name}" for name in there}
+    there |= set(MODULE.findall((ROOT / "include/asperity.h").read_text(encoding="utf-8")))
+    texts = [*code(page), *(text for _, text in blocks(page))]
+    named = {name for text in texts for name in MODULE.findall(PLACEHOLDER.sub("", text))}
+    assert not named - there
 
 
 @pytest.fixture(scope="module")

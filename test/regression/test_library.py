@@ -91,6 +91,24 @@ def test_close_to_a_load(example, asperity, tmp_path, tally):
     assert len(lines) == len(rows) == met
 
 
+def test_from_c(example, asperity, tmp_path):
+    """The example in C prints what the program writes, to the last bit; what is wrong it tells."""
+    scene = ROOT / "data/examples/thesis.scene"
+    subprocess.run([asperity, "solve", scene, "--quiet", "--positions", "p.csv"], cwd=tmp_path,
+                   check=True, capture_output=True, timeout=100)
+    status, text, errors = example("press_two_surfaces", scene)
+    assert status == 0 and errors.count("warning") == 2
+    assert [tuple(map(float, line.split())) for line in text.splitlines()] == [
+        (float(row["approach"]), float(row["load"])) for row in records(tmp_path / "p.csv")]
+    # One ball under the load of the example.
+    status, text, errors = example("press_two_surfaces")
+    assert status == 0 and errors == "" and float(text.split()[-1]) == pytest.approx(LOAD, 1e-6)
+    status, text, errors = example("press_two_surfaces", tmp_path / "none.scene")
+    assert status == 2 and text == "" and "none.scene:1:1: cannot be opened" in errors
+    status, text, errors = example("press_two_surfaces", ROOT / "data/hard/load_beyond_all.scene")
+    assert status == 1 and text == "" and "position 1: the load is more than" in errors
+
+
 OUTSIDE = """program outside
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity, only: build_scene, last_state, problem_list, run_options, scene, scene_results, &

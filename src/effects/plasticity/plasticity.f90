@@ -55,7 +55,7 @@ contains
       column('largest_overlap', length), &                  ! so far
       column('residual_overlap', length)]                   ! without load
     new%state_columns = [ &
-      column('elastic_load', force), &  ! of Hertz at the same penetrations
+      column('hertz_load', force), &  ! of Hertz at the same penetrations
       column('contacts_flowing', plain), &                  ! how many flow now
       column('dissipated_work', moment)]                    ! lost since first touch
     allocate (effect, source=new)

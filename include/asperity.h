@@ -1,0 +1,163 @@
+/* asperity for C: contact between two rough surfaces of spherical asperities.
+ *
+ *   gcc press.c -I include -L FOLDER_OF_THE_LIBRARY -lasperity
+ *
+ * Every call that does work gives one outcome, a handle. It holds all that the call brought: tables
+ * of columns, texts, or what went wrong. asperity_status says which. Free it with asperity_free;
+ * all that was got from it (texts, columns) belongs to it and goes with it, and nothing else is
+ * ever to be freed. A handle is NULL only where memory has ended; every function takes NULL then,
+ * and asperity_status says that nothing could be computed.
+ *
+ * Nothing is printed and no call ends the process, but for one case: where memory ends in the
+ * middle of the work, beyond what is asked for before it, the run-time library of the Fortran
+ * compiler ends it.
+ *
+ * Threads: nothing is remembered between calls. Calls may run at once in several threads, also on
+ * the same scene. One outcome must not be freed while another thread uses it.
+ *
+ * Units: any consistent set, as in a scene file. With mm and N, moduli and pressures are N/mm2.
+ * A card deck brings cm, N and N/cm2. Angles are radians. Texts are UTF-8 and end with a null
+ * character; arrays have one cell a row, without gaps.
+ */
+#ifndef ASPERITY_H
+#define ASPERITY_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct asperity_outcome asperity_outcome;
+
+/* What became of a call. */
+enum {
+  ASPERITY_DONE = 0,         /* the numbers are right */
+  ASPERITY_NOT_COMPUTED = 1, /* ASPERITY_FAILURE says why */
+  ASPERITY_BAD_INPUT = 2     /* asperity_get_problem, or ASPERITY_PROBLEMS, says all that is wrong */
+};
+
+/* Texts of an outcome. */
+enum {
+  ASPERITY_FAILURE = 1,  /* why it could not be computed, one line */
+  ASPERITY_PROBLEMS = 2, /* a line a problem: FILE:LINE:COLUMN: what is wrong, found, expected */
+  ASPERITY_WARNINGS = 3, /* a line a kind: what was computed but lies outside a theory */
+  ASPERITY_NOTES = 4,    /* a line each: oddities of a deck that are no errors */
+  ASPERITY_REPORT = 5    /* of asperity_make_report the report; of others the summary the program prints */
+};
+
+/* Tables of an outcome, with the columns of the CSV files. A cell that was not computed is NaN. */
+enum {
+  ASPERITY_POSITIONS = 1,  /* asperity_solve_scene: a row a position, its last state */
+  ASPERITY_STATES = 2,     /* asperity_solve_scene: a row a state on the way */
+  ASPERITY_CONTACTS = 3,   /* asperity_solve_scene: a row a contact, of every state */
+  ASPERITY_SUMMITS = 4,    /* asperity_summits: x, y, height, radius */
+  ASPERITY_STATISTICS = 5, /* asperity_summits: one row */
+  ASPERITY_UPPER = 6,      /* asperity_generate: x, y, height, radius */
+  ASPERITY_LOWER = 7       /* asperity_generate: x, y, height, radius */
+};
+
+/* What the cells of a column are. */
+enum {
+  ASPERITY_DOUBLE = 1, /* double */
+  ASPERITY_INT = 2,    /* int; for yes and no, 1 and 0 */
+  ASPERITY_WORD = 3    /* char[ASPERITY_WORD_LENGTH], blanks behind the word, no null character */
+};
+#define ASPERITY_WORD_LENGTH 16
+
+/* One surface: summits of spherical asperities, lengths in the unit of the scene. The numbers are
+ * copied: they may go when asperity_build_scene has come back. */
+typedef struct {
+  int count;            /* asperities; 0: a plane, and the rest is not looked at */
+  int radii;            /* how many radii: count, or 1 for all */
+  const double *x, *y;  /* [count] places on the reference plane */
+  const double *height; /* [count] above the reference plane */
+  const double *radius; /* [radii] of the summits, more than 0 */
+} asperity_surface;
+
+/* How a scene is solved. All bytes zero: the defaults. */
+typedef struct {
+  const char *arithmetic; /* "real64" (also for NULL), "real32", "real128" or "ibm370" */
+  double accuracy;        /* relative error of every total that is allowed: the cheapest arithmetic
+                             that has it is taken; 0: none is asked for */
+  int totals_only;        /* not 0: contacts are not kept, their table has no rows */
+  int threads;            /* 0: as many as OpenMP gives; the results are the same for any number */
+  const int *interrupt;   /* NULL, or a number that another thread or a signal's handler makes other
+                             than 0 to end the call: positions that have not begun are left out, and
+                             it fails with "interrupted" */
+} asperity_options;
+
+/* How summits are found. All bytes zero: the defaults. */
+typedef struct {
+  const char *rule;   /* "eight" (also for NULL) or "contact" */
+  const char *level;  /* "plane" (also for NULL), "mean" or "none" */
+  const char *radius; /* "neighbours", "geometric" or "paraboloid"; NULL: that of the rule */
+  const char *unit;   /* "m", "mm", "um", "nm", "cm" or "in"; NULL: that of the file */
+  double spacing[2];  /* along x and y, of a matrix in a text file; 0 for other files */
+  int despike;        /* not 0: single outliers are taken out */
+} asperity_summits_options;
+
+/* One thing that is wrong with an input. */
+typedef struct {
+  const char *file; /* as it was named; "" where the problem is of no file */
+  int line;         /* from 1; 0 where it has none */
+  int column;       /* bytes, from 1; 0 where it has none */
+  const char *text; /* what is wrong, what was found, what is expected */
+} asperity_problem;
+
+/* "0.2.0". Never freed. */
+const char *asperity_get_version(void);
+
+/* Reads a scene file, or a card deck, with the files that it names. */
+asperity_outcome *asperity_read_scene(const char *path);
+
+/* A scene from the text of its groups, "&material ... / &loading ... /", and two surfaces; one of
+ * them may be a plane. With NULL for both the text has &surfaces, which names files, and messages
+ * call the text "scene". */
+asperity_outcome *asperity_build_scene(const char *groups, const asperity_surface *upper,
+                                       const asperity_surface *lower);
+
+/* Solves a scene: an outcome of the two functions above, which stays as it is and may be freed
+ * afterwards. What is wrong with the scene is wrong with this outcome, too: it is enough to ask
+ * here. options may be NULL. */
+asperity_outcome *asperity_solve_scene(const asperity_outcome *scene, const asperity_options *options);
+
+/* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
+ * (also for NULL), "real32", "real64" or "real128". positions: [number] from 1 to 100, whose contact
+ * tables are printed; NULL: those of the thesis, 13, 55 and 56. */
+asperity_outcome *asperity_make_report(const char *deck, const char *arithmetic, const int *positions,
+                                  int number);
+
+/* Finds the summits of a measured height map. options may be NULL. */
+asperity_outcome *asperity_summits(const char *map, const asperity_summits_options *options);
+
+/* Makes the two random surfaces of a specification: of a file, or, where groups is not NULL, of the
+ * text of its groups. surface: which of the ensemble, from 1. */
+asperity_outcome *asperity_generate(const char *path, const char *groups, int surface);
+
+/* ASPERITY_DONE, ASPERITY_NOT_COMPUTED or ASPERITY_BAD_INPUT. */
+int asperity_status(const asperity_outcome *outcome);
+
+/* One of the texts; "" where there is none. Never NULL. */
+const char *asperity_text(const asperity_outcome *outcome, int which);
+
+/* How many problems there are, and one of them, counted from 0. */
+int asperity_problem_count(const asperity_outcome *outcome);
+void asperity_get_problem(const asperity_outcome *outcome, int number, asperity_problem *problem);
+
+/* Rows and columns of a table; 0 where it is not there. */
+int asperity_rows(const asperity_outcome *outcome, int table);
+int asperity_columns(const asperity_outcome *outcome, int table);
+
+/* A column, counted from 0: its name, what its cells are, and the cells themselves, as many as the
+ * table has rows: const double *, const int *, or const char (*)[ASPERITY_WORD_LENGTH]. NULL where
+ * there is none. */
+const char *asperity_column_name(const asperity_outcome *outcome, int table, int column);
+int asperity_column_type(const asperity_outcome *outcome, int table, int column);
+const void *asperity_column(const asperity_outcome *outcome, int table, int column);
+
+/* Frees an outcome; NULL is left alone. */
+void asperity_free(asperity_outcome *outcome);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

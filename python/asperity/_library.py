@@ -1,0 +1,194 @@
+"""The shared library, as include/asperity.h has it, and what its outcomes become in Python."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+import warnings
+from array import array
+from collections.abc import Iterator, Mapping
+from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_void_p
+from pathlib import Path
+from typing import NamedTuple
+
+# Of the header.
+NOT_COMPUTED, BAD_INPUT = 1, 2
+FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT = 1, 2, 3, 4, 5
+POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER = 1, 2, 3, 4, 5, 6, 7
+WORD, WORD_LENGTH = 3, 16
+CELLS = {1: (c_double, "d"), 2: (c_int, "i")}
+
+
+class Surface(Structure):
+    _fields_ = [("count", c_int), ("radii", c_int)] + [
+        (name, POINTER(c_double)) for name in ("x", "y", "height", "radius")]
+
+
+class Options(Structure):
+    _fields_ = [("arithmetic", c_char_p), ("accuracy", c_double), ("totals_only", c_int),
+                ("threads", c_int), ("interrupt", POINTER(c_int))]
+
+
+class SummitsOptions(Structure):
+    _fields_ = [("rule", c_char_p), ("level", c_char_p), ("radius", c_char_p), ("unit", c_char_p),
+                ("spacing", c_double * 2), ("despike", c_int)]
+
+
+class CProblem(Structure):
+    _fields_ = [("file", c_char_p), ("line", c_int), ("column", c_int), ("text", c_char_p)]
+
+
+_C = ctypes.CDLL(str(Path(__file__).with_name("libasperity.so")))
+for _name, _result, *_arguments in (
+        ("get_version", c_char_p),
+        ("read_scene", c_void_p, c_char_p),
+        ("build_scene", c_void_p, c_char_p, POINTER(Surface), POINTER(Surface)),
+        ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
+        ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
+        ("summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
+        ("generate", c_void_p, c_char_p, c_char_p, c_int),
+        ("status", c_int, c_void_p),
+        ("text", c_char_p, c_void_p, c_int),
+        ("problem_count", c_int, c_void_p),
+        ("get_problem", None, c_void_p, c_int, POINTER(CProblem)),
+        ("rows", c_int, c_void_p, c_int),
+        ("columns", c_int, c_void_p, c_int),
+        ("column_name", c_char_p, c_void_p, c_int, c_int),
+        ("column_type", c_int, c_void_p, c_int, c_int),
+        ("column", c_void_p, c_void_p, c_int, c_int),
+        ("free", None, c_void_p)):
+    _function = getattr(_C, f"asperity_{_name}")
+    _function.restype, _function.argtypes = _result, _arguments
+
+VERSION = _C.asperity_get_version().decode()
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong with an input."""
+
+    file: str | None    #: as it was named; None where the problem is of no file
+    line: int | None    #: from 1; None where it has none
+    column: int | None  #: in bytes, from 1; None where it has none
+    text: str           #: what is wrong, what was found, what is expected
+
+    def __str__(self) -> str:
+        place = [str(part) for part in self[:3] if part is not None]
+        return ": ".join([":".join(place), self.text] if place else [self.text])
+
+
+class InputError(ValueError):
+    """The input is bad. `problems` has all that is wrong with it, in the order found."""
+
+    def __init__(self, problems: list[Problem]):
+        super().__init__("\n".join(map(str, problems)))
+        self.problems = problems
+
+
+class ComputeError(RuntimeError):
+    """The input is good, but what it asks for cannot be computed; the text says why."""
+
+
+class TheoryWarning(UserWarning):
+    """What was computed lies outside a theory, or is not what one would take it for."""
+
+
+class Outcome:
+    """What a call of the library gave; freed with the last that refers to it."""
+
+    def __init__(self, handle: int | None):
+        self.handle = handle
+
+    def __del__(self):
+        _C.asperity_free(self.handle)
+
+    def text(self, which: int) -> str:
+        return _C.asperity_text(self.handle, which).decode(errors="replace")
+
+    def lines(self, which: int) -> list[str]:
+        return self.text(which).splitlines()
+
+    def problems(self) -> list[Problem]:
+        found = []
+        for number in range(_C.asperity_problem_count(self.handle)):
+            one = CProblem()
+            _C.asperity_get_problem(self.handle, number, byref(one))
+            found.append(Problem(one.file.decode(errors="replace") or None, one.line or None,
+                                 one.column or None, one.text.decode(errors="replace")))
+        return found
+
+    def checked(self) -> Outcome:
+        """Itself, when all has gone well; its warnings become Python's."""
+        status = _C.asperity_status(self.handle)
+        if status == BAD_INPUT:
+            raise InputError(self.problems())
+        if status == NOT_COMPUTED:
+            failure = self.text(FAILURE)
+            raise MemoryError(failure) if self.handle is None else ComputeError(failure)
+        for line in self.lines(WARNINGS):
+            # Of whoever called the function of the package that called this.
+            warnings.warn(line, TheoryWarning, stacklevel=3)
+        return self
+
+
+class Table(Mapping):
+    """Columns by name, in the order of the CSV files, all as long as `rows`.
+
+    A column of numbers is a read-only `memoryview` on the library's own memory, of doubles or of
+    whole numbers (yes and no are 1 and 0): it indexes, iterates and has a length, and numpy takes
+    it without a copy, as in `numpy.asarray(table["load"])`. Cells that are empty in the files are
+    NaN. A column of words is a tuple of `str`.
+    """
+
+    def __init__(self, outcome: Outcome, which: int):
+        self.rows: int = _C.asperity_rows(outcome.handle, which)
+        self._outcome, self._which = outcome, which
+        self._numbers = {
+            _C.asperity_column_name(outcome.handle, which, number).decode(): number
+            for number in range(_C.asperity_columns(outcome.handle, which))}
+
+    def __getitem__(self, name: str) -> memoryview | tuple[str, ...]:
+        place = self._outcome.handle, self._which, self._numbers[name]
+        kind, address = _C.asperity_column_type(*place), _C.asperity_column(*place)
+        if kind == WORD:
+            letters = ctypes.string_at(address, WORD_LENGTH * self.rows).decode("ascii")
+            return tuple(letters[i:i + WORD_LENGTH].rstrip()
+                         for i in range(0, len(letters), WORD_LENGTH))
+        cell, code = CELLS[kind]
+        if not self.rows:
+            return memoryview(array(code)).toreadonly()
+        cells = (cell * self.rows).from_address(address)
+        # The view holds the array, the array the outcome, the outcome the memory.
+        cells.outcome = self._outcome
+        return memoryview(cells).cast("B").cast(code).toreadonly()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._numbers)
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    def __repr__(self) -> str:
+        return f"<{self.rows} rows of {', '.join(self)}>"
+
+
+def call(name: str, *arguments, interrupt: c_int | None = None) -> Outcome:
+    """Calls the library from a thread of its own, so that Ctrl-C is heard while it computes.
+
+    After Ctrl-C `KeyboardInterrupt` is raised at once. The thread ends by itself, where the call
+    knows `interrupt` with the next position, and holds what it was given until then.
+    """
+    outcomes: list[Outcome] = []
+
+    def work():
+        handles = (getattr(value, "handle", value) for value in arguments)
+        outcomes.append(Outcome(getattr(_C, f"asperity_{name}")(*handles)))
+
+    thread = threading.Thread(target=work, name=f"asperity {name}", daemon=True)
+    thread.start()
+    try:
+        thread.join()
+    except BaseException:
+        if interrupt is not None:
+            interrupt.value = 1
+        raise
+    return outcomes[0]

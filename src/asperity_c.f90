@@ -1,0 +1,636 @@
+!> The library for C, and for whatever calls C: `include/asperity.h` says what each procedure does.
+!>
+!> Every call gives one outcome, a handle, that holds all it brought: a scene, tables as arrays,
+!> texts, what went wrong. Nothing stops the process, prints, or is remembered between calls.
+!>
+!> The name of a procedure for C must not be that of a module, as `asperity_solve` is one.
+module asperity_c
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
+                                         c_loc, c_null_char, c_null_ptr, c_ptr
+  use asperity, only: add_reals, arithmetic_names, array_table, build_scene, card_deck, &
+                      generate_surface, generated_surface, generation_spec, height_map, &
+                      length_units, level_names, list_warnings, make_arrays, map_statistics, &
+                      map_summits, measure_map, of_contacts, original_records, original_request, &
+                      parse_generation_spec, parse_scene, plan_surface, plane_surface, &
+                      problem_list, problem_place, radius_names, read_card_deck, &
+                      read_generation_spec, read_scene, rule_names, run_in_arithmetic, &
+                      run_options, scene, scene_results, scene_surface, solve, summit_choices, &
+                      summits_of_file, surface_plan, take_surface, text_buffer, thesis_tables, &
+                      version, write_report, write_summary, write_summits_table
+  use, intrinsic :: iso_fortran_env, only: int64, real64
+  implicit none
+  private
+
+  public :: c_version, c_read_scene, c_build_scene, c_solve, c_report, c_summits, c_generate
+  public :: c_status, c_text, c_problems, c_get_problem
+  public :: c_rows, c_columns, c_column_name, c_column_type, c_column, c_free
+  public :: c_surface, c_options, c_summits_options, c_problem
+
+  ! As in the header: what became of a call, its texts, its tables, types of columns.
+  integer(c_int), parameter :: done = 0_c_int, not_computed = 1_c_int, bad_input = 2_c_int
+  integer, parameter :: text_failure = 1, text_problems = 2, text_warnings = 3, text_notes = 4, &
+                        text_report = 5, texts = 5
+  ! The first three are those of a run; the lower surface follows the upper one.
+  integer, parameter :: table_summits = 4, table_statistics = 5, table_upper = 6, tables = 7
+  integer(c_int), parameter :: type_double = 1_c_int, type_int = 2_c_int, type_word = 3_c_int
+
+  !> `asperity_surface` of the header.
+  type, bind(c) :: c_surface
+    integer(c_int) :: count             !! asperities; 0: a plane
+    integer(c_int) :: radii             !! 1, or as many
+    type(c_ptr) :: x, y, height, radius !! their numbers
+  end type c_surface
+
+  !> `asperity_options` of the header.
+  type, bind(c) :: c_options
+    type(c_ptr) :: arithmetic        !! name; null: real64
+    real(c_double) :: accuracy       !! asked for; 0: none
+    integer(c_int) :: totals_only    !! not 0: contacts are not kept
+    integer(c_int) :: threads        !! 0: as many as OpenMP gives
+    type(c_ptr) :: interrupt         !! a number that is not 0 when the work shall end; may be null
+  end type c_options
+
+  !> `asperity_summits_options` of the header.
+  type, bind(c) :: c_summits_options
+    type(c_ptr) :: rule, level, radius, unit  !! names; null: the default
+    real(c_double) :: spacing(2)              !! of a matrix; 0 elsewhere
+    integer(c_int) :: despike                 !! not 0: single outliers go
+  end type c_summits_options
+
+  !> `asperity_problem` of the header.
+  type, bind(c) :: c_problem
+    type(c_ptr) :: file      !! empty: it has none
+    integer(c_int) :: line   !! 0: it has none
+    integer(c_int) :: column !! 0: it has none
+    type(c_ptr) :: text      !! without file, line and column
+  end type c_problem
+
+  ! A text that ends with a null character.
+  type :: c_letters
+    character(kind=c_char), allocatable :: letters(:)
+  end type c_letters
+
+  ! What a call gave.
+  type :: outcome
+    integer(c_int) :: status = done
+    type(scene), allocatable :: scene_in
+    type(c_letters) :: texts(texts)
+    type(array_table) :: tables(tables)
+    type(problem_list) :: problems
+    type(c_letters), allocatable :: files(:), messages(:)
+    type(problem_place), allocatable :: places(:)
+    type(c_letters), allocatable :: names(:, :)  ! of columns (column, table)
+    character(len=:), allocatable :: failure
+  end type outcome
+
+  ! Texts that are always there: constants, which can have no address in Fortran.
+  integer :: letter
+  character(len=*), parameter :: no_memory = 'not enough memory'
+  character(kind=c_char), target :: no_text_letters(1) = c_null_char
+  character(kind=c_char), target :: no_memory_letters(len(no_memory) + 1) = &
+    [(no_memory(letter:letter), letter = 1, len(no_memory)), c_null_char]
+  character(kind=c_char), target :: version_letters(len(version) + 1) = &
+    [(version(letter:letter), letter = 1, len(version)), c_null_char]
+
+contains
+
+  !> `asperity_get_version`.
+  type(c_ptr) function c_version() bind(c, name='asperity_get_version')
+    c_version = c_loc(version_letters)
+  end function c_version
+
+  !> `asperity_read_scene`.
+  type(c_ptr) function c_read_scene(path) bind(c, name='asperity_read_scene') result(handle)
+    type(c_ptr), value :: path  !! of a scene or a card deck
+    type(outcome), pointer :: new
+
+    call begin(new, handle)
+    if (.not. associated(new)) return
+    allocate (new%scene_in)
+    call read_scene(text_of(path), new%scene_in, new%problems)
+    call finish(new)
+  end function c_read_scene
+
+  !> `asperity_build_scene`.
+  type(c_ptr) function c_build_scene(groups, upper, lower) bind(c, name='asperity_build_scene') &
+    result(handle)
+    type(c_ptr), value :: groups   !! text of the scene
+    type(c_ptr), value :: upper    !! `c_surface`; null for both: the text names files
+    type(c_ptr), value :: lower    !! `c_surface`
+    type(outcome), pointer :: new
+    type(scene_surface) :: surfaces(2)
+
+    call begin(new, handle)
+    if (.not. associated(new)) return
+    allocate (new%scene_in)
+    if (.not. (c_associated(upper) .or. c_associated(lower))) then
+      call parse_scene('scene', text_of(groups), new%scene_in, new%problems)
+    else
+      call take('upper', upper, surfaces(1), new%problems)
+      call take('lower', lower, surfaces(2), new%problems)
+      if (new%problems%count() == 0) &
+        call build_scene(surfaces(1), surfaces(2), text_of(groups), new%scene_in, new%problems)
+    end if
+    call finish(new)
+
+  contains
+
+    subroutine take(which, given, surface, problems)
+      character(len=*), intent(in) :: which
+      type(c_ptr), intent(in) :: given
+      type(scene_surface), intent(out) :: surface
+      type(problem_list), intent(inout) :: problems
+      type(c_surface), pointer :: numbers
+      real(c_double), pointer :: x(:), y(:), height(:), radius(:)
+
+      if (.not. c_associated(given)) then
+        call problems%add(which // ' surface: found none beside one that is given as arrays, ' // &
+                          'expected both, or a plane')
+        return
+      end if
+      call c_f_pointer(given, numbers)
+      if (numbers%count == 0_c_int) then
+        surface = plane_surface()
+      else
+        call c_f_pointer(numbers%x, x, [numbers%count])
+        call c_f_pointer(numbers%y, y, [numbers%count])
+        call c_f_pointer(numbers%height, height, [numbers%count])
+        call c_f_pointer(numbers%radius, radius, [numbers%radii])
+        call take_surface(which, x, y, height, radius, surface, problems)
+      end if
+    end subroutine take
+
+  end function c_build_scene
+
+  !> `asperity_solve_scene`.
+  type(c_ptr) function c_solve(of_scene, options) bind(c, name='asperity_solve_scene') &
+    result(handle)
+    type(c_ptr), value :: of_scene  !! outcome that has a scene
+    type(c_ptr), value :: options   !! `c_options`; null: all defaults
+    type(outcome), pointer :: from, new
+    type(scene_results) :: results
+    type(run_options) :: chosen
+    type(problem_list) :: warnings
+    type(text_buffer) :: summary
+    integer :: which
+
+    call begin(new, handle)
+    if (.not. associated(new)) return
+    call look_at(of_scene, from)
+    if (associated(from)) call new%problems%append(from%problems)
+    if (.not. associated(from)) then
+      new%failure = 'no scene'
+    else if (.not. allocated(from%scene_in)) then
+      new%failure = 'no scene'
+    else if (from%problems%count() == 0) then
+      call set_options(options, chosen, new%problems)
+      if (new%problems%count() == 0) call solve(from%scene_in, results, new%failure, chosen)
+      if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure
+      call set_text(new, text_notes, from%scene_in%notes%text())
+    end if
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call list_warnings(from%scene_in%file, results, warnings)
+      call set_text(new, text_warnings, warnings%text())
+      call write_summary(from%scene_in, results, summary)
+      call set_text(new, text_report, summary%text())
+      do which = 1, of_contacts
+        if (.not. allocated(new%failure)) &
+          call make_arrays(which, results, new%tables(which), new%failure)
+      end do
+    end if
+    call finish(new)
+  end function c_solve
+
+  ! The choices of a run. What is no choice is told.
+  subroutine set_options(given, chosen, problems)
+    type(c_ptr), intent(in) :: given
+    type(run_options), intent(out) :: chosen
+    type(problem_list), intent(inout) :: problems
+    type(c_options), pointer :: options
+    integer :: which
+
+    if (.not. c_associated(given)) return
+    call c_f_pointer(given, options)
+    which = findloc(arithmetic_names, 'real64', 1)
+    call take_word('arithmetic', options%arithmetic, arithmetic_names, which, problems)
+    if (which > 0) chosen%arithmetic = arithmetic_names(which)
+    chosen%accuracy = options%accuracy
+    chosen%keep_contacts = options%totals_only == 0_c_int
+    chosen%threads = max(0, options%threads)
+    if (c_associated(options%interrupt)) call c_f_pointer(options%interrupt, chosen%interrupt)
+  end subroutine set_options
+
+  !> `asperity_make_report`.
+  type(c_ptr) function c_report(path, arithmetic, positions, number) &
+    bind(c, name='asperity_make_report') result(handle)
+    type(c_ptr), value :: path         !! card deck
+    type(c_ptr), value :: arithmetic   !! name; null: ibm370
+    type(c_ptr), value :: positions    !! whose contact tables are printed; null: as in the thesis
+    integer(c_int), value :: number    !! of them
+    type(outcome), pointer :: new
+    type(card_deck) :: deck
+    type(original_request) :: request
+    type(original_records) :: records
+    type(text_buffer) :: report
+    integer(c_int), pointer :: printed(:)
+    integer :: i, which
+
+    call begin(new, handle)
+    if (.not. associated(new)) return
+    call read_card_deck(text_of(path), deck, new%problems)
+    which = 1
+    call take_word('arithmetic', arithmetic, arithmetic_names, which, new%problems)
+    request%keep_contacts(thesis_tables) = .not. c_associated(positions)
+    if (c_associated(positions) .and. number > 0_c_int) then
+      call c_f_pointer(positions, printed, [number])
+      do i = 1, size(printed)
+        if (printed(i) < 1 .or. printed(i) > size(request%keep_contacts)) then
+          call new%problems%add('positions: found one that is not from 1 to 100')
+        else
+          request%keep_contacts(printed(i)) = .true.
+        end if
+      end do
+    end if
+    if (new%problems%count() == 0) then
+      call run_in_arithmetic(trim(arithmetic_names(which)), deck, request, records, new%failure)
+      if (allocated(new%failure)) then
+        new%failure = text_of(path) // ': ' // new%failure
+      else
+        call write_report(records, request%keep_contacts, .false., report)
+        call set_text(new, text_report, report%text())
+      end if
+      call set_text(new, text_notes, deck%notes%text() // records%notes%text())
+    end if
+    call finish(new)
+  end function c_report
+
+  !> `asperity_summits`.
+  type(c_ptr) function c_summits(path, choices) bind(c, name='asperity_summits') result(handle)
+    type(c_ptr), value :: path     !! height map
+    type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
+    type(outcome), pointer :: new
+    type(c_summits_options), pointer :: options
+    type(summit_choices) :: chosen
+    type(height_map) :: map
+    type(map_summits) :: summits
+    type(map_statistics) :: found
+    type(text_buffer) :: summary
+    integer(int64) :: spikes
+
+    call begin(new, handle)
+    if (.not. associated(new)) return
+    if (c_associated(choices)) then
+      call c_f_pointer(choices, options)
+      call take_word('rule', options%rule, rule_names, chosen%rule, new%problems)
+      call take_word('level', options%level, level_names, chosen%level, new%problems)
+      call take_word('radius', options%radius, radius_names, chosen%radius, new%problems)
+      call take_word('unit', options%unit, length_units, chosen%unit, new%problems)
+      chosen%spacing = options%spacing
+      chosen%despike = options%despike /= 0_c_int
+    end if
+    if (new%problems%count() == 0) &
+      call summits_of_file(text_of(path), chosen, map, summits, spikes, new%problems, new%failure)
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call measure_map(map, summits, found)
+      call write_summits_table(text_of(path), chosen, spikes, map, summits, found, summary)
+      call set_text(new, text_report, summary%text())
+      associate (table => new%tables(table_summits))
+        call set_surface(summits%x, summits%y, summits%height, summits%radius, table)
+      end associate
+      associate (table => new%tables(table_statistics))
+        call add_reals(table, 'samples', [real(found%samples, real64)])
+        call add_reals(table, 'missing', [real(found%missing, real64)])
+        call add_reals(table, 'spacing_x', map%spacing(1:1))
+        call add_reals(table, 'spacing_y', map%spacing(2:2))
+        call add_reals(table, 'rms_height', [found%rms_height])
+        call add_reals(table, 'rms_slope', [found%rms_slope])
+        call add_reals(table, 'm0', [found%m0])
+        call add_reals(table, 'm2_x', found%m2(1:1))
+        call add_reals(table, 'm2_y', found%m2(2:2))
+        call add_reals(table, 'm4_x', found%m4(1:1))
+        call add_reals(table, 'm4_y', found%m4(2:2))
+        call add_reals(table, 'alpha', [found%alpha])
+        call add_reals(table, 'density', [found%density])
+        call add_reals(table, 'mean_height', [found%mean_height])
+        call add_reals(table, 'height_deviation', [found%height_deviation])
+        call add_reals(table, 'mean_curvature', [found%mean_curvature])
+        call add_reals(table, 'mean_radius', [found%mean_radius])
+        call add_reals(table, 'expected_density', [found%expected_density])
+        call add_reals(table, 'expected_height', [found%expected_height])
+        call add_reals(table, 'expected_deviation', [found%expected_deviation])
+        call add_reals(table, 'expected_curvature', [found%expected_curvature])
+      end associate
+    end if
+    call finish(new)
+  end function c_summits
+
+  !> `asperity_generate`.
+  type(c_ptr) function c_generate(path, groups, member) bind(c, name='asperity_generate') &
+    result(handle)
+    type(c_ptr), value :: path        !! specification, where `groups` is null
+    type(c_ptr), value :: groups      !! text of a specification; may be null
+    integer(c_int), value :: member   !! number in the ensemble, from 1
+    type(outcome), pointer :: new
+    type(generation_spec) :: spec
+    type(surface_plan) :: plan
+    type(generated_surface) :: surface
+    real(real64), allocatable :: x(:), y(:), height(:), radius(:)
+    integer :: side
+
+    call begin(new, handle)
+    if (.not. associated(new)) return
+    if (c_associated(groups)) then
+      call parse_generation_spec('specification', text_of(groups), spec, new%problems)
+    else
+      call read_generation_spec(text_of(path), spec, new%problems)
+    end if
+    if (new%problems%count() == 0 .and. (member < 1 .or. member > spec%ensemble)) &
+      call new%problems%add('surface: found a number that is not in the ensemble of ' // spec%file)
+    do side = 1, 2
+      if (new%problems%count() > 0 .or. allocated(new%failure)) exit
+      call plan_surface(spec, side, plan)
+      call generate_surface(plan, member, surface, new%failure)
+      if (allocated(new%failure)) exit
+      call surface%reals(x, y, height, radius)
+      call set_surface(x, y, height, radius, new%tables(table_upper + side - 1))
+    end do
+    call finish(new)
+  end function c_generate
+
+  !> `asperity_status`.
+  integer(c_int) function c_status(handle) bind(c, name='asperity_status') result(status)
+    type(c_ptr), value :: handle  !! outcome
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    status = not_computed
+    if (associated(it)) status = it%status
+  end function c_status
+
+  !> `asperity_text`.
+  type(c_ptr) function c_text(handle, which) bind(c, name='asperity_text') result(text)
+    type(c_ptr), value :: handle    !! outcome
+    integer(c_int), value :: which  !! one of the `text_` numbers
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    text = c_loc(no_text_letters)
+    if (.not. associated(it)) then
+      if (which == text_failure) text = c_loc(no_memory_letters)
+    else if (which >= 1 .and. which <= texts) then
+      if (allocated(it%texts(which)%letters)) text = c_loc(it%texts(which)%letters)
+    end if
+  end function c_text
+
+  !> `asperity_problem_count`.
+  integer(c_int) function c_problems(handle) bind(c, name='asperity_problem_count') result(number)
+    type(c_ptr), value :: handle  !! outcome
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    number = 0_c_int
+    if (associated(it)) number = size(it%messages, kind=c_int)
+  end function c_problems
+
+  !> `asperity_get_problem`.
+  subroutine c_get_problem(handle, number, problem) bind(c, name='asperity_get_problem')
+    type(c_ptr), value :: handle              !! outcome
+    integer(c_int), value :: number           !! of the problem, from 0
+    type(c_problem), intent(out) :: problem   !! the problem; empty when there is none
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    problem = c_problem(c_loc(no_text_letters), 0_c_int, 0_c_int, c_loc(no_text_letters))
+    if (.not. associated(it)) return
+    if (number < 0_c_int .or. number >= size(it%messages)) return
+    problem = c_problem(c_loc(it%files(number + 1)%letters), &
+                        int(it%places(number + 1)%line, c_int), &
+                        int(it%places(number + 1)%column, c_int), &
+                        c_loc(it%messages(number + 1)%letters))
+  end subroutine c_get_problem
+
+  !> `asperity_rows`.
+  integer(c_int) function c_rows(handle, table) bind(c, name='asperity_rows') result(number)
+    type(c_ptr), value :: handle    !! outcome
+    integer(c_int), value :: table  !! one of the tables
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    number = 0_c_int
+    if (has_column(it, table, 0_c_int)) number = int(it%tables(table)%rows, c_int)
+  end function c_rows
+
+  !> `asperity_columns`.
+  integer(c_int) function c_columns(handle, table) bind(c, name='asperity_columns') result(number)
+    type(c_ptr), value :: handle    !! outcome
+    integer(c_int), value :: table  !! one of the tables
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    number = 0_c_int
+    if (has_column(it, table, 0_c_int)) number = size(it%tables(table)%columns, kind=c_int)
+  end function c_columns
+
+  !> `asperity_column_name`.
+  type(c_ptr) function c_column_name(handle, table, column) bind(c, name='asperity_column_name') &
+    result(name)
+    type(c_ptr), value :: handle     !! outcome
+    integer(c_int), value :: table   !! one of the tables
+    integer(c_int), value :: column  !! from 0
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    name = c_null_ptr
+    if (has_column(it, table, column)) name = c_loc(it%names(column + 1, table)%letters)
+  end function c_column_name
+
+  !> `asperity_column_type`.
+  integer(c_int) function c_column_type(handle, table, column) &
+    bind(c, name='asperity_column_type') result(kind)
+    type(c_ptr), value :: handle     !! outcome
+    integer(c_int), value :: table   !! one of the tables
+    integer(c_int), value :: column  !! from 0
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    kind = 0_c_int
+    if (.not. has_column(it, table, column)) return
+    associate (of => it%tables(table)%columns(column + 1))
+      kind = type_double
+      if (allocated(of%wholes)) kind = type_int
+      if (allocated(of%letters)) kind = type_word
+    end associate
+  end function c_column_type
+
+  !> `asperity_column`.
+  type(c_ptr) function c_column(handle, table, column) bind(c, name='asperity_column') &
+    result(cells)
+    type(c_ptr), value :: handle     !! outcome
+    integer(c_int), value :: table   !! one of the tables
+    integer(c_int), value :: column  !! from 0
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    cells = c_null_ptr
+    if (.not. has_column(it, table, column)) return
+    if (it%tables(table)%rows == 0) return
+    if (allocated(it%tables(table)%columns(column + 1)%reals)) then
+      cells = c_loc(it%tables(table)%columns(column + 1)%reals)
+    else if (allocated(it%tables(table)%columns(column + 1)%wholes)) then
+      cells = c_loc(it%tables(table)%columns(column + 1)%wholes)
+    else
+      cells = c_loc(it%tables(table)%columns(column + 1)%letters)
+    end if
+  end function c_column
+
+  !> `asperity_free`.
+  subroutine c_free(handle) bind(c, name='asperity_free')
+    type(c_ptr), value :: handle  !! outcome, or null
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    if (associated(it)) deallocate (it)
+  end subroutine c_free
+
+  ! A new outcome; there is none where memory has ended.
+  subroutine begin(new, handle)
+    type(outcome), pointer, intent(out) :: new
+    type(c_ptr), intent(out) :: handle
+    integer :: status
+
+    handle = c_null_ptr
+    allocate (new, stat=status)
+    if (status /= 0) nullify (new)
+    if (associated(new)) handle = c_loc(new)
+  end subroutine begin
+
+  ! What C is told of an outcome.
+  subroutine finish(new)
+    type(outcome), intent(inout) :: new
+    character(len=:), allocatable :: text
+    integer :: column, first, i, last, table
+
+    text = new%problems%text()
+    call set_text(new, text_problems, text)
+    associate (lines => count([(text(i:i) == new_line('a'), i = 1, len(text))]))
+      allocate (new%files(lines), new%messages(lines), new%places(lines))
+    end associate
+    first = 1
+    do i = 1, size(new%messages)
+      last = first + index(text(first:), new_line('a')) - 2
+      new%places(i) = new%problems%place(i)
+      call set_letters(new%files(i), text(first:first + new%places(i)%file_length - 1))
+      call set_letters(new%messages(i), text(first + new%places(i)%prefix:last))
+      first = last + 2
+    end do
+    allocate (new%names(maxval([(columns_of(new%tables(i)), i = 1, tables)]), tables))
+    do table = 1, tables
+      do column = 1, columns_of(new%tables(table))
+        call set_letters(new%names(column, table), new%tables(table)%columns(column)%name)
+      end do
+    end do
+    if (allocated(new%failure)) then
+      new%status = not_computed
+      call set_text(new, text_failure, new%failure)
+    end if
+    if (size(new%messages) > 0) new%status = bad_input
+  end subroutine finish
+
+  ! The outcome behind a handle.
+  subroutine look_at(handle, it)
+    type(c_ptr), intent(in) :: handle
+    type(outcome), pointer, intent(out) :: it
+
+    nullify (it)
+    if (c_associated(handle)) call c_f_pointer(handle, it)
+  end subroutine look_at
+
+  ! Whether an outcome has a column, counted from 0, in a table.
+  logical function has_column(it, table, column)
+    type(outcome), pointer, intent(in) :: it
+    integer(c_int), intent(in) :: table, column
+
+    has_column = .false.
+    if (.not. associated(it) .or. table < 1_c_int .or. table > tables) return
+    has_column = column >= 0_c_int .and. column < columns_of(it%tables(table))
+  end function has_column
+
+  pure integer function columns_of(table)
+    type(array_table), intent(in) :: table
+
+    columns_of = 0
+    if (allocated(table%columns)) columns_of = size(table%columns)
+  end function columns_of
+
+  subroutine set_surface(x, y, height, radius, table)
+    real(real64), intent(in) :: x(:), y(:), height(:), radius(:)
+    type(array_table), intent(inout) :: table
+
+    call add_reals(table, 'x', x)
+    call add_reals(table, 'y', y)
+    call add_reals(table, 'height', height)
+    call add_reals(table, 'radius', radius)
+  end subroutine set_surface
+
+  ! A word of a list; a null pointer leaves the choice as it is.
+  subroutine take_word(name, word, known, choice, problems)
+    character(len=*), intent(in) :: name
+    type(c_ptr), intent(in) :: word
+    character(len=*), intent(in) :: known(:)
+    integer, intent(inout) :: choice
+    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: list
+    integer :: i
+
+    if (.not. c_associated(word)) return
+    choice = findloc(known == text_of(word), .true., 1)
+    if (choice > 0) return
+    list = trim(known(1))
+    do i = 2, size(known)
+      list = list // ', ' // trim(known(i))
+    end do
+    call problems%add(name // ': found ' // text_of(word) // ', expected one of ' // list)
+  end subroutine take_word
+
+  subroutine set_text(new, which, text)
+    type(outcome), intent(inout) :: new
+    integer, intent(in) :: which
+    character(len=*), intent(in) :: text
+
+    call set_letters(new%texts(which), text)
+  end subroutine set_text
+
+  subroutine set_letters(letters, text)
+    type(c_letters), intent(inout) :: letters
+    character(len=*), intent(in) :: text
+    integer :: i
+
+    allocate (letters%letters(len(text) + 1))
+    do i = 1, len(text)
+      letters%letters(i) = text(i:i)
+    end do
+    letters%letters(len(text) + 1) = c_null_char
+  end subroutine set_letters
+
+  ! A text of C; empty for a null pointer.
+  function text_of(address) result(text)
+    type(c_ptr), intent(in) :: address
+    character(len=:), allocatable :: text
+    character(kind=c_char), pointer :: letters(:)
+    integer :: i, length
+
+    text = ''
+    if (.not. c_associated(address)) return
+    call c_f_pointer(address, letters, [huge(length)])
+    length = 0
+    do while (letters(length + 1) /= c_null_char)
+      length = length + 1
+    end do
+    deallocate (text)
+    allocate (character(len=length) :: text)
+    do i = 1, length
+      text(i:i) = letters(i)
+    end do
+  end function text_of
+
+end module asperity_c

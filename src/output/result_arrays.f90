@@ -1,0 +1,104 @@
+!> Tables as arrays in memory, a column each: what other languages see, and writers that need a
+!> column at once.
+module asperity_result_arrays
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use asperity_kinds, only: int32, int64, not_computed, real64
+  use asperity_process, only: has_memory
+  use asperity_result_table, only: cell_whole, cell_word, of_contacts, result_table, table_names, &
+                                   word_length
+  use asperity_scene_results, only: scene_results
+  implicit none
+  private
+
+  public :: array_column, array_table, make_arrays, add_reals
+
+  !> One column. One of the three arrays is allocated.
+  type :: array_column
+    character(len=:), allocatable :: name                    !! as in the files
+    real(real64), allocatable :: reals(:)                    !! NaN where a cell is empty
+    integer(int32), allocatable :: wholes(:)                 !! whole numbers; yes and no: 1 and 0
+    character(len=1), allocatable :: letters(:, :)           !! words (letter, row), blanks behind
+  end type array_column
+
+  !> A table.
+  type :: array_table
+    integer :: rows = 0                           !! length of every column
+    type(array_column), allocatable :: columns(:) !! not allocated: there is no such table
+  end type array_table
+
+contains
+
+  !> One of the tables of a run. `failure` is allocated when there is no memory for it. Contacts
+  !> that were not kept have no rows.
+  subroutine make_arrays(which, results, arrays, failure)
+    integer, intent(in) :: which                           !! of `asperity_result_table`
+    type(scene_results), intent(in) :: results             !! solved
+    type(array_table), intent(out) :: arrays               !! the table
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(result_table) :: table
+    character(len=word_length) :: word
+    integer :: column, i, row
+    logical :: found
+
+    call table%begin(which, results)
+    arrays%rows = table%rows
+    if (.not. has_memory(8_int64 * size(table%names) * table%rows)) then
+      failure = 'not enough memory for the ' // trim(table_names(which)) // ' as arrays'
+      if (which == of_contacts) failure = failure // ', expected fewer, or none kept'
+      return
+    end if
+    allocate (arrays%columns(size(table%names)))
+    do column = 1, size(arrays%columns)
+      associate (new => arrays%columns(column))
+        new%name = trim(table%names(column))
+        select case (table%kinds(column))
+        case (cell_whole)
+          allocate (new%wholes(table%rows))
+        case (cell_word)
+          allocate (new%letters(word_length, table%rows))
+        case default
+          allocate (new%reals(table%rows))
+        end select
+      end associate
+    end do
+    do row = 1, table%rows
+      call table%next(results, found)
+      do column = 1, size(arrays%columns)
+        associate (into => arrays%columns(column), value => table%numbers(column))
+          select case (table%kinds(column))
+          case (cell_whole)
+            into%wholes(row) = nint(value, int32)
+          case (cell_word)
+            word = table%words(column)
+            into%letters(:, row) = [(word(i:i), i = 1, word_length)]
+          case default
+            into%reals(row) = value
+            if (.not. value > not_computed) &
+              into%reals(row) = ieee_value(value, ieee_quiet_nan)
+          end select
+        end associate
+      end do
+    end do
+  end subroutine make_arrays
+
+  !> Adds a column of doubles to a table.
+  subroutine add_reals(table, name, values)
+    type(array_table), intent(inout) :: table  !! without columns, or with some as long
+    character(len=*), intent(in) :: name       !! of the column
+    real(real64), intent(in) :: values(:)      !! its cells
+    type(array_column), allocatable :: more(:)
+    integer :: i
+
+    if (.not. allocated(table%columns)) allocate (table%columns(0))
+    table%rows = size(values)
+    allocate (more(size(table%columns) + 1))
+    do i = 1, size(table%columns)
+      call move_alloc(table%columns(i)%name, more(i)%name)
+      call move_alloc(table%columns(i)%reals, more(i)%reals)
+    end do
+    more(i)%name = name
+    more(i)%reals = values
+    call move_alloc(more, table%columns)
+  end subroutine add_reals
+
+end module asperity_result_arrays

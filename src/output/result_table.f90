@@ -1,0 +1,304 @@
+!> The results of a run as tables, row by row: what every column is called and what it holds stands
+!> here, once for all files and for the arrays that other languages see.
+!>
+!> Tables: a row a position (its last state), a row a state, a row a contact.
+module asperity_result_table
+  use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
+  use asperity_kinds, only: not_computed, real64
+  use asperity_scene_results, only: kinds_of_warnings, last_state, nominal_names, nominal_values, &
+                                    scene_results
+  implicit none
+  private
+
+  public :: result_table, word_length
+  public :: of_positions, of_states, of_contacts, table_names
+  public :: cell_real, cell_whole, cell_count, cell_word
+
+  !> The tables.
+  integer, parameter :: of_positions = 1, of_states = 2, of_contacts = 3
+  !> What they are called.
+  character(len=*), parameter :: table_names(3) = [character(len=9) :: 'positions', 'states', &
+    'contacts']
+
+  !> What a column holds: doubles, which may be `not_computed`; whole numbers, or 1 and 0 for yes
+  !> and no; whole numbers that may be `not_computed`; words.
+  integer, parameter :: cell_real = 1, cell_whole = 2, cell_count = 3, cell_word = 4
+
+  !> Letters of a word at most, and of the name of a column.
+  integer, parameter :: word_length = 16, name_length = 32
+
+  !> One table, at one of its rows.
+  type :: result_table
+    integer :: rows = 0                                      !! all of them
+    character(len=name_length), allocatable :: names(:)      !! of the columns
+    integer, allocatable :: kinds(:)                         !! of each, one of the `cell_` numbers
+    real(real64), allocatable :: numbers(:)                  !! of this row, by column
+    character(len=word_length), allocatable :: words(:)      !! of this row, by column
+    integer, private :: which = of_positions
+    integer, private :: at = 0                               ! column filled last
+    integer, private :: position = 0, state = 0, contact = 0 ! of this row
+  contains
+    procedure :: begin            !! names the columns, before the first row
+    procedure :: next             !! goes to the next row
+    procedure, private :: put_number
+    procedure, private :: put_whole
+    procedure, private :: put_logical
+    procedure, private :: put_word
+    generic, private :: put => put_number, put_whole, put_logical, put_word
+  end type result_table
+
+contains
+
+  !> Stands before the first row.
+  subroutine begin(self, which, results)
+    class(result_table), intent(out) :: self    !! gets the columns
+    integer, intent(in) :: which                !! one of the `of_` numbers
+    type(scene_results), intent(in) :: results  !! solved; contacts need them kept
+    integer :: m
+
+    self%which = which
+    allocate (self%names(0), self%kinds(0), self%numbers(0), self%words(0))
+    do m = 1, size(results%positions)
+      associate (position => results%positions(m))
+        select case (which)
+        case (of_positions)
+          self%rows = self%rows + 1
+        case (of_states)
+          self%rows = self%rows + size(position%states)
+        case default
+          self%rows = self%rows + sum(position%states%last_row - position%states%first_row + 1)
+        end select
+      end associate
+    end do
+    ! A row that is thrown away names the columns.
+    select case (which)
+    case (of_positions)
+      call fill_position(self, results, 1, results%positions(1))
+    case (of_states)
+      call fill_state(self, results, 1, 1, results%positions(1)%states(1))
+    case default
+      call fill_contact(self, results, 1, 1, contact_row())
+    end select
+  end subroutine begin
+
+  !> Goes to the next row. `found` is false behind the last.
+  subroutine next(self, results, found)
+    class(result_table), intent(inout) :: self  !! begun
+    type(scene_results), intent(in) :: results  !! the same
+    logical, intent(out) :: found               !! there is one
+
+    self%at = 0
+    found = .false.
+    if (self%which == of_contacts .and. self%position > 0) then
+      self%contact = self%contact + 1
+      found = self%contact <= results%positions(self%position)%states(self%state)%last_row
+    end if
+    do while (.not. found)
+      if (self%which /= of_positions .and. self%position > 0) self%state = self%state + 1
+      if (self%which == of_positions .or. self%position == 0) then
+        call next_position()
+      else if (self%state > size(results%positions(self%position)%states)) then
+        call next_position()
+      end if
+      if (self%position > size(results%positions)) return
+      found = .true.
+      if (self%which /= of_contacts) exit
+      associate (state => results%positions(self%position)%states(self%state))
+        self%contact = state%first_row
+        found = state%first_row <= state%last_row
+      end associate
+    end do
+    associate (position => results%positions(self%position))
+      select case (self%which)
+      case (of_positions)
+        call fill_position(self, results, self%position, position)
+      case (of_states)
+        call fill_state(self, results, self%position, self%state, position%states(self%state))
+      case default
+        call fill_contact(self, results, self%position, self%state, position%rows(self%contact))
+      end select
+    end associate
+
+  contains
+
+    subroutine next_position()
+      self%position = self%position + 1
+      self%state = 1
+    end subroutine next_position
+
+  end subroutine next
+
+  ! One position: its last state, and what the effects did.
+  subroutine fill_position(self, results, m, position)
+    class(result_table), intent(inout) :: self
+    type(scene_results), intent(in) :: results
+    integer, intent(in) :: m
+    type(position_result), intent(in) :: position
+    type(state_row) :: last
+    integer :: i
+
+    last = last_state(position)
+    call self%put('position', m)
+    call self%put('x_displacement', position%x_displacement)
+    call self%put('y_displacement', position%y_displacement)
+    call self%put('steps', size(position%states))
+    call self%put('approach', last%approach)
+    call self%put('contacts', last%contacts)
+    call self%put('load', last%load)
+    call self%put('area', last%area)
+    call self%put('projected_area', last%projected_area)
+    call self%put('limit_reached', position%limit_reached)
+    call self%put('vertical_load', last%vertical_load)
+    call self%put('overlapping_circles', position%overlapping_circles)
+    call fill_nominal(self, results, last)
+    if (allocated(results%effects)) then
+      do i = 1, size(position%effects)
+        call fill_effect(self, trim(results%effects%names(i)), position%effects(i))
+      end do
+      do i = 1, size(position%state_values)
+        call self%put(results%effects%state_columns(i), position%state_values(i))
+      end do
+    end if
+    call self%put('warnings', kinds_of_warnings(position))
+    call self%put('error_estimate', position%error_estimate)
+  end subroutine fill_position
+
+  ! What an effect did at a position: how it was simulated (off: left out), the share of the
+  ! vertical load that was estimated and that measured, and how its solve ended.
+  subroutine fill_effect(self, name, effect)
+    class(result_table), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    type(effect_record), intent(in) :: effect
+    real(real64) :: ending(2)
+
+    ending = not_computed
+    if (effect%simulated /= 'off') &
+      ending = [effect%ending%residual, real(effect%ending%iterations, real64)]
+    call self%put(name, effect%simulated)
+    call self%put(name // '_estimate', effect%estimate)
+    call self%put(name // '_influence', effect%influence)
+    call self%put(name // '_residual', ending(1))
+    call self%put(name // '_iterations', ending(2), cell_count)
+  end subroutine fill_effect
+
+  ! One state: the totals on the way to the end.
+  subroutine fill_state(self, results, m, step, state)
+    class(result_table), intent(inout) :: self
+    type(scene_results), intent(in) :: results
+    integer, intent(in) :: m, step
+    type(state_row), intent(in) :: state
+
+    call self%put('position', m)
+    call self%put('step', step)
+    call self%put('approach', state%approach)
+    call self%put('decrease', state%closing)
+    call self%put('contacts', state%contacts)
+    call self%put('load', state%load)
+    call self%put('area', state%area)
+    call self%put('projected_area', state%projected_area)
+    call self%put('vertical_load', state%vertical_load)
+    call self%put('time', state%time)
+    call fill_nominal(self, results, state)
+  end subroutine fill_state
+
+  ! A state over the nominal area, where one is given.
+  subroutine fill_nominal(self, results, state)
+    class(result_table), intent(inout) :: self
+    type(scene_results), intent(in) :: results
+    type(state_row), intent(in) :: state
+    integer :: i
+
+    associate (values => nominal_values(results, state))
+      do i = 1, size(values)
+        call self%put(nominal_names(i), values(i))
+      end do
+    end associate
+  end subroutine fill_nominal
+
+  ! One contact in one state.
+  subroutine fill_contact(self, results, m, step, row)
+    class(result_table), intent(inout) :: self
+    type(scene_results), intent(in) :: results
+    integer, intent(in) :: m, step
+    type(contact_row), intent(in) :: row
+    real(real64) :: value
+    integer :: i
+
+    associate (position => results%positions(m))
+      call self%put('position', m)
+      call self%put('x_displacement', position%x_displacement)
+      call self%put('y_displacement', position%y_displacement)
+      call self%put('step', step)
+      call self%put('approach', position%states(step)%approach)
+      call self%put('area_no', row%area_no)
+      call self%put('x', row%x)
+      call self%put('y', row%y)
+      call self%put('upper', row%upper)
+      call self%put('lower', row%lower)
+      call self%put('area', row%area)
+      call self%put('projected_area', row%projected_area)
+      call self%put('slope', row%slope)
+      call self%put('load', row%load)
+      call self%put('average_pressure', row%average_pressure)
+      call self%put('maximum_pressure', row%maximum_pressure)
+      call self%put('limit_exceeded', row%limit_exceeded)
+      call self%put('vertical_load', row%vertical_load)
+      call self%put('penetration', row%penetration)
+      call self%put('overlap', row%overlap)
+      if (.not. allocated(results%effects)) return
+      value = not_computed
+      do i = 1, size(results%effects%contact_columns)
+        if (self%contact > 0) value = position%contact_values(self%contact, i)
+        call self%put(results%effects%contact_columns(i), value)
+      end do
+    end associate
+  end subroutine fill_contact
+
+  subroutine put_number(self, name, value, kind)
+    class(result_table), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    real(real64), intent(in) :: value
+    integer, intent(in), optional :: kind
+
+    self%at = self%at + 1
+    if (self%position == 0) then
+      self%names = [self%names, adjusted(name)]
+      self%kinds = [self%kinds, cell_real]
+      if (present(kind)) self%kinds(self%at) = kind
+      self%numbers = [self%numbers, 0.0_real64]
+      self%words = [self%words, repeat(' ', word_length)]
+    end if
+    self%numbers(self%at) = value
+  end subroutine put_number
+
+  pure character(len=name_length) function adjusted(name)
+    character(len=*), intent(in) :: name
+
+    adjusted = name
+  end function adjusted
+
+  subroutine put_whole(self, name, value)
+    class(result_table), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: value
+
+    call self%put_number(name, real(value, real64), cell_whole)
+  end subroutine put_whole
+
+  subroutine put_logical(self, name, value)
+    class(result_table), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    logical, intent(in) :: value
+
+    call self%put_whole(name, merge(1, 0, value))
+  end subroutine put_logical
+
+  subroutine put_word(self, name, value)
+    class(result_table), intent(inout) :: self
+    character(len=*), intent(in) :: name, value
+
+    call self%put_number(name, not_computed, cell_word)
+    self%words(self%at) = value
+  end subroutine put_word
+
+end module asperity_result_table

@@ -1,0 +1,58 @@
+!> From the file of a height map to its summits: read, put in a unit, levelled, outliers taken out.
+module asperity_summits_of_file
+  use asperity_height_map, only: change_unit, height_map
+  use asperity_height_map_reader, only: read_height_map
+  use asperity_kinds, only: int64, real64
+  use asperity_map_despiking, only: despike_map
+  use asperity_map_levelling, only: level_map, level_plane
+  use asperity_map_summits, only: find_summits, map_summits, rule_eight, usual_radius
+  use asperity_problems, only: problem_list
+  implicit none
+  private
+
+  public :: summit_choices, summits_of_file
+
+  !> How it is done.
+  type :: summit_choices
+    integer :: rule = rule_eight               !! what a summit is
+    integer :: level = level_plane             !! what heights count from
+    integer :: radius = 0                      !! rule for radii; 0: that of the rule
+    integer :: unit = 0                        !! of `length_units`; 0: the file's own
+    logical :: despike = .false.               !! take single outliers out
+    real(real64) :: spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
+    logical :: progress = .false.              !! tell how far it is, on a terminal
+  end type summit_choices
+
+contains
+
+  !> Reads a map and finds its summits. With problems, or when `failure` is allocated because there
+  !> is no memory for it, neither is to be used.
+  subroutine summits_of_file(path, choices, map, summits, spikes, problems, failure)
+    character(len=*), intent(in) :: path                    !! the file
+    type(summit_choices), intent(inout) :: choices          !! learns the rule for radii
+    type(height_map), intent(out) :: map                    !! levelled
+    type(map_summits), intent(out) :: summits               !! of the map
+    integer(int64), intent(out) :: spikes                   !! taken out; -1: nobody looked
+    type(problem_list), intent(inout) :: problems           !! what is wrong
+    character(len=:), allocatable, intent(out) :: failure   !! why not
+
+    spikes = -1_int64
+    call read_height_map(path, choices%spacing, choices%progress, map, problems, failure)
+    if (problems%count() > 0 .or. allocated(failure)) return
+    if (choices%unit > 0) then
+      if (map%unit == '') then
+        call problems%add('--unit: ' // path // ' has no unit, expected none: its lengths are ' // &
+                          'written as they are')
+        return
+      end if
+      call change_unit(map, choices%unit)
+    end if
+    call level_map(map, choices%level)
+    if (choices%despike) call despike_map(map, choices%level, choices%progress, spikes, failure)
+    if (choices%radius == 0) choices%radius = usual_radius(choices%rule)
+    if (.not. allocated(failure)) &
+      call find_summits(map, choices%rule, choices%radius, summits, failure)
+    if (allocated(failure)) failure = path // ': ' // failure
+  end subroutine summits_of_file
+
+end module asperity_summits_of_file

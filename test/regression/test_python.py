@@ -1,0 +1,345 @@
+"""The Python package and the C interface: built from the checkout as a user does it, and used."""
+
+import csv
+import importlib
+import json
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import notebooks
+import numpy as np
+import pytest
+from builds import ROOT, build
+from surfaces_csv import records, write_csv_scene
+
+# Says nothing about the build under test: the package has the release build.
+pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
+
+BUMPS = [(0.2 * (i % 3), 0.2 * (i // 3), 0.005 + 0.0002 * (5 * i % 9), 2.0) for i in range(9)]
+BALL = [(0.1, 0.1, 0.01, 10.0)]
+STEEL = {"elastic_modulus": (210e3, 70e3), "poisson_ratio": (0.3, 0.33)}
+CURVE = {"control": "load", "value": 25.0, "points": 5}
+FILES = {"positions": "--positions", "states": "--curve", "contacts": "--contacts"}
+
+
+@pytest.fixture(scope="module")
+def venv(tmp_path_factory):
+    """A fresh venv with the package and nothing else: pip install ./python, without a network."""
+    build("release")
+    folder = tmp_path_factory.mktemp("venv")
+    path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
+    for command in ([sys.executable, "-m", "venv", folder],
+                    [folder / "bin" / "pip", "install", "-q", "--no-index",
+                     "--disable-pip-version-check", "./python"]):
+        done = subprocess.run(command, cwd=ROOT, env={**os.environ, "PATH": path},
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=500)
+        assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+@pytest.fixture(scope="module")
+def package(venv):
+    """The package in this process, which has numpy."""
+    sys.path.insert(0, str(next(venv.glob("lib/python*/site-packages"))))
+    try:
+        yield importlib.import_module("asperity")
+    finally:
+        sys.path.pop(0)
+
+
+def run(venv, *words, cwd=ROOT, timeout=100):
+    """The standard output of the venv's Python."""
+    done = subprocess.run([venv / "bin" / "python", *words], cwd=cwd, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=timeout)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+# ---------------------------------------------------------------- the same numbers
+
+def scene_as_dict(upper, lower, **groups):
+    def columns(rows):
+        return dict(zip(("x", "y", "height", "radius"), np.array(rows, order="F").T.copy()))
+    return {"surfaces": {"upper": columns(upper), "lower": columns(lower)}, "material": STEEL,
+            **groups}
+
+
+def assert_same(table, path, tally, name):
+    """Every cell of a table is that of the file, to the last bit."""
+    with open(path, encoding="ascii", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert list(table) == header and table.rows == len(rows)
+    met = 0
+    for column, cells in zip(header, zip(*rows)):
+        own = table[column]
+        assert len(own) == len(cells)
+        if isinstance(own, tuple):
+            met += sum(a == b for a, b in zip(own, cells))
+        else:
+            met += sum(math.isnan(a) if b == "" else a == float(b) for a, b in zip(own, cells))
+    tally.add(f"python: {name}", len(header) * len(rows), met)
+    assert met == len(header) * len(rows)
+
+
+@pytest.mark.parametrize("name", ["data/examples/thesis.scene", "data/thesis.deck",
+                                  "data/hard/effects/inside_circle_auto.scene",
+                                  "data/examples/effects/ten_minutes.scene"])
+def test_as_the_program(package, name, tmp_path, tally):
+    done = subprocess.run(
+        [build("release"), "solve", name, *sum(([option, tmp_path / which]
+                                                for which, option in FILES.items()), [])],
+        cwd=ROOT, capture_output=True, text=True, timeout=100, check=True)
+    results = package.solve(ROOT / name)
+    for which in FILES:
+        assert_same(getattr(results, which), tmp_path / which, tally, which)
+    told = [line.split(": ", 1)[1] for line in results.warnings]
+    assert told == [line.split(": ", 1)[1] for line in done.stderr.splitlines()
+                    if ": warning: " in line]
+    # The program adds the corrected Table VI to the summary of a bare deck.
+    assert done.stdout.partition("\n")[2].startswith(results.summary.partition("\n")[2])
+
+
+def test_fortran_c_and_python(package, venv, tmp_path, tally):
+    """One scene from files through the program, from memory through C and through Python."""
+    scene = write_csv_scene(tmp_path, BALL, BUMPS, modulus=STEEL["elastic_modulus"],
+                            ratio=STEEL["poisson_ratio"], loading=CURVE,
+                            effects={"interaction": "coupled"})
+    subprocess.run([build("release"), "solve", scene, "--curve", tmp_path / "states"], check=True,
+                   capture_output=True, timeout=100)
+    results = package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE,
+                                          effects={"interaction": "coupled"}))
+    assert_same(results.states, tmp_path / "states", tally, "states of arrays")
+    program = tmp_path / "press"
+    library = next(venv.glob("lib/python*/site-packages/asperity"))
+    subprocess.run(["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-I", "include",
+                    "example/press_two_surfaces.c", "-o", program, "-L", library, "-lasperity",
+                    f"-Wl,-rpath,{library}"], cwd=ROOT, check=True, timeout=100)
+    for words, table in ((), results.states), (("data/examples/thesis.scene",), None):
+        if table is None:
+            with pytest.warns(package.TheoryWarning):
+                table = package.solve(ROOT / words[0]).positions
+        done = subprocess.run([program, *words], cwd=ROOT, capture_output=True, text=True,
+                              check=True, timeout=100)
+        rows = [tuple(map(float, line.split())) for line in done.stdout.splitlines()]
+        assert rows == list(zip(table["approach"], table["load"]))
+
+
+def test_report(package):
+    for arithmetic in ("ibm370", "real64"):
+        archived = ROOT / f"reference_output/thesis.{arithmetic}.txt"
+        report = package.report(ROOT / "data/thesis.deck", arithmetic)
+        assert report == archived.read_bytes().decode("ascii")
+    short = package.report(ROOT / "data/thesis.deck", tables=())
+    assert "TABLE VIIA" not in short and "TABLE VI" in short
+    with pytest.raises(package.InputError, match="from 1 to 100"):
+        package.report(ROOT / "data/thesis.deck", tables=(0,))
+
+
+def test_summits(package, tmp_path):
+    map_file = ROOT / "data/examples/summits/rough.sdf"
+    done = subprocess.run([build("release"), "summits", map_file, "--unit", "um", "--output",
+                           tmp_path / "s.csv"], capture_output=True, text=True, check=True)
+    found = package.summits(map_file, unit="um")
+    for name, cells in found.items():
+        assert list(cells) == [float(row[name]) for row in records(tmp_path / "s.csv")]
+    assert found.summary == done.stdout
+    shown = re.search(r"^density of summits +(\S+)", done.stdout, re.M)[1]
+    assert found.statistics["density"] == pytest.approx(float(shown), rel=1e-13)
+    with pytest.raises(package.InputError, match="rule: found nine, expected one of eight"):
+        package.summits(map_file, rule="nine")
+
+
+def test_generate(package, tmp_path):
+    spec = tmp_path / "a.spec"
+    spec.write_text("&surfaces number = 9, length = 1., width = 2. / &radii mean = 3. /\n"
+                    "&heights mean = 0.1, deviation = 0.01 / &random ensemble = 2 /\n")
+    for number, side in enumerate(("upper", "lower")):
+        subprocess.run([build("release"), "generate", spec, f"--{side}", tmp_path / side,
+                        "--surface", "2"], check=True, capture_output=True, timeout=100)
+        for made in package.generate(spec, 2), package.generate(
+                {"surfaces": {"number": 9, "length": 1.0, "width": 2.0}, "radii": {"mean": 3.0},
+                 "heights": {"mean": 0.1, "deviation": 0.01}, "random": {"ensemble": 2}}, 2):
+            for name, cells in made[number].items():
+                assert list(cells) == [float(row[name]) for row in records(tmp_path / side)]
+    with pytest.raises(package.InputError, match="not in the ensemble"):
+        package.generate(spec, 3)
+
+
+# ---------------------------------------------------------------- arrays
+
+def test_arrays_without_a_copy(package):
+    """What numpy takes is the library's memory, which stays as long as anybody looks at it."""
+    results = package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE))
+    column = np.asarray(results.states["load"])
+    again = np.asarray(results.states["load"])
+    assert column.dtype == np.float64 and not column.flags.writeable
+    assert column.__array_interface__["data"] == again.__array_interface__["data"]
+    wholes = np.asarray(results.contacts["lower"])
+    assert wholes.dtype == np.int32 and set(wholes) <= set(range(1, 10))
+    kept = column.copy()
+    del results, again
+    # Whatever takes the place of memory that was freed.
+    filler = [package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE)) for _ in range(20)]
+    assert np.array_equal(column, kept) and len(filler) == 20
+
+
+def test_surfaces_of_all_kinds(package):
+    """Lists, strided and read-only arrays, other types, one radius for all: the same results."""
+    x, y, height, radius = np.array(BUMPS).T
+    ball = {name: [value] for name, value in zip(("x", "y", "height", "radius"), BALL[0])}
+    fixed = height.copy()
+    fixed.flags.writeable = False
+    kinds = [(x.copy(), y.copy(), height.copy(), radius.copy()),
+             (x.tolist(), tuple(y), memoryview(height.copy()), 2.0),
+             (x, y, fixed, np.array([2.0])), (x, y, height, np.float32(2.0)),
+             (x, y, height, np.full(9, 2, dtype=int))]
+    loads = [package.solve({"surfaces": {"upper": ball, "lower": dict(
+        zip(("x", "y", "height", "radius"), kind))}, "material": STEEL, "loading": CURVE}
+        ).states["load"].tolist() for kind in kinds]
+    assert all(load == loads[0] for load in loads) and loads[0][-1] == pytest.approx(25, 1e-6)
+
+
+def test_plane_and_files(package, tmp_path, monkeypatch):
+    """A ball on a plane under Hertz' load; the same scene with a file."""
+    ball = dict(zip(("x", "y", "height", "radius"), ([0.0], [0.0], [0.1], [10.0])))
+    scene = {"surfaces": {"upper": ball, "lower": "plane", "nominal_area": 2.0},
+             "material": {"contact_modulus": 1000}, "loading": {"control": "approach",
+                                                                "value": 0.09}}
+    results = package.solve(scene, threads=1)
+    assert results.positions["load"][0] == pytest.approx(4 / 3 * 1000 * 10**0.5 * 0.01**1.5,
+                                                         rel=1e-12)
+    assert results.positions["nominal_pressure"][0] == results.positions["vertical_load"][0] / 2
+    (tmp_path / "it's.csv").write_text("x,y,height,radius\n0,0,.1,10\n")
+    monkeypatch.chdir(tmp_path)
+    scene["surfaces"]["upper"] = "it's.csv"
+    assert package.solve(scene).positions["load"][0] == results.positions["load"][0]
+    assert package.solve(scene, contacts=False).contacts.rows == 0
+
+
+# ---------------------------------------------------------------- what goes wrong
+
+def test_problems(package, tmp_path):
+    scene = tmp_path / "a:1:2: b.scene"
+    scene.write_text("&surfaces upper = 'none.csv', lower = 'plane' /\n&loadin /\n")
+    with pytest.raises(package.InputError) as caught:
+        package.solve(scene)
+    problems = caught.value.problems
+    assert [(p.file, p.line, p.column) for p in problems] == [
+        (str(scene), 2, 1), (str(scene), 1, 1), (str(scene), 1, 1), (str(scene), 1, 1),
+        (str(tmp_path / "none.csv"), 1, 1)]
+    assert problems[0].text.startswith("unknown group: found '&loadin', expected ")
+    done = subprocess.run([build("release"), "solve", scene], capture_output=True, text=True)
+    assert str(caught.value) + "\n" == done.stderr
+    assert issubclass(package.InputError, ValueError)
+
+
+@pytest.mark.parametrize("change, told", [
+    ({"upper": {"x": [0.0]}}, "upper surface: found no y, height, radius"),
+    ({"upper": {**dict.fromkeys("xy", [0.0]), "height": [0.0, 1.0], "radius": 1.0}},
+     "upper surface: found 1 x, 1 y, 2 heights and 1 radii"),
+    ({"upper": {**dict.fromkeys("xy", []), "height": [], "radius": 1.0}}, "at least one asperity"),
+    ({"upper": {**dict.fromkeys("xy", [0.0]), "height": [math.nan], "radius": 1.0}}, "not finite"),
+    ({"upper": "u.csv"}, "upper surface: found 'u.csv' beside a surface of arrays"),
+    ({"lower": "plane", "upper": "plane"}, "two planes")])
+def test_bad_surfaces(package, change, told):
+    scene = scene_as_dict(BALL, BUMPS, loading=CURVE)
+    scene["surfaces"].update(change)
+    with pytest.raises(package.InputError, match=re.escape(told)):
+        package.solve(scene)
+
+
+def test_failures(package):
+    scene = scene_as_dict(BALL, BUMPS, loading={"control": "load", "value": 1e30})
+    with pytest.raises(package.ComputeError, match="^scene: position 1: the load is more than"):
+        package.solve(scene)
+    with pytest.raises(package.InputError, match="arithmetic: found real16, expected one of"):
+        package.solve(scene, arithmetic="real16")
+    with pytest.raises(package.ComputeError, match="real64 only"):
+        package.solve({**scene, "effects": {"interaction": "coupled"}}, arithmetic="real32")
+    with pytest.raises(TypeError):
+        package.solve(scene_as_dict(BALL, BUMPS, material={"elastic_modulus": object()}))
+
+
+def test_warnings_and_nan(package):
+    """A warning comes from the line that called; a cell that is empty in the file is NaN."""
+    with pytest.warns(package.TheoryWarning, match="position 18 and 2 more: contact circles") as it:
+        results = package.solve(ROOT / "data/examples/thesis.scene")
+    assert it[0].filename == __file__ and len(it) == len(results.warnings) == 2
+    assert np.isnan(results.positions["error_estimate"]).all()
+    assert len(results.notes) == 1 and "8 lower asperities are higher" in results.notes[0]
+
+
+LONG = """
+import asperity, sys, threading, time
+try:
+    print("begins", flush=True)
+    asperity.solve({"surfaces": {"deck": "data/thesis.deck"}, "motion": {"x_step": 1e-6,
+                    "positions": 200000}}, threads=1, contacts=False)
+except KeyboardInterrupt:
+    caught = time.perf_counter()
+    [thread] = [t for t in threading.enumerate() if t.name.startswith("asperity")]
+    thread.join(60)
+    print("interrupted", thread.is_alive())
+"""
+
+
+def test_interrupt(venv):
+    """Ctrl-C is heard while the library computes, and ends the work. It would take minutes."""
+    with subprocess.Popen([venv / "bin" / "python", "-c", LONG], cwd=ROOT, text=True,
+                          stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline() == "begins\n"
+        # Reading the scene is over, or not: either way it ends.
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        rest, _ = process.communicate(timeout=60)
+    assert process.returncode == 0 and rest == "interrupted False\n"
+
+
+GROWS = """
+import asperity, resource
+upper = {"x": [0.0], "y": [0.0], "height": [0.1], "radius": [10.0]}
+scene = {"surfaces": {"upper": upper, "lower": "plane"}, "material": {"contact_modulus": 1e3},
+         "loading": {"control": "load", "value": 1.0, "points": 1000},
+         "effects": {"interaction": "coupled"}}
+def size():
+    asperity.solve(scene).contacts["load"]
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+before = [size() for _ in range(10)][-1]
+print(max(size() for _ in range(30)) - before)
+"""
+
+
+def test_memory_is_given_back(venv):
+    """Thirty more runs of some hundred kilobytes of columns take no more memory than ten, in kB."""
+    assert int(run(venv, "-c", GROWS)) < 2000
+
+
+# ---------------------------------------------------------------- the page and the notebooks
+
+def test_page(venv):
+    """The ten lines of the page, in a venv that has nothing else."""
+    text = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+    lines = re.search(r"```python\n(.*?)```", text, re.S)[1]
+    assert len(lines.splitlines()) == 10
+    first, *curve = run(venv, "-c", lines).splitlines()
+    assert first == "thesis: 1438 N"
+    loads = [float(line.split()[2]) for line in curve]
+    assert len(loads) >= 10 and loads == sorted(loads) and abs(loads[-1] - 20) < 2e-5
+
+
+@pytest.mark.parametrize("name", ["thesis", "accuracy", "measured_map"])
+def test_notebook(venv, name):
+    """A notebook runs, and shows what it prints."""
+    path = ROOT / f"python/notebooks/{name}.ipynb"
+    script = ROOT / "test/regression/notebooks.py"
+    [texts] = json.loads(run(venv, "-W", "ignore", script, path))
+    cells = notebooks.code_cells(path)
+    assert len(cells) == len(texts) >= 3 and len(path.read_bytes()) < 20000
+    for cell, text in zip(cells, texts):
+        if "times" not in cell["metadata"].get("tags", ()):
+            assert notebooks.shown(cell) == text
