@@ -23,8 +23,8 @@ module asperity_command_line
   character(len=*), parameter :: original_options(*) = [character(len=18) :: &
     '--arithmetic=', '--tables=', '--contacts=', '--positions=', '--carriage-control']
   character(len=*), parameter :: solve_options(*) = [character(len=18) :: &
-    '--contacts=', '--positions=', '--curve=', '--arithmetic=', '--accuracy=', '--threads=', &
-    '--keep=', '--budget', '--quiet']
+    '--contacts=', '--positions=', '--curve=', '--json=', '--vtk=', '--arithmetic=', &
+    '--accuracy=', '--threads=', '--keep=', '--budget', '--quiet']
   character(len=*), parameter :: accuracy_options(*) = [character(len=18) :: &
     '--csv=', '--seconds=', '--quiet']
   character(len=*), parameter :: generate_options(*) = [character(len=18) :: &
@@ -35,9 +35,9 @@ module asperity_command_line
     '--output=', '--rule=', '--level=', '--radius=', '--despike', '--spacing=', '--unit=', &
     '--picture=', '--quiet']
   ! Options that name an output.
-  character(len=*), parameter :: output_options(9) = [character(len=11) :: &
-    '--contacts', '--positions', '--curve', '--csv', '--output', '--upper', '--lower', '--keep', &
-    '--picture']
+  character(len=*), parameter :: output_options(11) = [character(len=11) :: &
+    '--contacts', '--positions', '--curve', '--json', '--vtk', '--csv', '--output', '--upper', &
+    '--lower', '--keep', '--picture']
 
   type :: output_file
     character(len=:), allocatable :: path  ! as the user gave it
@@ -186,8 +186,29 @@ contains
     case default
       i = findloc(output_options == name, .true., 1)
       line%outputs(i)%path = value
+      if (value == '-') call take_standard_output(line, i, problems)
     end select
   end subroutine take_option
+
+  !> An output goes to standard output: it holds one, and no summary. What is kept needs a file.
+  subroutine take_standard_output(line, number, problems)
+    type(command_line), intent(inout) :: line
+    integer, intent(in) :: number
+    type(problem_list), intent(inout) :: problems
+    integer :: i
+
+    line%quiet = .true.
+    line%outputs(number)%path = '/dev/stdout'
+    if (output_options(number) == '--keep') then
+      call problems%add('--keep: found -, expected a file, as a rerun reads it')
+      return
+    end if
+    do i = 1, size(output_options)
+      if (i /= number .and. line%output(output_options(i)) == '/dev/stdout') &
+        call problems%add(trim(output_options(i)) // ' and ' // trim(output_options(number)) // &
+                          ' both go to standard output, expected one')
+    end do
+  end subroutine take_standard_output
 
   !> Whether all images work on a command, each on a part of its pieces.
   pure logical function is_shared(line)

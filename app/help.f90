@@ -46,6 +46,8 @@ module asperity_help
     '  --contacts FILE     write every contact of every state as CSV', &
     '  --positions FILE    write the last state of every position as CSV', &
     '  --curve FILE        write the totals of every state as CSV', &
+    '  --json FILE         write scene, results and where they come from as JSON', &
+    '  --vtk FILE          write contacts as points with values (.vtp, for ParaView)', &
     '  --arithmetic NAME   real64 (default), real32, real128 or ibm370;', &
     '                      effects and paths are computed in real64 only', &
     '  --accuracy ERROR    take the cheapest way with this relative error, as 1e-3;', &

@@ -39,7 +39,8 @@ contains
     call outcome%stage(line%output('--contacts'), contacts)
     if (line%output('--positions') /= '') call write_original_positions(records, positions)
     call outcome%stage(line%output('--positions'), positions)
-    call write_report(records, line%printed, line%carriage_control, outcome%text)
+    if (.not. line%quiet) &
+      call write_report(records, line%printed, line%carriage_control, outcome%text)
   end subroutine run_original_command
 
 end module asperity_run_original

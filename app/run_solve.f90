@@ -12,7 +12,10 @@ module asperity_run_solve
   use asperity_problems, only: problem_list
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_results_csv, only: write_results
+  use asperity_results_json, only: write_json
+  use asperity_results_vtk, only: write_vtk
   use asperity_run_options, only: run_options
+  use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: is_thesis_sweep, scene
@@ -60,8 +63,28 @@ contains
     call write_table('--contacts', of_contacts)
     call write_table('--positions', of_positions)
     call write_table('--curve', of_states)
+    if (line%output('--json') /= '') call stage_json()
+    if (line%output('--vtk') /= '') call stage_vtk()
 
   contains
+
+    subroutine stage_json()
+      type(input_file) :: inputs(3)
+      type(text_buffer) :: json
+
+      if (allocated(outcome%failure)) return
+      call list_inputs(scene_in, inputs, outcome%failure)
+      if (.not. allocated(outcome%failure)) &
+        call write_json(scene_in, inputs, results, outcome%warnings, json, outcome%failure)
+      call outcome%stage(line%output('--json'), json)
+    end subroutine stage_json
+
+    subroutine stage_vtk()
+      type(text_buffer) :: vtk
+
+      if (.not. allocated(outcome%failure)) call write_vtk(results, vtk, outcome%failure)
+      call outcome%stage(line%output('--vtk'), vtk)
+    end subroutine stage_vtk
 
     subroutine write_table(option, which)
       character(len=*), intent(in) :: option
@@ -103,7 +126,8 @@ contains
 
     if (line%arithmetic /= '') options%arithmetic = line%arithmetic
     options%accuracy = line%accuracy
-    options%keep_contacts = line%output('--contacts') /= '' .or. is_thesis_sweep(scene_in)
+    options%keep_contacts = line%output('--contacts') // line%output('--json') // &
+                            line%output('--vtk') /= '' .or. is_thesis_sweep(scene_in)
     options%threads = line%threads
     options%progress = image_number() == 1
     options%all_images = is_shared(line)

@@ -17,17 +17,19 @@ contains
 
   !> Reads a file whole; that it cannot be read is told as a problem at its beginning.
   subroutine read_text(path, kind, text, problems)
-    character(len=*), intent(in) :: path                !! the file
+    character(len=*), intent(in) :: path                !! the file; `-` is standard input
     character(len=*), intent(in) :: kind                !! what it should be, for the message
     character(len=:), allocatable, intent(out) :: text  !! its bytes
     type(problem_list), intent(inout) :: problems       !! names this file from now on
-    character(len=:), allocatable :: failure
+    character(len=:), allocatable :: place, failure
 
     call problems%start(path)
-    call read_whole_file(path, text, failure)
+    place = path
+    if (path == '-') place = '/dev/stdin'
+    call read_whole_file(place, text, failure)
     ! The failure begins with the path, and so does the problem.
     if (allocated(failure)) &
-      call problems%add_at(1, 1, failure(len(path) + 3:) // ', expected ' // kind)
+      call problems%add_at(1, 1, failure(len(place) + 3:) // ', expected ' // kind)
   end subroutine read_text
 
   !> Tells the first byte that no text has.

@@ -54,6 +54,7 @@ contains
     type(scene_fields) :: fields
 
     checked%file = path
+    checked%text = text
     call read_fields(path, text, 'a scene', scene_table(), fields)
     call read_groups(fields, checked, problems)
   end subroutine parse_scene
@@ -69,6 +70,7 @@ contains
     type(scene_fields) :: fields
 
     checked%file = 'scene'
+    checked%text = text
     checked%upper = upper
     checked%lower = lower
     call read_fields(checked%file, text, 'a scene', scene_table(), fields)
@@ -109,6 +111,7 @@ contains
     integer :: last
 
     checked%file = path
+    checked%text = text
     if (verify(text, blanks) == 0) then
       call problems%add_at(1, 1, 'the file is empty, expected a scene or a card deck')
       return

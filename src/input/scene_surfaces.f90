@@ -247,6 +247,8 @@ contains
 
     path = name
     if (name(1:1) /= '/') path = scene_path(:index(scene_path, '/', back=.true.)) // name
+    ! Standard input is the scene's.
+    if (path == '-') path = './-'
   end function beside
 
 end module asperity_scene_surfaces

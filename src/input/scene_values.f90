@@ -135,6 +135,7 @@ module asperity_scene_values
   !> 4. upper surface: add the displacement to X and Y; z keeps the value of step 3.
   type :: scene
     character(len=:), allocatable :: file         !! the scene or deck, for messages
+    character(len=:), allocatable :: text         !! all that it says, as it was written
     logical :: from_deck = .false.                !! surfaces from a deck: cm, N, N/cm2
     type(card_deck), allocatable :: deck          !! the deck itself; not allocated without one
     type(scene_surface) :: upper                  !! the upper surface

@@ -24,6 +24,9 @@ module asperity_result_table
   !> and no; whole numbers that may be `not_computed`; words.
   integer, parameter :: cell_real = 1, cell_whole = 2, cell_count = 3, cell_word = 4
 
+  ! Columns that a table has without effects, at most, and that it has for each.
+  integer, parameter :: most_own = 30, columns_of_effect = 5
+
   !> Letters of a word at most, and of the name of a column.
   integer, parameter :: word_length = 16, name_length = 32
 
@@ -54,10 +57,15 @@ contains
     class(result_table), intent(out) :: self    !! gets the columns
     integer, intent(in) :: which                !! one of the `of_` numbers
     type(scene_results), intent(in) :: results  !! solved; contacts need them kept
-    integer :: m
+    integer :: m, most
 
     self%which = which
-    allocate (self%names(0), self%kinds(0), self%numbers(0), self%words(0))
+    most = most_own
+    if (allocated(results%effects)) &
+      most = most + columns_of_effect * size(results%effects%names) + &
+             size(results%effects%state_columns) + size(results%effects%contact_columns)
+    allocate (self%names(most), self%kinds(most), self%numbers(most), self%words(most))
+    self%words = ''
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
         select case (which)
@@ -79,6 +87,8 @@ contains
     case default
       call fill_contact(self, results, 1, 1, contact_row())
     end select
+    self%names = self%names(:self%at)
+    self%kinds = self%kinds(:self%at)
   end subroutine begin
 
   !> Goes to the next row. `found` is false behind the last.
@@ -262,20 +272,12 @@ contains
 
     self%at = self%at + 1
     if (self%position == 0) then
-      self%names = [self%names, adjusted(name)]
-      self%kinds = [self%kinds, cell_real]
+      self%names(self%at) = name
+      self%kinds(self%at) = cell_real
       if (present(kind)) self%kinds(self%at) = kind
-      self%numbers = [self%numbers, 0.0_real64]
-      self%words = [self%words, repeat(' ', word_length)]
     end if
     self%numbers(self%at) = value
   end subroutine put_number
-
-  pure character(len=name_length) function adjusted(name)
-    character(len=*), intent(in) :: name
-
-    adjusted = name
-  end function adjusted
 
   subroutine put_whole(self, name, value)
     class(result_table), intent(inout) :: self

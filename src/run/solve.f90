@@ -4,9 +4,8 @@ module asperity_solve
   use asperity_contact_records, only: solve_method, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_solver, only: make_effect_solver
-  use asperity_files, only: read_whole_file, same_name
   use asperity_height_map, only: height_map
-  use asperity_kept_records, only: checksum, kept_work
+  use asperity_kept_records, only: kept_work
   use asperity_kinds, only: not_computed, real64
   use asperity_map_check, only: a_little_more, hold_against_map, map_seen, see_map, &
                                 stiffness_between
@@ -17,6 +16,7 @@ module asperity_solve
   use asperity_arithmetics, only: solver_in
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
+  use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: combined_modulus, control_approach, control_limit, effect_auto, &
                                    effect_boundary, effect_off, scene
@@ -262,35 +262,21 @@ contains
     type(run_options), intent(in) :: options
     type(kept_work), intent(out) :: kept
     character(len=:), allocatable, intent(out) :: failure
+    type(input_file) :: inputs(3)
+    integer :: i
 
     kept%path = ''
     if (allocated(options%keep_file)) kept%path = options%keep_file
     if (kept%path == '') return
     kept%piece = 'position'
     kept%of_what = 'this scene, arithmetic and list of contacts'
+    call list_inputs(scene_in, inputs, failure)
     kept%heading = 'asperity ' // version // ' solve, ' // trim(options%arithmetic) // &
                    ', contacts ' // trim(merge('kept  ', 'summed', options%keep_contacts)) // &
                    ', input'
-    call add_file(scene_in%file)
-    call add_file(scene_in%upper%file)
-    if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
-      call add_file(scene_in%lower%file)
-
-  contains
-
-    subroutine add_file(path)
-      character(len=*), intent(in) :: path
-      character(len=:), allocatable :: text, why
-
-      if (allocated(failure) .or. path == '') return
-      call read_whole_file(path, text, why)
-      if (.not. allocated(why)) then
-        kept%heading = kept%heading // ' ' // checksum(text)
-        if (len(text) == 0) why = path // ': cannot be read again, as --keep needs it'
-      end if
-      if (allocated(why)) failure = why
-    end subroutine add_file
-
+    do i = 1, size(inputs)
+      kept%heading = kept%heading // ' ' // inputs(i)%checksum
+    end do
   end subroutine name_work
 
   ! Effects and paths of several values are computed in doubles only.

@@ -1,0 +1,124 @@
+!> A run in one file of JSON: the scene, where it comes from, and its tables by column, under the
+!> names of the CSV files. `docs/results.schema.json` is its schema.
+module asperity_results_json
+  use asperity_json, only: json_text, put_reals, put_wholes, put_words
+  use asperity_kinds, only: real64
+  use asperity_problems, only: problem_list
+  use asperity_result_arrays, only: array_table, make_arrays
+  use asperity_result_table, only: of_contacts, table_names
+  use asperity_scene_inputs, only: input_file
+  use asperity_scene_results, only: scene_results
+  use asperity_scene_values, only: effect_words, scene
+  use asperity_text_buffer, only: text_buffer
+  use asperity_version, only: version
+  implicit none
+  private
+
+  public :: write_json
+
+contains
+
+  !> The whole file. `failure` is allocated when there is no memory for a table.
+  subroutine write_json(scene_in, inputs, results, warnings, buffer, failure)
+    type(scene), intent(in) :: scene_in                    !! what was solved
+    type(input_file), intent(in) :: inputs(3)              !! the files that it is made of
+    type(scene_results), intent(in) :: results             !! with their contacts
+    type(problem_list), intent(in) :: warnings             !! a line a kind
+    type(text_buffer), intent(inout) :: buffer             !! the text
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(array_table) :: table
+    integer :: i
+
+    call buffer%line('{')
+    call buffer%line('"scene": {"file": ' // json_text(scene_in%file) // ',')
+    call buffer%line('"text": ' // json_text(scene_in%text) // '},')
+    call buffer%line('"provenance": {"version": "' // version // '",')
+    call buffer%line('"arithmetic": "' // trim(results%arithmetic) // '",')
+    call put_effects(results, buffer)
+    call buffer%append('"inputs": [')
+    do i = 1, size(inputs)
+      if (inputs(i)%path == '') cycle
+      if (i > 1) call buffer%line(',')
+      call buffer%append('{"file": ' // json_text(inputs(i)%path) // ', "checksum": "' // &
+                         inputs(i)%checksum // '"}')
+    end do
+    call buffer%line(']},')
+    call put_lines('notes', scene_in%notes%text(), buffer)
+    call put_lines('warnings', warnings%text(), buffer)
+    do i = 1, of_contacts
+      call make_arrays(i, results, table, failure)
+      if (allocated(failure)) return
+      call put_table(trim(table_names(i)), table, buffer)
+      call buffer%line(trim(merge(', ', '  ', i < of_contacts)))
+    end do
+    call buffer%line('}')
+  end subroutine write_json
+
+  ! The effects that are not off, and the tolerance of `auto`.
+  subroutine put_effects(results, buffer)
+    type(scene_results), intent(in) :: results
+    type(text_buffer), intent(inout) :: buffer
+    integer :: i
+
+    call buffer%append('"effects": {')
+    if (allocated(results%effects)) then
+      do i = 1, size(results%effects%names)
+        if (i > 1) call buffer%append(', ')
+        call buffer%append('"' // trim(results%effects%names(i)) // '": "' // &
+                           trim(effect_words(results%effects%modes(i))) // '"')
+      end do
+    end if
+    call buffer%line('},')
+    if (.not. allocated(results%effects)) return
+    call buffer%append('"tolerance": ')
+    call put_number(results%effects%tolerance, buffer)
+    call buffer%line(',')
+  end subroutine put_effects
+
+  subroutine put_number(value, buffer)
+    real(real64), intent(in) :: value
+    type(text_buffer), intent(inout) :: buffer
+    character(len=25) :: cell
+
+    write (cell, '(es25.16e3)') value
+    call buffer%append(trim(adjustl(cell)))
+  end subroutine put_number
+
+  ! Lines as a list of texts.
+  subroutine put_lines(name, lines, buffer)
+    character(len=*), intent(in) :: name, lines
+    type(text_buffer), intent(inout) :: buffer
+    integer :: first, last
+
+    call buffer%append('"' // name // '": [')
+    first = 1
+    do while (first <= len(lines))
+      last = first + index(lines(first:), new_line('a')) - 2
+      if (first > 1) call buffer%line(',')
+      call buffer%append(json_text(lines(first:last)))
+      first = last + 2
+    end do
+    call buffer%line('],')
+  end subroutine put_lines
+
+  ! A table: a list a column.
+  subroutine put_table(name, table, buffer)
+    character(len=*), intent(in) :: name
+    type(array_table), intent(in) :: table
+    type(text_buffer), intent(inout) :: buffer
+    integer :: i
+
+    call buffer%line('"' // name // '": {')
+    do i = 1, size(table%columns)
+      associate (column => table%columns(i))
+        call buffer%append('"' // column%name // '": ')
+        if (allocated(column%reals)) call put_reals(column%reals, buffer)
+        if (allocated(column%wholes)) call put_wholes(column%wholes, buffer)
+        if (allocated(column%letters)) call put_words(column%letters, buffer)
+      end associate
+      if (i < size(table%columns)) call buffer%line(',')
+    end do
+    call buffer%append('}')
+  end subroutine put_table
+
+end module asperity_results_json

@@ -1,0 +1,111 @@
+!> Contacts as points with their values, for ParaView: VTK's XML file of poly data (.vtp), ASCII.
+module asperity_results_vtk
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use asperity_kinds, only: real64
+  use asperity_problems, only: decimal_text
+  use asperity_result_arrays, only: array_column, array_table, make_arrays
+  use asperity_result_table, only: of_contacts
+  use asperity_scene_results, only: scene_results
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: write_vtk
+
+contains
+
+  !> A point a contact, of every state of every position, in the reference plane: z is 0. `failure`
+  !> is allocated when there is no memory for the table. An empty cell is `nan`.
+  subroutine write_vtk(results, buffer, failure)
+    type(scene_results), intent(in) :: results             !! with their contacts
+    type(text_buffer), intent(inout) :: buffer             !! the text
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(array_table) :: table
+    integer :: i, x, y
+
+    call make_arrays(of_contacts, results, table, failure)
+    if (allocated(failure)) return
+    x = place_of('x')
+    y = place_of('y')
+    call buffer%line('<?xml version="1.0"?>')
+    call buffer%line('<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian">')
+    call buffer%line('<PolyData>')
+    call buffer%line('<Piece NumberOfPoints="' // decimal_text(table%rows) // &
+                     '" NumberOfVerts="' // decimal_text(table%rows) // &
+                     '" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0">')
+    call buffer%line('<Points>')
+    call buffer%line('<DataArray type="Float64" NumberOfComponents="3" format="ascii">')
+    do i = 1, table%rows
+      call put_real(table%columns(x)%reals(i), ' ')
+      call put_real(table%columns(y)%reals(i), ' ')
+      call buffer%line('0')
+    end do
+    call buffer%line('</DataArray>')
+    call buffer%line('</Points>')
+    call buffer%line('<Verts>')
+    call put_counts('connectivity', 0)
+    call put_counts('offsets', 1)
+    call buffer%line('</Verts>')
+    call buffer%line('<PointData>')
+    do i = 1, size(table%columns)
+      if (i /= x .and. i /= y) call put_column(table%columns(i))
+    end do
+    call buffer%line('</PointData>')
+    call buffer%line('</Piece>')
+    call buffer%line('</PolyData>')
+    call buffer%line('</VTKFile>')
+
+  contains
+
+    pure integer function place_of(name)
+      character(len=*), intent(in) :: name
+
+      do place_of = 1, size(table%columns)
+        if (table%columns(place_of)%name == name) return
+      end do
+    end function place_of
+
+    ! One point a vertex, counted from a first number.
+    subroutine put_counts(name, first)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: first
+      integer :: k
+
+      call buffer%line('<DataArray type="Int32" Name="' // name // '" format="ascii">')
+      do k = 1, table%rows
+        call buffer%line(decimal_text(k - 1 + first))
+      end do
+      call buffer%line('</DataArray>')
+    end subroutine put_counts
+
+    subroutine put_column(column)
+      type(array_column), intent(in) :: column
+      integer :: k
+
+      if (allocated(column%reals)) then
+        call buffer%line('<DataArray type="Float64" Name="' // column%name // '" format="ascii">')
+        do k = 1, table%rows
+          call put_real(column%reals(k), new_line('a'))
+        end do
+      else
+        call buffer%line('<DataArray type="Int32" Name="' // column%name // '" format="ascii">')
+        do k = 1, table%rows
+          call buffer%line(decimal_text(column%wholes(k)))
+        end do
+      end if
+      call buffer%line('</DataArray>')
+    end subroutine put_column
+
+    subroutine put_real(value, behind)
+      real(real64), intent(in) :: value
+      character(len=1), intent(in) :: behind
+      character(len=25) :: cell
+
+      cell = 'nan'
+      if (.not. ieee_is_nan(value)) write (cell, '(es25.16e3)') value
+      call buffer%append(trim(adjustl(cell)) // behind)
+    end subroutine put_real
+
+  end subroutine write_vtk
+
+end module asperity_results_vtk

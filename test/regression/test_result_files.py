@@ -1,0 +1,181 @@
+"""Files of a run beside CSV: JSON and VTK hold the cells of the CSV files, to the last bit; `-` stands
+for the standard streams."""
+
+import json
+import math
+import re
+import subprocess
+from xml.etree import ElementTree
+
+import pytest
+from builds import ROOT
+from surfaces_csv import records, write_csv_scene
+
+SCHEMA = json.loads((ROOT / "docs/results.schema.json").read_text(encoding="utf-8"))
+SCENES = ("data/examples/thesis.scene", "data/hard/effects/inside_circle_auto.scene",
+          "data/examples/effects/ten_minutes.scene")
+TYPES = {"object": dict, "array": list, "string": str, "number": (int, float), "null": type(None)}
+
+
+def faults(value, schema, place=""):
+    """Where a value is not as a JSON schema says, of the keywords that ours has."""
+    if "$ref" in schema:
+        schema = {**schema, **SCHEMA["$defs"][schema["$ref"].rpartition("/")[2]]}
+    kinds = schema.get("type", [])
+    kinds = [kinds] if isinstance(kinds, str) else kinds
+    if kinds and not isinstance(value, tuple(t for kind in kinds for t in
+                                             (TYPES[kind] if isinstance(TYPES[kind], tuple)
+                                              else (TYPES[kind],)))):
+        yield f"{place}: not {kinds}"
+    if "enum" in schema and value not in schema["enum"]:
+        yield f"{place}: {value} is none of {schema['enum']}"
+    if "pattern" in schema and not re.search(schema["pattern"], value):
+        yield f"{place}: {value} is not {schema['pattern']}"
+    if isinstance(value, dict):
+        for name in schema.get("required", ()):
+            if name not in value:
+                yield f"{place}: no {name}"
+        for name, item in value.items():
+            known = schema.get("properties", {}).get(name, schema.get("additionalProperties", {}))
+            if known is False:
+                yield f"{place}: {name} is not known"
+            else:
+                yield from faults(item, known, f"{place}/{name}")
+    if isinstance(value, list):
+        if len(value) < schema.get("minItems", 0):
+            yield f"{place}: too short"
+        for item in value:
+            yield from faults(item, schema.get("items", {}), f"{place}[]")
+
+
+def run(asperity, *words, cwd=ROOT, status=0, **more):
+    done = subprocess.run([asperity, *words], cwd=cwd, capture_output=True, text=True, timeout=100,
+                          **({"stdin": subprocess.DEVNULL} | more))
+    assert done.returncode == status, done.stderr
+    return done
+
+
+def fnv(data):
+    """FNV-1a of 32 bits, from its definition."""
+    state = 2166136261
+    for byte in data:
+        state = (state ^ byte) * 16777619 % 2**32
+    return f"{state:08X}"
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_json(name, asperity, tmp_path, tally):
+    tables = {"positions": "--positions", "states": "--curve", "contacts": "--contacts"}
+    done = run(asperity, "solve", name, "--quiet", "--json", tmp_path / "r.json",
+               *(word for table, option in tables.items() for word in (option, tmp_path / table)))
+    found = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert list(faults(found, SCHEMA)) == []
+    assert found["scene"]["text"] == (ROOT / name).read_text(encoding="utf-8")
+    assert done.stderr.splitlines() == found["notes"] + found["warnings"]
+    for entry in found["provenance"]["inputs"]:
+        assert entry["checksum"] == fnv((ROOT / entry["file"]).read_bytes())
+    for table in tables:
+        rows = records(tmp_path / table)
+        assert list(found[table]) == list(rows[0])
+        met = 0
+        for column, cells in found[table].items():
+            assert len(cells) == len(rows)
+            for cell, row in zip(cells, rows):
+                text = row[column]
+                met += cell is None if text == "" else \
+                    cell == (text if isinstance(cell, str) else float(text))
+        tally.add(f"json: {table}", len(rows) * len(rows[0]), met)
+        assert met == len(rows) * len(rows[0])
+
+
+def test_schema_can_refuse(asperity):
+    """The check of the schema sees what it should."""
+    good = json.loads(run(asperity, "solve", "data/examples/one_pair.scene", "--json", "-").stdout)
+    assert list(faults(good, SCHEMA)) == []
+    for change in ({"more": 1}, {"notes": "none"}, {"positions": {"position": [1]}},
+                   {"states": {**good["states"], "load": [[1.0]]}},
+                   {"provenance": {**good["provenance"], "arithmetic": "real16"}},
+                   {"provenance": {**good["provenance"], "inputs": []}}):
+        assert list(faults({**good, **change}, SCHEMA)) != []
+    del good["scene"]
+    assert list(faults(good, SCHEMA)) == [": no scene"]
+
+
+def test_json_of_any_text(asperity, tmp_path):
+    """What a scene says in its comments is in the file: quotes, tabs, letters of all kinds; a byte
+    that is no letter becomes a question mark."""
+    scene = write_csv_scene(tmp_path, [(0, 0, .2, 1)], [(0, 0, .1, 1)], name='a"b\\c',
+                            loading={"control": "approach", "value": 0.29})
+    text = scene.read_bytes() + '! "quotes" \\ \t µm 𝄞\r\n'.encode() + b"! \xe4\n"
+    scene.write_bytes(text)
+    found = json.loads(run(asperity, "solve", scene, "--json", "-").stdout)
+    assert found["scene"] == {"file": str(scene), "text": text[:-2].decode() + "?\n"}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_vtk(name, asperity, tmp_path, tally):
+    """Points and their values, by the rules of VTK's XML files."""
+    run(asperity, "solve", name, "--quiet", "--vtk", tmp_path / "r.vtp", "--contacts",
+        tmp_path / "contacts")
+    rows = records(tmp_path / "contacts")
+    root = ElementTree.parse(tmp_path / "r.vtp").getroot()
+    assert (root.tag, root.get("type")) == ("VTKFile", "PolyData")
+    [piece] = root.findall("PolyData/Piece")
+    assert int(piece.get("NumberOfPoints")) == int(piece.get("NumberOfVerts")) == len(rows)
+
+    def cells(array):
+        assert array.get("format") == "ascii"
+        return [{"Int32": int, "Float64": float}[array.get("type")](word)
+                for word in (array.text or "").split()]
+    [points] = piece.findall("Points/DataArray")
+    assert points.get("NumberOfComponents") == "3"
+    assert cells(points) == [number for row in rows
+                             for number in (float(row["x"]), float(row["y"]), 0.0)]
+    verts = {array.get("Name"): cells(array) for array in piece.findall("Verts/DataArray")}
+    assert verts == {"connectivity": list(range(len(rows))),
+                     "offsets": list(range(1, len(rows) + 1))}
+    values = {array.get("Name"): cells(array) for array in piece.findall("PointData/DataArray")}
+    assert list(values) == [name for name in rows[0] if name not in ("x", "y")]
+    met = sum(math.isnan(a) if row[name] == "" else a == float(row[name])
+              for name in values for a, row in zip(values[name], rows))
+    tally.add("vtk: cells of contacts", len(values) * len(rows), met)
+    assert met == len(values) * len(rows)
+
+
+def test_standard_streams(asperity, tmp_path):
+    """A scene from standard input is that of the current folder; an output is all that is printed."""
+    folder = ROOT / "data/examples"
+    text = (folder / "one_pair.scene").read_bytes().decode()
+    for option in ("--positions", "--curve", "--contacts", "--vtk", "--json"):
+        run(asperity, "solve", "one_pair.scene", option, tmp_path / "file", cwd=folder)
+        printed = run(asperity, "solve", "-", option, "-", cwd=folder, input=text, stdin=None)
+        expected = (tmp_path / "file").read_text().replace('"file": "one_pair.scene"',
+                                                           '"file": "-"')
+        assert printed.stdout == expected and printed.stderr == ""
+    deck = (ROOT / "data/thesis.deck").read_text()
+    assert run(asperity, "-", input=deck, stdin=None).stdout == \
+        run(asperity, "data/thesis.deck").stdout
+    assert run(asperity, "solve", "-", input=deck, stdin=None).stdout.splitlines()[1:] == \
+        run(asperity, "solve", "data/thesis.deck").stdout.splitlines()[1:]
+    run(asperity, "data/thesis.deck", "--positions", tmp_path / "p")
+    assert run(asperity, "data/thesis.deck", "--positions", "-").stdout == (tmp_path / "p"
+                                                                            ).read_text()
+    kept = [run(asperity, "solve", "-", "--keep", tmp_path / "k", "--positions", "-", input=text,
+                stdin=None, cwd=folder).stdout for _ in range(2)]
+    assert kept[0] == kept[1]
+
+
+def test_standard_streams_refused(asperity, tmp_path):
+    scene = ROOT / "data/examples/one_pair.scene"
+    assert "--vtk and --json both go to standard output, expected one" in run(
+        asperity, "solve", scene, "--vtk", "-", "--json", "-", status=2).stderr
+    assert "--keep: found -, expected a file" in run(
+        asperity, "solve", scene, "--keep", "-", status=2).stderr
+    bad = run(asperity, "solve", "-", input="&loadin /", stdin=None, status=2, cwd=tmp_path)
+    assert bad.stderr.startswith("-:1:1: unknown group: found '&loadin'") and bad.stdout == ""
+    # A file of that name is another one: a surface is never read from there.
+    (tmp_path / "a.scene").write_text("&surfaces upper = '-', lower = 'plane' /\n"
+                                      "&material contact_modulus = 1. /\n"
+                                      "&loading control = 'approach', value = 0.09 /\n")
+    assert "./-:1:1: cannot be opened" in run(asperity, "solve", "a.scene", status=2,
+                                              cwd=tmp_path).stderr
