@@ -322,14 +322,12 @@ def test_memory_is_given_back(venv):
 def test_library_is_a_guest(venv):
     """It shows the names of the header alone, takes no one's memory over, and has no STOP."""
     library = next(venv.glob("lib/python*/site-packages/asperity/libasperity.so"))
-    names = {which: set(subprocess.run(["nm", "-D", "-P", f"--{which}-only", library], check=True,
-                                       capture_output=True, text=True).stdout.split()[::2])
-             for which in ("defined", "undefined")}
+    names = {which: {line.split()[0] for line in subprocess.run(
+        ["nm", "-D", "-P", f"--{which}-only", library], check=True, capture_output=True,
+        text=True).stdout.splitlines()} for which in ("defined", "undefined")}
     header = (ROOT / "include/asperity.h").read_text(encoding="utf-8")
-    shown = {name for name in names["defined"] if name.startswith("asperity_")}
-    assert shown == set(re.findall(r"\b(asperity_\w+)\(", header))
-    assert not {name for name in names["defined"] if name.endswith(("alloc", "malign"))}
-    assert "_gfortran_runtime_error" not in names["defined"]
+    assert names["defined"] == set(re.findall(r"\b(asperity_\w+)\(", header))
+    assert "malloc" in {name.partition("@")[0] for name in names["undefined"]}
     assert not {name for name in names["undefined"] if "stop" in name}
 
 
