@@ -143,7 +143,7 @@ def test_vtk(name, asperity, tmp_path, tally):
 
 
 def test_standard_streams(asperity, tmp_path):
-    """A scene from standard input is one of the current folder; an output is all that is printed."""
+    """A scene from standard input is one of the current folder; an output is all that is told."""
     folder = ROOT / "data/examples"
     text = (folder / "one_pair.scene").read_bytes().decode()
     for option in ("--positions", "--curve", "--contacts", "--vtk", "--json"):
