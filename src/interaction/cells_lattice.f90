@@ -57,7 +57,7 @@ contains
   !> The frame of a cluster.
   pure type(cell_frame) function frame_of(shapes, cells_per_radius)
     type(gap_shape), intent(in) :: shapes(:)      !! the contacts, at least one
-    !> for the contact that would bear most alone, across its ellipse
+    !> for the contact that would bear most alone, of a circle as large
     real(real64), intent(in) :: cells_per_radius
     integer :: k
 
@@ -65,8 +65,9 @@ contains
     k = maxloc(shapes%contact_radius * shapes%penetration * shapes%cosine, 1)
     frame_of%x = shapes(k)%x
     frame_of%y = shapes(k)%y
-    ! A sphere's slope curves it more: by 1/cosine across, by its third power along.
-    frame_of%coarse = shapes(k)%contact_radius * sqrt(shapes(k)%cosine)**3 / cells_per_radius
+    ! A sphere's slope curves it more, by 1/cosine across and by its third power along: the radius
+    ! of a circle as large as the ellipse.
+    frame_of%coarse = shapes(k)%contact_radius * shapes(k)%cosine / cells_per_radius
     frame_of%scale = maxval(shapes%penetration)
   end function frame_of
 

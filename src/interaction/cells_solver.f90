@@ -5,7 +5,7 @@
 !> end of the half-space. The cells are halved until the load settles.
 module asperity_cells_solver
   use asperity_cell_convolution, only: cell_convolution
-  use asperity_cells_answer, only: cells_answer, make_room, tell
+  use asperity_cells_answer, only: area_error, cells_answer, load_error, make_room, tell
   use asperity_cells_gap, only: gap_shape, shape_of_gap
   use asperity_cells_influence, only: influence_table
   use asperity_cells_lattice, only: box_of, cell_frame, cell_lattice, cells_expected, frame_of, &
@@ -21,7 +21,8 @@ module asperity_cells_solver
 
   public :: reach_of_cluster, solve_cells
 
-  ! Cells per radius of the contact that would bear most alone, before any halving.
+  ! Cells per radius of the contact that would bear most alone, before any halving: from that on, to
+  ! twice as many.
   real(real64), parameter :: coarse_cells = 3.0_real64
 
   ! Bytes that may be held, and that are held for each cell.
@@ -30,10 +31,11 @@ module asperity_cells_solver
   ! A penetration below this, over the radius, is not solved: its squares leave the range.
   real(real64), parameter :: shallowest = 1.0e-120_real64
 
-  ! What is taken off an area at the rim may be this share of it: a radius has 17 cells then. The
-  ! scatter of many contacts is less by their root: of more than 8, up to 32, where the cells are 8
-  ! a radius, as below that the mean is off by more than .5 %, too. Few may lie alike.
-  real(real64), parameter :: area_allowed = 5.0e-3_real64
+  ! Over the standard deviation of an area: what it may be off by. Of a load: what halving the cells
+  ! that give it may change.
+  real(real64), parameter :: area_told = 5.0_real64, load_told = 1.5_real64
+  ! An area may be off by so much more than a load's last halving, and by this at least.
+  real(real64), parameter :: area_over_load = 4.0_real64, least_area = 0.005_real64
 
   ! The gaps are closed to that times the tolerance, of the penetration. The load is then off by .44
   ! (rms; 1.1 at most) of it: measured on 3 times 130 circles.
@@ -73,8 +75,8 @@ contains
     type(outside_field), intent(in) :: outside     !! of the contacts that are no members
     real(real64), intent(in) :: tolerance          !! relative change by the last halving
     type(cells_answer), intent(out) :: answer      !! the answer
-    !> a load below this is told as exactly as if it were this, and its area need not settle
-    real(real64), intent(in), optional :: worth
+    !> load, area: what is less is told as exactly as if it were this
+    real(real64), intent(in), optional :: worth(2)
     type(gap_shape), allocatable :: shapes(:)
 
     call make_room(answer, size(members))
@@ -126,23 +128,28 @@ contains
     type(gap_shape), intent(in) :: shapes(:)
     type(outside_field), intent(in) :: outside
     type(cells_answer), intent(inout) :: answer
-    real(real64), intent(in), optional :: least_worth
+    real(real64), intent(in), optional :: least_worth(2)
     type(cell_frame) :: frame
     type(cell_lattice) :: lattice, coarse
-    real(real64) :: before, total, worth, off
+    real(real64) :: before, total, worth, alone(2), finest
     integer :: i, needed
 
-    frame = frame_of(shapes, coarse_cells)
     ! Hertz.
-    worth = least_share * 4.0_real64 / 3.0_real64 * modulus * &
-            maxval(shapes%contact_radius * shapes%penetration * shapes%cosine)
-    if (present(least_worth)) worth = max(worth, least_worth)
+    alone = [4.0_real64 / 3.0_real64 * modulus * sum(shapes%contact_radius * shapes%penetration * &
+                                                     shapes%cosine), &
+             pi * sum(shapes%contact_radius**2)]
+    worth = least_share * alone(1)
+    finest = area_cells(tolerance)
+    if (present(least_worth)) then
+      worth = max(worth, least_worth(1))
+      finest = area_cells(tolerance * max(1.0_real64, least_worth(2) / alone(2)))
+    end if
+    ! Cells in a radius, such that the last halving is expected to change no more than it may.
+    finest = max(finest, 2 * (load_told * load_error / (tolerance * &
+                              max(1.0_real64, worth / alone(1))))**0.4_real64, 2 * coarse_cells)
+    needed = int(log(finest / coarse_cells) / log(2.0_real64))
+    frame = frame_of(shapes, finest * 0.5_real64**needed)
     total = 0.0_real64
-    ! Cells as fine as a round contact calls for, or the next: told before any are solved.
-    needed = 0
-    do while (expected_error(needed) > tolerance)
-      needed = needed + 1
-    end do
     do
       if (.not. bytes_per_cell * cells_expected(frame, shapes, max(needed, answer%halvings)) < &
           bytes_allowed) then
@@ -161,14 +168,11 @@ contains
         answer%failure = 'the pressures on the cells did not converge'
         return
       end if
-      call tell(modulus, frame, shapes, lattice, answer, off)
+      call tell(modulus, frame, shapes, lattice, answer)
       before = total
       total = sum(answer%vertical_load)
       if (answer%halvings > 0) answer%change = abs(before - total) / max(total, worth)
-      if (answer%change <= tolerance .and. &
-          expected_error(answer%halvings) <= tolerance .and. (total < worth .or. &
-          off <= area_allowed * sum(answer%area) * &
-          sqrt(real(min(32, max(8, count(answer%area > 0.0_real64))), real64) / 8))) exit
+      if (answer%change <= tolerance .and. answer%halvings >= needed) exit
       answer%halvings = answer%halvings + 1
       coarse = lattice
     end do
@@ -183,14 +187,13 @@ contains
     end do
   end subroutine halve_until_settled
 
-  ! What the cells may be off in the load of a round contact: the largest over 64 places of the
-  ! lattice was 9e-3, 1.2e-3, 2.7e-4 and 4.2e-5 at 3, 6, 12 and 24 cells per radius. A small change
-  ! alone may be luck.
-  pure real(real64) function expected_error(halvings)
-    integer, intent(in) :: halvings
+  ! Cells in a radius that an area wants, which need be no better than .5 %.
+  pure real(real64) function area_cells(tolerance)
+    real(real64), intent(in) :: tolerance
 
-    expected_error = 0.13_real64 / (coarse_cells * 2.0_real64**halvings)**2.5_real64
-  end function expected_error
+    area_cells = (area_told * area_error / &
+                  max(area_over_load * tolerance, least_area))**(2.0_real64 / 3.0_real64)
+  end function area_cells
 
   ! A contact by itself, on the same lattice, so that the cells' errors cancel in the ratio.
   subroutine solve_alone(modulus, frame, shape, tolerance, answer)
@@ -201,7 +204,6 @@ contains
     type(cell_frame) :: own
     type(cell_lattice) :: lattice
     type(cells_answer) :: alone
-    real(real64) :: off
 
     own = frame
     own%scale = shape(1)%penetration
@@ -211,7 +213,7 @@ contains
     if (.not. alone%ending%converged) &
       answer%failure = 'the pressures on the cells of a contact alone did not converge'
     call make_room(alone, size(answer%area))
-    call tell(modulus, own, shape, lattice, alone, off)
+    call tell(modulus, own, shape, lattice, alone)
     answer%alone_load(shape(1)%pair) = alone%vertical_load(shape(1)%pair)
     answer%alone_area(shape(1)%pair) = alone%area(shape(1)%pair)
     answer%alone_pressure(shape(1)%pair) = alone%maximum_pressure(shape(1)%pair)

@@ -1,6 +1,7 @@
 !> How much interaction may lower the load, from contacts each solved alone.
 module asperity_interaction_estimate
   use asperity_circle_field, only: circle_set, find_field, inclination, plant_circles
+  use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
@@ -24,7 +25,7 @@ contains
     type(contact_pairs), intent(in) :: pairs   !! those that may touch, ascending gap
     class(contact_law), intent(in) :: law      !! of each contact
     real(real64), intent(in) :: closing        !! past first touch of all
-    real(real64) :: share
+    real(real64) :: share, span
     type(circle_set) :: set
     type(contact_response) :: response
     integer :: i, n
@@ -43,9 +44,14 @@ contains
       set%stiffness(i) = response%stiffness * inclination(response%cosine) / pairs%modulus
     end do
     if (.not. sum(set%load) > 0.0_real64) return
-    call plant_circles(set)
     ! Without the memory to ask, the answer is that it may be all.
     share = 1.0_real64
+    ! It is if even the farthest were enough for that.
+    span = hypot(maxval(set%x) - minval(set%x), maxval(set%y) - minval(set%y)) + &
+           2 * maxval(set%circle)
+    if (sum(set%stiffness) - dot_product(set%stiffness, set%load) / sum(set%load) > pi * span) &
+      return
+    call plant_circles(set)
     if (allocated(set%tree%failure)) return
     call find_field(set)
     share = min(1.0_real64, max(dot_product(set%stiffness, set%lift) / sum(set%load), &

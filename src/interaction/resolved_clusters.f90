@@ -27,8 +27,8 @@ module asperity_resolved_clusters
   ! another falls with the sixth power of their distance, and is below 4e-6 of its load from there.
   real(real64), parameter :: between = 3.0_real64
   ! A cluster that bears less than its part of the total over this is told as if it bore that: all
-  ! errors together are a quarter above the tolerance at most.
-  real(real64), parameter :: few_of_all = 4.0_real64
+  ! errors together are half above the tolerance at most.
+  real(real64), parameter :: few_of_all = 2.0_real64
   ! Chebyshev nodes of a field whose sources are farther off than so many half diagonals: 8 nodes
   ! are right within (3 + sqrt(8))**-8 = 1e-6 of it.
   integer, parameter :: nodes = 8
@@ -103,7 +103,7 @@ contains
     character(len=:), allocatable, intent(inout) :: failure  !! no memory, or cells that do not end
     integer, allocatable :: of(:)
     integer :: k, pass
-    real(real64) :: worth
+    real(real64) :: worth(2)
 
     allocate (of(size(pairs%list)), source=0)
     do k = 1, size(clusters)
@@ -117,7 +117,9 @@ contains
         if (allocated(failure)) return
       end do
     end if
-    worth = pairs%modulus * sum(coupled%set%load) / (few_of_all * size(clusters))
+    ! Areas scatter: their squares add up.
+    worth = [pairs%modulus * sum(coupled%set%load) / (few_of_all * size(clusters)), &
+             pi * sum(coupled%set%circle**2) / sqrt(real(size(clusters), real64))]
     !$omp parallel do schedule(dynamic) if(size(clusters) > 1)
     do k = 1, size(clusters)
       associate (one => clusters(k))
