@@ -2,6 +2,7 @@
 !>
 !> Numbers are doubles in the units of the scene, whatever arithmetic computed them.
 module asperity_contact_records
+  use asperity_constants, only: pi
   use asperity_kinds, only: not_computed, real64
   use asperity_solve_ending, only: solve_ending
   use asperity_theory_warnings, only: theory_warning
@@ -11,7 +12,7 @@ module asperity_contact_records
   public :: contact_row, effect_record, position_result, solve_method, state_row
   public :: asked_nothing, asked_normal, asked_vertical
   public :: by_events, by_marching, overlap_stable, overlap_original
-  public :: add_rows, are_finite, cut_rows, most_rows, room_of_a_state
+  public :: add_rows, are_finite, contact_radius, cut_rows, most_rows, room_of_a_state
 
   !> So many contacts can be kept: their list in a file has up to 400 bytes each.
   integer, parameter :: most_rows = 5000000
@@ -133,6 +134,13 @@ contains
     state%last_row = needed
     result%rows_used = needed
   end subroutine add_rows
+
+  !> Radius of the circle that has the area of a contact.
+  pure real(real64) function contact_radius(row)
+    type(contact_row), intent(in) :: row  !! the contact
+
+    contact_radius = sqrt(row%area / pi)
+  end function contact_radius
 
   !> Gives back the room beyond the last contact.
   pure subroutine cut_rows(result)

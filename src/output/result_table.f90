@@ -3,7 +3,8 @@
 !>
 !> Tables: a row a position (its last state), a row a state, a row a contact.
 module asperity_result_table
-  use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
+  use asperity_contact_records, only: contact_radius, contact_row, effect_record, position_result, &
+                                      state_row
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_results, only: kinds_of_warnings, last_state, nominal_names, nominal_values, &
                                     scene_results
@@ -255,12 +256,14 @@ contains
       call self%put('vertical_load', row%vertical_load)
       call self%put('penetration', row%penetration)
       call self%put('overlap', row%overlap)
-      if (.not. allocated(results%effects)) return
-      value = not_computed
-      do i = 1, size(results%effects%contact_columns)
-        if (self%contact > 0) value = position%contact_values(self%contact, i)
-        call self%put(results%effects%contact_columns(i), value)
-      end do
+      if (allocated(results%effects)) then
+        value = not_computed
+        do i = 1, size(results%effects%contact_columns)
+          if (self%contact > 0) value = position%contact_values(self%contact, i)
+          call self%put(results%effects%contact_columns(i), value)
+        end do
+      end if
+      call self%put('contact_radius', contact_radius(row))
     end associate
   end subroutine fill_contact
 

@@ -60,8 +60,9 @@ contains
       call value_line(names(i), values(:, i))
     end do
     call buffer%line('')
-    call buffer%line('limit reached at ' // decimal_text(at_limit) // ' of ' // &
-                     counted(number, 'position'))
+    if (scene_in%limit%criterion /= criterion_none) &
+      call buffer%line('limit reached at ' // decimal_text(at_limit) // ' of ' // &
+                       counted(number, 'position'))
     if (without > 0) call buffer%line('no contact at ' // counted(without, 'position'))
     if (any(results%positions%overlapping_circles > 0)) &
       call buffer%line(overlap_text(results%positions%overlapping_circles))

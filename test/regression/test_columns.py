@@ -1,0 +1,128 @@
+"""The page of the columns: every column of every file is there, and none that is not written; cells
+are empty or below 0 only where the page says so."""
+
+import csv
+import re
+import subprocess
+
+import pytest
+from builds import ROOT
+from surfaces_csv import write_scene
+
+# Of the release build: what other builds write has the same columns.
+pytestmark = pytest.mark.once
+
+EFFECTS = ("interaction", "friction", "plasticity", "adhesion", "creep")
+SCENES = sorted([*ROOT.glob("data/examples/*.scene"), *ROOT.glob("data/examples/effects/*.scene"),
+                 ROOT / "data/hard/effects/inside_circle_auto.scene",
+                 ROOT / "data/hard/none_at_some.scene"])
+FILES = ("--positions", "--curve", "--contacts")
+HOME = {"`--positions` of `asperity solve`": "--positions",
+        "`--curve` of `asperity solve`": "--curve",
+        "`--contacts` of `asperity solve`": "--contacts"}
+
+
+def page():
+    """For every heading of the page the rows of its table: name, unit and meaning, in order."""
+    text = (ROOT / "docs/columns.md").read_text(encoding="utf-8")
+    found = {}
+    for heading, body in re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", text, re.M | re.S):
+        rows = found[heading] = {}
+        for names, unit, meaning in re.findall(r"^\| (`.*?) \| (.*?)\| (.*) \|$", body, re.M):
+            for name in re.findall(r"`(\w+)`", names):
+                for one in EFFECTS if "EFFECT" in name else ("",):
+                    own = name.replace("EFFECT", one)
+                    assert own not in rows, f"{heading}: {own} twice"
+                    rows[own] = unit.strip(), meaning
+    return found
+
+
+def read(path):
+    """Header and rows of a CSV file."""
+    with open(path, encoding="ascii", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert len(set(header)) == len(header), f"{path}: a column twice"
+    return header, rows
+
+
+def run(asperity, *words):
+    done = subprocess.run([asperity, *words], cwd=ROOT, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.fixture(scope="module")
+def solved(asperity, tmp_path_factory):
+    """The three files of many scenes, and one of a map that is pressed itself on a nominal area."""
+    folder = tmp_path_factory.mktemp("columns")
+    map_scene = write_scene(
+        folder / "map.scene", surfaces={"upper": "plane", "nominal_area": 1e-9,
+                                        "lower": str(ROOT / "data/examples/summits/rough.sdf")},
+        material={"contact_modulus": 1e11}, effects={"interaction": "boundary"},
+        loading={"control": "vertical_load", "value": 5e-4, "points": 2})
+    tables = {name: [] for name in FILES}
+    for scene in (*SCENES, map_scene):
+        words = [word for name in FILES for word in (name, folder / name[2:])]
+        run(asperity, "solve", scene, "--quiet", *words)
+        for name in FILES:
+            tables[name].append((scene.name, *read(folder / name[2:])))
+    return tables
+
+
+@pytest.mark.parametrize("heading", HOME)
+def test_columns_of_solve(heading, solved):
+    """The page has the columns that are written, in the order in which they are written."""
+    told = page()[heading]
+    written = set()
+    for scene, header, _ in solved[HOME[heading]]:
+        written |= set(header)
+        # Effects stand in the order in which they act, which is not that of the page.
+        own = [name for name in header if name in told and ":" not in told[name][1]
+               and "EFFECT" not in told[name][1] and not name.startswith(EFFECTS)]
+        assert own == [name for name in told if name in own], scene
+    assert written == set(told)
+
+
+def test_cells_of_solve(solved):
+    """Empty cells, numbers below 0 and words stand only where the page has them."""
+    looked_at = 0
+    for heading, file in HOME.items():
+        told = page()[heading]
+        for scene, header, rows in solved[file]:
+            for name, cells in zip(header, zip(*rows)):
+                meaning = told[name][1]
+                of_effect = re.match(rf"({'|'.join(EFFECTS)}|of a map pressed itself):? ", meaning)
+                signed = re.search("any sign|below 0|[Ss]ign as", meaning)
+                for cell in cells:
+                    looked_at += 1
+                    where = f"{scene}: {name} = {cell!r}"
+                    if cell == "":
+                        assert of_effect or "empty" in meaning, where
+                    elif name in EFFECTS:
+                        assert f"`{cell}`" in meaning, where
+                    else:
+                        assert float(cell) >= 0 or signed, where
+    assert looked_at > 50000
+
+
+def test_columns_of_the_others(asperity, tmp_path):
+    told = page()
+    run(asperity, "data/thesis.deck", "--positions", tmp_path / "p", "--contacts", tmp_path / "c")
+    run(asperity, "summits", "data/examples/summits/rough.sdf", "--output", tmp_path / "s")
+    (tmp_path / "a.spec").write_text("&surfaces number = 9, length = 1., width = 2. /\n"
+                                     "&radii mean = 3. / &heights mean = 0.1, deviation = 0.01 /\n")
+    run(asperity, "generate", tmp_path / "a.spec", "--output", tmp_path / "g")
+    run(asperity, "accuracy", "data/thesis.deck", "--seconds", "0.5", "--csv", tmp_path / "a")
+    text = (ROOT / "data/examples/study/thesis.spec").read_text()
+    (tmp_path / "b.spec").write_text(re.sub(r"ensemble = \d+", "ensemble = 2", text))
+    run(asperity, "study", tmp_path / "b.spec", "--csv", tmp_path / "b")
+    for heading, file in (("`--positions` of `asperity DECK`", "p"), ("Surfaces", "s"),
+                          ("`--contacts` of `asperity DECK`", "c"), ("Surfaces", "g"),
+                          ("`--csv` of `asperity accuracy`", "a"),
+                          ("`--csv` of `asperity study`", "b")):
+        header, rows = read(tmp_path / file)
+        assert header == list(told[heading]), heading
+        for name, cells in zip(header, zip(*rows)):
+            if "" in cells:
+                assert re.search("empty", told[heading][name][1]) or file == "a", name
+    assert len(told) == 8
