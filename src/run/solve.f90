@@ -153,12 +153,15 @@ contains
 
     last = last_state(results%positions(1))
     if (.not. last%vertical_load > 0.0_real64) return
-    ! The stiffness of the summits takes a second state. None: it is not told.
-    other = plain
-    other%loading = a_little_more(last)
-    call solve_surfaces(other, run_options(), more, why)
+    ! The stiffness of the summits takes a second state, worth it where the map's is known. None:
+    ! it is not told.
     stiffness = not_computed
-    if (.not. allocated(why)) stiffness = stiffness_between(last, last_state(more%positions(1)))
+    if (seen%coarser == 1) then
+      other = plain
+      other%loading = a_little_more(last)
+      call solve_surfaces(other, run_options(), more, why)
+      if (.not. allocated(why)) stiffness = stiffness_between(last, last_state(more%positions(1)))
+    end if
     allocate (results%map)
     call hold_against_map(map, seen, combined_modulus(scene_in), summits, last, stiffness, &
                           results%map, failure)

@@ -6,9 +6,8 @@
 !>
 !> Rule `contact`, made to be pressed: the edge of the map, and of what is missing, is a mirror, so
 !> that a hill which it cuts has a summit; ridges are filled with samples of which one neighbour
-!> alone is not lower, the highest first, none nearer than 2.5 samples to a summit or another one,
-!> with the radius by neighbours;
-!> the top is the vertex of the parabolas through the neighbours.
+!> or two are not lower, the highest first, none nearer than 2.5 samples to a summit or another
+!> one, with the radius by neighbours; the top is the vertex of the parabolas through the neighbours.
 module asperity_map_summits
   use, intrinsic :: iso_c_binding, only: c_bool
   use asperity_height_map, only: height_map, is_measured
@@ -192,14 +191,15 @@ contains
     real(real64), allocatable :: depth(:)
     integer(int32), allocatable :: order(:)
     real(real64) :: near(-1:1, -1:1)
-    integer :: i, j, k
+    integer :: i, j, k, number
 
     do j = 1, map%rows
       do i = 1, map%columns
         if (.not. is_measured(map%height(i, j))) cycle
         near = neighbourhood(map, i, j)
-        ! The sample itself is one of both.
-        if (count(near >= near(0, 0)) == 2) call add_place(map, i, j, ridges, failure)
+        ! The sample itself, and the ridge on one side or, in a saddle, on both.
+        number = count(near >= near(0, 0))
+        if (number == 2 .or. number == 3) call add_place(map, i, j, ridges, failure)
         if (allocated(failure)) return
       end do
     end do

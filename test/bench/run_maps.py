@@ -116,6 +116,12 @@ def study(exe, name, height, sides, shares, ways, seconds):
         write_bytes(folder / "map.sdf", height, *sides)
         subprocess.run([exe, "summits", folder / "map.sdf", "--output", folder / "plain.csv",
                         "--quiet"], check=True)
+        # Below the plane: a cap of a surface in CSV is no higher than its sphere.
+        plain = np.loadtxt(folder / "plain.csv", delimiter=",", skiprows=1, ndmin=2)
+        top = plain[:, 2].max()
+        plain[:, 2] -= top
+        np.savetxt(folder / "plain.csv", plain, "%.17g", ",", header="x,y,height,radius",
+                   comments="")
         across = (sides[1], sides[0])
         for share in shares:
             load = load_for(height, across, share)
@@ -138,7 +144,9 @@ def study(exe, name, height, sides, shares, ways, seconds):
                         yield row
                         continue
                     at, its_area = float(got["approach"]), float(got["projected_area"])
-                    if way != "plain":
+                    if way == "plain":
+                        at += top
+                    else:
                         row.update(claim=told(summary, "separation"), estimate=float(
                             got["error_estimate"] or "nan"), closing=np.nanmax(height) - level,
                             edge=told(summary, "on the edge"), lines=told(summary, "scan lines"),
