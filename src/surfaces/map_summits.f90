@@ -7,7 +7,8 @@
 !> Rule `contact`, made to be pressed: the edge of the map, and of what is missing, is a mirror, so
 !> that a hill which it cuts has a summit; ridges are filled with samples of which one neighbour
 !> or two are not lower, the highest first, none nearer than 2.5 samples to a summit or another
-!> one, with the radius by neighbours; the top is the vertex of the parabolas through the neighbours.
+!> one, with the radius by neighbours; the top is the vertex of the parabolas through the
+!> neighbours.
 module asperity_map_summits
   use, intrinsic :: iso_c_binding, only: c_bool
   use asperity_height_map, only: height_map, is_measured

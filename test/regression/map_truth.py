@@ -43,8 +43,8 @@ def higher_or_equal(near):
 
 
 def ridge_samples(h, near, plain):
-    """Samples with one or two neighbours that are not lower, the highest first, each at least 2.5 samples
-    from every summit and from each other."""
+    """Samples with one or two neighbours that are not lower, the highest first, each at
+    least 2.5 samples from every summit and from each other."""
     taken = np.pad(plain, 2)
     disk = np.hypot(*np.mgrid[-2:3, -2:3]) < 2.5
     ridges = np.argwhere(np.isin(higher_or_equal(near), (1, 2)) & np.isfinite(h))
