@@ -10,7 +10,7 @@ module asperity_theory_warnings
   public :: theory_warning, warning_kind, warning_kinds, warn, take_worse
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
-            of_no_summit, of_scan_lines, of_spikes
+            of_no_summit, of_scan_lines, of_spikes, of_area
 
   !> Contact radius over the radius of the smaller sphere.
   integer, parameter :: of_contact_radius = 1
@@ -44,6 +44,8 @@ module asperity_theory_warnings
   integer, parameter :: of_scan_lines = 14
   !> Share of the load of a map on outliers.
   integer, parameter :: of_spikes = 15
+  !> What interaction says that areas may be off by, where that is more than the tolerance.
+  integer, parameter :: of_area = 16
 
   !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`.
   type :: warning_kind
@@ -107,7 +109,10 @@ module asperity_theory_warnings
       'take what is noise of the instrument out of the map'), &
     warning_kind('spikes', 0.0_real64, .true., &
       'single outliers bear load', 'of the load is on them', &
-      'set map_despike = ''on'' where they are no part of the surface')]
+      'set map_despike = ''on'' where they are no part of the surface'), &
+    warning_kind('area', 0.0_real64, .true., &
+      'the area is less sure than the tolerance', 'is its estimated error', &
+      'take the area with this error, loads and approaches keep the tolerance')]
 
   !> One kind of warning at one position.
   type :: theory_warning

@@ -14,6 +14,7 @@ module asperity_interaction
                                      resolve_none, solve_joint
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
+  use asperity_theory_warnings, only: of_area, warn
   implicit none
   private
 
@@ -122,6 +123,8 @@ contains
     outcome%error = solution%error
     outcome%influence = outcome%of_state(2) - 1.0_real64
     outcome%influence_known = .true.
+    if (self%mode == effect_auto .and. solution%area_error > self%tolerance) &
+      call warn(outcome%warnings, of_area, solution%area_error)
   end subroutine apply
 
   !> Left out: what the contacts carry alone is known, and what they may change at most.

@@ -252,8 +252,10 @@ contains
   pure real(real64) function gained(radius, p, rise)
     real(real64), intent(in) :: radius, p, rise
 
-    gained = 4.0_real64 / 3.0_real64 * sqrt(radius) * &
-             (max(0.0_real64, p + rise)**1.5_real64 - max(0.0_real64, p)**1.5_real64)
+    ! Powers of ratios: the same digits in any unit.
+    gained = 4.0_real64 / 3.0_real64 * radius**2 * &
+             (max(0.0_real64, (p + rise) / radius)**1.5_real64 - &
+              max(0.0_real64, p / radius)**1.5_real64)
   end function gained
 
   ! Mean over a circle, weighed as a flat punch, of how far the surface of an open pair stands above

@@ -4,11 +4,15 @@ Every run must end with status 0, 1 or 2, here also within a second of processor
 cells may be used). With 1 or 2 it says why in printable lines and leaves no file behind; with 0 its
 files are whole and hold finite numbers. The same seed gives the same cases on every machine.
 
+With --tight each run has little memory and every second one a stack that is too small for it; with
+--sanitized, for a build with sanitizers, neither is limited.
+
 Longer run: python test/hard/fuzz.py --exe PATH --minutes 30 --keep FOLDER (or make fuzz).
 """
 
 import argparse
 import json
+import math
 import multiprocessing
 import os
 import random
@@ -23,12 +27,22 @@ from pathlib import Path
 from fuzz_cases import make_case
 from fuzz_checks import run_and_check
 
+# Of the sanitizers, whose builds map terabytes of addresses: a finding has a status of its own, an
+# allocation that fails is the program's to see.
+SANITIZERS = {"ASAN_OPTIONS": "exitcode=99:allocator_may_return_null=1:"
+                              "detect_stack_use_after_return=1:quarantine_size_mb=16",
+              "UBSAN_OPTIONS": "exitcode=99:print_stacktrace=1"}
 
-def prepare(place):
+
+def prepare(place, sanitized=False):
     """A place for all folders, and limits that the runs inherit: a fault stays small."""
     tempfile.tempdir = place
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CPU, (10 ** 6, 10 ** 6))
+    if sanitized:
+        for name, options in SANITIZERS.items():
+            os.environ[name] = ":".join(filter(None, (options, os.environ.get(name))))
+        return
     memory = resource.getrlimit(resource.RLIMIT_AS)[1]
     most = 4_000_000_000
     resource.setrlimit(resource.RLIMIT_AS,
@@ -49,12 +63,12 @@ def one_seed(task):
     return seed, status, wrong
 
 
-def campaign(exe, seeds, processes=2, until=None, tight=False, **limits):
+def campaign(exe, seeds, processes=2, until=None, tight=False, sanitized=False, **limits):
     """Run the cases of all seeds; how many ended with which status, and the faults by seed."""
     ended, faults = Counter(), {}
     # One place, so that a campaign that is cut short leaves nothing behind.
     with tempfile.TemporaryDirectory(prefix="fuzz") as place, \
-            multiprocessing.Pool(processes, prepare, (place,)) as pool:
+            multiprocessing.Pool(processes, prepare, (place, sanitized)) as pool:
         tasks = ((str(exe), seed, tight, limits) for seed in seeds)
         for seed, status, wrong in pool.imap_unordered(one_seed, tasks, chunksize=16):
             ended[status] += 1
@@ -86,6 +100,8 @@ def main():
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     parser.add_argument("--keep", type=Path, help="folder for the cases with faults")
     parser.add_argument("--tight", action="store_true", help="little memory and small stacks")
+    parser.add_argument("--sanitized", action="store_true",
+                        help="a build with sanitizers: memory and time are not limited")
     parser.add_argument("--show", action="store_true", help="print each fault's command and errors")
     given = parser.parse_args()
     first = int(time.time()) * 1000 if given.seed is None else given.seed
@@ -94,8 +110,11 @@ def main():
     until = None if given.runs else time.monotonic() + 60 * given.minutes
     exe = Path(given.exe).resolve()
     begun = time.monotonic()
-    ended, faults = campaign(exe, seeds, given.processes, until, given.tight,
-                             most_seconds=given.seconds)
+    limits = {"most_seconds": given.seconds}
+    if given.sanitized:
+        limits = {"most_seconds": math.inf, "most_kilobytes": math.inf}
+    ended, faults = campaign(exe, seeds, given.processes, until, given.tight, given.sanitized,
+                             **limits)
     for seed in sorted(faults):
         case = make_case(seed)
         print(f"seed {seed} ({case.what}): {'; '.join(faults[seed])}")

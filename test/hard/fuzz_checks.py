@@ -61,7 +61,8 @@ def run(exe, case, folder, patience=PATIENCE, limits=None):
 
 CRASH = re.compile(rb"Error termination|Fortran runtime|Backtrace|Segmentation|Aborted|"
                    rb"At line \d+ of file|Floating-point exception|IEEE_|signal [A-Z]|AddressSan|"
-                   rb"libgomp:|fftw:|Operating system error|Error allocating")
+                   rb"libgomp:|fftw:|runtime error:|LeakSan|Operating system error|"
+                   rb"Error allocating")
 NOT_FINITE = re.compile(rb"(?i)(?<![a-z])(?:[-+]?nan|[-+]?inf(?:inity)?)(?![a-z])")
 
 

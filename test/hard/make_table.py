@@ -12,7 +12,9 @@ sys.path[:0] = [str(ROOT / "test" / part) for part in ("regression", "hard")]
 
 from cases import ARITHMETICS, scenes  # noqa: E402
 from deck_cases import decks  # noqa: E402
-from measure import measure, measure_deck  # noqa: E402
+from exact_contact import read_deck  # noqa: E402
+from measure import (condition, measure, measure_deck, positions_of,  # noqa: E402
+                     positions_of_deck, scene_of)
 
 DOCUMENT = "docs/hard-cases.md"
 BEGIN, END = "<!-- begin: made by test/hard/make_table.py -->", "<!-- end -->"
@@ -41,18 +43,19 @@ def row(name, verdicts, cells):
 
 
 def lines(found):
-    """The tables. `found` gives the cell of a case in an arithmetic."""
-    head = [*ARITHMETICS, "verdict"]
-    yield from ("### Scenes", "", "| case | " + " | ".join(head) + " |", "| --- " * 6 + "|")
+    """The tables. `found` gives the cell of a case in an arithmetic, or its condition."""
+    head = ["condition", *ARITHMETICS, "verdict"]
+    yield from ("### Scenes", "", "| case | " + " | ".join(head) + " |", "| --- " * 7 + "|")
     for case in scenes():
         yield row(case.name, [verdict(case.refused, case.arithmetics)],
+                  [found(case, "condition")] +
                   [found(case, a) if a in case.arithmetics else "not run" for a in ARITHMETICS])
     head += ["historic port"]
-    yield from ("", "### Decks", "", "| case | " + " | ".join(head) + " |", "| --- " * 7 + "|")
+    yield from ("", "### Decks", "", "| case | " + " | ".join(head) + " |", "| --- " * 8 + "|")
     for case in decks():
         refused = dict.fromkeys(ARITHMETICS, case.solver_refused) if case.solver_refused else {}
         yield row(case.name, [verdict(refused, ARITHMETICS), historic(case)],
-                  [found(case, a) for a in ARITHMETICS])
+                  [found(case, a) for a in ("condition", *ARITHMETICS)])
 
 
 def without_errors(text):
@@ -60,7 +63,7 @@ def without_errors(text):
     kept = []
     for line in text.splitlines():
         cells = line.split(" | ")
-        kept.append(" | ".join(cells[:1] + cells[5:]) if len(cells) > 5 else line)
+        kept.append(" | ".join(cells[:1] + cells[6:]) if len(cells) > 6 else line)
     return kept
 
 
@@ -70,9 +73,23 @@ def is_current(document):
     return without_errors(inside) == without_errors("\n".join(lines(lambda case, a: "")))
 
 
+def condition_of(case):
+    """In two digits; a dash where nothing is borne or all is refused."""
+    if hasattr(case, "deck"):
+        scene = read_deck(ROOT / "data" / "hard" / f"{case.name}.deck")
+        number = 0 if case.solver_refused else condition(scene, positions_of_deck(scene))
+    else:
+        scene = scene_of(case)
+        every = set(case.refused) >= set(case.arithmetics)
+        number = 0 if every else condition(scene, positions_of(case, scene))
+    return f"{float(number):.1e}" if number else "-"
+
+
 def measured(executable, folder):
     """A function that runs a case and gives its cell."""
     def found(case, arithmetic):
+        if arithmetic == "condition":
+            return condition_of(case)
         if hasattr(case, "deck"):
             path = ROOT / "data" / "hard" / f"{case.name}.deck"
             outcome = measure_deck(executable, path, arithmetic, folder)

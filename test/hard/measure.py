@@ -21,6 +21,8 @@ from surfaces_csv import Solved, exact_csv_scene, solve
 DIGITS = {"real32": 24, "real64": 53, "real128": 113}
 LEAST = {"real32": -149, "real64": -1074, "real128": -16494}
 TRIALS = 4
+# Of a condition number: changes so small that even a contact of 1e-100 is only bent by them.
+CHANGE, CONDITION_DIGITS = Fraction(1, 10 ** 240), 300
 PLACES = ("approach", "x", "y", "x_displacement", "y_displacement")
 CONTACT = ("load", "vertical_load", "area", "projected_area", "slope", "average_pressure",
            "penetration", "overlap", "x", "y")
@@ -114,6 +116,44 @@ def moved(scene, step, seed):
     value = shift(scene.value) if scene.control == "approach" else scene.value
     return replace(scene, upper=move(scene.upper), lower=move(scene.lower),
                    first=tuple(map(shift, scene.first)), value=value)
+
+
+def changed(scene, share, seed):
+    """The scene with every number changed by a share of it, up or down: places, heights and
+    displacements by that share of the largest."""
+    rng = random.Random(seed)
+    scene = moved(scene, share * largest_coordinate(scene), seed)
+
+    def change(value):
+        return None if value is None else value * (1 + rng.choice((-1, 1)) * share)
+
+    def change_surface(surface):
+        return replace(surface, asperities=[(x, y, h, change(r))
+                                            for x, y, h, r in surface.asperities],
+                       modulus=change(surface.modulus))
+
+    value = scene.value if scene.control == "approach" else change(scene.value)
+    return replace(scene, upper=change_surface(scene.upper), lower=change_surface(scene.lower),
+                   value=value, limit=change(scene.limit))
+
+
+def condition(scene, positions):
+    """How many times larger a relative change of the totals is than the changes of the numbers of
+    the scene that bring it: the worst of a few trials. The problem's, in no arithmetic."""
+    with mp.workdps(CONDITION_DIGITS):
+        truth = Truth(scene, CONDITION_DIGITS)
+        others = [Truth(changed(scene, CHANGE, seed), CONDITION_DIGITS) for seed in range(TRIALS)]
+        worst = mpf(0)
+        for m in positions:
+            true = truth.state(m)
+            if true is None or not true.contacts or not true.load:
+                continue
+            for other in (o.state(m) for o in others):
+                for name in TOTALS:
+                    size = getattr(true, name)
+                    if other is not None and size:
+                        worst = max(worst, abs(getattr(other, name) / size - 1))
+        return worst * CHANGE.denominator
 
 
 class Yardstick:
@@ -244,14 +284,28 @@ def compare_contacts(rows, yardstick, outcome, m):
     return len(found)
 
 
+def scene_of(case):
+    return exact_csv_scene(case.upper, case.lower, case.modulus, case.ratio, **case.groups)
+
+
+def positions_of(case, scene):
+    """Those of a case that are compared."""
+    return case.positions or range(1, scene.positions + 1)
+
+
+def positions_of_deck(scene):
+    pairs = len(scene.upper.asperities) * len(scene.lower.asperities)
+    return range(1, 101, 11 if pairs < 50 else 99)
+
+
 def measure(asperity, case, path, arithmetic, folder):
     """Run one scene case in one arithmetic."""
     solved = run(asperity, path, arithmetic, folder, case.positions)
     if solved.status:
         return Outcome(refused=reason(solved, path))
-    scene = exact_csv_scene(case.upper, case.lower, case.modulus, case.ratio, **case.groups)
+    scene = scene_of(case)
     yardstick = Yardstick(scene, arithmetic, case.coordinates, case.digits)
-    return compare(solved, yardstick, case.positions or range(1, scene.positions + 1))
+    return compare(solved, yardstick, positions_of(case, scene))
 
 
 def measure_deck(asperity, path, arithmetic, folder):
@@ -261,8 +315,7 @@ def measure_deck(asperity, path, arithmetic, folder):
         return Outcome(refused=reason(solved, path))
     scene = read_deck(path)
     yardstick = Yardstick(scene, arithmetic, True, 60)
-    pairs = len(scene.upper.asperities) * len(scene.lower.asperities)
-    return compare(solved, yardstick, range(1, 101, 11 if pairs < 50 else 99))
+    return compare(solved, yardstick, positions_of_deck(scene))
 
 
 def reason(solved, path):

@@ -17,6 +17,7 @@ ROUNDING = 1e-9
 # What neighbours take away is solved to so much of the load where circles bear it.
 COUPLED = 1e-8
 LOAD_MET = 1e-6
+UNSURE = "the area is less sure than the tolerance"
 TOTALS = ("load", "vertical_load", "area", "projected_area")
 
 
@@ -70,7 +71,7 @@ def look(scene, run):
 def asked_loads(scene):
     """The loads of the states of a position, in order, those of a hold left out."""
     loading = scene.groups["loading"]
-    if loading["control"] != "load":
+    if loading["control"] not in ("load", "vertical_load"):
         return []
     if not isinstance(loading["value"], list):
         return [loading["value"]]
@@ -82,19 +83,22 @@ def asked_loads(scene):
 
 
 def loads_are_met(scene, rows, curve):
-    """Load asked is load found, at every state that names one; held loads are held."""
+    """Load asked is load found, at every state that names one; held loads are held. A load near 0
+    is a difference of pushes and pulls: it is met to 1e-12 of them."""
     asked, effects = asked_loads(scene), scene.groups.get("effects", {})
     if not asked:
         return
+    name = scene.groups["loading"]["control"]
+    size = 1e-6 * (max(asked) + scenes.pull(scene))
     for row in rows:
         states = [state for state in curve if state["position"] == row["position"]]
-        held = [number(state, "load") for state in states if float(state.get("time", 0.0)) > 0.0]
-        loads = [number(state, "load") for state in states][:len(states) - len(held)]
+        held = [number(state, name) for state in states if float(state.get("time", 0.0)) > 0.0]
+        loads = [number(state, name) for state in states][:len(states) - len(held)]
         claim(len(loads) >= len(asked), "states of the path are missing")
         for load, value in zip(loads[-len(asked):], asked):
-            near(load, value, LOAD_MET, "load asked and found", 1e-6 * max(asked))
+            near(load, value, LOAD_MET, "load asked and found", size)
         for load in held if effects.get("hold") == "load" else ():
-            near(load, asked[-1], LOAD_MET, "load held", 1e-6 * max(asked))
+            near(load, asked[-1], LOAD_MET, "load held", size)
 
 
 def caps_are_kept(scene, run):
@@ -258,10 +262,13 @@ def same_after(scene, other, exe, folder, factor=1.0, share=None, names=None):
 
 
 def within(one, two, share, names, control):
-    """Totals, and at a given load the approach over the closing, within a share."""
+    """Totals, and at a given load the approach over the closing, within a share; areas of which
+    was said that they are less sure than that, within what was said of both."""
     for row, other in zip(one.files["positions"], two.files["positions"]):
         for name in names:
-            near(number(row, name), number(other, name), share, name)
+            told = sum(number(r, "area_error_estimate") for run, r in ((one, row), (two, other))
+                       if name == "area" and UNSURE in run.err)
+            near(number(row, name), number(other, name), share + told, name)
         if control == "approach":
             claim(row["approach"] == other["approach"], "approach")
 

@@ -5,6 +5,7 @@ Coordinates are multiples of a power of two: to mirror, turn, shift or scale the
 
 import copy
 import csv
+import math
 import random
 import subprocess
 from dataclasses import dataclass, field
@@ -58,7 +59,7 @@ def write(scene, folder, name="s"):
     (folder / f"{name}.scene").write_text(text, encoding="ascii")
 
 
-def run(exe, scene, folder, name="s", seconds=120):
+def run(exe, scene, folder, name="s", seconds=600):
     """Solve a scene in a folder; its files are read and taken away."""
     write(scene, folder, name)
     files = {what: folder / f"{name}.{what}.csv" for what in ("positions", "contacts", "curve")}
@@ -231,5 +232,23 @@ def random_scene(rng):
     return Scene(upper, lower, groups, kind)
 
 
+def pull(scene):
+    """A bound on what all pairs can pull together: 2 pi w R of each, R at most the smaller radius.
+    0 without adhesion."""
+    work = scene.groups.get("effects", {}).get("work_of_adhesion", 0.0)
+    return sum(2 * math.pi * work * min(upper[3], lower[3])
+               for upper in scene.upper for lower in scene.lower)
+
+
 def scene_of_seed(seed):
-    return random_scene(random.Random(f"metamorphic {seed}"))
+    """Draws of its own for what came later: a seed stays what it was."""
+    scene = random_scene(random.Random(f"metamorphic {seed}"))
+    loading, rng = scene.groups["loading"], random.Random(f"weights {seed}")
+    if loading["control"] == "load":
+        if rng.random() < 0.3:
+            loading["control"] = "vertical_load"
+        if "adhesion" in scene.groups.get("effects", {}) and rng.random() < 0.3:
+            first = loading["value"]
+            loading["value"] = [first[0] if isinstance(first, list) else first,
+                                -pull(scene) * rng.choice([0.01, 0.2, 2.0]) / len(scene.upper)]
+    return scene

@@ -184,6 +184,58 @@ def test_relaxing(hold, asperity, tmp_path):
     check_pair(*runs, "before relaxation is done")
 
 
+def test_area(asperity, tmp_path):
+    """Two contacts on cells: 0.75 % over the root of two is what their area is sure to."""
+    sure = 0.0075 / math.sqrt(2)
+
+    def two(factor):
+        folder = tmp_path / str(factor)
+        folder.mkdir()
+        (folder / "caps.csv").write_text("x,y,height,radius\n0,0,0.11,1\n0.2,0,0.109,1\n")
+        return solve(asperity, write_scene(
+            folder / "caps.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
+            material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
+            loading={"control": "approach", "value": 0.095},
+            effects={"interaction": "auto", "tolerance": sure / factor}))
+    check_pair(two(INSIDE), two(OUTSIDE), "less sure than the tolerance", 100 * sure)
+
+
+def test_load_direction(asperity, tmp_path):
+    """One pair whose vertical load is less than its load by the tolerance: 1 - cos."""
+    tolerance = 0.01
+
+    def inclined(factor, control="load"):
+        folder = tmp_path / f"{factor} {control}"
+        folder.mkdir()
+        # Pressed by next to nothing, so the slope is that of first touch.
+        d = 2 * RADIUS * math.sqrt(1 - (1 - tolerance * factor)**2)
+        return solve(asperity, write_csv_scene(
+            folder, [(d, 0.0, 1.9, RADIUS)], [(0.0, 0.0, 1.9, RADIUS)],
+            loading={"control": control, "value": 1e-6}, effects={"tolerance": tolerance}))
+    what = "the load is not the vertical load"
+    check_pair(inclined(INSIDE), inclined(OUTSIDE), what, 1.0)
+    assert told(inclined(OUTSIDE, "vertical_load"), what) == ""
+
+
+def test_no_common_theory(asperity, tmp_path):
+    """Adhesion and interaction by `auto`, each of more than the tolerance or one of them not."""
+    def caps_that_adhere(side, work):
+        folder = tmp_path / f"{side} {work}"
+        folder.mkdir()
+        (folder / "caps.csv").write_text("x,y,height,radius\n" + "".join(
+            f"{x * side!r},{y * side!r},0.5,{CAP}\n" for x in (0, 1) for y in (0, 1)))
+        return solve(asperity, write_scene(
+            folder / "caps.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
+            material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
+            loading={"control": "approach", "value": 0.499},
+            effects={"interaction": "auto", "adhesion": "auto", "work_of_adhesion": work,
+                     "equilibrium_distance": 1e-6, "tolerance": 0.01}))
+    what = "two effects have no common theory"
+    assert told(caps_that_adhere(1e4, 1.0), what) == ""
+    assert told(caps_that_adhere(0.5, 0.0), what) == ""
+    assert told(caps_that_adhere(0.5, 1.0), what)
+
+
 def test_threads_tell_the_same(asperity, tmp_path):
     scene = write_scene(tmp_path / "sweep.scene", surfaces={"deck": str(DECK)},
                         motion={"x_first": 0.1, "x_step": 0.1, "positions": 100})

@@ -56,7 +56,7 @@ contains
 
   !> Sum of the largest pulls of the contacts that adhere, over the total vertical load: adhesion
   !> takes no more than that from the load of a contact that is pressed. Or by how much the area
-  !> grows, if that is more.
+  !> grows, if that is more: at the closing, and under a load by what closes it further.
   function estimate(self, pairs, state) result(share)
     class(adhesion_effect), intent(in) :: self  !! adhesion
     type(contact_pairs), intent(in) :: pairs    !! the position
@@ -79,8 +79,12 @@ contains
     load = sum(state%answers%vertical_load)
     if (.not. pull > 0.0_real64) return
     share = huge(share)
-    if (load > 0.0_real64) &
-      share = max(pull / load, area / sum(state%answers%contact_radius**2))
+    if (.not. load > 0.0_real64) return
+    share = pull / load
+    area = area / sum(state%answers%contact_radius**2)
+    ! An area of Hertz goes with the power 2/3 of its load.
+    if (pairs%target > 0.0_real64) area = area + 2.0_real64 / 3.0_real64 * share
+    share = max(share, area)
   end function estimate
 
   !> Answers the penetrations of the state with adhesion.

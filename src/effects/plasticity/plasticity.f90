@@ -63,31 +63,45 @@ contains
 
   !> Change of the total vertical load, or of the area if that is more, by flow and by what is left
   !> of earlier flow, in full: the law answers for itself. The others only see less load, so it is
-  !> not below the truth. In a hold pressures fall while the surfaces close: what has not flowed at
-  !> its begin does not flow later, so that state's estimate stays.
+  !> not below the truth. Under a load the surfaces close until it is borne, and the area is that
+  !> of one Newton step on: as the load is convex on loading, not below the truth either. In a hold
+  !> pressures fall while the surfaces close: what has not flowed at its begin does not flow later,
+  !> so that state's estimate stays.
   function estimate(self, pairs, state) result(share)
     class(plasticity_effect), intent(in) :: self  !! plasticity
     type(contact_pairs), intent(in) :: pairs      !! the position
     type(contact_state), intent(in) :: state      !! without plasticity
     real(real64) :: share
     type(contact_response) :: answer
-    real(real64) :: changed, area, total
+    real(real64) :: changed, lost, stiffness, area, total, further
     integer :: i
 
     share = self%before_hold
     if (state%time > 0.0_real64) return
     share = 0.0_real64
-    changed = 0.0_real64
-    area = 0.0_real64
     total = sum(state%answers%vertical_load)
+    if (.not. total > 0.0_real64) return
+    changed = 0.0_real64
+    lost = 0.0_real64
+    stiffness = 0.0_real64
     do i = 1, size(pairs%list)
       if (.not. state%penetration(i) > 0.0_real64) cycle
       call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
       changed = changed + abs(answer%vertical_load - state%answers(i)%vertical_load)
+      lost = lost + state%answers(i)%vertical_load - answer%vertical_load
+      stiffness = stiffness + answer%stiffness
+    end do
+    further = 0.0_real64
+    if (pairs%target > 0.0_real64 .and. lost > 0.0_real64 .and. stiffness > 0.0_real64) &
+      further = min(lost / stiffness, state%closing)
+    area = 0.0_real64
+    do i = 1, size(pairs%list)
+      if (.not. state%penetration(i) + further > 0.0_real64) cycle
+      call self%law%respond(pairs%list(i), i, min(state%penetration(i) + further, &
+                            0.999999_real64 * pairs%list(i)%zc), answer)
       area = area + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
     end do
-    if (total > 0.0_real64) share = max(changed / total, &
-                                        area / sum(state%answers%contact_radius**2))
+    share = max(changed / total, area / sum(state%answers%contact_radius**2))
   end function estimate
 
   !> Gives the state the plastic law and asks again.
