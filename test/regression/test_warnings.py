@@ -185,19 +185,23 @@ def test_relaxing(hold, asperity, tmp_path):
 
 
 def test_area(asperity, tmp_path):
-    """Two contacts on cells: 0.75 % over the root of two is what their area is sure to."""
-    sure = 0.0075 / math.sqrt(2)
-
-    def two(factor):
-        folder = tmp_path / str(factor)
-        folder.mkdir()
-        (folder / "caps.csv").write_text("x,y,height,radius\n0,0,0.11,1\n0.2,0,0.109,1\n")
-        return solve(asperity, write_scene(
-            folder / "caps.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
+    """Told where the column of the area's error is above the tolerance, and nowhere else."""
+    what, seen = "less sure than the tolerance", set()
+    (tmp_path / "caps.csv").write_text("x,y,height,radius\n0,0,0.107,1\n0.2,0,0.1015,1\n")
+    for tolerance in (0.02, 0.01, 0.005, 0.0039, 0.0035, 0.003):
+        run = solve(asperity, write_scene(
+            tmp_path / f"{tolerance}.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
             material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
-            loading={"control": "approach", "value": 0.095},
-            effects={"interaction": "auto", "tolerance": sure / factor}))
-    check_pair(two(INSIDE), two(OUTSIDE), "less sure than the tolerance", 100 * sure)
+            loading={"control": "approach", "value": 0.0945},
+            effects={"interaction": "auto", "tolerance": tolerance}))
+        size = float(run.positions[0]["area_error_estimate"])
+        line = told(run, what)
+        assert bool(line) == (size > tolerance), (tolerance, size)
+        if line:
+            assert float(re.search(r": [^,]+, (\S+) ", line).group(1)) == pytest.approx(
+                100 * size, rel=6e-3)
+        seen.add(bool(line))
+    assert seen == {False, True}
 
 
 def test_load_direction(asperity, tmp_path):
