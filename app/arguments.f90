@@ -2,6 +2,7 @@
 module asperity_arguments
   use asperity_input_text, only: quoted
   use asperity_problems, only: problem_list
+  use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
 
@@ -30,7 +31,7 @@ contains
     type(problem_list), intent(inout) :: problems   !! what is wrong
     type(given_option) :: given
     character(len=:), allocatable :: word, name, value
-    integer :: equals, i
+    integer :: equals, i, near
 
     list%operand = ''
     allocate (list%options(0))
@@ -55,13 +56,17 @@ contains
           name = word(:equals - 1)
           value = word(equals + 1:)
         end if
+        if (all(known /= name .and. known /= trim(name) // '=')) then
+          call problems%add('unknown option ' // quoted(name) // ', expected one of' // &
+                            joined(bare(known)) // did_you_mean(name, bare(known)))
+          ! It is taken for what was meant, so that its value is not taken for a file.
+          near = nearest_word(name, bare(known))
+          if (near == 0) cycle
+          name = trim(bare(known(near)))
+        end if
         if (any(name == known)) then
           if (equals > 0) &
             call problems%add('option ' // name // ' takes no value, found ' // quoted(value))
-        else if (.not. any(trim(name) // '=' == known)) then
-          call problems%add('unknown option ' // quoted(name) // ', expected one of' // &
-                            joined(known))
-          cycle
         else if (equals == 0) then
           if (i < command_argument_count()) value = argument(i + 1)
           ! A value that begins like an option is written --name=value.
@@ -94,7 +99,15 @@ contains
     call get_command_argument(i, word)
   end function argument
 
-  !> Options with a blank before each.
+  ! Options as a user writes them.
+  elemental function bare(option) result(name)
+    character(len=*), intent(in) :: option
+    character(len=len(option)) :: name
+
+    name = option(:scan(option // ' ', ' =') - 1)
+  end function bare
+
+  ! Options with a blank before each.
   pure function joined(options) result(text)
     character(len=*), intent(in) :: options(:)
     character(len=:), allocatable :: text
@@ -102,7 +115,7 @@ contains
 
     text = ''
     do i = 1, size(options)
-      text = text // ' ' // options(i)(:scan(options(i) // ' ', ' =') - 1)
+      text = text // ' ' // trim(options(i))
     end do
   end function joined
 

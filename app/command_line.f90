@@ -1,7 +1,7 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
   use asperity_arguments, only: argument, argument_list, read_arguments
-  use asperity_input_text, only: quoted
+  use asperity_input_text, only: lower_case, quoted
   use asperity_kinds, only: real64
   use asperity_map_levelling, only: level_names, level_plane
   use asperity_map_summits, only: rule_eight, rule_names
@@ -12,13 +12,19 @@ module asperity_command_line
   use asperity_original_records, only: original_positions, thesis_tables
   use asperity_output_files, only: same_file
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_scene_names, only: any_of
   use asperity_summit_spheres, only: radius_names
   use asperity_system_calls, only: canonical_path
+  use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
 
   public :: command_line, is_shared, output_place, parse_command_line, refuse_input
 
+  ! What may stand first.
+  character(len=*), parameter :: commands(*) = [character(len=8) :: &
+    'solve', 'accuracy', 'generate', 'study', 'summits']
+  character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
   ! Options of the commands; those with a value end with '='.
   character(len=*), parameter :: original_options(*) = [character(len=18) :: &
     '--arithmetic=', '--tables=', '--contacts=', '--positions=', '--carriage-control']
@@ -122,6 +128,7 @@ contains
     case default
       line%command = 'original'
       line%arithmetic = trim(arithmetic_names(1))
+      if (is_no_command(argument(1), problems)) return
       call read_arguments(1, original_options, 'deck', list, problems)
       if (list%operand == '' .and. problems%count() == 0) &
         call problems%add('no card deck named, expected: asperity [OPTIONS] DECK')
@@ -139,6 +146,23 @@ contains
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     call check_files(line, problems)
   end subroutine parse_command_line
+
+  ! Whether the first word was meant for a command: letters alone, no file's name, and like one of
+  ! the commands or before another word.
+  logical function is_no_command(word, problems)
+    character(len=*), intent(in) :: word
+    type(problem_list), intent(inout) :: problems
+
+    logical :: is_file
+
+    inquire (file=word, exist=is_file)
+    is_no_command = verify(lower_case(word), letters) == 0 .and. .not. is_file
+    if (nearest_word(lower_case(word), commands) == 0) &
+      is_no_command = is_no_command .and. command_argument_count() == 2
+    if (is_no_command) &
+      call problems%add('found ' // quoted(word) // ', expected ' // any_of(commands) // &
+                        ', or the file of a card deck' // did_you_mean(lower_case(word), commands))
+  end function is_no_command
 
   !> Stores one option.
   subroutine take_option(line, name, value, problems)

@@ -12,11 +12,13 @@ module asperity_help
   character(len=*), parameter :: next_steps(*) = [character(len=82) :: &
     'asperity: contact between rough surfaces of spherical asperities', &
     '', &
-    'Type next:', &
-    '  asperity data/thesis.deck           print the report of the original program', &
-    '  asperity solve data/thesis.deck     the same deck by the present-day solver', &
-    '  asperity accuracy data/thesis.deck  what accuracy costs in time', &
-    '  asperity --help                     all commands and options', &
+    'Three ways to begin:', &
+    '  asperity data/thesis.deck     the report of the 1976 program, as it was printed', &
+    '  asperity solve SCENE          two surfaces of your own: data/examples has scenes', &
+    '  asperity summits MAP          a measured height map: statistics and summits', &
+    'Then:', &
+    '  asperity accuracy             what accuracy costs in time', &
+    '  asperity --help               all commands and options', &
     'With fpm: fpm run -- data/thesis.deck']
 
   ! Help for the program and for its commands.

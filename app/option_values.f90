@@ -6,6 +6,7 @@ module asperity_option_values
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_word_hint, only: did_you_mean
   implicit none
   private
 
@@ -65,7 +66,8 @@ contains
     do i = 2, size(words)
       known = known // trim(merge(' or ', ',   ', i == size(words))) // ' ' // trim(words(i))
     end do
-    call problems%add(option // ': found ' // quoted(value) // ', expected ' // known)
+    call problems%add(option // ': found ' // quoted(value) // ', expected ' // known // &
+                      did_you_mean(value, words))
   end subroutine read_word
 
   !> Two lengths with a comma between them.

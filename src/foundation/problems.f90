@@ -8,9 +8,10 @@ module asperity_problems
 
   public :: problem_list, problem_place, decimal_text, real_text
 
-  ! So many problems of a file are written out, the rest is counted: enough for any file that a
-  ! person wrote, and no flood from one that is not of this kind at all.
-  integer, parameter :: most_placed = 5000
+  ! So many problems of a file are written out, and so many in a row that say the same of other
+  ! lines; the rest is counted. Enough to see what is wrong everywhere, and no flood from a file
+  ! that is not of this kind at all, or has one slip in every line.
+  integer, parameter :: most_placed = 5000, most_alike = 20
 
   !> Where a problem is.
   type :: problem_place
@@ -27,6 +28,9 @@ module asperity_problems
     type(problem_place), allocatable :: places(:)  ! of each line
     character(len=:), allocatable :: file  ! whose places `add_at` tells
     integer :: placed = 0, others = 0      ! problems with a place in it, and without
+    integer :: beyond = 0                  ! those that came after `most_placed` had been written
+    integer :: alike = 0                   ! in a row that say the same as the last one
+    character(len=80) :: last = ''         ! the last one, without what was found
   contains
     procedure :: start                   !! names the file that the next problems have places in
     procedure :: add_at                  !! adds a problem at a line and column of the file
@@ -37,6 +41,8 @@ module asperity_problems
     procedure :: count => problem_count  !! how many there are, those not written out included
     procedure :: place => place_of_line  !! where the problem of a line is
     procedure :: text => problem_text    !! one line a problem
+    procedure, private :: add_placed
+    procedure, private :: uncounted
   end type problem_list
 
 contains
@@ -54,8 +60,7 @@ contains
     class(problem_list), intent(inout) :: self  !! the list
     character(len=*), intent(in) :: message     !! place, what is wrong, found, expected
 
-    self%placed = self%placed + 1
-    if (self%placed <= most_placed) call add_line(self, self%file, ': ', message, 0, 0)
+    call self%add_placed(': ', message, 0, 0)
   end subroutine add_in_file
 
   !> Adds `FILE:LINE:COLUMN: MESSAGE`.
@@ -65,11 +70,42 @@ contains
     integer, intent(in) :: column               !! column, from 1
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    self%placed = self%placed + 1
-    if (self%placed <= most_placed) &
-      call add_line(self, self%file, ':' // decimal_text(line) // ':' // decimal_text(column) // &
-                    ': ', message, line, column)
+    call self%add_placed(':' // decimal_text(line) // ':' // decimal_text(column) // ': ', message, &
+                         line, column)
   end subroutine add_at
+
+  ! Adds a problem of the file, or counts it.
+  pure subroutine add_placed(self, place, message, line, column)
+    class(problem_list), intent(inout) :: self
+    character(len=*), intent(in) :: place, message
+    integer, intent(in) :: line, column
+    character(len=len(self%last)) :: kind
+    integer :: found, expected
+
+    found = index(message, ' found ')
+    expected = index(message, ', expected ', back=.true.)
+    kind = message
+    if (found > 0 .and. expected > found) kind = message(:found) // message(expected:)
+    if (self%last == kind) then
+      self%alike = self%alike + 1
+    else
+      if (self%alike > most_alike) call add_line(self, self%file, ': ', self%uncounted(), 0, 0)
+      self%alike = 1
+      self%last = kind
+    end if
+    self%placed = self%placed + 1
+    if (self%alike > most_alike) return
+    if (self%placed > most_placed) self%beyond = self%beyond + 1
+    if (self%beyond == 0) call add_line(self, self%file, place, message, line, column)
+  end subroutine add_placed
+
+  ! What tells how many problems like the last one are not written out.
+  pure function uncounted(self) result(text)
+    class(problem_list), intent(in) :: self
+    character(len=:), allocatable :: text
+
+    text = 'and ' // decimal_text(self%alike - most_alike) // ' more like that'
+  end function uncounted
 
   !> Adds a problem at a byte of the file's text.
   pure subroutine add_at_byte(self, text, byte, message)
@@ -126,7 +162,8 @@ contains
 
     call self%lines%append(other%text())
     if (allocated(other%places)) call add_places(self, other%places)
-    if (other%placed > most_placed) call add_places(self, [problem_place()])
+    if (other%alike > most_alike) call add_places(self, [problem_place()])
+    if (other%beyond > 0) call add_places(self, [problem_place()])
     self%others = self%others + other%count()
   end subroutine append
 
@@ -152,8 +189,10 @@ contains
     character(len=:), allocatable :: text    !! the lines
 
     text = self%lines%text()
-    if (self%placed > most_placed) &
-      text = text // printable(self%file // ': and ' // decimal_text(self%placed - most_placed) // &
+    if (self%alike > most_alike) &
+      text = text // printable(self%file // ': ' // self%uncounted()) // new_line('a')
+    if (self%beyond > 0) &
+      text = text // printable(self%file // ': and ' // decimal_text(self%beyond) // &
                                ' more problems') // new_line('a')
   end function problem_text
 

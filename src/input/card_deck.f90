@@ -3,6 +3,7 @@ module asperity_card_deck
   use asperity_card_fields, only: read_i_field
   use asperity_card_reader, only: card_length, card_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_file_kind, only: other_kind
   use asperity_input_text, only: blanks, read_text
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list
@@ -60,10 +61,14 @@ contains
     type(card_deck), intent(out) :: deck           !! its values
     type(problem_list), intent(out) :: problems    !! all that is wrong
     type(card_reader) :: reader
+    character(len=:), allocatable :: other
     logical :: complete
 
     call reader%start(path, text)
-    if (verify(text, blanks) == 0) then
+    other = other_kind(text, [integer ::])
+    if (other /= '') then
+      call reader%problems%add_at(1, 1, other // '; expected a card deck')
+    else if (verify(text, blanks) == 0) then
       call reader%problems%add_at(1, 1, 'the deck is empty: found no text, ' // &
                                    'expected at least six cards')
     else

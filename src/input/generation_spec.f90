@@ -1,6 +1,7 @@
 !> Reads what `asperity generate` shall make: text in, checked values or a list of problems out.
 module asperity_generation_spec
   use asperity_decimal, only: decimal_value
+  use asperity_file_kind, only: a_specification
   use asperity_generation_checks, only: check_deck
   use asperity_generation_values, only: exact_value, gaussian_spec, generation_spec, &
                                         most_asperities, side_names
@@ -42,7 +43,7 @@ contains
     type(scene_fields) :: fields
 
     spec%file = path
-    call read_fields(path, text, 'a specification', generation_table(), fields)
+    call read_fields(path, text, 'a specification', [a_specification], generation_table(), fields)
     if (fields%is_text) call take_generation(fields, spec)
     problems = fields%problems
   end subroutine parse_generation_spec

@@ -5,6 +5,7 @@
 !> tells a problem, with its place, when what stands there is not what is expected.
 module asperity_scene_fields
   use asperity_decimal, only: decimal_value
+  use asperity_file_kind, only: other_kind
   use asperity_input_text, only: check_text, lower_case, quoted
   use asperity_kinds, only: int64
   use asperity_namelist_text, only: namelist_text, parse_namelist
@@ -12,6 +13,7 @@ module asperity_scene_fields
   use asperity_numeral, only: read_numeral, read_whole_number
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_names, only: find_names, known_name, one_of
+  use asperity_word_hint, only: did_you_mean
   implicit none
   private
 
@@ -46,20 +48,26 @@ module asperity_scene_fields
 contains
 
   !> Sorts the text of a scene; what is unknown or stands twice is told.
-  subroutine read_fields(file, text, kind, table, fields)
+  subroutine read_fields(file, text, kind, kinds, table, fields)
     character(len=*), intent(in) :: file       !! name for the messages
     character(len=*), intent(in) :: text       !! the whole scene
     character(len=*), intent(in) :: kind       !! what it should be, for a message
+    integer, intent(in) :: kinds(:)            !! what it may be, as `asperity_file_kind` tells
     type(known_name), intent(in) :: table(:)   !! what is known
     type(scene_fields), intent(out) :: fields  !! its values and problems
+    character(len=:), allocatable :: other
 
     fields%known = table
     call fields%problems%start(file)
     call check_text(text, kind, fields%problems)
+    other = other_kind(text, kinds)
+    if (other /= '') call fields%problems%add_at(1, 1, other // '; expected ' // kind)
     fields%is_text = fields%problems%count() == 0
     if (.not. fields%is_text) return
     call parse_namelist(text, fields%list, fields%problems)
     call find_names(fields%list, fields%known, fields%problems)
+    ! Where no group is known, that nothing else is there goes without saying.
+    if (fields%problems%count() > 0) fields%is_text = any(fields%known%group_at > 0)
   end subroutine read_fields
 
   !> Whether a group stands in the scene.
@@ -201,7 +209,8 @@ contains
     if (self%list%items(at + 1)%is_quoted) &
       number = findloc(words == lower_case(self%list%value_text(at + 1)), .true., 1)
     if (number == 0) &
-      call self%refuse_value(name, at + 1, one_of(words))
+      call self%refuse_value(name, at + 1, one_of(words) // &
+                             did_you_mean(lower_case(self%list%value_text(at + 1)), words))
   end subroutine take_word
 
   !> Tells a problem at a group, or at &surfaces when that group does not stand there, or at the

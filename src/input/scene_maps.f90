@@ -18,6 +18,8 @@ module asperity_scene_maps
 
   character(len=*), parameter :: edge_words(2) = [character(len=8) :: 'free', 'periodic'], &
                                  despike_words(2) = [character(len=3) :: 'off', 'on']
+  ! Bytes of a file that tell what it is: more than a line of four numbers.
+  integer, parameter :: most_looked_at = 200
   ! Names of &surfaces that a map alone has.
   character(len=*), parameter :: own_names(4) = &
     [character(len=11) :: 'map_edge', 'map_unit', 'map_spacing', 'map_despike']
@@ -25,16 +27,24 @@ module asperity_scene_maps
 contains
 
   !> Whether a file is a height map: surface data, or numbers from the first line on, where a
-  !> surface in CSV has names.
-  logical function is_map(path)
-    character(len=*), intent(in) :: path  !! the file
+  !> surface in CSV has names. Four numbers with commas are a surface whose names were forgotten,
+  !> unless a spacing tells that they are heights.
+  logical function is_map(path, has_spacing)
+    character(len=*), intent(in) :: path    !! the file
+    logical, intent(in) :: has_spacing      !! of a matrix of heights
     type(token_reader) :: file
     character(len=:), allocatable :: magic
+    integer :: i, commas
 
     call file%open(path)
-    call file%take(magic_length, magic)
+    call file%take(most_looked_at, magic)
     is_map = .not. allocated(file%failure)
-    if (is_map) is_map = is_sdf(magic) .or. scan(adjustl(magic), '+-.0123456789') == 1
+    if (.not. is_map) return
+    if (is_sdf(magic(:min(len(magic), magic_length)))) return
+    is_map = scan(adjustl(magic), '+-.0123456789') == 1
+    magic = magic(:index(magic // new_line('a'), new_line('a')) - 1)
+    commas = count([(scan(magic(i:i), ',;') > 0, i=1, len(magic))])
+    is_map = is_map .and. (has_spacing .or. commas /= 3)
   end function is_map
 
   !> Reads the maps that a scene names in the place of surfaces; '' is none.

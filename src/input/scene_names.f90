@@ -4,6 +4,7 @@ module asperity_scene_names
   use asperity_input_text, only: quoted
   use asperity_namelist_text, only: a_group, a_name, namelist_text
   use asperity_problems, only: problem_list
+  use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
 
@@ -48,13 +49,14 @@ contains
   end function scene_table
 
   !> Finds where the known names stand in a text. What is unknown or stands twice is told; of what
-  !> stands twice the first one counts.
+  !> stands twice the first one counts. What is told is taken for the name that was probably meant,
+  !> so that this is not told to be missing too.
   pure subroutine find_names(list, known, problems)
     type(namelist_text), intent(in) :: list        !! the text
     type(known_name), intent(inout) :: known(:)    !! gets the items of names and groups
     type(problem_list), intent(inout) :: problems  !! all that is wrong
     character(len=:), allocatable :: group, name
-    integer :: i, k
+    integer :: i, k, near
 
     do i = 1, list%count
       if (list%items(i)%kind /= a_group) cycle
@@ -63,7 +65,13 @@ contains
       if (all(known%group /= name)) then
         call problems%add_at_byte(list%text, list%items(i)%first - 1, 'unknown group: found ' // &
              quoted('&' // name) // ', expected ' // &
-             any_of(pack(known%group, known%group /= eoshift(known%group, -1)), before='&'))
+             any_of(pack(known%group, known%group /= eoshift(known%group, -1)), before='&') // &
+             did_you_mean(name, known%group))
+        near = nearest_word(name, known%group)
+        if (near == 0) cycle
+        if (known(near)%group_at == 0 .and. .not. stands(known(near)%group)) then
+          where (known%group == known(near)%group) known%group_at = i
+        end if
       else if (any(known%group == name .and. known%group_at > 0)) then
         call problems%add_at_byte(list%text, list%items(i)%first - 1, 'group &' // name // &
                                   ' stands twice, expected once')
@@ -73,14 +81,25 @@ contains
     end do
     do i = 1, list%count
       if (list%items(i)%kind /= a_name) cycle
-      group = list%name_text(list%items(i)%group)
-      if (all(known%group /= group)) cycle
+      k = findloc(known%group_at, list%items(i)%group, 1)
+      if (k > 0) then
+        group = trim(known(k)%group)
+      else
+        group = list%name_text(list%items(i)%group)
+        if (all(known%group /= group)) cycle
+      end if
       name = list%name_text(i)
       k = findloc(known%group == group .and. known%name == name, .true., 1)
       if (k == 0) then
+        near = nearest_word(name, pack(known%name, known%group == group))
+        if (near > 0) near = near + findloc(known%group == group, .true., 1) - 1
+        if (near == 0) near = findloc(known%name == name, .true., 1)
         call problems%add_at_byte(list%text, list%items(i)%first, 'unknown name in &' // group // &
              ': found ' // quoted(name) // ', expected ' // &
-             any_of(pack(known%name, known%group == group)))
+             any_of(pack(known%name, known%group == group)) // &
+             what_is_meant(near))
+        if (near == 0) cycle
+        if (known(near)%at == 0) known(near)%at = i
       else if (known(k)%group_at /= list%items(i)%group) then
         cycle
       else if (known(k)%at > 0) then
@@ -90,6 +109,31 @@ contains
         known(k)%at = i
       end if
     end do
+
+  contains
+
+    ! What an unknown name may be: one like it of this group, or one of another group.
+    pure function what_is_meant(k) result(text)
+      integer, intent(in) :: k
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (k == 0) return
+      text = '; did you mean ''' // trim(known(k)%name) // '''?'
+      if (known(k)%name == name) text = '; it is a name of &' // trim(known(k)%group)
+    end function what_is_meant
+
+    ! Whether a group stands anywhere in the text.
+    pure logical function stands(group)
+      character(len=*), intent(in) :: group
+      integer :: item
+
+      stands = .false.
+      do item = 1, list%count
+        if (list%items(item)%kind == a_group) stands = stands .or. list%name_text(item) == group
+      end do
+    end function stands
+
   end subroutine find_names
 
   !> `x_first, x_step or positions`, each between two marks when these are given.

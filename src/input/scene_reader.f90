@@ -1,11 +1,13 @@
 !> Reads a scene, or a card deck in its place: text in, checked values or a list of problems out.
 module asperity_scene_reader
+  use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_file_kind, only: a_scene, other_kind
   use asperity_input_text, only: blanks, read_text, text_start
   use asperity_kinds, only: int64, real64
   use asperity_namelist_cursor, only: next_character, skip_blanks
   use asperity_number_ranges, only: above_zero, any_number, not_negative, poisson_range
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_effects, only: read_effects
   use asperity_scene_fields, only: read_fields, scene_fields
@@ -55,7 +57,7 @@ contains
 
     checked%file = path
     checked%text = text
-    call read_fields(path, text, 'a scene', scene_table(), fields)
+    call read_fields(path, text, 'a scene', [a_scene], scene_table(), fields)
     call read_groups(fields, checked, problems)
   end subroutine parse_scene
 
@@ -73,7 +75,7 @@ contains
     checked%text = text
     checked%upper = upper
     checked%lower = lower
-    call read_fields(checked%file, text, 'a scene', scene_table(), fields)
+    call read_fields(checked%file, text, 'a scene', [a_scene], scene_table(), fields)
     fields%surfaces_given = .true.
     if (upper%is_plane .and. lower%is_plane) &
       call problems%add('surfaces: found two planes, expected one at most')
@@ -108,10 +110,16 @@ contains
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: problems
     type(scene_motion) :: sweep
+    character(len=:), allocatable :: other
     integer :: last
 
     checked%file = path
     checked%text = text
+    other = other_kind(text, [a_scene])
+    if (other /= '') then
+      call problems%add_at(1, 1, other // '; expected a scene or a card deck')
+      return
+    end if
     if (verify(text, blanks) == 0) then
       call problems%add_at(1, 1, 'the file is empty, expected a scene or a card deck')
       return
@@ -217,6 +225,7 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(decimal_value) :: rotation(2)
+    real(real64) :: largest
 
     call fields%take_numbers('tilt', 'upper_slope', any_number, checked%upper%slope)
     call fields%take_numbers('tilt', 'lower_slope', any_number, checked%lower%slope)
@@ -224,6 +233,11 @@ contains
     call fields%take_numbers('tilt', 'rotation', any_number, rotation)
     checked%upper%rotation = rotation(1)
     checked%lower%rotation = rotation(2)
+    largest = maxval(abs(decimal_to_real64(rotation)))
+    if (largest > 2 * pi) &
+      call checked%notes%add(checked%file // ': note: rotation: ' // real_text(largest) // &
+           ' radians are more than a whole turn; as degrees they would be ' // &
+           real_text(largest * pi / 180) // ' radians')
   end subroutine read_tilt
 
   !> Group &loading.

@@ -1,6 +1,7 @@
 !> Group &surfaces of a scene: a card deck, or two CSV files, of which one may be a plane.
 module asperity_scene_surfaces
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_input_text, only: quoted
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero
   use asperity_problems, only: decimal_text, problem_list
@@ -65,8 +66,11 @@ contains
     type(problem_list), intent(inout) :: other_files
     type(decimal_value) :: radius(2)
     character(len=:), allocatable :: which
+    character(len=:), allocatable :: upper_unit, lower_unit
     logical :: upper_has_radius, lower_has_radius
 
+    upper_unit = ''
+    lower_unit = ''
     upper_has_radius = .true.
     lower_has_radius = .true.
     checked%upper%is_plane = is_plane(upper)
@@ -75,7 +79,7 @@ contains
       call fields%complain_of('surfaces', 'lower', 'found two planes, expected one at most')
       return
     end if
-    if (names_map(path, upper) .or. names_map(path, lower)) then
+    if (names_map(path, upper, fields) .or. names_map(path, lower, fields)) then
       call take_maps(path, upper, lower, fields, checked, other_files)
       return
     end if
@@ -88,14 +92,18 @@ contains
       checked%upper = plane_surface()
     else if (allocated(upper)) then
       call surface_from_csv(beside(path, upper), radius(1), checked%upper, upper_has_radius, &
-                            other_files)
+                            upper_unit, checked%notes, other_files)
     end if
     if (checked%lower%is_plane) then
       checked%lower = plane_surface()
     else if (allocated(lower)) then
       call surface_from_csv(beside(path, lower), radius(2), checked%lower, lower_has_radius, &
-                            other_files)
+                            lower_unit, checked%notes, other_files)
     end if
+    if (upper_unit /= '' .and. lower_unit /= '' .and. upper_unit /= lower_unit) &
+      call fields%complain_of('surfaces', 'lower', 'found unit ' // quoted(lower_unit) // &
+                              ' in its header beside ' // quoted(upper_unit) // ' of upper, ' // &
+                              'expected all lengths in one unit')
     if (.not. fields%has('surfaces', 'radius')) then
       which = 'upper and the lower'
       if (upper_has_radius) which = 'lower'
@@ -120,8 +128,8 @@ contains
 
     checked%upper = plane_surface()
     checked%lower = plane_surface()
-    if (names_map(path, upper)) checked%upper%file = beside(path, upper)
-    if (names_map(path, lower)) checked%lower%file = beside(path, lower)
+    if (names_map(path, upper, fields)) checked%upper%file = beside(path, upper)
+    if (names_map(path, lower, fields)) checked%lower%file = beside(path, lower)
     call refuse_summits('upper', upper, checked%upper%file)
     call refuse_summits('lower', lower, checked%lower%file)
     call read_maps(checked%upper%file, checked%lower%file, fields, checked, other_files)
@@ -140,13 +148,14 @@ contains
   end subroutine take_maps
 
   ! Whether a name is that of a height map.
-  logical function names_map(path, name)
+  logical function names_map(path, name, fields)
     character(len=*), intent(in) :: path
     character(len=:), allocatable, intent(in) :: name
+    type(scene_fields), intent(in) :: fields
 
     names_map = .false.
     if (allocated(name)) names_map = name /= 'plane'
-    if (names_map) names_map = is_map(beside(path, name))
+    if (names_map) names_map = is_map(beside(path, name), fields%has('surfaces', 'map_spacing'))
   end function names_map
 
   ! Whether the word for a plane stands in the place of a file. A file of that name is ./plane.
@@ -177,12 +186,13 @@ contains
   end subroutine refuse_beside_deck
 
   !> Fills the numbers of one surface from a CSV file; a common radius of 0 is none.
-  subroutine surface_from_csv(path, common_radius, surface, has_radius, problems)
+  subroutine surface_from_csv(path, common_radius, surface, has_radius, unit, notes, problems)
     character(len=*), intent(in) :: path
     type(decimal_value), intent(in) :: common_radius
     type(scene_surface), intent(inout) :: surface
     logical, intent(out) :: has_radius
-    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable, intent(inout) :: unit  ! that its header tells
+    type(problem_list), intent(inout) :: notes, problems
     type(surface_table) :: table
     type(problem_list) :: found
 
@@ -195,6 +205,14 @@ contains
     surface%file = path
     ! A file that could not be read shall not be blamed for a missing radius too.
     has_radius = table%has_radius .or. found%count() > 0
+    if (found%count() == 0) then
+      unit = table%unit
+      if (table%others /= '') &
+        call notes%add(path // ': note: columns that are not read: ' // table%others)
+      if (all(table%height < 0.0_real64)) &
+        call notes%add(path // ': note: every summit lies below the reference plane: heights ' // &
+                       'count upwards; is the surface upside down?')
+    end if
     if (allocated(table%x)) call move_alloc(table%x, surface%x)
     if (allocated(table%y)) call move_alloc(table%y, surface%y)
     if (allocated(table%height)) call move_alloc(table%height, surface%height)

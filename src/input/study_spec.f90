@@ -4,6 +4,7 @@
 !> &material and &study.
 module asperity_study_spec
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_file_kind, only: a_specification, a_study
   use asperity_generation_spec, only: generation_table, take_generation
   use asperity_generation_values, only: generation_spec
   use asperity_input_text, only: read_text
@@ -71,7 +72,8 @@ contains
     spec%surfaces%file = path
     call read_text(path, 'a specification', spec%text, problems)
     if (problems%count() > 0) return
-    call read_fields(path, spec%text, 'a specification', study_table(), fields)
+    call read_fields(path, spec%text, 'a specification', [a_specification, a_study], &
+                     study_table(), fields)
     if (fields%is_text) call take_study(fields, spec)
     problems = fields%problems
   end subroutine read_study_spec

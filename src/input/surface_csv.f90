@@ -1,13 +1,17 @@
-!> Surfaces as comma-separated values: text in, checked numbers or a list of problems out.
+!> Surfaces as separated values: text in, checked numbers or a list of problems out.
 !>
-!> The first line that is not blank names the columns `x,y,height,radius` in any order; `radius`
-!> may be left out. Reading takes time and memory in proportion to the file.
+!> The first line that is neither blank nor a comment (`#`) names the columns `x,y,height,radius`
+!> in any order; `radius` may be left out. Reading takes time and memory in proportion to the file.
 module asperity_surface_csv
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_input_text, only: blanks, check_text, line_end, quoted, read_text, text_start
+  use asperity_file_kind, only: a_surface, other_kind
+  use asperity_input_text, only: check_text, quoted, read_text, text_start
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_separated_cells, only: cut_line, line_cells, skip_to_line
+  use asperity_surface_columns, only: column_names, height_column, radius_column, read_header, &
+                                      surface_columns
   implicit none
   private
 
@@ -19,16 +23,9 @@ module asperity_surface_csv
     real(real64), allocatable :: height(:)     !! summits above the plane, less than 2 radii
     real(real64), allocatable :: radius(:)     !! more than 0; not allocated when nobody gives it
     logical :: has_radius = .false.            !! the file has a radius column
+    character(len=:), allocatable :: unit      !! of its lengths; empty when the file does not tell
+    character(len=:), allocatable :: others    !! names of columns that are not read; or empty
   end type surface_table
-
-  character(len=*), parameter :: names(4) = [character(len=6) :: 'x', 'y', 'height', 'radius']
-  integer, parameter :: height_column = 3, radius_column = 4
-
-  !> One line, cut at its commas.
-  type :: line_cells
-    integer :: count = 0                  ! cells found, those beyond the table's included
-    integer :: first(4) = 1, last(4) = 0  ! places in the text, blanks around left out
-  end type line_cells
 
 contains
 
@@ -67,119 +64,85 @@ contains
     type(surface_table), intent(out) :: table
     type(problem_list), intent(out) :: problems
     real(real64), intent(in), optional :: common_radius
-    integer :: column_of(4), first, line, columns, rows
+    type(surface_columns) :: columns
+    character(len=:), allocatable :: other
+    integer :: first, line, rows
 
     call problems%start(path)
     line = 1
     first = text_start(text)
-    call skip_blank_lines(text, first, line)
+    call skip_to_line(text, first, line)
     if (first > len(text)) then
       call problems%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')
       return
     end if
-    call read_header(text, first, line, column_of, columns, problems)
-    table%has_radius = any(column_of(:columns) == radius_column)
+    other = other_kind(text, [a_surface])
+    if (other /= '') then
+      call problems%add_at(line, 1, other // '; expected a surface, x,y,height,radius')
+      return
+    end if
+    call read_header(text, first, line, columns, problems)
+    table%has_radius = columns%cell_of(radius_column) > 0
+    table%unit = columns%unit
+    table%others = columns%others
     if (problems%count() > 0) return
     ! One more than the line feeds that are left: never too few.
     rows = count_line_feeds(text(first:)) + 1
     allocate (table%x(rows), table%y(rows), table%height(rows))
     if (table%has_radius .or. present(common_radius)) allocate (table%radius(rows))
     if (present(common_radius)) table%radius = common_radius
-    call read_rows(text, first, line, column_of(:columns), table, rows, problems)
+    call read_rows(text, first, line, columns, table, rows, problems)
     if (rows == 0 .and. problems%count() == 0) &
       call problems%add_at(line, 1, 'no asperity: found the end of the file, expected a row')
     call cut(table, rows)
   end subroutine parse_numbers
 
-  !> Which column holds which number.
-  pure subroutine read_header(text, first, line, column_of, columns, problems)
-    character(len=*), intent(in) :: text
-    integer, intent(inout) :: first, line        ! left at the next line
-    integer, intent(out) :: column_of(4)         ! index in `names` of each column
-    integer, intent(out) :: columns
-    type(problem_list), intent(inout) :: problems
-    type(line_cells) :: cells
-    character(len=:), allocatable :: name
-    integer :: i, start
-
-    start = first
-    column_of = 0
-    call cut_line(text, first, cells)
-    columns = min(cells%count, size(names))
-    do i = 1, columns
-      name = text(cells%first(i):cells%last(i))
-      column_of(i) = findloc(names == name, .true., 1)
-      if (column_of(i) == 0) then
-        call problems%add_at(line, cells%first(i) - start + 1, 'unknown column: found ' // &
-                          quoted(name) // ', expected x, y, height or radius')
-      else if (any(column_of(:i - 1) == column_of(i))) then
-        call problems%add_at(line, cells%first(i) - start + 1, 'column ' // name // &
-                          ' stands twice, expected once')
-      end if
-    end do
-    if (cells%count > size(names)) &
-      call problems%add_at(line, 1, 'found ' // decimal_text(cells%count) // &
-                        ' columns, expected x, y, height and perhaps radius')
-    if (problems%count() == 0) then
-      do i = 1, height_column
-        if (any(column_of(:columns) == i)) cycle
-        call problems%add_at(line, 1, 'no column ' // trim(names(i)) // &
-                          ': expected x, y, height and perhaps radius')
-      end do
-    end if
-    line = line + 1
-  end subroutine read_header
-
   !> Reads all rows; `rows` becomes the number of good ones.
-  pure subroutine read_rows(text, first, line, column_of, table, rows, problems)
+  pure subroutine read_rows(text, first, line, columns, table, rows, problems)
     character(len=*), intent(in) :: text
     integer, intent(inout) :: first, line
-    integer, intent(in) :: column_of(:)
+    type(surface_columns), intent(in) :: columns
     type(surface_table), intent(inout) :: table
     integer, intent(out) :: rows
     type(problem_list), intent(inout) :: problems
     type(line_cells) :: cells
     type(decimal_value) :: decimal
     real(real64) :: numbers(4)
-    integer :: i, start, place(4), cell_of(4)
+    integer :: i, start
     logical :: good, all_good
 
-    cell_of = 0
-    do i = 1, size(column_of)
-      cell_of(column_of(i)) = i
-    end do
-    place = 1
+    cells%separator = columns%separator
+    allocate (cells%first(columns%count), cells%last(columns%count))
     rows = 0
     do
-      call skip_blank_lines(text, first, line)
+      call skip_to_line(text, first, line)
       if (first > len(text)) exit
       start = first
       call cut_line(text, first, cells)
-      if (cells%count /= size(column_of)) then
+      if (cells%count /= columns%count) then
         call problems%add_at(line, 1, 'found ' // decimal_text(cells%count) // ' cells, ' // &
-                             'expected ' // decimal_text(size(column_of)) // ' as in the header')
+                             'expected ' // decimal_text(columns%count) // ' as in the header' // &
+                             point_hint(cells%count > columns%count .and. cells%separator == ','))
       else
         all_good = .true.
         if (allocated(table%radius) .and. .not. table%has_radius) &
           numbers(radius_column) = table%radius(1)
-        do i = 1, size(column_of)
-          place(column_of(i)) = cells%first(i) - start + 1
-          call read_numeral(text(cells%first(i):cells%last(i)), decimal, good)
-          numbers(column_of(i)) = decimal_to_real64(decimal)
+        do i = 1, size(column_names)
+          if (columns%cell_of(i) == 0) cycle
+          call read_numeral(text(cells%first(columns%cell_of(i)):cells%last(columns%cell_of(i))), &
+                            decimal, good)
+          numbers(i) = decimal_to_real64(decimal)
           if (good) cycle
           all_good = .false.
-          call problems%add_at(line, place(column_of(i)), trim(names(column_of(i))) // &
-                               ': found ' // cell(column_of(i)) // &
-                               ', expected a finite number within the range of a double')
+          call refuse(i, 'a finite number within the range of a double' // &
+                      point_hint(index(cell(i), ',') > 0), problems)
         end do
         if (all_good .and. allocated(table%radius)) then
           if (numbers(radius_column) <= 0.0_real64) then
-            call problems%add_at(line, place(radius_column), 'radius: found ' // &
-                                 cell(radius_column) // ', expected more than 0')
+            call refuse(radius_column, 'more than 0', problems)
           else if (numbers(height_column) / 2 >= numbers(radius_column)) then
             ! A sphere does not stand higher than its diameter.
-            call problems%add_at(line, place(height_column), 'height: found ' // &
-                                 cell(height_column) // ', expected less than twice the radius')
+            call refuse(height_column, 'less than twice the radius', problems)
           end if
         end if
         rows = rows + 1
@@ -193,66 +156,35 @@ contains
 
   contains
 
-    !> The cell of a named column, for a message.
+    ! The cell of a named column.
     pure function cell(column)
       integer, intent(in) :: column
       character(len=:), allocatable :: cell
 
-      cell = quoted(text(cells%first(cell_of(column)):cells%last(cell_of(column))))
+      cell = text(cells%first(columns%cell_of(column)):cells%last(columns%cell_of(column)))
     end function cell
+
+    ! Tells that the cell of a column is not what is expected.
+    pure subroutine refuse(column, expected, problems)
+      integer, intent(in) :: column
+      character(len=*), intent(in) :: expected
+      type(problem_list), intent(inout) :: problems
+
+      call problems%add_at(line, cells%first(columns%cell_of(column)) - start + 1, &
+                           trim(column_names(column)) // ': found ' // quoted(cell(column)) // &
+                           ', expected ' // expected)
+    end subroutine refuse
 
   end subroutine read_rows
 
-  !> Cuts the line at `first` at its commas; `first` is left at the next line.
-  pure subroutine cut_line(text, first, cells)
-    character(len=*), intent(in) :: text
-    integer, intent(inout) :: first
-    type(line_cells), intent(out) :: cells
-    integer :: at, from
+  ! What to do about a decimal comma.
+  pure function point_hint(is_needed) result(text)
+    logical, intent(in) :: is_needed
+    character(len=:), allocatable :: text
 
-    from = first
-    do at = first, len(text)
-      if (text(at:at) == achar(10)) exit
-      if (text(at:at) /= ',') cycle
-      call add_cell(text, from, at - 1, cells)
-      from = at + 1
-    end do
-    call add_cell(text, from, at - 1, cells)
-    first = at + 1
-  end subroutine cut_line
-
-  !> Adds the cell `from:to`, without the blanks around it.
-  pure subroutine add_cell(text, from, to, cells)
-    character(len=*), intent(in) :: text
-    integer, intent(in) :: from, to
-    type(line_cells), intent(inout) :: cells
-
-    cells%count = cells%count + 1
-    if (cells%count > size(cells%first)) return
-    cells%first(cells%count) = from
-    cells%last(cells%count) = to
-    if (to < from) return
-    ! As a rule there are none.
-    if (iachar(text(from:from)) <= iachar(' ')) &
-      cells%first(cells%count) = from + max(0, verify(text(from:to), blanks) - 1)
-    if (iachar(text(to:to)) <= iachar(' ')) &
-      cells%last(cells%count) = from + verify(text(from:to), blanks, back=.true.) - 1
-  end subroutine add_cell
-
-  !> Steps over blank lines; `first` is left at the first byte of a line, or behind the text.
-  pure subroutine skip_blank_lines(text, first, line)
-    character(len=*), intent(in) :: text
-    integer, intent(inout) :: first, line
-    integer :: last
-
-    do while (first <= len(text))
-      if (verify(text(first:first), blanks // achar(10)) > 0) return
-      last = line_end(text, first)
-      if (verify(text(first:last), blanks) > 0) return
-      if (last < len(text)) line = line + 1
-      first = last + 2
-    end do
-  end subroutine skip_blank_lines
+    text = ''
+    if (is_needed) text = '; a decimal comma? write a point'
+  end function point_hint
 
   !> Shortens the table to its rows.
   pure subroutine cut(table, rows)

@@ -1,0 +1,64 @@
+!> What kind of file a text is, for a user who named one where another kind is expected.
+module asperity_file_kind
+  use asperity_input_text, only: blanks, line_end, lower_case, text_start
+  use asperity_namelist_cursor, only: next_character, skip_blanks
+  implicit none
+  private
+
+  public :: a_scene, a_specification, a_study, a_surface, a_map, other_kind
+
+  !> Kinds that a text tells by itself. A card deck, or a map as plain numbers, does not.
+  integer, parameter :: a_scene = 1, a_specification = 2, a_study = 3, a_surface = 4, a_map = 5
+
+  ! What they are and what to do with them.
+  character(len=*), parameter :: advice(5) = [character(len=76) :: &
+    'a scene: asperity solve FILE', &
+    'a specification of surfaces: asperity generate FILE', &
+    'a specification of a study: asperity study FILE', &
+    'a surface: name it in &surfaces of a scene, then asperity solve SCENE', &
+    'a height map: asperity summits FILE, or name it in &surfaces of a scene']
+
+contains
+
+  !> `found a surface: ...` when the text is plainly of another kind than those wanted, or nothing.
+  pure function other_kind(text, wanted) result(message)
+    character(len=*), intent(in) :: text      !! the file, or its beginning
+    integer, intent(in) :: wanted(:)          !! kinds that may stand here
+    character(len=:), allocatable :: message  !! what was found and what to do with it
+    integer :: kind
+
+    message = ''
+    kind = kind_of(text)
+    if (kind > 0 .and. all(wanted /= kind)) message = 'found ' // trim(advice(kind))
+  end function other_kind
+
+  ! The kind, or 0.
+  pure integer function kind_of(text)
+    character(len=*), intent(in) :: text
+    character(len=:), allocatable :: small, line
+    integer :: at
+
+    kind_of = 0
+    at = text_start(text)
+    small = lower_case(text(:min(len(text), 20000)))
+    if (any(small(at:min(len(small), at + 3)) == ['abcr', 'bbcr', 'aiso', 'biso'])) kind_of = a_map
+    call skip_blanks(small, at)
+    if (next_character(small, at) == '&') then
+      if (any([index(small, '&heights'), index(small, '&radii')] > 0)) kind_of = a_specification
+      if (index(small, '&study') > 0) kind_of = a_study
+      if (any([index(small, '&loading'), index(small, '&effects'), index(small, '&motion'), &
+               index(small, '&tilt'), index(small, '&limit')] > 0)) &
+        kind_of = merge(a_scene, 0, kind_of == 0)
+    else if (kind_of == 0 .and. at <= len(small)) then
+      do while (next_character(small, at) == '#')
+        at = line_end(small, at) + 1
+        if (at <= len(small)) at = at + verify(small(at:), blanks) - 1
+      end do
+      if (at > len(small)) return
+      line = small(at:line_end(small, at))
+      if (all([index(line, 'x'), index(line, 'y'), index(line, 'height')] > 0) .and. &
+          scan(line, ',;' // achar(9)) > 0) kind_of = a_surface
+    end if
+  end function kind_of
+
+end module asperity_file_kind

@@ -1,0 +1,142 @@
+!> The header of a surface as separated values: which column is what.
+!>
+!> Names in capitals or small letters, between quotes or not, a unit in brackets behind them. Other
+!> columns may stand there; they are not read.
+module asperity_surface_columns
+  use asperity_decimal, only: decimal_value
+  use asperity_input_text, only: line_end, lower_case, quoted
+  use asperity_numeral, only: read_numeral
+  use asperity_problems, only: problem_list
+  use asperity_separated_cells, only: cut_line, line_cells, separator_of
+  use asperity_word_hint, only: nearest_word
+  implicit none
+  private
+
+  public :: surface_columns, column_names, height_column, radius_column, read_header
+
+  !> What a column can be.
+  character(len=*), parameter :: column_names(4) = &
+    [character(len=6) :: 'x', 'y', 'height', 'radius']
+  !> Place in `column_names`.
+  integer, parameter :: height_column = 3, radius_column = 4
+
+  !> What the columns of a file are.
+  type :: surface_columns
+    integer :: cell_of(4) = 0                 !! cell of each of `column_names`; 0: there is none
+    integer :: count = 0                      !! columns of the file
+    character(len=1) :: separator = ','       !! what stands between them
+    character(len=:), allocatable :: unit     !! of all lengths; empty when the file does not tell
+    character(len=:), allocatable :: others   !! names of the columns that are not read; or empty
+  end type surface_columns
+
+contains
+
+  !> Reads the header at `first`.
+  pure subroutine read_header(text, first, line, columns, problems)
+    character(len=*), intent(in) :: text            !! the whole file
+    integer, intent(inout) :: first                 !! byte where it begins; left at the next line
+    integer, intent(inout) :: line                  !! its number; left at the next one's
+    type(surface_columns), intent(out) :: columns   !! what stands where
+    type(problem_list), intent(inout) :: problems   !! what is wrong
+    type(line_cells) :: cells
+    character(len=:), allocatable :: name, unit
+    integer :: i, role, last, start
+
+    last = line_end(text, first)
+    cells%separator = separator_of(text(first:last))
+    allocate (cells%first(last - first + 2), cells%last(last - first + 2))
+    start = first
+    call cut_line(text, first, cells)
+    columns%count = cells%count
+    columns%separator = cells%separator
+    columns%unit = ''
+    columns%others = ''
+    if (all_numbers(text, cells)) then
+      call problems%add_at(line, 1, 'no header: found numbers in the first line, expected ' // &
+                           'x,y,height,radius')
+      return
+    end if
+    do i = 1, cells%count
+      call split(text(cells%first(i):cells%last(i)), name, unit)
+      role = findloc(column_names == name, .true., 1)
+      if (role == 0) then
+        columns%others = columns%others // ', ' // name
+      else if (columns%cell_of(role) > 0) then
+        call problems%add_at(line, place(i), 'column ' // name // ' stands twice, expected once')
+      else
+        columns%cell_of(role) = i
+        if (unit == '') cycle
+        if (columns%unit /= '' .and. columns%unit /= unit) &
+          call problems%add_at(line, place(i), name // ': found unit ' // quoted(unit) // &
+                               ' beside ' // quoted(columns%unit) // ', expected all lengths ' // &
+                               'in one unit')
+        columns%unit = unit
+      end if
+    end do
+    ! A name that is nearly one of those that are missing is no other column.
+    do i = 1, cells%count
+      call split(text(cells%first(i):cells%last(i)), name, unit)
+      if (any(column_names == name)) cycle
+      role = nearest_word(name, column_names)
+      if (role == 0) cycle
+      if (columns%cell_of(role) > 0) cycle
+      columns%cell_of(role) = i
+      call problems%add_at(line, place(i), 'unknown column: found ' // quoted(name) // &
+                           '; did you mean ''' // trim(column_names(role)) // '''?')
+    end do
+    if (columns%others /= '') columns%others = columns%others(3:)
+    name = ''
+    do i = 1, height_column
+      if (columns%cell_of(i) == 0) name = name // ', ' // trim(column_names(i))
+    end do
+    if (name /= '') &
+      call problems%add_at(line, 1, 'no column ' // name(3:) // ': found ' // &
+                           quoted(text(start:last)) // ', expected x, y, height and perhaps ' // &
+                           'radius, between commas, semicolons or tabulators')
+    line = line + 1
+
+  contains
+
+    ! Column of the line where a cell begins.
+    pure integer function place(cell)
+      integer, intent(in) :: cell
+
+      place = cells%first(cell) - start + 1
+    end function place
+
+  end subroutine read_header
+
+  ! Whether all cells are numbers: the header is missing.
+  pure logical function all_numbers(text, cells)
+    character(len=*), intent(in) :: text
+    type(line_cells), intent(in) :: cells
+    type(decimal_value) :: value
+    integer :: i
+
+    do i = 1, cells%count
+      call read_numeral(text(cells%first(i):cells%last(i)), value, all_numbers)
+      if (.not. all_numbers) return
+    end do
+  end function all_numbers
+
+  ! A name in small letters without quotes, and the unit in brackets behind it.
+  pure subroutine split(cell, name, unit)
+    character(len=*), intent(in) :: cell
+    character(len=:), allocatable, intent(out) :: name, unit
+    integer :: left, right
+
+    name = cell
+    unit = ''
+    if (len(name) > 1) then
+      if (name(1:1) == '"' .and. name(len(name):) == '"') name = name(2:len(name) - 1)
+    end if
+    left = scan(name, '[(')
+    if (left > 1) then
+      right = scan(name(left:), '])') + left - 1
+      if (right > left) unit = trim(adjustl(name(left + 1:right - 1)))
+      name = name(:left - 1)
+    end if
+    name = trim(adjustl(lower_case(name)))
+  end subroutine split
+
+end module asperity_surface_columns
