@@ -70,8 +70,8 @@ contains
     integer, intent(in) :: column               !! column, from 1
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    call self%add_placed(':' // decimal_text(line) // ':' // decimal_text(column) // ': ', message, &
-                         line, column)
+    call self%add_placed(':' // decimal_text(line) // ':' // decimal_text(column) // ': ', &
+                         message, line, column)
   end subroutine add_at
 
   ! Adds a problem of the file, or counts it.

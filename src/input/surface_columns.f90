@@ -6,7 +6,7 @@ module asperity_surface_columns
   use asperity_decimal, only: decimal_value
   use asperity_input_text, only: line_end, lower_case, quoted
   use asperity_numeral, only: read_numeral
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: decimal_text, problem_list
   use asperity_separated_cells, only: cut_line, line_cells, separator_of
   use asperity_word_hint, only: nearest_word
   implicit none
@@ -59,6 +59,7 @@ contains
     do i = 1, cells%count
       call split(text(cells%first(i):cells%last(i)), name, unit)
       role = findloc(column_names == name, .true., 1)
+      if (name == '') name = 'column ' // decimal_text(i)
       if (role == 0) then
         columns%others = columns%others // ', ' // name
       else if (columns%cell_of(role) > 0) then
