@@ -32,6 +32,7 @@ module asperity_cells_answer
     real(real64), allocatable :: alone_area(:)        !! the same of each alone
     real(real64), allocatable :: maximum_pressure(:)  !! mean over a cell
     real(real64), allocatable :: alone_pressure(:)    !! the same of each alone
+    real(real64), allocatable :: alone_depth(:)       !! penetration for that; 0: not solved
     real(real64), allocatable :: centre_x(:)          !! of its pressure; unloaded: first touch
     real(real64), allocatable :: centre_y(:)          !! of its pressure; unloaded: first touch
     integer :: cells = 0                              !! of the finest lattice
@@ -57,8 +58,8 @@ contains
 
     zero = 0.0_real64
     allocate (answer%vertical_load, answer%alone_load, answer%area, answer%alone_area, &
-              answer%maximum_pressure, answer%alone_pressure, answer%centre_x, answer%centre_y, &
-              source=zero)
+              answer%maximum_pressure, answer%alone_pressure, answer%alone_depth, &
+              answer%centre_x, answer%centre_y, source=zero)
     allocate (answer%spread(3, members), source=0.0_real64)
   end subroutine make_room
 

@@ -23,7 +23,7 @@ module asperity_cells_solver
 
   ! Cells per radius of the contact that would bear most alone, before any halving: from that on, to
   ! twice as many.
-  real(real64), parameter :: coarse_cells = 3.0_real64
+  real(real64), parameter :: coarse_cells = 4.0_real64
 
   ! Bytes that may be held, and that are held for each cell.
   real(real64), parameter :: bytes_allowed = 2.0_real64**31, bytes_per_cell = 170.0_real64
@@ -43,6 +43,10 @@ module asperity_cells_solver
 
   ! A load is told as exactly as if it were at least that of the largest contact alone, times this.
   real(real64), parameter :: least_share = 1.0e-3_real64
+
+  ! Share of a penetration by which it may differ from the one that was solved alone: what a sphere
+  ! differs from a paraboloid then changes by 5e-5, where a contact is as deep as .01 of its radius.
+  real(real64), parameter :: as_before = 0.05_real64
 
 contains
 
@@ -74,11 +78,14 @@ contains
     real(real64), intent(in) :: closing            !! past first touch
     type(outside_field), intent(in) :: outside     !! of the contacts that are no members
     real(real64), intent(in) :: tolerance          !! relative change by the last halving
-    type(cells_answer), intent(out) :: answer      !! the answer
+    type(cells_answer), intent(inout) :: answer    !! the answer; before that, one to begin with
     !> load, area: what is less is told as exactly as if it were this
     real(real64), intent(in), optional :: worth(2)
     type(gap_shape), allocatable :: shapes(:)
+    type(cells_answer) :: last, none
 
+    last = answer
+    answer = none
     call make_room(answer, size(members))
     answer%centre_x = pairs%list(members)%x
     answer%centre_y = pairs%list(members)%y
@@ -91,7 +98,7 @@ contains
     else if (.not. maxval(shapes%penetration / shapes%curvature_radius) > shallowest) then
       answer%failure = 'contacts too shallow for cells'
     else
-      call halve_until_settled(pairs%modulus, shapes, outside, tolerance, answer, worth)
+      call halve_until_settled(pairs%modulus, shapes, outside, tolerance, last, answer, worth)
     end if
     if (allocated(answer%failure)) answer%ending%converged = .false.
   end subroutine solve_cells
@@ -123,15 +130,17 @@ contains
     end do
   end subroutine find_shapes
 
-  subroutine halve_until_settled(modulus, shapes, outside, tolerance, answer, least_worth)
+  subroutine halve_until_settled(modulus, shapes, outside, tolerance, last, answer, least_worth)
     real(real64), intent(in) :: modulus, tolerance
     type(gap_shape), intent(in) :: shapes(:)
     type(outside_field), intent(in) :: outside
+    type(cells_answer), intent(in) :: last
     type(cells_answer), intent(inout) :: answer
     real(real64), intent(in), optional :: least_worth(2)
     type(cell_frame) :: frame
     type(cell_lattice) :: lattice, coarse
-    real(real64) :: before, total, worth, alone(2), finest
+    type(cell_convolution), allocatable :: influence
+    real(real64) :: before, total, worth, alone(2), allowed, finest
     integer :: i, needed
 
     ! Hertz.
@@ -139,14 +148,15 @@ contains
                                                      shapes%cosine), &
              pi * sum(shapes%contact_radius**2)]
     worth = least_share * alone(1)
-    finest = area_cells(tolerance)
-    if (present(least_worth)) then
-      worth = max(worth, least_worth(1))
-      finest = area_cells(tolerance * max(1.0_real64, least_worth(2) / alone(2)))
-    end if
-    ! Cells in a radius, such that the last halving is expected to change no more than it may.
-    finest = max(finest, 2 * (load_told * load_error / (tolerance * &
-                              max(1.0_real64, worth / alone(1))))**0.4_real64, 2 * coarse_cells)
+    if (present(least_worth)) worth = max(worth, least_worth(1))
+    ! Cells in a radius, such that the last halving is expected to change no more than it may; and
+    ! for the area.
+    allowed = tolerance * max(1.0_real64, worth / alone(1))
+    finest = 2 * (load_told * load_error / allowed)**0.4_real64
+    allowed = max(area_over_load * tolerance, least_area)
+    if (present(least_worth)) allowed = allowed * max(1.0_real64, least_worth(2) / alone(2))
+    finest = max(2 * coarse_cells, finest, &
+                 (area_told * area_error / allowed)**(2.0_real64 / 3.0_real64))
     needed = int(log(finest / coarse_cells) / log(2.0_real64))
     frame = frame_of(shapes, finest * 0.5_real64**needed)
     total = 0.0_real64
@@ -163,7 +173,7 @@ contains
       else
         call refine_forces(coarse, lattice)
       end if
-      call solve_on(lattice, tolerance, answer%ending)
+      call solve_on(influence, lattice, tolerance, answer%ending)
       if (.not. answer%ending%converged) then
         answer%failure = 'the pressures on the cells did not converge'
         return
@@ -183,53 +193,68 @@ contains
       return
     end if
     do i = 1, size(shapes)
-      call solve_alone(modulus, frame, shapes(i:i), tolerance, answer)
+      call solve_alone(modulus, frame, shapes(i:i), tolerance, last, influence, answer)
     end do
   end subroutine halve_until_settled
 
-  ! Cells in a radius that an area wants, which need be no better than .5 %.
-  pure real(real64) function area_cells(tolerance)
-    real(real64), intent(in) :: tolerance
-
-    area_cells = (area_told * area_error / &
-                  max(area_over_load * tolerance, least_area))**(2.0_real64 / 3.0_real64)
-  end function area_cells
-
-  ! A contact by itself, on the same lattice, so that the cells' errors cancel in the ratio.
-  subroutine solve_alone(modulus, frame, shape, tolerance, answer)
+  ! A contact by itself, on the same lattice, so that the cells' errors cancel in the ratio. One
+  ! that was solved at nearly the same penetration p is as that, by the powers of p in Hertz' law.
+  subroutine solve_alone(modulus, frame, shape, tolerance, last, influence, answer)
     real(real64), intent(in) :: modulus, tolerance
     type(cell_frame), intent(in) :: frame
     type(gap_shape), intent(in) :: shape(1)
+    type(cells_answer), intent(in) :: last
+    type(cell_convolution), allocatable, intent(inout) :: influence
     type(cells_answer), intent(inout) :: answer
     type(cell_frame) :: own
     type(cell_lattice) :: lattice
     type(cells_answer) :: alone
+    real(real64) :: ratio
 
-    own = frame
-    own%scale = shape(1)%penetration
-    call lay_cells(own, shape, answer%halvings, lattice)
-    call start_forces(own, shape, lattice)
-    call solve_on(lattice, tolerance, alone%ending)
-    if (.not. alone%ending%converged) &
-      answer%failure = 'the pressures on the cells of a contact alone did not converge'
-    call make_room(alone, size(answer%area))
-    call tell(modulus, own, shape, lattice, alone)
-    answer%alone_load(shape(1)%pair) = alone%vertical_load(shape(1)%pair)
-    answer%alone_area(shape(1)%pair) = alone%area(shape(1)%pair)
-    answer%alone_pressure(shape(1)%pair) = alone%maximum_pressure(shape(1)%pair)
+    associate (m => shape(1)%pair)
+      answer%alone_depth(m) = shape(1)%penetration
+      if (allocated(last%alone_depth)) then
+        ratio = shape(1)%penetration / max(last%alone_depth(m), tiny(ratio))
+        if (abs(ratio - 1.0_real64) < as_before) then
+          answer%alone_load(m) = last%alone_load(m) * ratio * sqrt(ratio)
+          answer%alone_area(m) = last%alone_area(m) * ratio
+          answer%alone_pressure(m) = last%alone_pressure(m) * sqrt(ratio)
+          return
+        end if
+      end if
+      own = frame
+      own%scale = shape(1)%penetration
+      call lay_cells(own, shape, answer%halvings, lattice)
+      call start_forces(own, shape, lattice)
+      call solve_on(influence, lattice, tolerance, alone%ending)
+      if (.not. alone%ending%converged) &
+        answer%failure = 'the pressures on the cells of a contact alone did not converge'
+      call make_room(alone, size(answer%area))
+      call tell(modulus, own, shape, lattice, alone)
+      answer%alone_load(m) = alone%vertical_load(m)
+      answer%alone_area(m) = alone%area(m)
+      answer%alone_pressure(m) = alone%maximum_pressure(m)
+    end associate
   end subroutine solve_alone
 
-  subroutine solve_on(lattice, tolerance, ending)
+  ! With an influence that was prepared for a lattice that is not much larger, or a new one.
+  subroutine solve_on(influence, lattice, tolerance, ending)
+    type(cell_convolution), allocatable, intent(inout) :: influence
     type(cell_lattice), intent(inout) :: lattice
     real(real64), intent(in) :: tolerance
     type(solve_ending), intent(out) :: ending
-    type(cell_convolution) :: influence
     real(real64), allocatable :: table(:, :)
 
-    allocate (table, mold=lattice%gap)
-    call influence_table(table)
-    call influence%prepare(table / pi)
-    deallocate (table)
+    if (allocated(influence)) then
+      if (.not. influence%serves(shape(lattice%gap))) deallocate (influence)
+    end if
+    if (.not. allocated(influence)) then
+      allocate (influence)
+      allocate (table, mold=lattice%gap)
+      call influence_table(table)
+      call influence%prepare(table / pi)
+      deallocate (table)
+    end if
     call relax(influence, lattice%gap, max(1.0e-10_real64, inner * tolerance), &
                lattice%force, ending)
   end subroutine solve_on

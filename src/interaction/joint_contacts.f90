@@ -47,8 +47,8 @@ module asperity_joint_contacts
   integer, parameter :: most_rounds = 30
   ! Of the change by a round, what the next would change: they alternate and contract by .25 to .5.
   real(real64), parameter :: round_left = 0.33_real64
-  ! Standard deviations that are told of the scatter of loads and areas on cells.
-  real(real64), parameter :: scatter_told = 2.5_real64
+  ! Standard deviations that are told of the scatter on cells: of loads, of areas.
+  real(real64), parameter :: scatter_told = 2.5_real64, area_scatter_told = 3.0_real64
   ! Relative error of an area over that of its load: for an ellipse (n = 2) 4/3 of what the load
   ! gains, and a load that is off has the area off by 2/3; twice that, as of circles that all but
   ! touch more is missing: 3.3 at most in 97 of 100 scenes.
@@ -105,13 +105,11 @@ contains
           if (allocated(solution%failure)) return
           call answer_with(pairs, law, clusters, coupled, resolved)
           if (failed(solution)) return
+          ! The cells know nothing of what the coupling changes from here on.
+          before = measure()
           call solve_coupled(pairs, law, coupled, target, resolved)
           if (failed(solution)) return
-          before = now
           now = measure()
-          ! All contacts in one cluster, at a closing: there is nothing to go back to.
-          if (size(clusters) == 1 .and. .not. present(target) .and. &
-              count(is_one) == count(pairs%list%gap < coupled%closing)) before = now
           if (abs(now - before) <= round_share * merge(cells_tolerance, tolerance, &
                                                        which == resolve_all) * now) exit
           if (solution%rounds == most_rounds) then
@@ -176,7 +174,7 @@ contains
     if (.not. total > 0.0_real64) return
     share = sum(error, mask=.not. solution%is_resolved) / total
     if (.not. allocated(clusters)) return
-    share = share + scatter_told * norm2([(clusters(k)%answer%area_error * &
+    share = share + area_scatter_told * norm2([(clusters(k)%answer%area_error * &
             sum(solution%area(clusters(k)%members)), k=1, size(clusters))]) / total
   end function area_left
 

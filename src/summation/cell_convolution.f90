@@ -19,8 +19,6 @@ module asperity_cell_convolution
   !> A sum over one lattice. It owns its plans: it must not be copied.
   type :: cell_convolution
     private
-    integer :: columns = 0
-    integer :: rows = 0
     real(real64), public :: norm = 0.0_real64  !! the matrix of the sum has no larger eigenvalue
     real(c_double), allocatable :: spectrum(:, :)
     real(c_double), allocatable :: values(:, :)
@@ -31,6 +29,7 @@ module asperity_cell_convolution
     type(c_ptr) :: backward = c_null_ptr
   contains
     procedure :: prepare
+    procedure :: serves
     procedure :: prepare_periodic
     procedure :: apply
     procedure :: apply_inverse
@@ -47,10 +46,10 @@ contains
 
     wide = padded_length(2 * size(influence, 1) - 1)
     high = padded_length(2 * size(influence, 2) - 1)
-    call make_plans(sum, shape(influence), wide, high)
+    call make_plans(sum, wide, high)
     sum%values = 0.0_c_double
-    do j = 0, sum%rows - 1
-      do i = 0, sum%columns - 1
+    do j = 0, ubound(influence, 2)
+      do i = 0, ubound(influence, 1)
         sum%values(i, j) = influence(i, j)
         sum%values(modulo(-i, wide), j) = influence(i, j)
         sum%values(i, modulo(-j, high)) = influence(i, j)
@@ -72,7 +71,7 @@ contains
     real(real64), intent(in) :: side_x, side_y             !! of a cell
     integer :: i, j
 
-    call make_plans(sum, [columns, rows], columns, rows)
+    call make_plans(sum, columns, rows)
     do j = 0, rows - 1
       do i = 0, columns / 2
         sum%spectrum(i + 1, j + 1) = 0.0_real64
@@ -85,13 +84,11 @@ contains
   end subroutine prepare_periodic
 
   ! Room and plans for a lattice that is padded to `wide` by `high`.
-  subroutine make_plans(sum, cells, wide, high)
+  subroutine make_plans(sum, wide, high)
     class(cell_convolution), intent(inout), target :: sum
-    integer, intent(in) :: cells(2), wide, high
+    integer, intent(in) :: wide, high
     integer :: i, j
 
-    sum%columns = cells(1)
-    sum%rows = cells(2)
     allocate (sum%values(0:wide - 1, 0:high - 1), sum%transform(wide / 2 + 1, high))
     allocate (sum%spectrum(wide / 2 + 1, high))
     !$omp critical (fftw_plans)
@@ -104,18 +101,27 @@ contains
     sum%wave_along = [(sin(j * pi / high)**2, j=0, high - 1)]
   end subroutine make_plans
 
-  !> Sums influence times force.
+  !> Whether what was prepared suits a lattice: holds it, in at most one and a half times its size.
+  pure logical function serves(sum, cells)
+    class(cell_convolution), intent(in) :: sum  !! prepared by an influence
+    integer, intent(in) :: cells(2)             !! of the lattice
+
+    serves = all(2 * cells - 1 <= shape(sum%values)) .and. &
+             real(size(sum%values), real64) <= 1.5_real64 * product(2.0_real64 * cells)
+  end function serves
+
+  !> Sums influence times force, on the lattice that it was prepared for or a smaller one.
   subroutine apply(sum, force, displacement)
     class(cell_convolution), intent(inout), target :: sum  !! prepared
     real(real64), intent(in) :: force(:, :)                !! on every cell
     real(real64), intent(out) :: displacement(:, :)        !! at every cell
 
     sum%values = 0.0_c_double
-    sum%values(:sum%columns - 1, :sum%rows - 1) = force
+    sum%values(:size(force, 1) - 1, :size(force, 2) - 1) = force
     call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
     sum%transform = sum%transform * sum%spectrum
     call fftw_complex_to_real(sum%backward, c_loc(sum%transform), c_loc(sum%values))
-    displacement = sum%values(:sum%columns - 1, :sum%rows - 1)
+    displacement = sum%values(:size(force, 1) - 1, :size(force, 2) - 1)
   end subroutine apply
 
   !> Nearly the forces, but for a factor, that cause a displacement, for an influence like 1/r.
@@ -131,7 +137,7 @@ contains
     integer :: i, j
 
     sum%values = 0.0_c_double
-    sum%values(:sum%columns - 1, :sum%rows - 1) = displacement
+    sum%values(:size(force, 1) - 1, :size(force, 2) - 1) = displacement
     call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
     least = sin(pi / size(sum%values, 1))**2 + sin(pi / size(sum%values, 2))**2
     scale = 1.0_real64 / size(sum%values)
@@ -142,7 +148,7 @@ contains
       end do
     end do
     call fftw_complex_to_real(sum%backward, c_loc(sum%transform), c_loc(sum%values))
-    force = sum%values(:sum%columns - 1, :sum%rows - 1)
+    force = sum%values(:size(force, 1) - 1, :size(force, 2) - 1)
   end subroutine apply_inverse
 
   subroutine destroy(sum)

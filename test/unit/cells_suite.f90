@@ -283,7 +283,8 @@ contains
     pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     pairs%list(2) = pair_at(0.5_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     field = plain(0.1_real64, 0.5_real64)
-    call solve(pairs, [depth, field + small], 1.0e-4_real64, outcome)
+    ! So fine that the small one, 1/30 of the large one's radius, has cells.
+    call solve(pairs, [depth, field + small], 2.0e-5_real64, outcome)
     ! On a slope a sphere of radius 1 comes deeper by half the square. A thousandth of the field is
     ! a tenth of what is left to the small one.
     slope = (plain(0.1_real64, 0.499_real64) - plain(0.1_real64, 0.501_real64)) / 2.0e-3_real64
