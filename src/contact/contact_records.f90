@@ -74,6 +74,7 @@ module asperity_contact_records
     real(real64) :: vertical_load = 0.0_real64   !! sum of their vertical parts
     real(real64) :: area = 0.0_real64            !! sum of the areas
     real(real64) :: projected_area = 0.0_real64  !! sum of the projected areas
+    real(real64) :: greatest_pressure = 0.0_real64  !! at any point of a contact
     integer :: asked = asked_nothing             !! which load was asked for
     real(real64) :: load_asked = 0.0_real64      !! how much of it
     integer :: first_row = 1                     !! its contacts are rows(first_row ...
@@ -162,7 +163,7 @@ contains
       associate (state => result%states(i))
         are_finite = are_finite .and. &
                      finite([state%approach, state%closing, state%load, state%vertical_load, &
-                             state%area, state%projected_area])
+                             state%area, state%projected_area, state%greatest_pressure])
       end associate
     end do
     do i = 1, result%rows_used

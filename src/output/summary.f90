@@ -10,9 +10,10 @@ module asperity_summary
   use asperity_map_table, only: write_map_table
   use asperity_position_lists, only: counted, positions_listed
   use asperity_problems, only: decimal_text
-  use asperity_scene_results, only: last_state, nominal_values, scene_results
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene, scene_map
   use asperity_text_buffer, only: text_buffer
+  use asperity_totals_table, only: write_totals
   implicit none
   private
 
@@ -25,22 +26,14 @@ contains
     type(scene), intent(in) :: scene_in         !! what was solved
     type(scene_results), intent(in) :: results  !! its results
     type(text_buffer), intent(inout) :: buffer  !! the text
-    character(len=*), parameter :: names(8) = [character(len=18) :: &
-      'total load', 'vertical load', 'contact area', 'projected area', 'approach', 'contacts', &
-      'nominal pressure', 'area fraction']
-    real(real64), allocatable :: values(:, :)
     type(state_row) :: last
-    integer :: i, m, number, columns, without, at_limit
+    integer :: m, number, without, at_limit
 
     number = size(results%positions)
-    columns = size(names) - merge(0, 2, results%nominal_area > 0.0_real64)
-    allocate (values(number, columns))
     without = 0
     at_limit = 0
     do m = 1, number
       last = last_state(results%positions(m))
-      values(m, :) = [last%load, last%vertical_load, last%area, last%projected_area, &
-                      last%approach, real(last%contacts, real64), nominal_values(results, last)]
       if (last%contacts == 0) without = without + 1
       if (results%positions(m)%limit_reached) at_limit = at_limit + 1
     end do
@@ -51,14 +44,7 @@ contains
     call buffer%line('control: ' // trim(control_words(scene_in%loading%control)) // &
                      limit_text(scene_in))
     call buffer%line('')
-    if (number == 1) then
-      call buffer%line('                              value')
-    else
-      call buffer%line('                            maximum          minimum          average')
-    end if
-    do i = 1, columns
-      call value_line(names(i), values(:, i))
-    end do
+    call write_totals(results, buffer)
     call buffer%line('')
     if (scene_in%limit%criterion /= criterion_none) &
       call buffer%line('limit reached at ' // decimal_text(at_limit) // ' of ' // &
@@ -69,22 +55,6 @@ contains
     call write_effects(results, buffer)
     if (allocated(results%map)) call write_map_table(results%map, &
       .not. scene_uses_samples(results), buffer)
-
-  contains
-
-    subroutine value_line(name, column)
-      character(len=*), intent(in) :: name
-      real(real64), intent(in) :: column(:)
-      character(len=80) :: line
-
-      if (size(column) == 1) then
-        write (line, '(a18, 3g17.7)') name, column
-      else
-        write (line, '(a18, 3g17.7)') name, maxval(column), minval(column), average(column)
-      end if
-      call buffer%line(line)
-    end subroutine value_line
-
   end subroutine write_summary
 
   ! How many asperities there are, or on what plane.
@@ -128,17 +98,6 @@ contains
     uses = .false.
     if (allocated(results%effects)) uses = any(results%effects%state_columns == 'sample_area')
   end function scene_uses_samples
-
-  !> The average; a sum beyond the range of a double is not needed for it.
-  pure real(real64) function average(column)
-    real(real64), intent(in) :: column(:)
-
-    if (maxval(abs(column)) > huge(column) / size(column)) then
-      average = sum(column / size(column))
-    else
-      average = sum(column) / size(column)
-    end if
-  end function average
 
   !> Table VI before and after, one line a number, with what each correction adds.
   subroutine write_corrected_table(table, buffer)

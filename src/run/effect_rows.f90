@@ -74,6 +74,7 @@ contains
       totals%vertical_load = totals%vertical_load + answer%vertical_load
       totals%area = totals%area + area
       totals%projected_area = totals%projected_area + area * answer%cosine
+      totals%greatest_pressure = max(totals%greatest_pressure, answer%maximum_pressure)
       call look_at_contact(pairs%limits, seen(pairs%list(i), state%penetration(i), answer), &
                            warnings)
       if (keep_rows) call fill_row(pairs, state, i, at_limit, rows(totals%contacts))
@@ -86,6 +87,7 @@ contains
     totals%vertical_load = in_scene_units(pairs, totals%vertical_load, 1, 2)
     totals%area = in_scene_units(pairs, totals%area, 0, 2)
     totals%projected_area = in_scene_units(pairs, totals%projected_area, 0, 2)
+    totals%greatest_pressure = in_scene_units(pairs, totals%greatest_pressure, 1, 0)
     if (keep_rows) then
       call add_rows(result, rows(:totals%contacts), totals)
       call add_contact_values(pairs, effects, state, outcomes, result)

@@ -129,6 +129,7 @@ contains
     state%vertical_load = answer%load
     state%area = answer%area
     state%projected_area = answer%area
+    state%greatest_pressure = maxval([0.0_real64, patches%highest])
     if (keep_rows) then
       do i = 1, size(patches)
         associate (row => rows(i), patch => patches(i))

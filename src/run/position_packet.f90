@@ -12,7 +12,7 @@ module asperity_position_packet
   public :: pack_position, unpack_position
 
   ! Words of a position without its lists, of a state, a contact, an effect and a warning.
-  integer, parameter :: of_head = 13, of_state = 12, of_row = 13, of_effect = 14, of_warning = 7
+  integer, parameter :: of_head = 13, of_state = 13, of_row = 13, of_effect = 14, of_warning = 7
   ! One word, as the form of what is copied.
   integer(int64), parameter :: word(1) = 0_int64
 
@@ -100,20 +100,21 @@ contains
 
     words = [transfer([state%approach, state%closing, state%time, state%load, &
                        state%vertical_load, state%area, state%projected_area, &
-                       state%load_asked], word), &
+                       state%greatest_pressure, state%load_asked], word), &
              int([state%contacts, state%asked, state%first_row, state%last_row], int64)]
   end function words_of_state
 
   pure function state_of(words) result(state)
     integer(int64), intent(in) :: words(of_state)
     type(state_row) :: state
-    real(real64) :: numbers(8)
+    real(real64) :: numbers(9)
 
-    numbers = transfer(words(:8), numbers)
+    numbers = transfer(words(:9), numbers)
     state = state_row(approach=numbers(1), closing=numbers(2), time=numbers(3), load=numbers(4), &
                       vertical_load=numbers(5), area=numbers(6), projected_area=numbers(7), &
-                      load_asked=numbers(8), contacts=int(words(9)), asked=int(words(10)), &
-                      first_row=int(words(11)), last_row=int(words(12)))
+                      greatest_pressure=numbers(8), load_asked=numbers(9), &
+                      contacts=int(words(10)), asked=int(words(11)), first_row=int(words(12)), &
+                      last_row=int(words(13)))
   end function state_of
 
   pure function words_of_warning(warning) result(words)
