@@ -32,7 +32,8 @@ def near(value):
 def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
     files = {which: tmp_path / which for which in ("contacts", "positions", "curve")}
     outputs = [word for which, path in files.items() for word in (f"--{which}", path)]
-    run = subprocess.run([asperity, "solve", ROOT / f"data/examples/effects/{name}.scene", *outputs],
+    run = subprocess.run([asperity, "solve", ROOT / f"data/examples/effects/{name}.scene",
+                          *outputs],
                          capture_output=True, text=True, check=True)
     rows = {which: list(csv.DictReader(path.open())) for which, path in files.items()}
     shown = summary_of(run.stdout.splitlines())
