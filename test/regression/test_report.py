@@ -43,8 +43,8 @@ def test_a_missing_table_is_a_failure(asperity):
     assert Comparison("", "ibm370").wrong
 
 
-def test_the_readme_counts_the_cells(asperity, root):
-    """The README's table of cells met in each arithmetic is that of this build."""
-    readme = (root / "README.md").read_text()
+def test_the_page_counts_the_cells(asperity, root):
+    """The page's table of cells met in each arithmetic is that of this build."""
+    page = (root / "docs/original.md").read_text()
     for line in table_of_cells(asperity):
-        assert line in readme, f"README.md has no line '{line}'"
+        assert line in page, f"docs/original.md has no line '{line}'"
