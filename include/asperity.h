@@ -32,7 +32,7 @@ typedef struct asperity_outcome asperity_outcome;
 enum {
   ASPERITY_DONE = 0,         /* the numbers are right */
   ASPERITY_NOT_COMPUTED = 1, /* ASPERITY_FAILURE says why */
-  ASPERITY_BAD_INPUT = 2     /* asperity_get_problem, or ASPERITY_PROBLEMS, says all that is wrong */
+  ASPERITY_BAD_INPUT = 2     /* asperity_get_problem or ASPERITY_PROBLEMS says all that is wrong */
 };
 
 /* Texts of an outcome. */
@@ -41,7 +41,7 @@ enum {
   ASPERITY_PROBLEMS = 2, /* a line a problem: FILE:LINE:COLUMN: what is wrong, found, expected */
   ASPERITY_WARNINGS = 3, /* a line a kind: what was computed but lies outside a theory */
   ASPERITY_NOTES = 4,    /* a line each: oddities of a deck that are no errors */
-  ASPERITY_REPORT = 5    /* of asperity_make_report the report; of others the summary the program prints */
+  ASPERITY_REPORT = 5    /* the report, of asperity_make_report; else the summary of the program */
 };
 
 /* Tables of an outcome, with the columns of the CSV files. A cell that was not computed is NaN. */
@@ -81,8 +81,8 @@ typedef struct {
   int totals_only;        /* not 0: contacts are not kept, their table has no rows */
   int threads;            /* 0: as many as OpenMP gives; the results are the same for any number */
   const int *interrupt;   /* NULL, or a number that another thread or a signal's handler makes other
-                             than 0 to end the call: positions that have not begun are left out, and
-                             it fails with "interrupted" */
+                             than 0 to end the call: it goes no further than the states that are
+                             under way, and fails with "interrupted" */
 } asperity_options;
 
 /* How summits are found. All bytes zero: the defaults. */
@@ -118,13 +118,14 @@ asperity_outcome *asperity_build_scene(const char *groups, const asperity_surfac
 /* Solves a scene: an outcome of the two functions above, which stays as it is and may be freed
  * afterwards. What is wrong with the scene is wrong with this outcome, too: it is enough to ask
  * here. options may be NULL. */
-asperity_outcome *asperity_solve_scene(const asperity_outcome *scene, const asperity_options *options);
+asperity_outcome *asperity_solve_scene(const asperity_outcome *scene,
+                                       const asperity_options *options);
 
 /* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
- * (also for NULL), "real32", "real64" or "real128". positions: [number] from 1 to 100, whose contact
- * tables are printed; NULL: those of the thesis, 13, 55 and 56. */
-asperity_outcome *asperity_make_report(const char *deck, const char *arithmetic, const int *positions,
-                                  int number);
+ * (also for NULL), "real32", "real64" or "real128". positions: [number] from 1 to 100, whose
+ * contact tables are printed; NULL: those of the thesis, 13, 55 and 56. */
+asperity_outcome *asperity_make_report(const char *deck, const char *arithmetic,
+                                       const int *positions, int number);
 
 /* Finds the summits of a measured height map. options may be NULL. */
 asperity_outcome *asperity_summits(const char *map, const asperity_summits_options *options);

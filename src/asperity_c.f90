@@ -217,7 +217,8 @@ contains
     chosen%accuracy = options%accuracy
     chosen%keep_contacts = options%totals_only == 0_c_int
     chosen%threads = max(0, options%threads)
-    if (c_associated(options%interrupt)) call c_f_pointer(options%interrupt, chosen%interrupt)
+    if (c_associated(options%interrupt)) &
+      call c_f_pointer(options%interrupt, chosen%interrupt%number)
   end subroutine set_options
 
   !> `asperity_make_report`.

@@ -4,6 +4,7 @@
 !> near the largest radius, and the combined modulus in 16**modulus_power. So all are near one.
 module asperity_contact_pairs
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_theory_limits, only: theory_limits
   implicit none
@@ -51,6 +52,7 @@ module asperity_contact_pairs
     logical :: vertical = .false.                   !! loads asked for are of the vertical parts
     real(real64) :: x_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
+    type(interruption) :: interrupt                 !! who solves the position may be told to end
   end type contact_pairs
 
 contains

@@ -2,6 +2,7 @@
 !> the effects.
 module asperity_position_solver
   use asperity_contact_records, only: position_result
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   implicit none
   private
@@ -18,6 +19,7 @@ module asperity_position_solver
     !> Normal forces and vertical load are told when they differ by more than this share; huge:
     !> never.
     real(real64) :: loads_differ = huge(1.0_real64)
+    type(interruption) :: interrupt       !! of the run: long positions look at it
   contains
     procedure(solve_one), deferred :: solve  !! one position
   end type position_solver

@@ -40,6 +40,10 @@ contains
     allocate (outcomes(size(effects)))
     call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
     state%time = time
+    if (pairs%interrupt%is_asked() .and. size(effects) > 0) then
+      outcomes(1)%failure = 'interrupted'
+      return
+    end if
     if (present(found)) state%found = found
     call choose_effects(pairs, effects, state, outcomes, called, state%left)
     why = 'estimate above tolerance'

@@ -100,6 +100,7 @@ contains
       logical, intent(out) :: too_far
 
       call copy_effects(self%effects, effects)
+      pairs%interrupt = self%interrupt
       call run_position(self%scene_in, pairs, effects, keep_rows, result, simulated, too_far, &
                         failure)
     end subroutine try

@@ -86,6 +86,7 @@ contains
         if (.not. self%loading%by_load) answer%level = self%loading%values(i)
         call press_map(self%map, self%periodic, self%loading%modulus, answer)
       end if
+      if (self%interrupt%is_asked()) answer%failure = 'interrupted'
       if (allocated(answer%failure)) then
         failure = answer%failure
         return

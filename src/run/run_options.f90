@@ -1,6 +1,6 @@
 !> How a run is done: all that is not in the scene.
 module asperity_run_options
-  use, intrinsic :: iso_c_binding, only: c_int
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   implicit none
   private
@@ -18,9 +18,7 @@ module asperity_run_options
     logical :: progress = .false.                  !! tell how far it is, on a terminal
     logical :: all_images = .false.                !! all images of the run call, and share the work
     character(len=:), allocatable :: keep_file     !! positions are kept there as they are solved
-    !> What another thread makes other than 0 there, positions that have not begun are left out, and
-    !> the run has failed; null: nobody can end it.
-    integer(c_int), pointer :: interrupt => null()
+    type(interruption) :: interrupt                !! another thread can end the run: it fails then
   end type run_options
 
 end module asperity_run_options

@@ -248,11 +248,12 @@ contains
   subroutine sweep(scene_in, options, solver, results, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
-    class(position_solver), intent(in) :: solver
+    class(position_solver), intent(inout) :: solver
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
     type(kept_work) :: kept
 
+    solver%interrupt = options%interrupt
     call name_work(scene_in, options, kept, failure)
     if (.not. allocated(failure)) &
       call run_sweep(solver, options, kept, results%positions, failure)

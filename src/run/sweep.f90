@@ -5,9 +5,9 @@
 !> that fails, or with which there are too many contacts. Positions behind it are left out. Without
 !> OpenMP there is one thread.
 module asperity_sweep
-  use, intrinsic :: iso_c_binding, only: c_int
   use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
   use asperity_images, only: image_number
+  use asperity_interruption, only: interruption
   use asperity_kept_records, only: kept_work
   use asperity_kinds, only: int64
   use asperity_loads_met, only: check_loads, compare_loads
@@ -35,7 +35,7 @@ module asperity_sweep
     integer(int64) :: rows = 0_int64  ! contacts kept so far
     type(progress_line) :: progress
     type(shared_work) :: work
-    integer(c_int), pointer :: interrupt => null()  ! not 0 there: no position is wanted
+    type(interruption) :: interrupt
   end type sweep_watch
 
 contains
@@ -66,7 +66,7 @@ contains
     !$ usual = omp_get_max_threads()
     !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
     watch%last = solver%positions
-    watch%interrupt => options%interrupt
+    watch%interrupt = options%interrupt
     call begin_work(watch%work, solver%positions, options%all_images, kept)
     do m = 1, watch%work%done * merge(1, 0, image_number() == 1)
       call unpack_position(watch%work%records(m)%words, positions(m))
@@ -95,7 +95,7 @@ contains
     !$ call omp_set_num_threads(usual)
     call watch%progress%finish()
     if (allocated(watch%work%ending)) failure = watch%work%ending
-    if (is_interrupted(watch)) failure = 'interrupted'
+    if (watch%interrupt%is_asked()) failure = 'interrupted'
   end subroutine run_sweep
 
   ! Threads for the positions, at least one.
@@ -120,21 +120,8 @@ contains
 
     !$omp atomic read
     last = watch%last
-    is_wanted = m <= last .and. is_own(watch%work, m) .and. .not. is_interrupted(watch)
+    is_wanted = m <= last .and. is_own(watch%work, m) .and. .not. watch%interrupt%is_asked()
   end function is_wanted
-
-  ! Whether another thread wants an end.
-  logical function is_interrupted(watch)
-    type(sweep_watch), intent(in) :: watch
-    integer(c_int) :: number
-
-    number = 0_c_int
-    if (associated(watch%interrupt)) then
-      !$omp atomic read
-      number = watch%interrupt
-    end if
-    is_interrupted = number /= 0_c_int
-  end function is_interrupted
 
   ! One position, by one thread.
   subroutine solve_one(solver, m, options, position, watch)
