@@ -357,4 +357,5 @@ def test_notebook(venv, name):
     assert len(cells) == len(texts) >= 3 and len(path.read_bytes()) < 20000
     for cell, text in zip(cells, texts):
         if "times" not in cell["metadata"].get("tags", ()):
-            assert notebooks.shown(cell) == text
+            assert notebooks.shown(cell) == text, \
+                f"after pip install ./python: python {script.relative_to(ROOT)} --write {path}"
