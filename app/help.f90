@@ -3,6 +3,7 @@ module asperity_help
   use asperity_effect_help, only: describe_effects
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
+  use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
   implicit none
   private
 
@@ -123,6 +124,9 @@ contains
 
     if (command == 'version') then
       call text%line('asperity ' // version)
+      call text%line('built by ' // compiler_version() // ' with' // flags(compiler_options()))
+      call text%line('arithmetics ibm370 (default for a deck), real32, real64 (default of ' // &
+                     'solve), real128')
       return
     else if (command == '') then
       call add(next_steps)
@@ -159,5 +163,22 @@ contains
     end subroutine add
 
   end subroutine describe
+
+  ! Of the compiler's options those that may change a digit; no folder's name.
+  pure function flags(options) result(text)
+    character(len=*), intent(in) :: options
+    character(len=:), allocatable :: text
+    integer :: first, last
+
+    text = ''
+    first = 1
+    do while (first <= len_trim(options))
+      last = first + index(options(first:) // ' ', ' ') - 2
+      if (index(options(first:last), '-') == 1 .and. index(options(first:last), '/') == 0 .and. &
+          scan(options(min(first + 1, last):min(first + 1, last)), 'OfmDs') > 0) &
+        text = text // ' ' // options(first:last)
+      first = last + 2
+    end do
+  end function flags
 
 end module asperity_help

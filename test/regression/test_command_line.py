@@ -67,7 +67,10 @@ def test_help_names_every_option(word, run):
 def test_version_is_the_package_s(run, root):
     version = re.search(r'^version = "(.+)"', (root / "fpm.toml").read_text(), re.MULTILINE)[1]
     done = run("--version")
-    assert (done.returncode, done.stdout, done.stderr) == (0, f"asperity {version}\n", "")
+    lines = done.stdout.splitlines()
+    assert (done.returncode, lines[0], done.stderr) == (0, f"asperity {version}", "")
+    assert re.match(r"built by \S.* with .*-O\d", lines[1]) and "/" not in lines[1]
+    assert all(name in lines[2] for name in ("ibm370", "real32", "real64", "real128"))
 
 
 @pytest.mark.parametrize("arguments, words", [
