@@ -26,9 +26,9 @@ module asperity_coupled_contacts
 
   ! Residuals: asked for; accepted where rounding allows no less.
   real(real64), parameter :: asked = 1.0e-11_real64, accepted = 1.0e-9_real64
-  integer, parameter :: most_iterations = 200, most_trials = 12
+  integer, parameter :: most_iterations = 400, most_trials = 12
   ! A step is taken when the slope of the potential has fallen to this share in size.
-  real(real64), parameter :: slope_left = 0.8_real64
+  real(real64), parameter :: slope_left = 0.8_real64, share_cut = 0.1_real64
   ! Shares of the gradient that a step may leave. Of many contacts less would cost more products
   ! than it saves steps; of few the last step is as good as rounding lets it be.
   real(real64), parameter :: most_left = 0.1_real64, least_left = 0.01_real64
@@ -58,7 +58,8 @@ contains
     call open_hidden(pairs, law, solution, state, resolved)
     looked = 1.0_real64
     before = huge(before)
-    joined = 0
+    ! None has been looked at yet.
+    joined = -1
     do iteration = 0, most_iterations
       if (allocated(solution%failure)) return
       ! Or as small as rounding lets it be: it falls no more.
@@ -67,8 +68,8 @@ contains
       before = state%residual
       ! Pairs that were not listed may touch: whoever asked must come again with all.
       if (solution%closing > pairs%complete_to .and. state%residual < look_again) exit
-      if (done .or. state%residual <= look_again * looked) then
-        call look(pairs, law, asked, solution, state, resolved, joined)
+      if (done .or. (state%residual <= look_again * looked .and. joined /= 0)) then
+        call look(pairs, law, asked, done .or. joined < 0, solution, state, resolved, joined)
         looked = state%residual
         if (allocated(solution%failure)) return
         if (done .and. joined == 0) exit
@@ -127,7 +128,7 @@ contains
     end do
   end subroutine adopt
 
-  ! One step of Newton's method, cut until it helps.
+  ! One step of Newton's method, cut where it goes too far.
   subroutine take_step(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
@@ -135,7 +136,8 @@ contains
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
-    real(real64) :: left, slope, slope_first, slope_low, slope_high, low, high, t
+    real(real64), allocatable :: first(:), now(:), part(:)
+    real(real64) :: left, deepest
     integer :: k, n, trial
 
     n = size(solution%set%x)
@@ -151,69 +153,58 @@ contains
     allocate (x, source=solution%move_x)
     allocate (y, source=solution%move_y)
     allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
+    allocate (part(size(p)), source=1.0_real64)
+    deepest = maxval(p(solution%set%number))
+    ! No farther than the field is known: the deepest penetration, and the own circle.
     do k = 1, n
-      associate (i => solution%set%number(k))
-        dp(i) = step(1, k) / solution%set%stiffness(k)
-        dx(i) = step(2, k)
-        dy(i) = step(3, k)
+      associate (i => solution%set%number(k), circle => solution%set%circle(k))
+        dp(i) = max(-deepest, min(step(1, k) / solution%set%stiffness(k), deepest))
+        dx(i) = step(2, k) * min(1.0_real64, circle / max(norm2(step(2:, k)), tiny(circle)))
+        dy(i) = step(3, k) * min(1.0_real64, circle / max(norm2(step(2:, k)), tiny(circle)))
       end associate
     end do
-    slope_first = sum(gradient * step)
-    low = 0.0_real64
-    slope_low = slope_first
-    slope_high = 0.0_real64
-    high = 0.0_real64
-    ! Where the potential curves down the step's length means nothing: no farther than the deepest.
-    t = min(1.0_real64, maxval(p(solution%set%number)) / max(maxval(abs(dp)), tiny(t)))
+    first = slopes()
     do trial = 1, most_trials
-      solution%penetration = p + t * dp
-      solution%move_x = x + t * dx
-      solution%move_y = y + t * dy
+      solution%penetration = p + part * dp
+      solution%move_x = x + part * dx
+      solution%move_y = y + part * dy
       call hold_shifts(pairs, solution)
       ! Nor does anything penetrate by more than alone; a law with a kink sends steps far off.
-      if (.not. state%target > 0.0_real64) then
+      if (state%target > 0.0_real64) then
+        call raise(pairs, law, state%target, solution%penetration)
+      else
         where (state%gap < solution%closing) solution%penetration = &
           min(solution%penetration, 2 * (solution%closing - state%gap))
       end if
-      if (state%target > 0.0_real64) &
-        call raise(pairs, law, state%target, solution%penetration)
       call evaluate(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
-      slope = slope_along()
-      if (abs(slope) <= slope_left * abs(slope_first)) exit
-      if (slope > 0.0_real64) then
-        high = t
-        slope_high = slope
-      else
-        ! Still going down: as far as it was tried.
-        if (.not. high > 0.0_real64) exit
-        low = t
-        slope_low = slope
-      end if
-      t = low + (high - low) * min(max(slope_low / (slope_low - slope_high), 0.1_real64), &
-                                   0.5_real64)
+      now = slopes()
+      if (sum(now) <= slope_left * abs(sum(first))) exit
+      where (now > share_cut * maxval(now)) &
+        part = part * max(0.1_real64, min(abs(first) / (abs(first) + now), 0.5_real64))
     end do
 
   contains
 
-    ! Change of the potential with t.
-    real(real64) function slope_along()
+    ! Change of the potential by going on, by pair.
+    function slopes()
+      real(real64) :: slopes(size(p))
       real(real64) :: raised
       integer :: j
 
+      slopes = 0.0_real64
       associate (set => solution%set)
         raised = 0.0_real64
         if (state%target > 0.0_real64) &
           raised = -sum(set%stiffness * dp(set%number)) / sum(set%stiffness)
-        slope_along = 0.0_real64
         do j = 1, size(set%x)
           associate (i => set%number(j))
-            slope_along = slope_along + state%off(j) * set%stiffness(j) * (dp(i) + raised) + &
-                          set%load(j) * (state%off_x(j) * dx(i) + state%off_y(j) * dy(i))
+            slopes(i) = state%off(j) * set%stiffness(j) * (dp(i) + raised) + &
+                        set%load(j) * (state%off_x(j) * dx(i) + state%off_y(j) * dy(i))
           end associate
         end do
       end associate
-    end function slope_along
+    end function slopes
 
   end subroutine take_step
 

@@ -12,6 +12,8 @@ module asperity_coupled_joining
   public :: look, open_hidden
 
   integer, parameter :: most_looks = 4
+  ! Of the deepest penetration, how far from touch an open contact is nearly in touch.
+  real(real64), parameter :: nearly = 0.25_real64
   ! A contact that joins once more begins with this share of its penetration.
   real(real64), parameter :: share_of_rejoined = 0.25_real64
   ! Of two that begin together the one that stands out of the other by less than this share of its
@@ -24,10 +26,11 @@ module asperity_coupled_joining
 contains
 
   !> Where open contacts stand, and who of them joins.
-  subroutine look(pairs, law, accuracy, solution, state, resolved, joined)
+  subroutine look(pairs, law, accuracy, everywhere, solution, state, resolved, joined)
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
     real(real64), intent(in) :: accuracy                   !! over the deepest penetration
+    logical, intent(in) :: everywhere                      !! else at those nearly in touch before
     type(coupled_solution), intent(inout) :: solution      !! evaluated; gets who joins
     type(solve_state), intent(inout) :: state              !! counts who joins
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
@@ -62,6 +65,8 @@ contains
     allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%number) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_one
+    if (.not. everywhere) is_open = is_open .and. &
+      solution%penetration > -nearly * maxval(solution%penetration)
     number = pack([(i, i=1, size(is_open))], is_open)
     do i = 1, size(number)
       ! From farther than it can be it starts at home.
@@ -81,8 +86,8 @@ contains
       places%move_y = solution%move_y(number)
       places%gap = state%gap(number)
       places%lift = places%x
-      call look_around(solution%set, state%gap(solution%set%number), places, 0.1_real64 * least, &
-                       solution%failure)
+      call look_around(solution%set, solution%closing, state%gap(solution%set%number), &
+                       places, 0.1_real64 * least, solution%failure)
       if (allocated(solution%failure)) return
       solution%penetration(number) = max(solution%closing - state%gap(number) - places%lift, &
                                          -out_of_reach * least / accuracy)

@@ -1,6 +1,6 @@
 !> Where open contacts would touch first on the surface that the loaded ones leave.
 module asperity_coupled_open
-  use asperity_circle_field, only: circle_set, many, near_factor
+  use asperity_circle_field, only: circle_set, many, near_factor, shift_down
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
@@ -64,14 +64,16 @@ contains
   !> For each open contact the shift at which it is lowest, s**2/(2 R) + u(x + s): near neighbours
   !> act exactly, the others by value and slope. Newton's method that only goes down. What is hidden
   !> in a circle touches nowhere else: its `lift` is out of reach.
-  subroutine look_around(set, gap, places, accuracy, failure)
+  subroutine look_around(set, closing, gap, places, accuracy, failure)
     type(circle_set), intent(in) :: set          !! loaded contacts
+    real(real64), intent(in) :: closing          !! past first touch of all
     real(real64), intent(in) :: gap(:)           !! theirs, without load
     type(open_places), intent(inout) :: places   !! open contacts
     real(real64), intent(in) :: accuracy         !! of `lift`
     character(len=:), allocatable, intent(out) :: failure  !! no memory
     type(source_tree) :: tree
     real(real64), allocatable :: potential(:), slope_x(:), slope_y(:), none(:), lap(:)
+    real(real64) :: least
     integer :: i, n
 
     n = size(places%x)
@@ -86,14 +88,19 @@ contains
     end if
     call sum_sources(tree, set%load, 0.1_real64 * set%circle**2, potential, lap, slope_x, slope_y, &
                      set%move_x, set%move_y)
-    !$omp parallel do schedule(dynamic, 64) if(n > many)
+    !$omp parallel do schedule(dynamic, 64) private(least) if(n > many)
     do i = 1, n
-      associate (near => tree%near(tree%first(i):tree%first(i + 1) - 1))
-        if (is_hidden(set, gap, near, places, i)) then
+      associate (near => tree%near(tree%first(i):tree%first(i + 1) - 1), r => places%radius(i), &
+                 slope => [slope_x(i), slope_y(i)] / pi)
+        ! Near circles only push down: without them it would not touch, by a shift's worth.
+        least = potential(i) / pi - 0.5_real64 * r * dot_product(slope, slope) - &
+                dot_product(slope, [places%move_x(i), places%move_y(i)])
+        if (places%gap(i) + least - 0.5_real64 * r * dot_product(slope, slope) > closing) then
+          places%lift(i) = least
+        else if (is_hidden(set, gap, near, places, i)) then
           places%lift(i) = 0.5_real64 * huge(1.0_real64)
         else
-          call settle(set, near, potential(i) / pi, [slope_x(i), slope_y(i)] / pi, accuracy, &
-                      places, i)
+          call settle(set, near, potential(i) / pi, slope, accuracy, places, i)
         end if
       end associate
     end do
@@ -126,8 +133,7 @@ contains
     real(real64), intent(in) :: far_lift, far_slope(2), accuracy
     type(open_places), intent(inout) :: places
     type(local_field) :: here, there
-    real(real64) :: first(2), s(2), trial(2), move(2), slope(2), height, least, part, xx, yy
-    real(real64) :: half, mean, more
+    real(real64) :: first(2), s(2), trial(2), move(2), slope(2), height, least, part
     integer :: step, cut
 
     first = [places%move_x(i), places%move_y(i)]
@@ -139,14 +145,8 @@ contains
       do step = 1, most_steps
         slope = s / r + here%slope
         if (.not. r * dot_product(slope, slope) > accuracy) exit
-        ! The lesser eigenvalue is kept above a tenth of the sphere's own curvature.
-        mean = 1.0_real64 / r + (here%bend_xx + here%bend_yy) / 2
-        half = hypot((here%bend_xx - here%bend_yy) / 2, here%bend_xy)
-        more = max(0.0_real64, 0.1_real64 / r - (mean - half))
-        xx = 1.0_real64 / r + here%bend_xx + more
-        yy = 1.0_real64 / r + here%bend_yy + more
-        move = -[yy * slope(1) - here%bend_xy * slope(2), &
-                 xx * slope(2) - here%bend_xy * slope(1)] / (xx * yy - here%bend_xy**2)
+        move = shift_down([1, 0, 1] / r + [here%bend_xx, here%bend_xy, here%bend_yy], &
+                          1.0_real64 / r, slope)
         part = 1.0_real64
         do cut = 1, most_cuts
           trial = s + part * move

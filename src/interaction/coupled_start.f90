@@ -1,8 +1,8 @@
 !> Where the iteration of coupled contacts begins.
 module asperity_coupled_start
   use asperity_circle_field, only: inclination, many
-  use asperity_coarse_circles, only: coarse_circles, factor_squares, gather_squares, &
-                                     shared_change, sum_of_squares
+  use asperity_coarse_circles, only: coarse_circles, gather_squares, pressed, shared_change, &
+                                     sum_of_squares
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, coupled_solution, raise, resolved_contacts, &
@@ -67,7 +67,8 @@ contains
 
     call gather_squares(pairs%list%x, pairs%list%y, coarse)
     allocate (load(size(penetration)), stiffness(size(penetration)))
-    allocate (lowered(size(coarse%presses, 1)), source=0.0_real64)
+    coarse%stiffness = spread(0.0_real64, 1, coarse%columns * coarse%rows)
+    allocate (lowered(coarse%columns * coarse%rows), source=0.0_real64)
     do step = 1, most_in_squares
       load = 0.0_real64
       stiffness = 0.0_real64
@@ -77,15 +78,15 @@ contains
         load(i) = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
         stiffness(i) = answer%stiffness * inclination(answer%cosine) / pairs%modulus
       end do
-      call factor_squares(coarse, stiffness)
+      coarse%stiffness = max(0.5_real64 * coarse%stiffness, sum_of_squares(coarse, stiffness))
       loads = sum_of_squares(coarse, load)
-      change = shared_change(coarse, coarse%stiffness * (lowered - matmul(coarse%presses, loads)))
+      change = shared_change(coarse, lowered - pressed(coarse, loads))
       if (target > 0.0_real64) then
-        even = shared_change(coarse, coarse%stiffness)
+        even = shared_change(coarse, spread(1.0_real64, 1, size(loads)))
         change = change - even * (sum(coarse%stiffness * change) / sum(coarse%stiffness * even))
       end if
       ! A load is convex in its penetration: it falls by less than its slope says.
-      lower = matmul(coarse%presses, max(loads + coarse%stiffness * change, 0.1_real64 * loads))
+      lower = pressed(coarse, max(loads + coarse%stiffness * change, 0.1_real64 * loads))
       penetration = penetration + (lowered(coarse%square) - lower(coarse%square))
       if (target > 0.0_real64) call raise(pairs, law, target, penetration)
       change = lower - lowered

@@ -178,10 +178,10 @@ contains
                  1.0e-5_real64 * maxval(abs(truth)), 'product')
       call check(error, maxval(abs(image(:rows, :))) > 0.1_real64, 'nothing to compare')
       if (loads_only) cycle
-      ! Who may not shift has no row.
-      set%still(1) = .true.
+      ! Whose shift is held has no row.
+      set%held(1) = .true.
       call multiply(set, change, image)
-      call check(error, maxval(abs(image(2:, 1))), 0.0_real64, 0.0_real64, 'a still one')
+      call check(error, maxval(abs(image(2:, 1))), 0.0_real64, 0.0_real64, 'held')
     end do
   end subroutine compare_products
 
