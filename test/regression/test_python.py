@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -58,6 +59,33 @@ def run(venv, *words, cwd=ROOT, timeout=100):
                           capture_output=True, text=True, timeout=timeout)
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def test_build_says_what_is_missing(tmp_path):
+    """In one sentence, before anything is built: the compiler, fpm, FFTW, the sources."""
+    def told(folder, **environment):
+        done = subprocess.run(
+            [sys.executable, "-c", "import build_backend as b; b.build_wheel('.')"], cwd=folder,
+            env={**os.environ, **environment}, stdin=subprocess.DEVNULL, capture_output=True,
+            text=True, timeout=100)
+        assert done.returncode == 1
+        return done.stderr.strip()
+    assert told(ROOT / "python", FPM_FC="no-compiler") == (
+        "asperity: gfortran is not found; on Debian or Ubuntu: "
+        "sudo apt-get install gfortran libc6-dev")
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin/gfortran").symlink_to(shutil.which("gfortran"))
+    assert told(ROOT / "python", PATH=str(tmp_path / "bin")) == (
+        "asperity: fpm is not found; pip install fpm==0.12.0")
+    # A compiler that finds no FFTW.
+    (tmp_path / "bin/gfortran").unlink()
+    (tmp_path / "bin/gfortran").write_text("#!/bin/sh\nexit 1\n")
+    (tmp_path / "bin/gfortran").chmod(0o755)
+    (tmp_path / "bin/fpm").symlink_to(tmp_path / "bin/gfortran")
+    assert told(ROOT / "python", PATH=str(tmp_path / "bin")) == (
+        "asperity: FFTW is not found; on Debian or Ubuntu: sudo apt-get install libfftw3-dev")
+    shutil.copytree(ROOT / "python", tmp_path / "alone")
+    assert told(tmp_path / "alone").startswith(f"asperity: no Fortran sources in {tmp_path}: ")
 
 
 # ---------------------------------------------------------------- the same numbers
@@ -343,6 +371,8 @@ def test_page(venv):
     assert len(lines.splitlines()) == 10
     first, *curve = run(venv, "-c", lines).splitlines()
     assert first == "thesis: 1438 N"
+    program = subprocess.run([venv / "bin/asperity", "--version"], capture_output=True, text=True)
+    assert program.stdout.startswith("asperity ") and program.returncode == 0
     loads = [float(line.split()[2]) for line in curve]
     assert len(loads) >= 10 and loads == sorted(loads) and abs(loads[-1] - 20) < 2e-5
 
