@@ -24,10 +24,10 @@ module asperity
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_run_options, only: run_options
   use asperity_scene_reader, only: build_scene, parse_scene, read_scene
-  use asperity_scene_results, only: effect_header, kinds_of_warnings, last_state, &
+  use asperity_scene_results, only: effect_header, kinds_of_warnings, last_state, map_record, &
                                     scene_results
   use asperity_scene_surfaces, only: plane_surface, take_surface
-  use asperity_scene_values, only: scene, scene_surface
+  use asperity_scene_values, only: scene, scene_map, scene_surface
   use asperity_solve, only: solve
   use asperity_summary, only: write_summary
   use asperity_summits_of_file, only: summit_choices, summits_of_file
@@ -42,7 +42,7 @@ module asperity
   private
 
   ! Scenes.
-  public :: scene, scene_surface, problem_list, problem_place
+  public :: scene, scene_map, scene_surface, problem_list, problem_place
   public :: read_scene, parse_scene, take_surface, plane_surface, build_scene
   ! Measured maps and their summits.
   public :: height_map, is_measured, no_height, read_height_map
@@ -61,7 +61,8 @@ module asperity
   ! Running scenes.
   public :: solve, run_options, version
   ! Results.
-  public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header
+  public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header, &
+            map_record
   public :: last_state
   ! Results as tables of arrays, and in words.
   public :: make_arrays, array_table, array_column, add_reals, of_positions, of_states, of_contacts

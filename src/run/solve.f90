@@ -77,6 +77,7 @@ contains
     type(map_summits) :: summits
     type(scene) :: plain
     type(scene_results) :: of_summits
+    type(run_options) :: of_summits_options
     integer :: mode
 
     call join_maps(scene_in, map, failure)
@@ -101,7 +102,11 @@ contains
     if (allocated(failure) .and. mode /= effect_off) return
     call summits_of_scene(scene_in, map, plain, summits, failure)
     if (allocated(failure)) return
-    call solve_surfaces(plain, options, of_summits, failure)
+    ! What is kept is the answer: of `auto` that is not known yet.
+    of_summits_options = options
+    if (mode == effect_auto .and. allocated(options%keep_file)) &
+      deallocate (of_summits_options%keep_file)
+    call solve_surfaces(plain, of_summits_options, of_summits, failure)
     if (allocated(failure)) return
     call check_summits(scene_in, plain, map, seen, summits, of_summits, failure)
     if (allocated(failure)) return

@@ -46,7 +46,8 @@ module asperity_map_summits
     integer :: number = 0
   end type place_list
 
-  ! A ridge is filled no denser; its spheres are no larger than so many median radii of summits.
+  ! A ridge is filled no denser; its spheres are no larger than so many median radii of summits, and
+  ! no top is that of a parabola bent so many times more than theirs.
   real(real64), parameter :: least_squared_distance = 2.5_real64**2, most_radius = 4.0_real64
   integer, parameter :: reach = 2
   ! A curvature that is so small a part of that by neighbours is rounding, or none: theirs serves.
@@ -252,10 +253,10 @@ contains
   subroutine make_spheres(map, rule, radius_rule, places, plain, summits, failure)
     type(height_map), intent(in) :: map
     integer, intent(in) :: rule, radius_rule, plain
-    type(place_list), intent(in) :: places
+    type(place_list), intent(inout) :: places
     type(map_summits), intent(inout) :: summits
     character(len=:), allocatable, intent(out) :: failure
-    real(real64) :: near(-1:1, -1:1), step(2), rise, curvature, usual, flattest
+    real(real64) :: near(-1:1, -1:1), step(2), rise, curvature, usual, flattest, sharpest
     integer :: i, j, k, kept
 
     if (.not. has_memory(56_int64 * places%number + 1_int64)) then
@@ -277,15 +278,23 @@ contains
       if (k > plain) curvature = max(flattest, usual)
       if (.not. curvature > rounding * usual) curvature = usual
       if (.not. curvature > no_curvature) cycle
-      step = 0.0_real64
-      rise = 0.0_real64
-      if (rule == rule_contact) call top_of(near, step, rise)
       kept = kept + 1
-      summits%x(kept) = (i - 1 + step(1)) * map%spacing(1)
-      summits%y(kept) = (j - 1 + step(2)) * map%spacing(2)
-      summits%height(kept) = map%height(i, j) + rise
+      places%place(kept) = places%place(k)
       summits%radius(kept) = 1.0_real64 / curvature
       if (k > plain) summits%on_ridges = summits%on_ridges + 1
+    end do
+    step = 0.0_real64
+    rise = 0.0_real64
+    sharpest = sqrt(huge(1.0_real64))
+    if (kept > summits%on_ridges) &
+      sharpest = most_radius / median(summits%radius(:kept - summits%on_ridges))
+    do k = 1, kept
+      call place_of(map, places%place(k), i, j)
+      if (rule == rule_contact) &
+        call top_of(neighbourhood(map, i, j), sharpest * map%spacing**2, step, rise)
+      summits%x(k) = (i - 1 + step(1)) * map%spacing(1)
+      summits%y(k) = (j - 1 + step(2)) * map%spacing(2)
+      summits%height(k) = map%height(i, j) + rise
     end do
     if (kept == places%number) return
     summits%x = summits%x(:kept)

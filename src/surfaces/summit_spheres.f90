@@ -45,22 +45,24 @@ contains
 
   !> Where the parabolas through the summit and its neighbours along x and y have their vertex, as
   !> a step from the summit in samples, and how much higher that is. A vertex more than half a
-  !> sample away is that of something else.
-  pure subroutine top_of(near, step, rise)
+  !> sample away is that of something else. Beside a cliff there is no parabola: one that is bent
+  !> more than given rises as one that is bent so much.
+  pure subroutine top_of(near, most, step, rise)
     real(real64), intent(in) :: near(-1:1, -1:1)  !! the summit and its neighbours
+    real(real64), intent(in) :: most(2)           !! second differences along x and y at most
     real(real64), intent(out) :: step(2)          !! along x and y, from -1/2 to 1/2
     real(real64), intent(out) :: rise             !! of the vertex above the sample, 0 or more
 
     real(real64) :: rises(2)
 
-    call vertex(near(:, 0), step(1), rises(1))
-    call vertex(near(0, :), step(2), rises(2))
+    call vertex(near(:, 0), most(1), step(1), rises(1))
+    call vertex(near(0, :), most(2), step(2), rises(2))
     rise = sum(rises)
   end subroutine top_of
 
   ! The vertex of the parabola through three samples.
-  pure subroutine vertex(line, step, rise)
-    real(real64), intent(in) :: line(-1:1)
+  pure subroutine vertex(line, most, step, rise)
+    real(real64), intent(in) :: line(-1:1), most
     real(real64), intent(out) :: step, rise
     real(real64) :: difference, down
 
@@ -71,7 +73,7 @@ contains
     down = bend(line)
     if (.not. (abs(difference) <= down .and. down > 0.0_real64)) return
     step = 0.5_real64 * difference / down
-    rise = 0.125_real64 * difference * (difference / down)
+    rise = 0.125_real64 * difference * (difference / down) * min(1.0_real64, most / down)
   end subroutine vertex
 
   ! Minus the second difference.

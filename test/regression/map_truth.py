@@ -73,12 +73,13 @@ def curvature(near, dx, dy, rule):
     return (kx + ky) / 2
 
 
-def vertex(before, middle, behind):
-    """Step in samples and rise of the vertex of the parabola through three samples."""
+def vertex(before, middle, behind, most=np.inf):
+    """Step in samples and rise of the vertex of the parabola through three samples; one that is
+    bent more than `most` rises as one that is bent so much."""
     bend, difference = 2 * middle - before - behind, behind - before
     if not abs(difference) <= bend or bend <= 0:
         return 0.0, 0.0
-    return difference / bend / 2, difference ** 2 / bend / 8
+    return difference / bend / 2, difference ** 2 / bend / 8 * min(1.0, most / bend)
 
 
 def summits(heights, dx, dy, rule="eight", radius=None, level="plane"):
@@ -111,12 +112,13 @@ def summits(heights, dx, dy, rule="eight", radius=None, level="plane"):
             bend = max(usual[row, column], 1 / most)
             if bend > 0:
                 found.append((row, column, 1 / bend))
+    sharpest = 4 / np.median([r for _, _, r in found[:number]]) if number else np.inf
     rows = []
     for row, column, r in found:
         step_x = step_y = rise_x = rise_y = 0.0
         if contact:
-            step_x, rise_x = vertex(*near[1, :, row, column])
-            step_y, rise_y = vertex(*near[:, 1, row, column])
+            step_x, rise_x = vertex(*near[1, :, row, column], sharpest * dx ** 2)
+            step_y, rise_y = vertex(*near[:, 1, row, column], sharpest * dy ** 2)
         rows.append(((column + step_x) * dx, (row + step_y) * dy,
                      h[row, column] + rise_x + rise_y, r))
     return np.array(rows).reshape(-1, 4), len(found) - number

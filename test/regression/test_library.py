@@ -46,6 +46,19 @@ def test_read_a_scene(example, asperity, tmp_path, tally):
     assert met == 100
 
 
+@pytest.mark.parametrize("name", ["press", "press_samples"])
+def test_read_a_scene_of_a_map(example, asperity, tmp_path, name):
+    """A map, by its summits and by its samples."""
+    scene = ROOT / f"data/examples/summits/{name}.scene"
+    status, text, errors = example("read_a_scene", scene)
+    assert status == 0 and errors == ""
+    subprocess.run([asperity, "solve", scene, "--quiet", "--positions", "p.csv"], cwd=tmp_path,
+                   check=True, timeout=100)
+    row, = records(tmp_path / "p.csv")
+    assert text.splitlines()[-1] == (f"{1:8d}{int(row['contacts']):10d}"
+                                     f"{float(row['load']):15.6E}{float(row['area']):15.6E}")
+
+
 def test_read_a_scene_tells_problems(example, tmp_path):
     scene = tmp_path / "bad.scene"
     scene.write_text("&surfaces deck = 'none.deck' /\n")

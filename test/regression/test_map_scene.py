@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from map_press_truth import press, rough
-from surfaces_csv import solve, write_scene
+from surfaces_csv import records, solve, write_scene
 
 E = 3.0
 
@@ -157,6 +157,28 @@ def test_auto_takes_what_is_good_enough(asperity, tmp_path):
     flat, _ = press(level(height), sides, E, loading["value"])
     assert abs(float(samples.positions[0]["approach"]) / flat - 1) < 1e-6
     assert abs(float(summits.positions[0]["approach"]) / flat - 1) > 1e-4
+
+
+def test_auto_keeps_its_answer_alone(asperity, tmp_path):
+    """Kept or not, at once or again: the same positions; another map is another scene."""
+    sides = (1 / 64, 1 / 64)
+    height = 1e-4 * rough(64, shortest=8, seed=16)
+    scene = map_scene(tmp_path, height, sides, interaction="auto",
+                      loading={"control": "load", "value": load_for(height, sides, 0.03)})
+    plain = solve(asperity, scene)
+    assert plain.positions[0]["interaction"] == "boundary"
+
+    def kept():
+        return subprocess.run([asperity, "solve", scene.name, "--quiet", "--keep", "keep",
+                               "--positions", "kept.csv"], cwd=tmp_path, capture_output=True,
+                              text=True, timeout=60)
+
+    for _ in range(2):
+        assert kept().returncode == 0
+        assert records(tmp_path / "kept.csv") == plain.positions
+    write_map(tmp_path / "map.txt", 1.01 * height)
+    other = kept()
+    assert other.returncode == 1 and "holds no positions of this scene" in other.stderr
 
 
 def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
