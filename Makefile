@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
-.PHONY: setup clean laws
+.PHONY: setup clean laws maps
 
 DECK ?= data/thesis.deck
 
@@ -63,6 +63,11 @@ laws: ## random scenes with effects, each under one law (RUNS=20000); misses in 
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/metamorphic.py --exe "$$exe" \
 	  --runs $(or $(RUNS),20000) --keep build/laws
+
+maps: ## how good summits are, on maps pressed against their truth (MAPS='a.sdf b.sdf')
+	@bash .ci/setup build test bench
+	@.venv/bin/python test/bench/run_maps.py $(MAPS)
+	@.venv/bin/python test/bench/run_maps.py --tamaas 1024
 
 setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint
