@@ -6,9 +6,9 @@
 The truth is a boundary-element solution on every sample by numpy (test/regression/map_press_truth),
 area corrected at its rim. Ways: contact, what a scene with a map computes; plain, the summits of
 `--rule eight`; alone, the summits of a scene each for itself; half, the map at half its resolution.
-Maps of files come in addition to N of our own. Deterministic but for the times. With --tamaas a map
-of SIDE x SIDE samples rough at the pixel, to 5 % contact: processor time and memory of its samples, of
-its summits and of tamaas, one after the other, nothing else.
+Maps of files come in addition to N of our own. Deterministic but for the times. With --tamaas
+a map of SIDE x SIDE samples rough at the pixel, to 5 % contact: processor time and memory of its
+samples, of its summits and of tamaas, one after the other, nothing else.
 """
 
 import argparse
