@@ -30,16 +30,16 @@ module asperity_command_line
     '--arithmetic=', '--tables=', '--contacts=', '--positions=', '--carriage-control']
   character(len=*), parameter :: solve_options(*) = [character(len=18) :: &
     '--contacts=', '--positions=', '--curve=', '--json=', '--vtk=', '--arithmetic=', &
-    '--accuracy=', '--threads=', '--keep=', '--budget', '--quiet']
+    '--accuracy=', '--threads=', '--keep=', '--budget', '--cost', '--quiet']
   character(len=*), parameter :: accuracy_options(*) = [character(len=18) :: &
-    '--csv=', '--seconds=', '--quiet']
+    '--csv=', '--seconds=', '--cost', '--quiet']
   character(len=*), parameter :: generate_options(*) = [character(len=18) :: &
-    '--output=', '--upper=', '--lower=', '--surface=']
+    '--output=', '--upper=', '--lower=', '--surface=', '--cost']
   character(len=*), parameter :: study_options(*) = [character(len=18) :: &
-    '--csv=', '--keep=', '--quiet']
+    '--csv=', '--keep=', '--cost', '--quiet']
   character(len=*), parameter :: summits_options(*) = [character(len=18) :: &
     '--output=', '--rule=', '--level=', '--radius=', '--despike', '--spacing=', '--unit=', &
-    '--picture=', '--quiet']
+    '--picture=', '--cost', '--quiet']
   ! Options that name an output.
   character(len=*), parameter :: output_options(11) = [character(len=11) :: &
     '--contacts', '--positions', '--curve', '--json', '--vtk', '--csv', '--output', '--upper', &
@@ -61,6 +61,7 @@ module asperity_command_line
     logical :: carriage_control = .false.            !! keep the printer's column one
     logical :: quiet = .false.                       !! no summary
     logical :: budget = .false.                      !! print the error budget
+    logical :: cost = .false.                        !! tell what the work will cost, no more
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
     real(real64) :: seconds = 0.0_real64             !! time that may be spent; 0 when not given
@@ -144,6 +145,8 @@ contains
                         'expected one of both')
     if (line%output('--output') /= '' .and. line%output('--upper') /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
+    if (line%cost .and. line%budget) &
+      call problems%add('--cost tells nothing of --budget, expected one of both')
     call check_files(line, problems)
   end subroutine parse_command_line
 
@@ -189,6 +192,8 @@ contains
       line%quiet = .true.
     case ('--budget')
       line%budget = .true.
+    case ('--cost')
+      line%cost = .true.
     case ('--threads')
       call read_count(name, value, 4, 'a number from 1 to 9999', line%threads, problems)
     case ('--seconds')
@@ -238,8 +243,8 @@ contains
   pure logical function is_shared(line)
     type(command_line), intent(in) :: line  !! the user's choices
 
-    is_shared = line%command == 'study' .or. &
-                (line%command == 'solve' .and. .not. line%accuracy > 0.0_real64)
+    is_shared = .not. line%cost .and. (line%command == 'study' .or. &
+                (line%command == 'solve' .and. .not. line%accuracy > 0.0_real64))
   end function is_shared
 
   !> The path of an output of a member of an ensemble: `%` stands for its number.

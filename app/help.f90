@@ -59,6 +59,7 @@ module asperity_help
     '  --threads N         threads (default: one a core, or one for little work);', &
     '                      the same bytes for any', &
     '  --keep FILE         keep positions that are solved; a rerun goes on there', &
+    '  --cost              tell what time and memory it will take, and end', &
     '  --quiet             print no summary', &
     '']
   character(len=*), parameter :: accuracy_help(*) = [character(len=82) :: &
@@ -71,6 +72,7 @@ module asperity_help
     '  --seconds S         time that may be spent (default 60); ways that take longer', &
     '                      are left out', &
     '  --csv FILE          write the table with all digits', &
+    '  --cost              tell what time and memory it will take, and end', &
     '  --quiet             print no table']
   character(len=*), parameter :: generate_help(*) = [character(len=82) :: &
     'Usage: asperity generate [OPTIONS] SPEC', &
@@ -82,7 +84,8 @@ module asperity_help
     '  --output FILE       write the upper surface, or the deck, to a file', &
     '  --upper FILE        write the upper surface as CSV; not for a deck', &
     '  --lower FILE        write the lower surface as CSV; not for a deck', &
-    '  --surface N         only surface N of the ensemble']
+    '  --surface N         only surface N of the ensemble', &
+    '  --cost              tell what time and memory it will take, and end']
   character(len=*), parameter :: study_help(*) = [character(len=82) :: &
     'Usage: asperity study [OPTIONS] SPEC', &
     '', &
@@ -91,6 +94,7 @@ module asperity_help
     '', &
     '  --csv FILE          write the table with all digits', &
     '  --keep FILE         keep surfaces that are done; a rerun goes on there', &
+    '  --cost              tell what time and memory it will take, and end', &
     '  --quiet             print no table']
   character(len=*), parameter :: summits_help(*) = [character(len=82) :: &
     'Usage: asperity summits [OPTIONS] MAP', &
@@ -112,6 +116,7 @@ module asperity_help
     '  --unit NAME         m, mm, um, nm, cm or in, for all that is written (default:', &
     '                      as in the file; metres of a surface data file)', &
     '  --picture FILE      draw the map and its summits (SVG)', &
+    '  --cost              tell what time and memory it will take, and end', &
     '  --quiet             print no summary']
 
 contains

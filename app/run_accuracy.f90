@@ -13,6 +13,7 @@ module asperity_run_accuracy
   use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
   use asperity_text_buffer, only: text_buffer
   use asperity_timing, only: time_allowance
+  use asperity_work_cost, only: begin_cost, tell_cost, work_cost
   implicit none
   private
 
@@ -21,6 +22,8 @@ module asperity_run_accuracy
   ! Time spent on every row at most, s: enough for a steady median; and what all of them may take
   ! when the user does not say.
   real(real64), parameter :: seconds_a_row = 0.2_real64, usual_seconds = 60.0_real64
+  ! Time that is spent to tell what all of it would take.
+  real(real64), parameter :: seconds_of_trial = 2.0_real64
 
 contains
 
@@ -36,6 +39,7 @@ contains
     character(len=:), allocatable :: left_out
     type(time_allowance) :: allowance
     type(progress_line) :: progress
+    type(work_cost) :: cost
     real(real64) :: seconds, least_seconds
     integer :: ways_left_out, pieces
 
@@ -56,6 +60,13 @@ contains
     if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
     seconds = merge(line%seconds, usual_seconds, line%seconds > 0.0_real64)
     pieces = number_of_ways(allocated(deck)) + number_of_rungs
+    if (line%cost) then
+      cost%pieces = 'ways of computing'
+      cost%total = pieces
+      cost%most_seconds = seconds
+      seconds = min(seconds, seconds_of_trial)
+      call begin_cost(cost)
+    end if
     least_seconds = min(seconds_a_row, seconds / (2 * pieces))
     call allowance%begin(seconds)
     call progress%begin(.true., 'ways of computing', pieces, 0)
@@ -65,6 +76,14 @@ contains
       call run_model_rungs(scene_in, least_seconds, allowance, progress, rungs, left_out, &
                            outcome%failure)
     call progress%finish()
+    if (line%cost) then
+      ! What takes longer than the trial may take is no failure of it.
+      if (allocated(outcome%failure)) deallocate (outcome%failure)
+      if (allocated(rows)) cost%tried = max(1, size(rows))
+      if (allocated(rungs)) cost%tried = cost%tried + size(rungs)
+      call tell_cost(cost, outcome%text)
+      return
+    end if
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
       return

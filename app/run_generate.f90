@@ -12,6 +12,7 @@ module asperity_run_generate
   use asperity_output_files, only: commit_files, same_file, stage_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_surface_text, only: surface_as_csv
+  use asperity_work_cost, only: begin_cost, pieces_tried, tell_cost, work_cost
   implicit none
   private
 
@@ -32,6 +33,10 @@ contains
     if (outcome%problems%count() > 0) return
     call plan_surface(spec, 1, plans(1))
     call plan_surface(spec, 2, plans(2))
+    if (line%cost) then
+      call try_surfaces(line, spec, plans, outcome)
+      return
+    end if
     do member = max(1, line%member), merge(line%member, spec%ensemble, line%member > 0)
       if (spec%is_deck) then
         call make_deck(line, spec, plans, member, outcome%failure)
@@ -42,6 +47,40 @@ contains
       if (allocated(outcome%failure)) return
     end do
   end subroutine run_generate_command
+
+  !> Tells the cost from the first surfaces of the ensemble; nothing is written.
+  subroutine try_surfaces(line, spec, plans, outcome)
+    type(command_line), intent(in) :: line
+    type(generation_spec), intent(in) :: spec
+    type(surface_plan), intent(in) :: plans(2)
+    type(command_outcome), intent(inout) :: outcome
+    type(generated_surface) :: surface(2)
+    type(problem_list) :: notes
+    type(work_cost) :: cost
+    character(len=:), allocatable :: text
+    integer(int64) :: used
+    integer :: i, side, sides
+
+    sides = 1
+    if (spec%is_deck .or. line%output('--lower') /= '' .and. &
+        line%output('--output') // line%output('--upper') /= '') sides = 2
+    cost%pieces = 'surfaces'
+    cost%total = merge(1, spec%ensemble, line%member > 0)
+    cost%tried = min(pieces_tried, cost%total)
+    call begin_cost(cost)
+    do i = 1, cost%tried
+      do side = 1, sides
+        call generate_surface(plans(side), i, surface(side), outcome%failure)
+        if (allocated(outcome%failure)) then
+          outcome%failure = spec%file // ': ' // outcome%failure
+          return
+        end if
+        if (.not. spec%is_deck) call surface_as_csv(surface(side), text, used)
+      end do
+      if (spec%is_deck) call surfaces_as_deck(spec, surface(1), surface(2), text, notes)
+    end do
+    call tell_cost(cost, outcome%text)
+  end subroutine try_surfaces
 
   !> What the specification and the command line say must agree.
   subroutine check_outputs(line, spec, problems)

@@ -7,8 +7,9 @@ module asperity_run_solve
   use asperity_error_budget, only: error_budget, measure_budget
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_output_files, only: tell_kept
+  use asperity_position_packet, only: pack_position
   use asperity_problems, only: problem_list
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_results_csv, only: write_results
@@ -23,6 +24,7 @@ module asperity_run_solve
   use asperity_summary, only: write_choice, write_corrected_table, write_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_warning_lines, only: list_warnings
+  use asperity_work_cost, only: begin_cost, pieces_tried, tell_cost, work_cost
   implicit none
   private
 
@@ -38,22 +40,27 @@ contains
     type(scene) :: scene_in
     type(scene_results) :: results
     type(error_budget) :: budget
+    type(run_options) :: options
+    type(work_cost) :: cost
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
     if (outcome%problems%count() > 0) return
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
     if (line%output('--keep') == '') call tell_kept('; --keep FILE would keep what is solved')
-    call solve(scene_in, results, outcome%failure, options_of(line, scene_in))
+    options = options_of(line, scene_in)
+    call begin_cost(cost)
+    call solve(scene_in, results, outcome%failure, options)
     if (image_number() > 1) return
     if (.not. allocated(outcome%failure) .and. line%budget) &
-      call measure_budget(scene_in, options_of(line, scene_in), results, budget, outcome%failure)
+      call measure_budget(scene_in, options, results, budget, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
-    call list_warnings(line%input, results, outcome%warnings)
-    if (.not. line%quiet) then
+    if (line%cost) call weigh_positions(scene_in, results, cost)
+    if (.not. line%cost) call list_warnings(line%input, results, outcome%warnings)
+    if (.not. (line%quiet .or. line%cost)) then
       call write_summary(scene_in, results, outcome%text)
       if (line%accuracy > 0.0_real64) call write_choice(line%accuracy, results, outcome%text)
       if (line%budget) call write_budget(budget, size(results%positions), outcome%text)
@@ -65,6 +72,7 @@ contains
     call write_table('--curve', of_states)
     if (line%output('--json') /= '') call stage_json()
     if (line%output('--vtk') /= '') call stage_vtk()
+    if (line%cost .and. .not. allocated(outcome%failure)) call tell_cost(cost, outcome%text)
 
   contains
 
@@ -76,14 +84,14 @@ contains
       call list_inputs(scene_in, inputs, outcome%failure)
       if (.not. allocated(outcome%failure)) &
         call write_json(scene_in, inputs, results, outcome%warnings, json, outcome%failure)
-      call outcome%stage(line%output('--json'), json)
+      call stage('--json', json)
     end subroutine stage_json
 
     subroutine stage_vtk()
       type(text_buffer) :: vtk
 
       if (.not. allocated(outcome%failure)) call write_vtk(results, vtk, outcome%failure)
-      call outcome%stage(line%output('--vtk'), vtk)
+      call stage('--vtk', vtk)
     end subroutine stage_vtk
 
     subroutine write_table(option, which)
@@ -93,10 +101,41 @@ contains
 
       if (line%output(option) == '') return
       call write_results(which, results, csv)
-      call outcome%stage(line%output(option), csv)
+      call stage(option, csv)
     end subroutine write_table
 
+    ! Of a trial the text is weighed alone: it is held, and once more as it is written.
+    subroutine stage(option, text)
+      character(len=*), intent(in) :: option
+      type(text_buffer), intent(in) :: text
+
+      if (line%cost) then
+        cost%bytes_each = cost%bytes_each + &
+                          2.0_real64 * real(len(text%text(), int64), real64) / cost%tried
+      else
+        call outcome%stage(line%output(option), text)
+      end if
+    end subroutine stage
+
   end subroutine run_solve_command
+
+  ! What the results of a position hold.
+  subroutine weigh_positions(scene_in, results, cost)
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: results
+    type(work_cost), intent(inout) :: cost
+    integer(int64), allocatable :: words(:)
+    integer :: i
+
+    cost%pieces = 'positions'
+    cost%total = max(scene_in%motion%positions, size(results%positions))
+    cost%tried = size(results%positions)
+    do i = 1, cost%tried
+      call pack_position(results%positions(i), words)
+      cost%bytes_each = cost%bytes_each + 8.0_real64 * size(words) / cost%tried
+    end do
+    cost%bytes_each = cost%bytes_each + storage_size(results%positions) / 8
+  end subroutine weigh_positions
 
   ! What the command line and the scene ask for must agree.
   subroutine check_choices(line, scene_in, problems)
@@ -132,6 +171,10 @@ contains
     options%progress = image_number() == 1
     options%all_images = is_shared(line)
     options%keep_file = line%output('--keep')
+    if (.not. line%cost) return
+    options%sample = pieces_tried
+    options%threads = 1
+    options%keep_file = ''
   end function options_of
 
 end module asperity_run_solve

@@ -3,14 +3,17 @@ module asperity_run_study
   use asperity_area_study, only: run_area_study
   use asperity_area_study_plan, only: plan_study, study_plan
   use asperity_area_study_statistics, only: area_study
+  use asperity_area_study_surface, only: numbers_of_a_surface
   use asperity_area_study_table, only: write_area_csv, write_area_table
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
   use asperity_images, only: image_number
+  use asperity_kinds, only: real64
   use asperity_output_files, only: tell_kept
   use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
   use asperity_text_buffer, only: text_buffer
+  use asperity_work_cost, only: begin_cost, pieces_tried, tell_cost, work_cost
   implicit none
   private
 
@@ -28,6 +31,7 @@ contains
     type(area_study) :: study
     type(run_options) :: options
     type(text_buffer) :: csv
+    type(work_cost) :: cost
     character(len=:), allocatable :: failure
 
     call read_study_spec(line%input, spec, outcome%problems)
@@ -39,10 +43,22 @@ contains
     options%progress = image_number() == 1
     options%all_images = .true.
     options%keep_file = line%output('--keep')
+    if (line%cost) then
+      cost%pieces = 'surfaces'
+      cost%total = spec%surfaces%ensemble
+      cost%tried = min(pieces_tried, cost%total)
+      cost%bytes_each = 8.0_real64 * numbers_of_a_surface(plan)
+      spec%surfaces%ensemble = cost%tried
+      options%all_images = .false.
+      options%keep_file = ''
+    end if
+    call begin_cost(cost)
     if (options%keep_file == '') call tell_kept('; --keep FILE would keep what is done')
     call run_area_study(spec, plan, options, study, failure)
     if (allocated(failure)) then
       outcome%failure = line%input // ': ' // failure
+    else if (line%cost) then
+      call tell_cost(cost, outcome%text)
     else if (image_number() == 1) then
       call write_area_csv(study, csv)
       call outcome%stage(line%output('--csv'), csv)

@@ -3,18 +3,26 @@ module asperity_run_summits
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
   use asperity_height_map, only: height_map
-  use asperity_kinds, only: int64
+  use asperity_height_map_reader, only: read_height_map
+  use asperity_kinds, only: int64, real64
   use asperity_map_picture, only: draw_map
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: map_summits
   use asperity_printable, only: printable
-  use asperity_summits_of_file, only: summit_choices, summits_of_file
+  use asperity_problems, only: decimal_text
+  use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
   use asperity_summits_table, only: write_summits_csv, write_summits_table
   use asperity_text_buffer, only: text_buffer
+  use asperity_work_cost, only: begin_cost, tell_cost, work_cost
   implicit none
   private
 
   public :: run_summits_command
+
+  ! Of a map, to tell the cost.
+  integer, parameter :: rows_tried = 64
+  ! A place while summits are looked for, and a sphere.
+  real(real64), parameter :: bytes_of_summit = 56.0_real64 + 32.0_real64
 
 contains
 
@@ -32,6 +40,10 @@ contains
     choices = summit_choices(rule=line%rule, level=line%level, radius=line%radius, &
                              unit=line%unit, despike=line%despike, spacing=line%spacing, &
                              progress=.true.)
+    if (line%cost) then
+      call try_rows(line, choices, outcome)
+      return
+    end if
     call summits_of_file(line%input, choices, map, summits, spikes, outcome%problems, &
                          outcome%failure)
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
@@ -45,5 +57,34 @@ contains
       call draw_map(printable(line%input), map, summits, picture)
     call outcome%stage(line%output('--picture'), picture)
   end subroutine run_summits_command
+
+  ! Tells the cost from the first rows of the map, which is read.
+  subroutine try_rows(line, choices, outcome)
+    type(command_line), intent(in) :: line
+    type(summit_choices), intent(inout) :: choices
+    type(command_outcome), intent(inout) :: outcome
+    type(height_map) :: map, part
+    type(map_summits) :: summits
+    type(work_cost) :: cost
+    integer(int64) :: spikes
+
+    call read_height_map(line%input, line%spacing, .true., map, outcome%problems, outcome%failure)
+    if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
+    cost%pieces = 'rows of ' // decimal_text(map%columns) // ' samples'
+    cost%total = map%rows
+    cost%tried = min(rows_tried, map%rows)
+    part%columns = map%columns
+    part%rows = cost%tried
+    part%spacing = map%spacing
+    part%unit = map%unit
+    part%height = map%height(:, :cost%tried)
+    call begin_cost(cost)
+    call summits_of_samples(part, choices, summits, spikes, outcome%failure)
+    if (allocated(outcome%failure)) return
+    ! Each sample is marked, with outliers copied; a summit is a place, then a sphere.
+    cost%bytes_each = map%columns * merge(9.0_real64, 1.0_real64, line%despike) + &
+                      bytes_of_summit * size(summits%x) / cost%tried
+    call tell_cost(cost, outcome%text)
+  end subroutine try_rows
 
 end module asperity_run_summits

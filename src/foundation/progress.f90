@@ -12,7 +12,7 @@ module asperity_progress
   implicit none
   private
 
-  public :: progress_line, progress_text
+  public :: duration, progress_line, progress_text
 
   ! Seconds before the first line, and from line to line.
   real(real64), parameter :: patience = 2.0_real64, pause = 0.25_real64
@@ -115,9 +115,9 @@ contains
     text = text // duration(real(number - finished, real64) / rate) // ' left'
   end function progress_text
 
-  ! A time in words, rounded up.
+  !> A time in words, rounded up.
   pure function duration(seconds) result(text)
-    real(real64), intent(in) :: seconds
+    real(real64), intent(in) :: seconds  !! 0 or more
     character(len=:), allocatable :: text
     integer :: whole
 

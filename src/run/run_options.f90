@@ -16,6 +16,7 @@ module asperity_run_options
     logical :: keep_contacts = .true.              !! keep the contacts of every state
     integer :: threads = 0                         !! 0: as many as OpenMP gives
     logical :: progress = .false.                  !! tell how far it is, on a terminal
+    integer :: sample = 0                          !! solve so many positions, spread; 0: all
     logical :: all_images = .false.                !! all images of the run call, and share the work
     character(len=:), allocatable :: keep_file     !! positions are kept there as they are solved
     type(interruption) :: interrupt                !! another thread can end the run: it fails then

@@ -32,6 +32,7 @@ module asperity_sweep
   type :: sweep_watch
     integer :: last = 0            ! no position behind it is wanted
     integer :: highest = 0         ! of those solved
+    integer :: stride = 1          ! from one that is solved to the next, in the scene
     integer(int64) :: rows = 0_int64  ! contacts kept so far
     type(progress_line) :: progress
     type(shared_work) :: work
@@ -51,27 +52,30 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(sweep_watch) :: watch
     integer(int64) :: states
-    integer :: m, threads, usual
+    integer :: m, number, threads, usual
     logical :: going_on
 
-    states = int(solver%positions, int64) * int(max(1, solver%states), int64)
+    number = solver%positions
+    if (options%sample > 0) number = min(number, options%sample)
+    if (number > 1) watch%stride = (solver%positions - 1) / (number - 1)
+    states = int(number, int64) * int(max(1, solver%states), int64)
     if (.not. has_memory(states * int(room_of_a_state, int64))) then
-      failure = 'not enough memory for ' // decimal_text(solver%positions) // ' positions'
+      failure = 'not enough memory for ' // decimal_text(number) // ' positions'
       return
     end if
-    allocate (positions(solver%positions))
+    allocate (positions(number))
     threads = threads_for(solver, options)
     ! A position by itself may use the threads within.
     usual = 1
     !$ usual = omp_get_max_threads()
     !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
-    watch%last = solver%positions
+    watch%last = number
     watch%interrupt = options%interrupt
-    call begin_work(watch%work, solver%positions, options%all_images, kept)
+    call begin_work(watch%work, number, options%all_images, kept)
     do m = 1, watch%work%done * merge(1, 0, image_number() == 1)
       call unpack_position(watch%work%records(m)%words, positions(m))
     end do
-    call watch%progress%begin(options%progress, 'positions', solver%positions, watch%work%done)
+    call watch%progress%begin(options%progress, 'positions', number, watch%work%done)
     do
       call begin_round(watch%work, going_on)
       if (.not. going_on) exit
@@ -134,7 +138,7 @@ contains
     integer(int64), allocatable :: words(:)
     integer :: last
 
-    call solver%solve(m, options%keep_contacts, position, failure)
+    call solver%solve(1 + (m - 1) * watch%stride, options%keep_contacts, position, failure)
     if (.not. allocated(failure)) then
       if (.not. are_finite(position)) &
         failure = 'a result is beyond the range of a double, expected other units'

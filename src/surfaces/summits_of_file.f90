@@ -10,7 +10,7 @@ module asperity_summits_of_file
   implicit none
   private
 
-  public :: summit_choices, summits_of_file
+  public :: summit_choices, summits_of_file, summits_of_samples
 
   !> How it is done.
   type :: summit_choices
@@ -47,12 +47,24 @@ contains
       end if
       call change_unit(map, choices%unit)
     end if
+    call summits_of_samples(map, choices, summits, spikes, failure)
+    if (allocated(failure)) failure = path // ': ' // failure
+  end subroutine summits_of_file
+
+  !> The same of a map that was read: levels it and takes outliers out as chosen.
+  subroutine summits_of_samples(map, choices, summits, spikes, failure)
+    type(height_map), intent(inout) :: map                  !! read, then levelled
+    type(summit_choices), intent(inout) :: choices          !! learns the rule for radii
+    type(map_summits), intent(out) :: summits               !! of the map
+    integer(int64), intent(out) :: spikes                   !! taken out; -1: nobody looked
+    character(len=:), allocatable, intent(out) :: failure   !! why not
+
+    spikes = -1_int64
     call level_map(map, choices%level)
     if (choices%despike) call despike_map(map, choices%level, choices%progress, spikes, failure)
     if (choices%radius == 0) choices%radius = usual_radius(choices%rule)
     if (.not. allocated(failure)) &
       call find_summits(map, choices%rule, choices%radius, summits, failure)
-    if (allocated(failure)) failure = path // ': ' // failure
-  end subroutine summits_of_file
+  end subroutine summits_of_samples
 
 end module asperity_summits_of_file

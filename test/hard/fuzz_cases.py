@@ -198,6 +198,8 @@ def make_case(seed):
         case.arguments += ["--keep", "kept"]
         if rng.random() < 0.3:
             case.files["kept"] = rng.choice(KEPT)
+    if case.arguments[:1] == ["solve"] and random.Random(f"cost {seed}").random() < 0.05:
+        case.arguments.insert(1, "--cost")
     return case
 
 

@@ -1,0 +1,87 @@
+"""`--cost` tells time and memory beforehand, writes nothing, and its memory is what a run takes."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import made_maps
+from effect_runs import DECK
+from surfaces_csv import write_scene
+
+# Its own process, as what the tests hold would count as the program's.
+MEASURE = """
+import os, subprocess, sys
+_, status, usage = os.wait4(subprocess.Popen(sys.argv[1:]).pid, 0)
+print(status, usage.ru_maxrss * 1024)
+"""
+# Predicted over measured; what is told is rounded up to a megabyte.
+LEAST, MOST = 0.5, 2.0
+
+
+def told(asperity, folder, *words):
+    """The lines of `--cost`: pieces, of them tried, bytes. No file appears."""
+    before = sorted(path.name for path in folder.iterdir())
+    done = subprocess.run([asperity, *map(str, words), "--cost"], cwd=folder, text=True,
+                          capture_output=True, stdin=subprocess.DEVNULL, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in folder.iterdir()) == before
+    found = re.fullmatch(r"work: (\d+) .*, tried (\d+) in \d+\.\d+ s\n"
+                         r"time: (?:about|at most) \d+ (?:s|min|h) .*\nmemory: about (\d+) MB\n",
+                         done.stdout)
+    assert found, done.stdout
+    total, tried, megabytes = map(int, found.groups())
+    assert 1 <= tried <= total
+    return total, tried, megabytes * 1e6
+
+
+def taken(asperity, folder, *words):
+    """The most memory that a run holds, bytes."""
+    done = subprocess.run([sys.executable, "-c", MEASURE, asperity, *map(str, words)], cwd=folder,
+                          capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=300)
+    status, most = map(int, done.stdout.split()[-2:])
+    assert status == 0, done.stderr
+    return most
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("positions, outputs", [
+    (20000, ("--contacts", "c.csv", "--curve", "k.csv")), (50000, ("--positions", "p.csv"))])
+def test_memory_of_a_sweep(positions, outputs, asperity, tmp_path):
+    scene = write_scene(tmp_path / "sweep.scene", surfaces={"deck": str(DECK)},
+                        motion={"x_first": 0.1, "x_step": 10.0 / positions, "positions": positions})
+    words = ("solve", scene.name, "--quiet", "--threads", "1", *outputs)
+    total, tried, expected = told(asperity, tmp_path, *words)
+    assert (total, tried) == (positions, 3)
+    measured = taken(asperity, tmp_path, *words)
+    assert measured > 30e6
+    assert LEAST < expected / measured < MOST, (expected, measured)
+
+
+@pytest.mark.once
+def test_memory_of_a_map(asperity, tmp_path):
+    rng = np.random.default_rng(14)
+    made_maps.write_bytes(tmp_path / "map.sdf", rng.normal(size=(1500, 2000)))
+    words = ("summits", "map.sdf", "--quiet")
+    total, tried, expected = told(asperity, tmp_path, *words)
+    assert (total, tried) == (1500, 64)
+    measured = taken(asperity, tmp_path, *words)
+    assert LEAST < expected / measured < MOST, (expected, measured)
+
+
+def test_every_command_tells_its_cost(asperity, root, tmp_path):
+    examples = root / "data/examples"
+    for words in (("generate", examples / "generate/thesis.spec", "--output", "x%.deck"),
+                  ("study", examples / "study/thesis.spec", "--csv", "s.csv", "--keep", "kept"),
+                  ("accuracy", DECK, "--csv", "a.csv"),
+                  ("solve", DECK, "--keep", "kept", "--contacts", "c.csv", "--json", "j.json"),
+                  ("solve", examples / "effects/beyond_limit.scene", "--curve", "c.csv")):
+        told(asperity, tmp_path, *words)
+
+
+def test_cost_and_budget_exclude_each_other(asperity, tmp_path):
+    done = subprocess.run([asperity, "solve", DECK, "--budget", "--cost"], cwd=tmp_path, text=True,
+                          capture_output=True)
+    assert done.returncode == 2 and "--cost tells nothing of --budget" in done.stderr
