@@ -42,11 +42,10 @@ contains
 
     call cpu_time(ended)
     seconds = max(0.0_real64, ended - cost%begun)
-    write (digits, '(f0.3)') seconds
-    if (digits(1:1) == '.') digits = '0' // digits
+    write (digits, '(f20.3)') seconds
     call text%line('work: ' // decimal_text(cost%total) // ' ' // &
                    cost%pieces(:len(cost%pieces) - merge(1, 0, cost%total == 1)) // ', tried ' // &
-                   decimal_text(cost%tried) // ' in ' // trim(digits) // ' s')
+                   decimal_text(cost%tried) // ' in ' // trim(adjustl(digits)) // ' s')
     if (cost%most_seconds < huge(seconds)) then
       call text%line('time: at most ' // duration(cost%most_seconds) // &
                      ' and the end of what is under way then')
