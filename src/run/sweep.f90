@@ -187,7 +187,8 @@ contains
           work%ending = 'more than ' // decimal_text(most_rows) // ' contacts to keep: ' // &
                         'expected fewer positions or points, or no list of contacts'
         if (.not. allocated(work%ending)) cycle
-        work%ending = 'position ' // decimal_text(m) // ': ' // work%ending
+        work%ending = 'position ' // decimal_text(1 + (m - 1) * watch%stride) // ': ' // &
+                      work%ending
         return
       end do
     end associate
