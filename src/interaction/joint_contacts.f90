@@ -45,8 +45,9 @@ module asperity_joint_contacts
   ! What circles may leave out of the area: of the tolerance, or of this if more.
   real(real64), parameter :: area_share = 0.7_real64, least_area = 0.005_real64
   integer, parameter :: most_rounds = 30
-  ! Of the change by a round, what the next would change: they alternate and contract by .25 to .5.
-  real(real64), parameter :: round_left = 0.33_real64
+  ! Of what the last coupling changed, what is told. At a load that is of the closing, most of which
+  ! is the cells' own correction: rounds alternate and contract by .25 to .5.
+  real(real64), parameter :: round_left = 1.0_real64, round_left_at_load = 0.33_real64
   ! Standard deviations that are told of the scatter on cells: of loads, of areas.
   real(real64), parameter :: scatter_told = 2.5_real64, area_scatter_told = 3.0_real64
   ! Relative error of an area over that of its load: for an ellipse (n = 2) 4/3 of what the load
@@ -129,7 +130,8 @@ contains
       total = sum(coupled%set%load)
       solution%error = sum(error + emitted + shape, mask=.not. is_one) / total
       if (.not. allocated(clusters)) return
-      solution%error = solution%error + round_left * abs(now - before) / now + (scatter_told * &
+      solution%error = solution%error + merge(round_left_at_load, round_left, present(target)) * &
+        abs(now - before) / now + (scatter_told * &
         norm2(clusters%answer%error) + sum([(clusters(k)%answer%ending%residual * &
         sum(clusters(k)%answer%vertical_load), k=1, size(clusters))])) / (pairs%modulus * total)
     end associate
