@@ -15,6 +15,7 @@ import argparse
 import csv
 import os
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -30,7 +31,7 @@ import numpy as np
 from made_maps import self_affine, write_bytes
 from map_press_truth import press
 from map_truth import levelled
-from run_bench import release_build
+from run_bench import peak_of, release_build
 from run_tamaas import its_python
 from test_map_scene import rim_area
 
@@ -180,13 +181,15 @@ def beside_tamaas(exe, side):
                 f"&material contact_modulus = {MODULUS!r} /\n"
                 f"&loading control = 'pressure', value = {pressure!r} /\n"
                 f"&effects interaction = '{way}' /\n", encoding="ascii")
-            child = os.posix_spawn(exe, [exe, "solve", folder / "map.scene", "--quiet",
-                                         "--positions", folder / "map.csv"], os.environ)
-            _, status, used = os.wait4(child, 0)
-            assert status == 0
+            before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+            child = subprocess.Popen([exe, "solve", folder / "map.scene", "--quiet",
+                                      "--positions", folder / "map.csv"])
+            peak = peak_of(child, pause=0.01)
+            assert child.wait() == 0
+            spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
             with open(folder / "map.csv", encoding="ascii", newline="") as rows:
                 level = float(next(csv.DictReader(rows))["approach"])
-            print(f"{way:<20}{used.ru_utime:>9.1f}{used.ru_maxrss / 1024:>9.0f}"
+            print(f"{way:<20}{spent:>9.1f}{peak / 2**20:>9.0f}"
                   f"{level / rms:>26.4f}", flush=True)
         done = subprocess.run([python, ROOT / "test/bench/tamaas_map.py", folder / "map.npy",
                                *map(repr, (SPACING, MODULUS, pressure, 1e-6))],
