@@ -1,5 +1,8 @@
 """Whether `coupled` solves all that has a solution: random scenes, loads of a table, summits.
 
+Solved is: status 0, sums that are those of the contacts, and contacts that bear what they
+penetrate, or nothing where they do not.
+
     python test/hard/everything_solved.py EXECUTABLE [--parts random,loads,rough] [--count 10000]
         [--first 1] [--processes 2] [--timeout 300] [--mode coupled] [--out results.csv]
         [--surface SUMMITS.csv ...]
@@ -76,11 +79,11 @@ def run(exe, mode, timeout, case):
     outcome = Outcome(case.name, case.kind, len(case.caps))
     with tempfile.TemporaryDirectory(dir=ROOM) as folder:
         path = case.write(Path(folder), mode)
-        positions = path.with_name("positions.csv")
+        positions, contacts = path.with_name("positions.csv"), path.with_name("contacts.csv")
         start = time.perf_counter()
         try:
-            done = subprocess.run([exe, "solve", path, "--positions", positions, "--quiet",
-                                   "--threads", "1"], capture_output=True, text=True,
+            done = subprocess.run([exe, "solve", path, "--positions", positions, "--contacts",
+                                   contacts, "--quiet", "--threads", "1"], capture_output=True, text=True,
                                   timeout=timeout)
             outcome.status = done.returncode
             outcome.message = done.stderr.strip().replace(f"{path}: ", "")
@@ -91,7 +94,36 @@ def run(exe, mode, timeout, case):
             outcome.contacts = int(row["contacts"])
             outcome.share = float(row["area"]) / case.area
             outcome.steps = float(row.get("interaction_iterations") or "nan")
+            fault = fault_of(case, row, records(contacts))
+            if fault:
+                outcome.status, outcome.message = WRONG, fault
     return outcome
+
+
+# Status of a result that is not what it says; relative error of a load by its penetration.
+WRONG, OF_LAW = -2, 1e-6
+
+
+def fault_of(case, position, contacts):
+    """What is wrong with the sums of the contacts, or with one of them: "" when nothing is.
+
+    Who bears something bears what its penetration, alone and less what it is lowered by, says; who
+    bears nothing does not penetrate.
+    """
+    load, area, alone, lowered = (np.array([float(row[name]) for row in contacts]) for name in
+                                  ("vertical_load", "projected_area", "alone_load", "lowered"))
+    for name, values in (("vertical_load", load), ("projected_area", area)):
+        if abs(values.sum() - float(position[name])) > 1e-9 * abs(values).sum():
+            return f"{name} is not the sum of the contacts"
+    if load.min(initial=0) < 0:
+        return f"a contact bears {load.min()}"
+    radius = case.caps[[int(row["lower"]) - 1 for row in contacts], 3]
+    stiff = 4 / 3 * COMBINED * np.sqrt(1 / (1 / radius + 1 / SPHERE))
+    deep = (alone / stiff) ** (2 / 3) - lowered
+    borne = stiff * np.maximum(deep, 0) ** 1.5
+    most = load.max(initial=0)
+    wrong = np.abs(borne - load) > OF_LAW * most
+    return f"{wrong.sum()} contacts do not bear what they penetrate" if wrong.any() else ""
 
 
 # Many small files: in memory where there is room for them.
