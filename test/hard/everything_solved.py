@@ -83,8 +83,8 @@ def run(exe, mode, timeout, case):
         start = time.perf_counter()
         try:
             done = subprocess.run([exe, "solve", path, "--positions", positions, "--contacts",
-                                   contacts, "--quiet", "--threads", "1"], capture_output=True, text=True,
-                                  timeout=timeout)
+                                   contacts, "--quiet", "--threads", "1"],
+                                  capture_output=True, text=True, timeout=timeout)
             outcome.status = done.returncode
             outcome.message = done.stderr.strip().replace(f"{path}: ", "")
         except subprocess.TimeoutExpired:
@@ -110,8 +110,8 @@ def fault_of(case, position, contacts):
     Who bears something bears what its penetration, alone and less what it is lowered by, says; who
     bears nothing does not penetrate.
     """
-    load, area, alone, lowered = (np.array([float(row[name]) for row in contacts]) for name in
-                                  ("vertical_load", "projected_area", "alone_load", "lowered"))
+    names = ("vertical_load", "projected_area", "alone_load", "lowered")
+    load, area, alone, lowered = (np.array([float(row[n]) for row in contacts]) for n in names)
     for name, values in (("vertical_load", load), ("projected_area", area)):
         if abs(values.sum() - float(position[name])) > 1e-9 * abs(values).sum():
             return f"{name} is not the sum of the contacts"
