@@ -88,11 +88,13 @@ contains
       associate (set => coupled%set)
         area_error(set%number) = pi * set%circle**2 * min(most_of_area, area_per_load * &
                                  (error(set%number) + emitted(set%number)) / set%load)
-        if (which == resolve_called_for .and. total > 0.0_real64) call choose_resolved(pairs, &
-          coupled, max((error + emitted) / (left_share * tolerance * total), (error + emitted + &
-          shape) / (shape_share * tolerance * total), area_error / &
-                       (area_share * max(tolerance, least_area) * pi * sum(set%circle**2))), &
-          hosts, is_one)
+        ! Shares of next to nothing are no numbers, and its contacts too shallow for cells.
+        if (which == resolve_called_for .and. left_share * tolerance * total > tiny(total)) &
+          call choose_resolved(pairs, coupled, &
+            max((error + emitted) / (left_share * tolerance * total), &
+                (error + emitted + shape) / (shape_share * tolerance * total), area_error / &
+                (area_share * max(tolerance, least_area) * pi * sum(set%circle**2))), &
+            hosts, is_one)
       end associate
       now = measure()
       before = now
