@@ -8,6 +8,8 @@ module asperity_command_line
   use asperity_height_map, only: length_units
   use asperity_option_values, only: read_accuracy, read_count, read_seconds, read_spacing, &
                                     read_tables, read_word
+  use asperity_option_table, only: call_of, command_at, commands, known_options, &
+                                    output_options
   use asperity_original, only: arithmetic_names
   use asperity_original_records, only: original_positions, thesis_tables
   use asperity_output_files, only: same_file
@@ -21,32 +23,11 @@ module asperity_command_line
 
   public :: command_line, is_shared, output_place, parse_command_line, refuse_input
 
-  ! What may stand first.
-  character(len=*), parameter :: commands(*) = [character(len=8) :: &
-    'solve', 'accuracy', 'generate', 'study', 'summits']
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
-  ! Options of the commands; those with a value end with '='.
-  character(len=*), parameter :: original_options(*) = [character(len=18) :: &
-    '--arithmetic=', '--tables=', '--contacts=', '--positions=', '--carriage-control']
-  character(len=*), parameter :: solve_options(*) = [character(len=18) :: &
-    '--contacts=', '--positions=', '--curve=', '--json=', '--vtk=', '--arithmetic=', &
-    '--accuracy=', '--threads=', '--keep=', '--budget', '--cost', '--quiet']
-  character(len=*), parameter :: accuracy_options(*) = [character(len=18) :: &
-    '--csv=', '--seconds=', '--cost', '--quiet']
-  character(len=*), parameter :: generate_options(*) = [character(len=18) :: &
-    '--output=', '--upper=', '--lower=', '--surface=', '--cost']
-  character(len=*), parameter :: study_options(*) = [character(len=18) :: &
-    '--csv=', '--keep=', '--cost', '--quiet']
-  character(len=*), parameter :: summits_options(*) = [character(len=18) :: &
-    '--output=', '--rule=', '--level=', '--radius=', '--despike', '--spacing=', '--unit=', &
-    '--picture=', '--cost', '--quiet']
-  ! Options that name an output.
-  character(len=*), parameter :: output_options(11) = [character(len=11) :: &
-    '--contacts', '--positions', '--curve', '--json', '--vtk', '--csv', '--output', '--upper', &
-    '--lower', '--keep', '--picture']
 
   type :: output_file
-    character(len=:), allocatable :: path  ! as the user gave it
+    character(len=18) :: option = ''       ! that names it
+    character(len=:), allocatable :: path  ! as the user gave it; not allocated: none
   end type output_file
 
   !> What the user asked for.
@@ -55,7 +36,7 @@ module asperity_command_line
     character(len=:), allocatable :: topic           !! command whose help is asked for, or empty
     character(len=:), allocatable :: input           !! path of the deck or scene
     character(len=:), allocatable :: arithmetic      !! one of `arithmetic_names`
-    type(output_file) :: outputs(size(output_options))  !! not allocated where none is named
+    type(output_file), allocatable :: outputs(:)     !! of each option that names one
     integer :: member = 0                            !! surface of the ensemble; 0 is all
     logical :: printed(original_positions) = .false. !! positions whose contact table is printed
     logical :: carriage_control = .false.            !! keep the printer's column one
@@ -82,12 +63,14 @@ contains
     type(command_line), intent(out) :: line      !! the choices
     type(problem_list), intent(out) :: problems  !! what is wrong
     type(argument_list) :: list
-    integer :: i
+    integer :: i, k
 
     line%command = ''
     line%topic = ''
     line%input = ''
     line%arithmetic = ''
+    allocate (line%outputs(size(output_options())))
+    line%outputs%option = output_options()
     line%printed(thesis_tables) = .true.
     if (command_argument_count() == 0) return
     do i = 1, command_argument_count()
@@ -96,8 +79,9 @@ contains
         line%command = 'help'
         line%topic = argument(1)
         return
-      case ('--version')
-        line%command = 'version'
+      case ('--version', '--man', '--completion')
+        line%command = argument(i)
+        line%command = line%command(3:)
         return
       case default
         continue
@@ -106,34 +90,17 @@ contains
     line%command = argument(1)
     ! A word that ends with a blank is a file's name.
     if (len_trim(line%command) < len(line%command)) line%command = 'original'
-    select case (line%command)
-    case ('solve')
-      call read_arguments(2, solve_options, 'scene', list, problems)
-      if (list%operand == '') &
-        call problems%add('no scene named, expected: asperity solve [OPTIONS] SCENE')
-    case ('accuracy')
-      call read_arguments(2, accuracy_options, 'deck or scene', list, problems)
-      if (list%operand == '') list%operand = 'data/thesis.deck'
-    case ('generate')
-      call read_arguments(2, generate_options, 'specification', list, problems)
-      if (list%operand == '') &
-        call problems%add('no specification named, expected: asperity generate [OPTIONS] SPEC')
-    case ('study')
-      call read_arguments(2, study_options, 'specification', list, problems)
-      if (list%operand == '') &
-        call problems%add('no specification named, expected: asperity study [OPTIONS] SPEC')
-    case ('summits')
-      call read_arguments(2, summits_options, 'map', list, problems)
-      if (list%operand == '') &
-        call problems%add('no map named, expected: asperity summits [OPTIONS] MAP')
-    case default
+    k = command_at(line%command)
+    if (k == 1) then
       line%command = 'original'
       line%arithmetic = trim(arithmetic_names(1))
       if (is_no_command(argument(1), problems)) return
-      call read_arguments(1, original_options, 'deck', list, problems)
-      if (list%operand == '' .and. problems%count() == 0) &
-        call problems%add('no card deck named, expected: asperity [OPTIONS] DECK')
-    end select
+    end if
+    call read_arguments(min(k, 2), known_options(commands(k)%name), trim(commands(k)%called), &
+                        list, problems)
+    if (list%operand == '' .and. line%command == 'accuracy') list%operand = 'data/thesis.deck'
+    if (list%operand == '' .and. (k > 1 .or. problems%count() == 0)) &
+      call problems%add('no ' // trim(commands(k)%called) // ' named, expected: ' // call_of(k))
     line%input = list%operand
     do i = 1, size(list%options)
       call take_option(line, list%options(i)%name, list%options(i)%value, problems)
@@ -160,11 +127,12 @@ contains
 
     inquire (file=word, exist=is_file)
     is_no_command = verify(lower_case(word), letters) == 0 .and. .not. is_file
-    if (nearest_word(lower_case(word), commands) == 0) &
+    if (nearest_word(lower_case(word), commands(2:)%name) == 0) &
       is_no_command = is_no_command .and. command_argument_count() == 2
     if (is_no_command) &
-      call problems%add('found ' // quoted(word) // ', expected ' // any_of(commands) // &
-                        ', or the file of a card deck' // did_you_mean(lower_case(word), commands))
+      call problems%add('found ' // quoted(word) // ', expected ' // any_of(commands(2:)%name) // &
+                        ', or the file of a card deck' // &
+                        did_you_mean(lower_case(word), commands(2:)%name))
   end function is_no_command
 
   !> Stores one option.
@@ -213,7 +181,7 @@ contains
     case ('--despike')
       line%despike = .true.
     case default
-      i = findloc(output_options == name, .true., 1)
+      i = findloc(line%outputs%option == name, .true., 1)
       line%outputs(i)%path = value
       if (value == '-') call take_standard_output(line, i, problems)
     end select
@@ -228,14 +196,15 @@ contains
 
     line%quiet = .true.
     line%outputs(number)%path = '/dev/stdout'
-    if (output_options(number) == '--keep') then
+    if (line%outputs(number)%option == '--keep') then
       call problems%add('--keep: found -, expected a file, as a rerun reads it')
       return
     end if
-    do i = 1, size(output_options)
-      if (i /= number .and. line%output(output_options(i)) == '/dev/stdout') &
-        call problems%add(trim(output_options(i)) // ' and ' // trim(output_options(number)) // &
-                          ' both go to standard output, expected one')
+    do i = 1, size(line%outputs)
+      if (i /= number .and. line%output(line%outputs(i)%option) == '/dev/stdout') &
+        call problems%add(trim(line%outputs(i)%option) // ' and ' // &
+                          trim(line%outputs(number)%option) // ' both go to standard output, ' // &
+                          'expected one')
     end do
   end subroutine take_standard_output
 
@@ -268,19 +237,19 @@ contains
   subroutine check_files(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
-    character(len=:), allocatable :: report, path
+    character(len=:), allocatable :: report, option, path
     integer :: i, j
 
     report = canonical_path('/dev/stdout')
     call refuse_input(line, line%input, problems)
-    do i = 1, size(output_options)
-      path = line%output(output_options(i))
+    do i = 1, size(line%outputs)
+      option = trim(line%outputs(i)%option)
+      path = line%output(option)
       if (same_file(path, report)) &
-        call problems%add(trim(output_options(i)) // ' names the file that standard output ' // &
-                          'goes to, ' // path)
-      do j = i + 1, size(output_options)
-        if (same_file(path, line%output(output_options(j)))) &
-          call problems%add(trim(output_options(i)) // ' and ' // trim(output_options(j)) // &
+        call problems%add(option // ' names the file that standard output goes to, ' // path)
+      do j = i + 1, size(line%outputs)
+        if (same_file(path, line%output(line%outputs(j)%option))) &
+          call problems%add(option // ' and ' // trim(line%outputs(j)%option) // &
                             ' both name ' // path)
       end do
     end do
@@ -295,9 +264,9 @@ contains
 
     ! A plane comes from no file.
     if (input == '') return
-    do i = 1, size(output_options)
-      if (same_file(line%output(output_options(i)), input)) &
-        call problems%add(trim(output_options(i)) // ' names the input, ' // input)
+    do i = 1, size(line%outputs)
+      if (same_file(line%output(line%outputs(i)%option), input)) &
+        call problems%add(trim(line%outputs(i)%option) // ' names the input, ' // input)
     end do
   end subroutine refuse_input
 
@@ -309,7 +278,7 @@ contains
     integer :: i
 
     path = ''
-    i = findloc(output_options == option, .true., 1)
+    i = findloc(self%outputs%option == option, .true., 1)
     if (allocated(self%outputs(i)%path)) path = self%outputs(i)%path
   end function output
 

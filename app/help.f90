@@ -1,6 +1,7 @@
 !> What the program says of itself.
 module asperity_help
   use asperity_effect_help, only: describe_effects
+  use asperity_option_table, only: call_of, command_at, commands, options
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
   use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
@@ -22,102 +23,8 @@ module asperity_help
     '  asperity --help               all commands and options', &
     'With fpm: fpm run -- data/thesis.deck']
 
-  ! Help for the program and for its commands.
-  character(len=*), parameter :: usage(*) = [character(len=82) :: &
-    'Usage: asperity [OPTIONS] DECK', &
-    '       asperity solve [OPTIONS] SCENE', &
-    '       asperity accuracy [OPTIONS] [DECK or SCENE]', &
-    '       asperity generate [OPTIONS] SPEC', &
-    '       asperity study [OPTIONS] SPEC', &
-    '       asperity summits [OPTIONS] MAP', &
-    '       asperity COMMAND --help', &
-    '', &
-    'asperity DECK runs the original program on a card deck and prints its report.', &
-    '', &
-    '  --arithmetic NAME   ibm370 (default), real32, real64 or real128', &
-    '  --tables LIST       positions whose contact table is printed: none, all, or', &
-    '                      numbers from 1 to 100 with commas (default 13,55,56)', &
-    '  --contacts FILE     write every contact of every approach as CSV', &
-    '  --positions FILE    write the last approach of every position as CSV', &
-    '  --carriage-control  keep the line printer''s column one (1, 0, blank)', &
-    '  --help, -h, --version']
-  character(len=*), parameter :: solve_help(*) = [character(len=82) :: &
-    'Usage: asperity solve [OPTIONS] SCENE', &
-    '', &
-    'Solves a scene, or the sweep of a card deck, and prints a summary.', &
-    '', &
-    '  --contacts FILE     write every contact of every state as CSV', &
-    '  --positions FILE    write the last state of every position as CSV', &
-    '  --curve FILE        write the totals of every state as CSV', &
-    '  --json FILE         write scene, results and where they come from as JSON', &
-    '  --vtk FILE          write contacts as points with values (.vtp, for ParaView)', &
-    '  --arithmetic NAME   real64 (default), real32, real128 or ibm370;', &
-    '                      effects and paths are computed in real64 only', &
-    '  --accuracy ERROR    take the cheapest way with this relative error, as 1e-3;', &
-    '                      not for effects and paths', &
-    '  --budget            print the error of every total, by source', &
-    '  --threads N         threads (default: one a core, or one for little work);', &
-    '                      the same bytes for any', &
-    '  --keep FILE         keep positions that are solved; a rerun goes on there', &
-    '  --cost              tell what time and memory it will take, and end', &
-    '  --quiet             print no summary', &
-    '']
-  character(len=*), parameter :: accuracy_help(*) = [character(len=82) :: &
-    'Usage: asperity accuracy [OPTIONS] [DECK or SCENE]', &
-    '', &
-    'Computes a sweep to the limit load in every way, then with every model of', &
-    'neighbouring contacts, and prints time and errors of each. Without a file it', &
-    'takes data/thesis.deck of the current folder.', &
-    '', &
-    '  --seconds S         time that may be spent (default 60); ways that take longer', &
-    '                      are left out', &
-    '  --csv FILE          write the table with all digits', &
-    '  --cost              tell what time and memory it will take, and end', &
-    '  --quiet             print no table']
-  character(len=*), parameter :: generate_help(*) = [character(len=82) :: &
-    'Usage: asperity generate [OPTIONS] SPEC', &
-    '', &
-    'Makes random surfaces from a specification: CSV, or a card deck when it has a', &
-    'group &deck. Without options the upper surface, or the deck, is printed. A %', &
-    'in a file''s name stands for the surface''s number in the ensemble.', &
-    '', &
-    '  --output FILE       write the upper surface, or the deck, to a file', &
-    '  --upper FILE        write the upper surface as CSV; not for a deck', &
-    '  --lower FILE        write the lower surface as CSV; not for a deck', &
-    '  --surface N         only surface N of the ensemble', &
-    '  --cost              tell what time and memory it will take, and end']
-  character(len=*), parameter :: study_help(*) = [character(len=82) :: &
-    'Usage: asperity study [OPTIONS] SPEC', &
-    '', &
-    'Presses an ensemble of random surfaces together, cuts them into smaller and', &
-    'smaller sections and tells which size speaks for the whole.', &
-    '', &
-    '  --csv FILE          write the table with all digits', &
-    '  --keep FILE         keep surfaces that are done; a rerun goes on there', &
-    '  --cost              tell what time and memory it will take, and end', &
-    '  --quiet             print no table']
-  character(len=*), parameter :: summits_help(*) = [character(len=82) :: &
-    'Usage: asperity summits [OPTIONS] MAP', &
-    '', &
-    'Finds the summits of a measured height map and prints statistics. A map is a', &
-    'surface data file (ISO 25178-71), a matrix of heights with --spacing, or x,y,z', &
-    'lines of a full regular grid; its content tells which.', &
-    '', &
-    '  --output FILE       write the summits as CSV: x,y,height,radius', &
-    '  --rule NAME         eight (default): higher than all eight neighbours; contact:', &
-    '                      to be pressed: edges mirrored, ridges filled', &
-    '  --level NAME        heights count from the plane of least squares: plane', &
-    '                      (default), the mean: mean, or as they are: none', &
-    '  --radius NAME       from second differences: neighbours (default of eight), 1', &
-    '                      over their mean; geometric (default of contact), over', &
-    '                      their geometric mean; paraboloid, over nine samples', &
-    '  --despike           take single outliers out, and tell how many', &
-    '  --spacing X,Y       from sample to sample of a matrix, in its unit', &
-    '  --unit NAME         m, mm, um, nm, cm or in, for all that is written (default:', &
-    '                      as in the file; metres of a surface data file)', &
-    '  --picture FILE      draw the map and its summits (SVG)', &
-    '  --cost              tell what time and memory it will take, and end', &
-    '  --quiet             print no summary']
+  ! A help is so wide; the text of an option begins behind so many columns.
+  integer, parameter :: widest = 80, margin = 22
 
 contains
 
@@ -137,21 +44,11 @@ contains
       call add(next_steps)
       return
     end if
-    select case (topic)
-    case ('solve')
-      call add(solve_help)
+    call add_usage(topic, text)
+    if (topic == 'solve') then
+      call text%line('')
       call describe_effects(text)
-    case ('accuracy')
-      call add(accuracy_help)
-    case ('generate')
-      call add(generate_help)
-    case ('study')
-      call add(study_help)
-    case ('summits')
-      call add(summits_help)
-    case default
-      call add(usage)
-    end select
+    end if
     call text%line('')
     call text%line('Exit status: 0 done, 1 could not be computed, ' // &
                    '2 bad command line or bad input')
@@ -168,6 +65,54 @@ contains
     end subroutine add
 
   end subroutine describe
+
+  ! How a command is called, what it does, its options.
+  subroutine add_usage(topic, text)
+    character(len=*), intent(in) :: topic
+    type(text_buffer), intent(inout) :: text
+    integer :: i, k
+
+    k = command_at(topic)
+    call text%line('Usage: ' // call_of(k))
+    if (k == 1) then
+      do i = 2, size(commands)
+        call text%line('       ' // call_of(i))
+      end do
+      call text%line('       asperity COMMAND --help')
+    end if
+    call text%line('')
+    call add_wrapped('', trim(commands(k)%text), 0, text)
+    call text%line('')
+    do i = 1, size(options)
+      if (options(i)%command == commands(k)%name) &
+        call add_wrapped('  ' // trim(options(i)%name) // ' ' // options(i)%value, &
+                         trim(options(i)%text), margin, text)
+    end do
+    if (k > 1) return
+    call text%line('  --help, -h, --version')
+    call text%line('  --man, --completion   a manual page (troff), completion for bash')
+  end subroutine add_usage
+
+  ! A text in lines behind a margin; the first one begins with a head.
+  subroutine add_wrapped(head, words, from, text)
+    character(len=*), intent(in) :: head, words
+    integer, intent(in) :: from
+    type(text_buffer), intent(inout) :: text
+    character(len=widest) :: line
+    integer :: first, last
+
+    line = head
+    first = 1
+    do while (first <= len(words))
+      last = len(words)
+      if (last - first >= widest - from) &
+        last = first + index(words(first:first + widest - from), ' ', back=.true.) - 2
+      line(from + 1:) = words(first:last)
+      call text%line(trim(line))
+      line = ''
+      first = last + 2
+    end do
+  end subroutine add_wrapped
 
   ! Of the compiler's options those that may change a digit; no folder's name.
   pure function flags(options) result(text)

@@ -4,6 +4,7 @@ program asperity_main
   use asperity_command_outcome, only: command_outcome, finish_command
   use asperity_help, only: describe
   use asperity_images, only: image_number, wait_for_images
+  use asperity_manual, only: write_completion, write_manual_page
   ! Called by whatever takes memory.
   use asperity_out_of_memory, only: memory
   use asperity_output_files, only: guard_files
@@ -30,6 +31,10 @@ program asperity_main
     select case (line%command)
     case ('', 'help', 'version')
       call describe(line%command, line%topic, outcome%text)
+    case ('man')
+      call write_manual_page(outcome%text)
+    case ('completion')
+      call write_completion(outcome%text)
     case ('accuracy')
       call run_accuracy_command(line, outcome)
     case ('generate')

@@ -73,6 +73,23 @@ def test_version_is_the_package_s(run, root):
     assert all(name in lines[2] for name in ("ibm370", "real32", "real64", "real128"))
 
 
+def test_manual_and_completion_have_the_options_of_the_help(run):
+    """One table serves all three."""
+    manual = run("--man").stdout.replace("\\-", "-")
+    completion = run("--completion").stdout
+    for command in ("solve", "accuracy", "generate", "study", "summits"):
+        options = re.findall(r"^  (--[a-z-]+)", run(command, "--help").stdout, re.MULTILINE)
+        words = re.search(rf'^    {command}\) words="(.*) --help"', completion, re.MULTILINE)[1]
+        assert words.split() == options and len(options) > 3
+        section = manual.partition(f".SH {command}")[2].partition(".SH ")[0]
+        assert re.findall(r"^\.B (--[a-z-]+)", section, re.MULTILINE) == options
+    script = completion + """
+COMP_WORDS=(asperity sol) COMP_CWORD=1; _asperity; echo ${COMPREPLY[@]}
+COMP_WORDS=(asperity study --k) COMP_CWORD=2; _asperity; echo ${COMPREPLY[@]}"""
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == ["solve", "--keep"] and done.stderr == ""
+
+
 @pytest.mark.parametrize("arguments, words", [
     (["DECK", "--bogus"], ["--bogus", "--arithmetic", "--tables", "--contacts", "--positions"]),
     (["DECK", "--table", "all"], ["unknown option", "--table"]),

@@ -1,0 +1,156 @@
+!> The one table of commands and options: from it the command line is read, and help, manual page
+!> and shell completion are written.
+module asperity_option_table
+  implicit none
+  private
+
+  public :: command_entry, option_entry, commands, options
+  public :: call_of, command_at, known_options, output_options
+
+  !> A command.
+  type :: command_entry
+    character(len=8) :: name      !! the word; blank: the original program, which has none
+    character(len=15) :: operand  !! its file, as a usage line has it
+    character(len=13) :: called   !! the same in a sentence
+    character(len=300) :: text    !! what it does
+  end type command_entry
+
+  !> An option of a command.
+  type :: option_entry
+    character(len=8) :: command   !! whose it is
+    character(len=18) :: name     !! with its two dashes
+    character(len=5) :: value     !! what stands behind it; FILE: an output; blank: nothing
+    character(len=240) :: text    !! what it does
+  end type option_entry
+
+  !> The original program first.
+  type(command_entry), parameter :: commands(*) = [ &
+    command_entry('', 'DECK', 'card deck', &
+      'asperity DECK runs the original program on a card deck and prints its report.'), &
+    command_entry('solve', 'SCENE', 'scene', &
+      'Solves a scene, or the sweep of a card deck, and prints a summary.'), &
+    command_entry('accuracy', '[DECK or SCENE]', 'deck or scene', &
+      'Computes a sweep to the limit load in every way, then with every model of neighbouring ' // &
+      'contacts, and prints time and errors of each. Without a file it takes data/thesis.deck ' // &
+      'of the current folder.'), &
+    command_entry('generate', 'SPEC', 'specification', &
+      'Makes random surfaces from a specification: CSV, or a card deck when it has a group ' // &
+      '&deck. Without options the upper surface, or the deck, is printed. A % in a file''s ' // &
+      'name stands for the surface''s number in the ensemble.'), &
+    command_entry('study', 'SPEC', 'specification', &
+      'Presses an ensemble of random surfaces together, cuts them into smaller and smaller ' // &
+      'sections and tells which size speaks for the whole.'), &
+    command_entry('summits', 'MAP', 'map', &
+      'Finds the summits of a measured height map and prints statistics. A map is a surface ' // &
+      'data file (ISO 25178-71), a matrix of heights with --spacing, or x,y,z lines of a full ' // &
+      'regular grid; its content tells which.')]
+
+  !> In the order of the help.
+  type(option_entry), parameter :: options(*) = [ &
+    option_entry('', '--arithmetic', 'NAME', 'ibm370 (default), real32, real64 or real128'), &
+    option_entry('', '--tables', 'LIST', &
+      'positions whose contact table is printed: none, all, or numbers from 1 to 100 with ' // &
+      'commas (default 13,55,56)'), &
+    option_entry('', '--contacts', 'FILE', 'write every contact of every approach as CSV'), &
+    option_entry('', '--positions', 'FILE', 'write the last approach of every position as CSV'), &
+    option_entry('', '--carriage-control', '', &
+      'keep the line printer''s column one (1, 0, blank)'), &
+    option_entry('solve', '--contacts', 'FILE', 'write every contact of every state as CSV'), &
+    option_entry('solve', '--positions', 'FILE', 'write the last state of every position as CSV'), &
+    option_entry('solve', '--curve', 'FILE', 'write the totals of every state as CSV'), &
+    option_entry('solve', '--json', 'FILE', &
+      'write scene, results and where they come from as JSON'), &
+    option_entry('solve', '--vtk', 'FILE', &
+      'write contacts as points with values (.vtp, for ParaView)'), &
+    option_entry('solve', '--arithmetic', 'NAME', &
+      'real64 (default), real32, real128 or ibm370; effects and paths are computed in real64 ' // &
+      'only'), &
+    option_entry('solve', '--accuracy', 'ERROR', &
+      'take the cheapest way with this relative error, as 1e-3; not for effects and paths'), &
+    option_entry('solve', '--budget', '', 'print the error of every total, by source'), &
+    option_entry('solve', '--threads', 'N', &
+      'threads (default: one a core, or one for little work); the same bytes for any'), &
+    option_entry('solve', '--keep', 'FILE', &
+      'keep positions that are solved; a rerun goes on there'), &
+    option_entry('solve', '--cost', '', 'tell what time and memory it will take, and end'), &
+    option_entry('solve', '--quiet', '', 'print no summary'), &
+    option_entry('accuracy', '--seconds', 'S', &
+      'time that may be spent (default 60); ways that take longer are left out'), &
+    option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
+    option_entry('accuracy', '--cost', '', 'tell what time and memory it will take, and end'), &
+    option_entry('accuracy', '--quiet', '', 'print no table'), &
+    option_entry('generate', '--output', 'FILE', &
+      'write the upper surface, or the deck, to a file'), &
+    option_entry('generate', '--upper', 'FILE', 'write the upper surface as CSV; not for a deck'), &
+    option_entry('generate', '--lower', 'FILE', 'write the lower surface as CSV; not for a deck'), &
+    option_entry('generate', '--surface', 'N', 'only surface N of the ensemble'), &
+    option_entry('generate', '--cost', '', 'tell what time and memory it will take, and end'), &
+    option_entry('study', '--csv', 'FILE', 'write the table with all digits'), &
+    option_entry('study', '--keep', 'FILE', 'keep surfaces that are done; a rerun goes on there'), &
+    option_entry('study', '--cost', '', 'tell what time and memory it will take, and end'), &
+    option_entry('study', '--quiet', '', 'print no table'), &
+    option_entry('summits', '--output', 'FILE', 'write the summits as CSV: x,y,height,radius'), &
+    option_entry('summits', '--rule', 'NAME', &
+      'eight (default): higher than all eight neighbours; contact: to be pressed: edges ' // &
+      'mirrored, ridges filled'), &
+    option_entry('summits', '--level', 'NAME', &
+      'heights count from the plane of least squares: plane (default), the mean: mean, or as ' // &
+      'they are: none'), &
+    option_entry('summits', '--radius', 'NAME', &
+      'from second differences: neighbours (default of eight), 1 over their mean; geometric ' // &
+      '(default of contact), over their geometric mean; paraboloid, over nine samples'), &
+    option_entry('summits', '--despike', '', 'take single outliers out, and tell how many'), &
+    option_entry('summits', '--spacing', 'X,Y', 'from sample to sample of a matrix, in its unit'), &
+    option_entry('summits', '--unit', 'NAME', &
+      'm, mm, um, nm, cm or in, for all that is written (default: as in the file; metres of a ' // &
+      'surface data file)'), &
+    option_entry('summits', '--picture', 'FILE', 'draw the map and its summits (SVG)'), &
+    option_entry('summits', '--cost', '', 'tell what time and memory it will take, and end'), &
+    option_entry('summits', '--quiet', '', 'print no summary')]
+
+contains
+
+  !> Place of a command in `commands`; 1, the original program, for any other word.
+  pure integer function command_at(name)
+    character(len=*), intent(in) :: name  !! a word
+
+    command_at = max(1, findloc(commands%name == name, .true., 1))
+  end function command_at
+
+  !> `asperity solve [OPTIONS] SCENE`.
+  pure function call_of(k) result(text)
+    integer, intent(in) :: k               !! place in `commands`
+    character(len=:), allocatable :: text  !! for a usage line
+
+    text = 'asperity [OPTIONS] ' // trim(commands(k)%operand)
+    if (k > 1) text = 'asperity ' // trim(commands(k)%name) // ' [OPTIONS] ' // &
+                      trim(commands(k)%operand)
+  end function call_of
+
+  !> The options of a command; those with a value end with '='.
+  pure function known_options(command) result(names)
+    character(len=*), intent(in) :: command         !! its name
+    character(len=18), allocatable :: names(:)      !! for instance `--contacts=`
+    integer :: i
+
+    names = pack(options%name, options%command == command)
+    associate (values => pack(options%value, options%command == command))
+      do i = 1, size(names)
+        if (values(i) /= '') names(i) = trim(names(i)) // '='
+      end do
+    end associate
+  end function known_options
+
+  !> The options that name an output, of any command, each once.
+  pure function output_options() result(names)
+    character(len=18), allocatable :: names(:)  !! with their dashes
+    integer :: i
+
+    allocate (names(0))
+    do i = 1, size(options)
+      if (options(i)%value /= 'FILE' .or. any(names == options(i)%name)) cycle
+      names = [names, options(i)%name]
+    end do
+  end function output_options
+
+end module asperity_option_table
