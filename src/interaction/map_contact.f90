@@ -33,6 +33,9 @@ module asperity_map_contact
   ! only a start, to that one.
   real(real64), parameter :: closed = 1.0e-9_real64, closed_start = 1.0e-4_real64
 
+  ! What a load may be missed by, a share of it.
+  real(real64), parameter :: load_met = 1.0e-6_real64
+
   ! Samples along a side from which on a coarser map saves more than it costs.
   integer, parameter :: worth_halving = 64
 
@@ -148,6 +151,9 @@ contains
                                                          gap < 0.5_real64)
         force = force * (closing / sum(force))
         call relax(influence, gap, allowed, force, answer%ending, closing, answer%level)
+        ! Next to nothing is lost beside the gaps.
+        if (.not. abs(sum(force) - closing) < load_met * closing) answer%failure = &
+          'the load is too small beside the modulus and the heights to be met on the samples'
         answer%level = top - range * answer%level
         answer%load = load
       else
@@ -159,7 +165,8 @@ contains
                     (count(force > 0.0_real64) - rim_of_samples * sides_on_rim(force, periodic))
       force = force * unit
     end associate
-    if (.not. answer%ending%converged) answer%failure = 'the pressures on the map did not converge'
+    if (.not. (answer%ending%converged .or. allocated(answer%failure))) &
+      answer%failure = 'the pressures on the map did not converge'
   end subroutine press_map
 
   !> The map at half its resolution: of four samples the mean of their mean and the highest, which

@@ -30,11 +30,13 @@ module asperity_effect_path
 contains
 
   !> The states of loading. `points` equal parts lie between one value of a path and the next.
-  subroutine plan_states(scene_in, pairs, closing, steps)
+  subroutine plan_states(scene_in, pairs, closing, steps, failure)
     type(scene), intent(in) :: scene_in                       !! checked values
     type(contact_pairs), intent(in) :: pairs                  !! the position
     real(real64), intent(in) :: closing                       !! the end, without a path
     type(path_step), allocatable, intent(out) :: steps(:)     !! at least one
+    !> a load of the path becomes 0 in the unit of the pairs
+    character(len=:), allocatable, intent(out) :: failure
     real(real64), allocatable :: closings(:), gaps(:)
     real(real64) :: from, to
     integer :: i, j, parts, used
@@ -60,6 +62,11 @@ contains
     from = 0.0_real64
     do i = 1, size(scene_in%loading%path)
       to = value_of(scene_in, pairs, scene_in%loading%path(i))
+      if (is_load(scene_in%loading%control) .and. scene_in%loading%path(i)%digits /= 0 .and. &
+          .not. abs(to) / real(parts, real64) > 0.0_real64) then
+        failure = 'a load of the path is too small beside the moduli and lengths to be met'
+        return
+      end if
       do j = 1, parts
         used = used + 1
         steps(used)%value = from + (to - from) * (real(j, real64) / real(parts, real64))

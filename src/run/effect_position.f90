@@ -52,7 +52,8 @@ contains
                          called_for, failure)
       if (allocated(failure)) return
     end if
-    call plan_states(scene_in, pairs, closing, steps)
+    call plan_states(scene_in, pairs, closing, steps, failure)
+    if (allocated(failure)) return
     allocate (hold(0))
     if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, hold)
     steps = [steps, hold]

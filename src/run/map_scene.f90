@@ -103,10 +103,11 @@ contains
   end subroutine summits_of_scene
 
   !> The loads or levels of a scene, one after the other.
-  subroutine load_the_map(scene_in, map, loading)
+  subroutine load_the_map(scene_in, map, loading, failure)
     type(scene), intent(in) :: scene_in           !! not under control of a limit
     type(height_map), intent(in) :: map           !! joined
     type(map_loading), intent(out) :: loading     !! how far it is pressed
+    character(len=:), allocatable, intent(out) :: failure  !! a load becomes 0 in a double
     type(decimal_value), allocatable :: ends(:)
     real(real64) :: from, to, unit
     integer :: i, j, parts
@@ -129,6 +130,11 @@ contains
     allocate (loading%values(0))
     do i = 1, size(ends)
       to = unit * decimal_to_real64(ends(i))
+      if (loading%by_load .and. ends(i)%digits > 0 .and. &
+          .not. to / real(parts, real64) > 0.0_real64) then
+        failure = 'a load of the map is too small for a double, expected other units'
+        return
+      end if
       do j = 1, parts
         loading%values = [loading%values, from + (to - from) * j / parts]
       end do

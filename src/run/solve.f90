@@ -92,7 +92,8 @@ contains
     if (scene_in%loading%control == control_limit) then
       loading%values = [0.0_real64]
     else
-      call load_the_map(scene_in, map, loading)
+      call load_the_map(scene_in, map, loading, failure)
+      if (allocated(failure)) return
     end if
     call see_map(map, scene_in%map%periodic, loading, seen, failure)
     if (allocated(failure) .and. mode == effect_auto) then
@@ -132,7 +133,8 @@ contains
     type(map_loading) :: loading
 
     results%arithmetic = 'real64'
-    call load_the_map(scene_in, map, loading)
+    call load_the_map(scene_in, map, loading, failure)
+    if (allocated(failure)) return
     call make_map_solver(map, scene_in%map%periodic, loading, &
                          scene_in%effects%number('tolerance'), solver)
     allocate (results%effects)

@@ -54,6 +54,22 @@ def test_a_wrong_number_is_seen(asperity, tmp_path, what, name, factor):
         laws.look(scene, run)
 
 
+def test_a_held_load_that_is_missed_is_seen(asperity, tmp_path):
+    """All that is off is the load of one state of a hold."""
+    scene = next(s for s in map(scenes.scene_of_seed, range(1000))
+                 if s.groups["loading"]["control"] == "load" and s.kind == "apart"
+                 and s.groups.get("effects", {}).get("creep") == "on"
+                 and s.groups["effects"].get("hold") == "load")
+    run = scenes.run(asperity, scene, tmp_path)
+    laws.look(scene, run)
+    held = [row for row in run.files["curve"] if float(row["time"]) > 0.0]
+    assert len(held) > 1
+    row = held[len(held) // 2]
+    row["load"] = repr(float(row["load"]) * (1 + 3e-6))
+    with pytest.raises(laws.Broken, match="load held"):
+        laws.loads_are_met(scene, run.files["positions"], run.files["curve"])
+
+
 def test_a_contact_beyond_its_cap_is_seen(asperity, tmp_path):
     scene, run = good_run(asperity, tmp_path)
     for row in run.files["positions"]:
