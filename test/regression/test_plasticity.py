@@ -113,9 +113,11 @@ def test_never_falling(asperity, tmp_path, tally):
         assert bend.max() < 1e-6
 
 
-def test_unloading(asperity, tmp_path, tally):
-    """Down and up again on the curve of Etsion, Kligerman and Kadin, then on by the first one."""
-    top, further = 10 * ONSET / 1.9, 20 * ONSET / 1.9
+@pytest.mark.parametrize("tops", [(2.5, 3), (3, 5), (10, 20)])
+def test_unloading(asperity, tmp_path, tally, tops):
+    """Down and up again on the curve of Etsion, Kligerman and Kadin, then on by the first one: just
+    past the onset, too."""
+    top, further = (x * ONSET / 1.9 for x in tops)
     run = pressed(asperity, tmp_path, (top, 0, top, further, 0), 40)
     up, down, again, on, last = (run.curve[1 + 40 * i : 41 + 40 * i] for i in range(5))
     for name, curve, start in (("unloading", down, up[-1]), ("again", again, up[-1]),
@@ -125,7 +127,7 @@ def test_unloading(asperity, tmp_path, tally):
         share = [max(mpf(0), (mpf(float(row["decrease"])) / float(start["decrease"]) - residual)
                      / (1 - residual)) for row in curve]
         for column_name, power, full in (
-                ("load", load_power, STEEL.published(x_top) * STEEL.critical_load),
+                ("load", load_power, STEEL.joined(x_top) * STEEL.critical_load),
                 ("area", area_power, STEEL.area(x_top) * STEEL.critical_area)):
             true = [full * s**power for s in share]
             # Near the residual overlap the share itself cancels.
@@ -136,7 +138,7 @@ def test_unloading(asperity, tmp_path, tally):
         assert flat and all(float(row["load"]) == 0 == float(row["area"]) for row in flat)
     x = [mpf(float(row["decrease"])) / STEEL.critical_overlap for row in on]
     compare(tally, "plasticity: loading on",
-            off(column(on, "load"), [STEEL.published(v) * STEEL.critical_load for v in x]), 1e-13)
+            off(column(on, "load"), [STEEL.joined(v) * STEEL.critical_load for v in x]), 1e-13)
     assert again[-1]["load"] == up[-1]["load"]
 
 
