@@ -33,7 +33,7 @@ contains
   !> Where `auto` begins or ends to simulate an effect the load jumps; a load within the jump is
   !> borne with the effect, whose estimate is at its tolerance there: `called_for` tells it.
   subroutine close_to_load(pairs, effects, target, time, closing, state, outcomes, called_for, &
-                           failure)
+                           found, failure)
     type(contact_pairs), intent(in) :: pairs                !! the position
     type(effect_box), intent(in) :: effects(:)              !! those that act in time only in it
     real(real64), intent(in) :: target                      !! below 0: a pull
@@ -42,6 +42,9 @@ contains
     type(contact_state), intent(out) :: state               !! the last one that was simulated
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did in it
     logical, allocatable, intent(out) :: called_for(:)      !! by effect; or not allocated
+    !> What an effect that knows a way to a load found there, for who simulates the state again; not
+    !> allocated: nothing.
+    real(real64), allocatable, intent(out) :: found(:, :)
     character(len=:), allocatable, intent(out) :: failure   !! why not
     logical :: jumps
     integer :: i
@@ -52,7 +55,8 @@ contains
         return
       end if
     end if
-    call search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, failure)
+    call search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, found, &
+                failure)
     if (.not. jumps) return
     ! The last state is just past the jump.
     allocate (called_for(size(outcomes)))
@@ -60,7 +64,8 @@ contains
       called_for(i) = outcomes(i)%simulated /= 'off'
     end do
     deallocate (failure)
-    call search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, failure)
+    call search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, found, &
+                failure)
 
   contains
 
@@ -77,7 +82,7 @@ contains
   ! The same for a load that presses. `jumps`: it is none that these effects bear, but what is
   ! simulated changes there.
   subroutine search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, &
-                    failure)
+                    found, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target, time
@@ -86,9 +91,9 @@ contains
     type(effect_outcome), allocatable, intent(out) :: outcomes(:)
     logical, allocatable, intent(in) :: called_for(:)
     logical, intent(out) :: jumps
+    real(real64), allocatable, intent(out) :: found(:, :)
     character(len=:), allocatable, intent(out) :: failure
     type(root_bracket) :: bracket
-    real(real64), allocatable :: found(:, :)
     real(real64) :: load, miss, nothing, asked, greatest
     logical :: enough, inside
     integer :: try
@@ -110,7 +115,6 @@ contains
     if (abs(closing - asked) > 0.0_real64 .and. allocated(found)) deallocate (found)
     do try = 1, most_tries
       call simulate_at(closing, found)
-      if (allocated(found)) deallocate (found)
       load = load_asked_for(pairs, state)
       call first_failure(effects, outcomes, failure)
       if (allocated(failure)) then
@@ -122,6 +126,8 @@ contains
       if (target > 0.0_real64) then
         if (abs(load - target) <= load_tolerance(effects, outcomes) * target) return
       end if
+      ! It was found at that closing alone.
+      if (allocated(found)) deallocate (found)
       greatest = max(greatest, load)
       miss = merge(1.0_real64, -1.0_real64, load > 0.0_real64)
       if (target > 0.0_real64) miss = (max(load, 0.0_real64) / target)**two_thirds - 1.0_real64

@@ -36,6 +36,7 @@ contains
     type(contact_state) :: state
     type(effect_outcome), allocatable :: outcomes(:)
     logical, allocatable :: called_for(:)
+    real(real64), allocatable :: found(:, :)
     real(real64) :: closing
     integer :: i
 
@@ -49,7 +50,7 @@ contains
     closing = pairs%closing
     if (is_load(scene_in%loading%control) .and. .not. simulated) then
       call close_to_load(pairs, effects, pairs%target, 0.0_real64, closing, state, outcomes, &
-                         called_for, failure)
+                         called_for, found, failure)
       if (allocated(failure)) return
     end if
     call plan_states(scene_in, pairs, closing, steps, failure)
@@ -59,13 +60,13 @@ contains
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
     call walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, called_for, &
-              simulated, too_far, failure)
+              found, simulated, too_far, failure)
   end subroutine run_position
 
   ! Goes from state to state. A state that is known already, from the search for a load, is not
   ! simulated again.
   subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, called_for, &
-                  simulated, too_far, failure)
+                  found, simulated, too_far, failure)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(inout) :: effects(:)
@@ -75,6 +76,7 @@ contains
     type(contact_state), intent(inout) :: state
     type(effect_outcome), allocatable, intent(inout) :: outcomes(:)
     logical, allocatable, intent(inout) :: called_for(:)
+    real(real64), allocatable, intent(inout) :: found(:, :)
     logical, intent(inout) :: simulated
     logical, intent(out) :: too_far
     character(len=:), allocatable, intent(out) :: failure
@@ -91,18 +93,18 @@ contains
         closing = steps(i)%value
       case (to_load)
         call close_to_load(pairs, effects, asked, 0.0_real64, closing, state, outcomes, &
-                           called_for, failure)
+                           called_for, found, failure)
       case (as_before)
         asked = held
         call close_to_load(pairs, effects, held, steps(i)%time, closing, state, outcomes, &
-                           called_for, failure)
+                           called_for, found, failure)
       case default  ! stay
       end select
       too_far = closing > pairs%complete_to
       if (allocated(failure) .or. too_far) return
       if (.not. is_known(state, outcomes, effects, closing, steps(i)%time)) then
         if (asked < huge(asked)) then
-          call simulate(pairs, effects, closing, steps(i)%time, state, outcomes, &
+          call simulate(pairs, effects, closing, steps(i)%time, state, outcomes, found=found, &
                         called_for=called_for)
         else
           call simulate(pairs, effects, closing, steps(i)%time, state, outcomes)

@@ -60,11 +60,8 @@ def search_program():
     given = os.environ.get("SCALE_SEARCH_EXE")
     if given:
         return Path(given).resolve()
-    local = ROOT / ".venv" / "bin" / "fpm"
-    done = subprocess.run(
-        [str(local) if local.exists() else "fpm", "run", "--example", "scale_search", "--profile",
-         "release", "--runner", "echo"],
-        cwd=ROOT, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    done = subprocess.run(["bash", ".ci/build", "release"], cwd=ROOT, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"the release build failed:\n{done.stdout}{done.stderr}")
-    return ROOT / done.stdout.splitlines()[-1].strip()
+    return Path(done.stdout.splitlines()[-1]).parent.parent / "example" / "scale_search"
