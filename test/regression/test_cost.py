@@ -46,6 +46,15 @@ def taken(asperity, folder, *words):
     return most
 
 
+def check_memory(asperity, folder, *words):
+    """Told against taken; gives how many pieces there are, and how many were tried."""
+    total, tried, expected = told(asperity, folder, *words)
+    measured = taken(asperity, folder, *words)
+    assert measured > 25e6
+    assert LEAST < expected / measured < MOST, (expected, measured)
+    return total, tried
+
+
 @pytest.mark.once
 @pytest.mark.parametrize("positions, outputs", [
     (20000, ("--contacts", "c.csv", "--curve", "k.csv")), (50000, ("--positions", "p.csv"))])
@@ -53,22 +62,49 @@ def test_memory_of_a_sweep(positions, outputs, asperity, tmp_path):
     scene = write_scene(tmp_path / "sweep.scene", surfaces={"deck": str(DECK)},
                         motion={"x_first": 0.1, "x_step": 10.0 / positions, "positions": positions})
     words = ("solve", scene.name, "--quiet", "--threads", "1", *outputs)
-    total, tried, expected = told(asperity, tmp_path, *words)
-    assert (total, tried) == (positions, 3)
-    measured = taken(asperity, tmp_path, *words)
-    assert measured > 30e6
-    assert LEAST < expected / measured < MOST, (expected, measured)
+    assert check_memory(asperity, tmp_path, *words) == (positions, 3)
+
+
+LARGE = """&surfaces number = {number}, length = 2000., width = 2000. /
+&heights mean = 0.127, deviation = 0.03048 /
+&radii mean = 1.27 /
+&random seed = {seed}, ensemble = {ensemble} /
+"""
+
+
+@pytest.mark.once
+def test_memory_of_an_ensemble(asperity, root, tmp_path):
+    (tmp_path / "g.spec").write_text(LARGE.format(number=400000, seed=14, ensemble=3))
+    assert check_memory(asperity, tmp_path, "generate", "g.spec", "--output", "x%.csv") == (3, 3)
+    text = (root / "data/examples/study/thesis.spec").read_text()
+    for old, new in (("= 120.", "= 500."), ("ensemble = 50", "ensemble = 4"), ("= 112., ", "= "),
+                     ("sections = 200", "sections = 20")):
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "s.spec").write_text(text)
+    words = ("study", "s.spec", "--quiet", "--csv", "s.csv")
+    assert check_memory(asperity, tmp_path, *words) == (4, 3)
+
+
+@pytest.mark.once
+def test_memory_of_the_ways_of_computing(asperity, tmp_path):
+    for seed, name in enumerate(("upper.csv", "lower.csv")):
+        (tmp_path / "g.spec").write_text(LARGE.format(number=60000, seed=seed, ensemble=1))
+        with open(tmp_path / name, "wb") as out:
+            subprocess.run([asperity, "generate", "g.spec", "--surface", "1"], cwd=tmp_path,
+                           stdout=out, check=True)
+    write_scene(tmp_path / "a.scene", surfaces={"upper": "upper.csv", "lower": "lower.csv"},
+                material={"elastic_modulus": (2e5, 2e5), "poisson_ratio": (0.3, 0.3)},
+                limit={"criterion": "load", "value": 10.0})
+    _, tried = check_memory(asperity, tmp_path, "accuracy", "a.scene", "--seconds", "3")
+    assert tried > 1
 
 
 @pytest.mark.once
 def test_memory_of_a_map(asperity, tmp_path):
     rng = np.random.default_rng(14)
     made_maps.write_bytes(tmp_path / "map.sdf", rng.normal(size=(1500, 2000)))
-    words = ("summits", "map.sdf", "--quiet")
-    total, tried, expected = told(asperity, tmp_path, *words)
-    assert (total, tried) == (1500, 64)
-    measured = taken(asperity, tmp_path, *words)
-    assert LEAST < expected / measured < MOST, (expected, measured)
+    assert check_memory(asperity, tmp_path, "summits", "map.sdf", "--quiet") == (1500, 64)
 
 
 def test_every_command_tells_its_cost(asperity, root, tmp_path):
