@@ -19,7 +19,7 @@ module asperity_run_options
     integer :: sample = 0                          !! solve so many positions, spread; 0: all
     logical :: all_images = .false.                !! all images of the run call, and share the work
     character(len=:), allocatable :: keep_file     !! positions are kept there as they are solved
-    type(interruption) :: interrupt                !! another thread can end the run: it fails then
+    type(interruption) :: interrupt = interruption()  !! another thread can end the run, which fails
   end type run_options
 
 end module asperity_run_options
