@@ -144,13 +144,14 @@ contains
   !> The options that name an output, of any command, each once.
   pure function output_options() result(names)
     character(len=18), allocatable :: names(:)  !! with their dashes
+    logical :: is_first(size(options))
     integer :: i
 
-    allocate (names(0))
     do i = 1, size(options)
-      if (options(i)%value /= 'FILE' .or. any(names == options(i)%name)) cycle
-      names = [names, options(i)%name]
+      is_first(i) = options(i)%value == 'FILE' .and. &
+                    findloc(options%name == options(i)%name, .true., 1) == i
     end do
+    names = pack(options%name, is_first)
   end function output_options
 
 end module asperity_option_table

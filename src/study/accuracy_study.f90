@@ -36,10 +36,10 @@ module asperity_accuracy_study
   integer, parameter :: approach_error = 4  !! approach
   integer, parameter :: count_error = 5     !! number of contacts
 
-  !> Marching steps of the study, in the scene's unit of length, and their powers of ten.
+  !> Marching steps of the study, for a deck in cm, and their powers of ten.
   integer, parameter :: step_powers(4) = [-2, -3, -4, -5]
-  real(real64), parameter :: steps(4) = [1.0e-2_real64, 1.0e-3_real64, 1.0e-4_real64, &
-                                         1.0e-5_real64]
+  real(real64), parameter :: deck_steps(4) = [1.0e-2_real64, 1.0e-3_real64, 1.0e-4_real64, &
+                                              1.0e-5_real64]
   !> The step at which the pressure of exact events is taken: the original's.
   integer, parameter :: usual_step = 2
 
@@ -68,7 +68,8 @@ contains
   pure integer function number_of_ways(with_original)
     logical, intent(in) :: with_original  !! the original program is one of them
 
-    number_of_ways = size(arithmetic_names) * (2 * (1 + size(steps)) + merge(1, 0, with_original))
+    number_of_ways = size(arithmetic_names) * &
+                     (2 * (1 + size(deck_steps)) + merge(1, 0, with_original))
   end function number_of_ways
 
   !> Runs the study. The scene is a sweep to the limit; `deck` is allocated when it came from a
@@ -83,16 +84,19 @@ contains
     type(accuracy_row), allocatable, intent(out) :: rows(:)     !! in a fixed order
     integer, intent(out) :: left_out                            !! ways that took too long
     character(len=:), allocatable, intent(out) :: failure       !! why it cannot be run
-    type(scene_results) :: reference(size(steps)), results
+    type(scene_results) :: reference(size(deck_steps)), results
     type(timing_samples) :: timing
     type(accuracy_row) :: row
+    real(real64) :: steps(size(deck_steps))
     integer :: a, k, overlap
 
     allocate (rows(0))
     left_out = 0
+    steps = step_unit(scene_in) * deck_steps
     do k = 1, size(steps)
       row = accuracy_row(arithmetic='real128', way=way_events)
-      call run_row(row, scene_in, k, 0.0_real64, allowance%left(), reference(k), timing, failure)
+      call run_row(row, scene_in, steps(k), 0.0_real64, allowance%left(), reference(k), timing, &
+                   failure)
       if (allocated(failure)) return
       if (timing%passes() == 0) then
         failure = 'the reference, exact events in real128, takes longer than --seconds: ' // &
@@ -136,7 +140,8 @@ contains
     subroutine add_row(k)
       integer, intent(in) :: k
 
-      call run_row(row, scene_in, k, least_seconds, allowance%next(), results, timing, failure)
+      call run_row(row, scene_in, steps(k), least_seconds, allowance%next(), results, timing, &
+                   failure)
       if (allocated(failure)) return
       call progress%step()
       if (timing%passes() == 0) then
@@ -149,12 +154,23 @@ contains
 
   end subroutine run_accuracy_study
 
+  ! What the steps of a deck are times in the scene's unit of length: the power of ten that brings
+  ! the largest radius near the thesis', so that the number of steps does not depend on the unit.
+  pure real(real64) function step_unit(scene_in)
+    type(scene), intent(in) :: scene_in
+    real(real64), parameter :: thesis_radius = 1.27_real64
+
+    step_unit = 1.0_real64
+    if (scene_in%from_deck) return
+    step_unit = 10.0_real64**nint(log10(max(maxval(scene_in%upper%radius), &
+                                            maxval(scene_in%lower%radius)) / thesis_radius))
+  end function step_unit
+
   !> Runs one row of the present-day kernel.
-  subroutine run_row(row, scene_in, k, least_seconds, most_seconds, results, timing, failure)
+  subroutine run_row(row, scene_in, step, least_seconds, most_seconds, results, timing, failure)
     type(accuracy_row), intent(in) :: row
     type(scene), intent(in) :: scene_in
-    integer, intent(in) :: k
-    real(real64), intent(in) :: least_seconds, most_seconds
+    real(real64), intent(in) :: step, least_seconds, most_seconds
     type(scene_results), intent(out) :: results
     type(timing_samples), intent(out) :: timing
     character(len=:), allocatable, intent(out) :: failure
@@ -163,7 +179,7 @@ contains
 
     method%path = merge(by_events, by_marching, row%way == way_events)
     method%overlap = row%overlap
-    method%step = steps(k)
+    method%step = step
     call solver_in(trim(row%arithmetic), scene_in, method, solver, failure)
     if (.not. allocated(failure)) &
       call time_solver(solver, least_seconds, most_seconds, results%positions, timing, failure)

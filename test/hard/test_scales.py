@@ -162,8 +162,7 @@ def test_maps(unit, asperity, tmp_path, tally):
         map_file(tmp_path, lengths)
         side = 2.0 ** lengths
         done = [subprocess.run([asperity, "summits", "map.txt", "--spacing", f"{side!r},{side!r}",
-                                "--output", f"{rule}.csv", "--rule", rule, "--radius",
-                                "neighbours"], cwd=tmp_path,
+                                "--output", f"{rule}.csv", "--rule", rule], cwd=tmp_path,
                                capture_output=True, text=True, check=True)
                 for rule in ("contact", "eight")]
         (tmp_path / "m.scene").write_text(
@@ -181,3 +180,25 @@ def test_maps(unit, asperity, tmp_path, tally):
     laws.same_digits(*found, *unit)
     cells = sum(len(rows) * len(rows[0]) for rows in found[0].files.values())
     tally.add("maps: cells with the same digits in another unit", cells, cells)
+
+
+@pytest.mark.parametrize("unit", ("1e-12", "1e12"))
+def test_accuracy(unit, asperity, tmp_path):
+    """The steps of a march are so long for the surfaces, not for their unit: as many rows, and the
+    errors of exact events and of steps are alike, in a time that is bounded."""
+    rows = []
+    for scale in (1.0, float(unit)):
+        for name, height in (("u", 0.5), ("l", 0.4)):
+            (tmp_path / f"{name}.csv").write_text("x,y,height,radius\n" + "".join(
+                f"{3 * i * scale!r},{0.1 * i * scale!r},{(height + 0.001 * i) * scale!r},"
+                f"{scale!r}\n" for i in range(3)), encoding="ascii")
+        (tmp_path / "s.scene").write_text(
+            "&surfaces upper = 'u.csv', lower = 'l.csv' /\n"
+            "&material elastic_modulus = 2*2e5, poisson_ratio = 2*0.3 /\n"
+            f"&limit criterion = 'load', value = {10 * scale ** 2!r} /\n", encoding="ascii")
+        subprocess.run([asperity, "accuracy", "s.scene", "--seconds", "3", "--quiet", "--csv",
+                        "a.csv"], cwd=tmp_path, check=True, timeout=60)
+        rows.append(rows_of(tmp_path / "a.csv"))
+    named = [[(row["arithmetic"], row["method"], row["overlap"]) for row in table]
+             for table in rows]
+    assert named[0] and named[0] == named[1]

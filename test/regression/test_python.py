@@ -315,6 +315,11 @@ except KeyboardInterrupt:
 """
 
 
+def hear_interrupts():
+    """A shell's background jobs are deaf to Ctrl-C, and hand that on."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 @pytest.mark.parametrize("scene", [
     '"motion": {"x_step": 1e-6, "positions": 1000000}, "effects": {"interaction": "auto"}',
     '"loading": {"control": "load", "value": 2 * (100.0, 0.0), "points": 100000}, '
@@ -323,7 +328,8 @@ def test_interrupt(venv, scene):
     """Ctrl-C is heard while the library computes, and ends many positions, or the many states of
     one. Alone they would take longer than is waited for: half a minute, or half an hour."""
     with subprocess.Popen([venv / "bin" / "python", "-c", LONG.replace("SCENE", scene)], cwd=ROOT,
-                          text=True, stdout=subprocess.PIPE) as process:
+                          text=True, stdout=subprocess.PIPE,
+                          preexec_fn=hear_interrupts) as process:
         assert process.stdout.readline() == "begins\n"
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
