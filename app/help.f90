@@ -15,7 +15,7 @@ module asperity_help
     'asperity: contact between rough surfaces of spherical asperities', &
     '', &
     'Three ways to begin:', &
-    '  asperity data/thesis.deck     the report of the 1976 program, as it was printed', &
+    '  asperity data/thesis.deck     the report of the 1970s program, as it was printed', &
     '  asperity solve SCENE          two surfaces of your own: data/examples has scenes', &
     '  asperity summits MAP          a measured height map: statistics and summits', &
     'Then:', &
