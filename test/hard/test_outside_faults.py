@@ -192,7 +192,7 @@ MANY = {
                 "&loading control = 'load', value = 3e4 /\n"
                 "&effects friction = 'on', friction_coefficient = 0.3 /\n",
     "neighbours": "&surfaces deck = 't.deck' /\n&motion x_first = 5.6 /\n"
-                  "&effects interaction = 'boundary', boundary_tolerance = 0.0003 /\n"}
+                  "&effects interaction = 'boundary', boundary_tolerance = 0.00005 /\n"}
 
 
 @pytest.mark.parametrize("what", MANY)
