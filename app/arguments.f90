@@ -6,7 +6,7 @@ module asperity_arguments
   implicit none
   private
 
-  public :: argument, argument_list, read_arguments
+  public :: argument, argument_list, joined, read_arguments
 
   !> One option that was given.
   type :: given_option
@@ -107,15 +107,15 @@ contains
     name = option(:scan(option // ' ', ' =') - 1)
   end function bare
 
-  ! Options with a blank before each.
-  pure function joined(options) result(text)
-    character(len=*), intent(in) :: options(:)
-    character(len=:), allocatable :: text
+  !> Words with a blank before each.
+  pure function joined(words) result(text)
+    character(len=*), intent(in) :: words(:)  !! trailing blanks are left out
+    character(len=:), allocatable :: text     !! one line
     integer :: i
 
     text = ''
-    do i = 1, size(options)
-      text = text // ' ' // trim(options(i))
+    do i = 1, size(words)
+      text = text // ' ' // trim(words(i))
     end do
   end function joined
 

@@ -1,5 +1,6 @@
 !> The manual page and the completion for a shell, written from the table of options.
 module asperity_manual
+  use asperity_arguments, only: joined
   use asperity_option_table, only: call_of, commands, options
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
@@ -46,16 +47,17 @@ contains
     call text%line('  local words cur=${COMP_WORDS[COMP_CWORD]}')
     call text%line('  case ${COMP_WORDS[1]} in')
     do k = 2, size(commands)
-      call text%line('    ' // trim(commands(k)%name) // ') words="' // &
-                     options_of(commands(k)%name) // '--help" ;;')
+      call text%line('    ' // trim(commands(k)%name) // ') words="--help' // &
+                     joined(pack(options%name, options%command == commands(k)%name)) // '" ;;')
     end do
-    call text%line('    *) words="' // options_of('') // '--help --version --man --completion" ;;')
+    call text%line('    *) words="--help --version --man --completion' // &
+                   joined(pack(options%name, options%command == '')) // '" ;;')
     call text%line('  esac')
     call text%line('  COMPREPLY=()')
     call text%line('  if [[ $cur == -* ]]; then')
     call text%line('    COMPREPLY=($(compgen -W "$words" -- "$cur"))')
     call text%line('  elif [[ $COMP_CWORD -eq 1 ]]; then')
-    call text%line('    COMPREPLY=($(compgen -W "' // names_of_commands() // &
+    call text%line('    COMPREPLY=($(compgen -W "' // joined(commands(2:)%name) // &
                    '" -- "$cur") $(compgen -f -- "$cur"))')
     call text%line('  else')
     call text%line('    COMPREPLY=($(compgen -f -- "$cur"))')
@@ -63,29 +65,6 @@ contains
     call text%line('}')
     call text%line('complete -o filenames -F _asperity asperity')
   end subroutine write_completion
-
-  ! The options of a command, each with a blank behind it.
-  pure function options_of(command) result(text)
-    character(len=*), intent(in) :: command
-    character(len=:), allocatable :: text
-    integer :: i
-
-    text = ''
-    do i = 1, size(options)
-      if (options(i)%command == command) text = text // trim(options(i)%name) // ' '
-    end do
-  end function options_of
-
-  ! The words of all commands but the original's.
-  pure function names_of_commands() result(text)
-    character(len=:), allocatable :: text
-    integer :: k
-
-    text = ''
-    do k = 2, size(commands)
-      text = text // ' ' // trim(commands(k)%name)
-    end do
-  end function names_of_commands
 
   ! Text for troff, where a bare minus becomes a hyphen.
   pure function plain(words) result(text)

@@ -6,6 +6,7 @@ module asperity_option_values
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_scene_names, only: any_of
   use asperity_word_hint, only: did_you_mean
   implicit none
   private
@@ -55,18 +56,12 @@ contains
     character(len=*), intent(in) :: words(:)       !! those that are known
     integer, intent(inout) :: choice               !! number of the word, when it is one of them
     type(problem_list), intent(inout) :: problems  !! what is wrong
-    character(len=:), allocatable :: known
-    integer :: i
 
     if (any(words == value)) then
       choice = findloc(words == value, .true., 1)
       return
     end if
-    known = trim(words(1))
-    do i = 2, size(words)
-      known = known // trim(merge(' or ', ',   ', i == size(words))) // ' ' // trim(words(i))
-    end do
-    call problems%add(option // ': found ' // quoted(value) // ', expected ' // known // &
+    call problems%add(option // ': found ' // quoted(value) // ', expected ' // any_of(words) // &
                       did_you_mean(value, words))
   end subroutine read_word
 

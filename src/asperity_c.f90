@@ -12,11 +12,15 @@ module asperity_c
                       length_units, level_names, list_warnings, make_arrays, map_statistics, &
                       map_summits, measure_map, of_contacts, original_records, original_request, &
                       parse_generation_spec, parse_scene, plan_surface, plane_surface, &
-                      problem_list, problem_place, radius_names, read_card_deck, &
+                      problem_list, radius_names, read_card_deck, &
                       read_generation_spec, read_scene, rule_names, run_in_arithmetic, &
                       run_options, scene, scene_results, scene_surface, solve, summit_choices, &
                       summits_of_file, surface_plan, take_surface, text_buffer, thesis_tables, &
                       version, write_report, write_summary, write_summits_table
+  use asperity_c_outcome, only: begin, finish, has_column, look_at, not_computed, outcome, &
+                                set_text, table_statistics, table_summits, table_upper, &
+                                text_failure, text_notes, text_of, text_report, text_warnings, &
+                                texts, type_double, type_int, type_word
   use, intrinsic :: iso_fortran_env, only: int64, real64
   implicit none
   private
@@ -25,14 +29,6 @@ module asperity_c
   public :: c_status, c_text, c_problems, c_get_problem
   public :: c_rows, c_columns, c_column_name, c_column_type, c_column, c_free
   public :: c_surface, c_options, c_summits_options, c_problem
-
-  ! As in the header: what became of a call, its texts, its tables, types of columns.
-  integer(c_int), parameter :: done = 0_c_int, not_computed = 1_c_int, bad_input = 2_c_int
-  integer, parameter :: text_failure = 1, text_problems = 2, text_warnings = 3, text_notes = 4, &
-                        text_report = 5, texts = 5
-  ! The first three are those of a run; the lower surface follows the upper one.
-  integer, parameter :: table_summits = 4, table_statistics = 5, table_upper = 6, tables = 7
-  integer(c_int), parameter :: type_double = 1_c_int, type_int = 2_c_int, type_word = 3_c_int
 
   !> `asperity_surface` of the header.
   type, bind(c) :: c_surface
@@ -64,24 +60,6 @@ module asperity_c
     integer(c_int) :: column !! 0: it has none
     type(c_ptr) :: text      !! without file, line and column
   end type c_problem
-
-  ! A text that ends with a null character.
-  type :: c_letters
-    character(kind=c_char), allocatable :: letters(:)
-  end type c_letters
-
-  ! What a call gave.
-  type :: outcome
-    integer(c_int) :: status = done
-    type(scene), allocatable :: scene_in
-    type(c_letters) :: texts(texts)
-    type(array_table) :: tables(tables)
-    type(problem_list) :: problems
-    type(c_letters), allocatable :: files(:), messages(:)
-    type(problem_place), allocatable :: places(:)
-    type(c_letters), allocatable :: names(:, :)  ! of columns (column, table)
-    character(len=:), allocatable :: failure
-  end type outcome
 
   ! Texts that are always there: constants, which can have no address in Fortran.
   integer :: letter
@@ -493,76 +471,6 @@ contains
     if (associated(it)) deallocate (it)
   end subroutine c_free
 
-  ! A new outcome; there is none where memory has ended.
-  subroutine begin(new, handle)
-    type(outcome), pointer, intent(out) :: new
-    type(c_ptr), intent(out) :: handle
-    integer :: status
-
-    handle = c_null_ptr
-    allocate (new, stat=status)
-    if (status /= 0) nullify (new)
-    if (associated(new)) handle = c_loc(new)
-  end subroutine begin
-
-  ! What C is told of an outcome.
-  subroutine finish(new)
-    type(outcome), intent(inout) :: new
-    character(len=:), allocatable :: text
-    integer :: column, first, i, last, table
-
-    text = new%problems%text()
-    call set_text(new, text_problems, text)
-    associate (lines => count([(text(i:i) == new_line('a'), i = 1, len(text))]))
-      allocate (new%files(lines), new%messages(lines), new%places(lines))
-    end associate
-    first = 1
-    do i = 1, size(new%messages)
-      last = first + index(text(first:), new_line('a')) - 2
-      new%places(i) = new%problems%place(i)
-      call set_letters(new%files(i), text(first:first + new%places(i)%file_length - 1))
-      call set_letters(new%messages(i), text(first + new%places(i)%prefix:last))
-      first = last + 2
-    end do
-    allocate (new%names(maxval([(columns_of(new%tables(i)), i = 1, tables)]), tables))
-    do table = 1, tables
-      do column = 1, columns_of(new%tables(table))
-        call set_letters(new%names(column, table), new%tables(table)%columns(column)%name)
-      end do
-    end do
-    if (allocated(new%failure)) then
-      new%status = not_computed
-      call set_text(new, text_failure, new%failure)
-    end if
-    if (size(new%messages) > 0) new%status = bad_input
-  end subroutine finish
-
-  ! The outcome behind a handle.
-  subroutine look_at(handle, it)
-    type(c_ptr), intent(in) :: handle
-    type(outcome), pointer, intent(out) :: it
-
-    nullify (it)
-    if (c_associated(handle)) call c_f_pointer(handle, it)
-  end subroutine look_at
-
-  ! Whether an outcome has a column, counted from 0, in a table.
-  logical function has_column(it, table, column)
-    type(outcome), pointer, intent(in) :: it
-    integer(c_int), intent(in) :: table, column
-
-    has_column = .false.
-    if (.not. associated(it) .or. table < 1_c_int .or. table > tables) return
-    has_column = column >= 0_c_int .and. column < columns_of(it%tables(table))
-  end function has_column
-
-  pure integer function columns_of(table)
-    type(array_table), intent(in) :: table
-
-    columns_of = 0
-    if (allocated(table%columns)) columns_of = size(table%columns)
-  end function columns_of
-
   subroutine set_surface(x, y, height, radius, table)
     real(real64), intent(in) :: x(:), y(:), height(:), radius(:)
     type(array_table), intent(inout) :: table
@@ -592,46 +500,5 @@ contains
     end do
     call problems%add(name // ': found ' // text_of(word) // ', expected one of ' // list)
   end subroutine take_word
-
-  subroutine set_text(new, which, text)
-    type(outcome), intent(inout) :: new
-    integer, intent(in) :: which
-    character(len=*), intent(in) :: text
-
-    call set_letters(new%texts(which), text)
-  end subroutine set_text
-
-  subroutine set_letters(letters, text)
-    type(c_letters), intent(inout) :: letters
-    character(len=*), intent(in) :: text
-    integer :: i
-
-    allocate (letters%letters(len(text) + 1))
-    do i = 1, len(text)
-      letters%letters(i) = text(i:i)
-    end do
-    letters%letters(len(text) + 1) = c_null_char
-  end subroutine set_letters
-
-  ! A text of C; empty for a null pointer.
-  function text_of(address) result(text)
-    type(c_ptr), intent(in) :: address
-    character(len=:), allocatable :: text
-    character(kind=c_char), pointer :: letters(:)
-    integer :: i, length
-
-    text = ''
-    if (.not. c_associated(address)) return
-    call c_f_pointer(address, letters, [huge(length)])
-    length = 0
-    do while (letters(length + 1) /= c_null_char)
-      length = length + 1
-    end do
-    deallocate (text)
-    allocate (character(len=length) :: text)
-    do i = 1, length
-      text(i:i) = letters(i)
-    end do
-  end function text_of
 
 end module asperity_c

@@ -1,6 +1,7 @@
 !> Where open contacts would touch first on the surface that the loaded ones leave.
 module asperity_coupled_open
-  use asperity_circle_field, only: circle_set, many, near_factor, shift_down
+  use asperity_circle_field, only: circle_set, many, near_factor
+  use asperity_circle_products, only: shift_down
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms

@@ -1,6 +1,7 @@
 !> One Newton step of coupled contacts, by conjugate gradients.
 module asperity_coupled_step
-  use asperity_circle_field, only: circle_set, hold_bent, many, multiply, shift_down
+  use asperity_circle_field, only: circle_set, many
+  use asperity_circle_products, only: hold_bent, multiply, shift_down
   use asperity_coarse_circles, only: coarse_circles, gather_squares, shared_change, sum_of_squares
   use asperity_kinds, only: real64
   implicit none
@@ -10,6 +11,8 @@ module asperity_coupled_step
 
   ! Rounds of conjugate gradients; what is there then is a direction that goes down as well.
   integer, parameter :: most_rounds = 400
+  ! These four choose the way and not its end: the step is cut until it goes down, and what is left
+  ! of the gradient tells when the solution is there.
   ! Along a direction that the potential curves down along, those circles are held that have more
   ! than this share of the most.
   real(real64), parameter :: share_held = 0.1_real64

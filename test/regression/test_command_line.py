@@ -79,7 +79,7 @@ def test_manual_and_completion_have_the_options_of_the_help(run):
     completion = run("--completion").stdout
     for command in ("solve", "accuracy", "generate", "study", "summits"):
         options = re.findall(r"^  (--[a-z-]+)", run(command, "--help").stdout, re.MULTILINE)
-        words = re.search(rf'^    {command}\) words="(.*) --help"', completion, re.MULTILINE)[1]
+        words = re.search(rf'^    {command}\) words="--help (.*)"', completion, re.MULTILINE)[1]
         assert words.split() == options and len(options) > 3
         section = manual.partition(f".SH {command}")[2].partition(".SH ")[0]
         assert re.findall(r"^\.B (--[a-z-]+)", section, re.MULTILINE) == options

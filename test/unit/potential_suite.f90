@@ -1,7 +1,8 @@
 !> Tests of the potential of loads and shifts: its derivatives, and that it is least where the
 !> solver ends. Truths: differences of the energy itself.
 module asperity_potential_suite
-  use asperity_circle_field, only: circle_set, find_field, multiply, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, plant_circles
+  use asperity_circle_products, only: multiply
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &

@@ -1,0 +1,149 @@
+!> Groups &loading and &limit of a scene: how far the surfaces close, and when a contact is at its
+!> limit.
+module asperity_scene_loading
+  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_kinds, only: int64, real64
+  use asperity_number_ranges, only: above_zero, any_number, not_negative
+  use asperity_problems, only: decimal_text
+  use asperity_scene_fields, only: scene_fields
+  use asperity_scene_surfaces, only: from_csv
+  use asperity_scene_values, only: control_limit, control_pressure, control_words, &
+                                   criterion_greenwood_williamson, criterion_hardy, &
+                                   criterion_load, criterion_none, criterion_pressure, &
+                                   criterion_words, effect_off, is_load, scene, scene_loading
+  implicit none
+  private
+
+  public :: read_loading, check_states, read_limit
+
+  ! Room for results is bounded: a state of a curve takes 100 bytes in memory and 200 in a file.
+  integer, parameter :: most_points = 100000, most_states = 2000000, most_values = 100000
+
+contains
+
+  !> Group &loading.
+  subroutine read_loading(fields, checked)
+    type(scene_fields), intent(inout) :: fields  !! the scene's text
+    type(scene), intent(inout) :: checked        !! its loading is filled
+
+    associate (loading => checked%loading)
+      call fields%take_word('loading', 'control', control_words, loading%control)
+      call read_path(fields, loading)
+      call fields%take_whole('loading', 'points', 0, most_points, loading%points)
+      ! What a refused control would need is not known.
+      if (loading%control == 0) return
+      call need(fields, 'loading', 'value', loading%control /= control_limit, &
+                'control = ''' // trim(control_words(loading%control)) // '''')
+      if (loading%control == control_pressure .and. .not. allocated(checked%map) .and. &
+          .not. checked%nominal_area%digits > 0_int64) &
+        call fields%complain_of('loading', 'control', 'a pressure needs an area: found no ' // &
+                                'nominal_area in &surfaces, expected one')
+    end associate
+  end subroutine read_loading
+
+  !> One value, or several to go to one after the other. A load may go back to zero, and below where
+  !> surfaces attract each other: `read_effects` sees to it that they do.
+  subroutine read_path(fields, loading)
+    type(scene_fields), intent(inout) :: fields
+    type(scene_loading), intent(inout) :: loading
+    integer :: number
+    logical :: pulls
+
+    pulls = fields%has('effects', 'adhesion')
+    number = fields%value_count('loading', 'value')
+    if (number <= 1 .or. loading%control == control_limit) then
+      call fields%take_number('loading', 'value', &
+           merge(above_zero, any_number, is_load(loading%control) .and. .not. pulls), loading%value)
+    else if (number > most_values) then
+      call fields%complain_of('loading', 'value', 'too many values: found ' // &
+                              decimal_text(number) // ', expected at most ' // &
+                              decimal_text(most_values))
+    else
+      allocate (loading%path(number))
+      call fields%take_numbers('loading', 'value', &
+           merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls), &
+           loading%path)
+      loading%value = deepest(loading%path, loading%control)
+      if (is_load(loading%control) .and. .not. pulls .and. loading%value%digits == 0_int64) &
+        call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
+    end if
+  end subroutine read_path
+
+  !> The largest load or the least separation.
+  pure function deepest(path, control) result(value)
+    type(decimal_value), intent(in) :: path(:)
+    integer, intent(in) :: control
+    type(decimal_value) :: value
+    real(real64) :: numbers(size(path))
+
+    numbers = decimal_to_real64(path)
+    if (is_load(control)) numbers = -numbers
+    value = path(minloc(numbers, 1))
+  end function deepest
+
+  !> A curve at every position must have room.
+  subroutine check_states(fields, checked)
+    type(scene_fields), intent(inout) :: fields  !! the scene's text
+    type(scene), intent(in) :: checked           !! motion, loading and effects are filled
+    integer(int64) :: states
+
+    states = int(checked%motion%positions, int64) * int(max(1, checked%loading%points), int64)
+    if (allocated(checked%loading%path)) states = states * size(checked%loading%path)
+    if (checked%effects%mode('creep') /= effect_off) states = states + &
+      int(checked%motion%positions, int64) * nint(checked%effects%number('hold_points'), int64)
+    if (states > int(most_states, int64)) &
+      call fields%complain_of_group('loading', 'too many states: found ' // &
+           decimal_text(checked%motion%positions) // ' positions with ' // &
+           decimal_text(checked%loading%points) // ' points each, expected at most ' // &
+           decimal_text(most_states) // ' states')
+  end subroutine check_states
+
+  !> Group &limit. A deck brings the thesis' limit load; for CSV files there is no default.
+  subroutine read_limit(fields, checked)
+    type(scene_fields), intent(inout) :: fields  !! the scene's text
+    type(scene), intent(inout) :: checked        !! its limit is filled
+    character(len=:), allocatable :: for_what
+    logical :: has_value
+
+    associate (limit => checked%limit)
+      if (.not. fields%has_group('limit') .and. from_csv(fields) .and. &
+          checked%loading%control /= control_limit) then
+        limit%criterion = criterion_none
+        return
+      end if
+      call fields%take_word('limit', 'criterion', criterion_words, limit%criterion)
+      has_value = fields%has('limit', 'value')
+      if (limit%criterion /= criterion_load .or. has_value) then
+        limit%from_thesis = .false.
+        limit%value = decimal_value()
+      end if
+      call fields%take_number('limit', 'value', above_zero, limit%value)
+      call fields%take_number('limit', 'hardness', above_zero, limit%hardness)
+      call fields%take_number('limit', 'yield_stress', above_zero, limit%yield_stress)
+      ! What a refused criterion would need is not known.
+      if (limit%criterion == 0) return
+      for_what = 'criterion = ''' // trim(criterion_words(limit%criterion)) // ''''
+      call need(fields, 'limit', 'value', limit%criterion == criterion_pressure .or. &
+                (limit%criterion == criterion_load .and. (from_csv(fields) .or. has_value)), &
+                for_what)
+      call need(fields, 'limit', 'hardness', &
+                limit%criterion == criterion_greenwood_williamson, for_what)
+      call need(fields, 'limit', 'yield_stress', limit%criterion == criterion_hardy, for_what)
+    end associate
+  end subroutine read_limit
+
+  !> A name that something needs must stand there; one that nothing needs must not.
+  subroutine need(fields, group, name, is_needed, for_what)
+    type(scene_fields), intent(inout) :: fields
+    character(len=*), intent(in) :: group, name, for_what
+    logical, intent(in) :: is_needed
+
+    if (is_needed .and. .not. fields%has(group, name)) then
+      call fields%complain_of_group(group, 'no ' // name // ' in &' // group // &
+                                    ': expected one with ' // for_what)
+    else if (fields%has(group, name) .and. .not. is_needed) then
+      call fields%complain_of(group, name, 'not used with ' // for_what // ', expected none')
+    end if
+  end subroutine need
+
+end module asperity_scene_loading
