@@ -107,13 +107,15 @@ contains
     type(progress_line) :: shown
     real(real64) :: values(3)
     integer(int64) :: lines, done
-    integer :: place(2), i
+    integer :: place(2), i, cells
     logical :: good, grid
 
     lines = 0_int64
     call first_point(file, ahead)
     do while (ahead%length > 0)
-      call next_point(file, ahead, words, values, good, problems)
+      call next_point(file, ahead, words, cells, values, good, problems)
+      ! Where the first line is none the file is of another kind: that is one mistake, not many.
+      if (cells /= 3 .and. lines == 0_int64) return
       if (.not. good) cycle
       lines = lines + 1_int64
       do i = 1, 2
@@ -144,7 +146,7 @@ contains
     call file%again()
     call first_point(file, ahead)
     do done = 1_int64, lines
-      call next_point(file, ahead, words, values, good, problems)
+      call next_point(file, ahead, words, cells, values, good, problems)
       do i = 1, 2
         place(i) = 1 + nint((values(i) - along(i)%first) / map%spacing(i))
         if (abs(values(i) - along(i)%first - (place(i) - 1) * map%spacing(i)) > &
@@ -168,14 +170,15 @@ contains
   end subroutine read_points
 
   ! The line that begins with the word ahead, which becomes the first of the next line.
-  subroutine next_point(file, ahead, words, values, good, problems)
+  subroutine next_point(file, ahead, words, cells, values, good, problems)
     type(token_reader), intent(inout) :: file
     type(token), intent(inout) :: ahead
     type(token), intent(out) :: words(3)
+    integer, intent(out) :: cells
     real(real64), intent(out) :: values(3)
     logical, intent(out) :: good
     type(problem_list), intent(inout) :: problems
-    integer :: i, cells, line
+    integer :: i, line
 
     values = 0.0_real64
     line = ahead%line
@@ -190,8 +193,8 @@ contains
     if (cells /= 3 .or. .not. good) then
       good = .false.
       call problems%add_at(line, words(1)%column, 'found ' // decimal_text(cells) // &
-                           ' cells or an empty one, expected x,y,z; for a matrix of heights ' // &
-                           'give its --spacing')
+                           ' cells or an empty one, expected x,y,z; a matrix of heights needs ' // &
+                           'its spacing: --spacing X,Y, in a scene map_spacing')
       return
     end if
     do i = 1, 3

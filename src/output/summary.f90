@@ -11,7 +11,8 @@ module asperity_summary
   use asperity_position_lists, only: counted, positions_listed
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: control_words, criterion_none, criterion_words, scene, scene_map
+  use asperity_scene_values, only: control_words, criterion_none, criterion_words, &
+                                   effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: write_totals
   implicit none
@@ -51,7 +52,8 @@ contains
                        counted(number, 'position'))
     if (without > 0) call buffer%line('no contact at ' // counted(without, 'position'))
     if (any(results%positions%overlapping_circles > 0)) &
-      call buffer%line(overlap_text(results%positions%overlapping_circles))
+      call buffer%line(overlap_text(results%positions%overlapping_circles, &
+                                    scene_in%effects%mode('interaction') == effect_off))
     call write_effects(results, buffer)
     if (allocated(results%map)) call write_map_table(results%map, &
       .not. scene_uses_samples(results), buffer)
@@ -207,14 +209,15 @@ contains
   end function signed
 
   !> Where contact circles overlap, as a warning.
-  pure function overlap_text(circles) result(text)
+  pure function overlap_text(circles, independent) result(text)
     integer, intent(in) :: circles(:)
+    logical, intent(in) :: independent  !! neighbours were not counted
     character(len=:), allocatable :: text
 
     text = counted(sum(circles), 'pair') // ' of contact circles overlap'
     if (sum(circles) == 1) text = text // 's'
     if (size(circles) > 1) text = text // ', at positions ' // positions_listed(circles > 0)
-    text = text // ': contacts there are not independent'
+    if (independent) text = text // ': contacts there are not independent'
   end function overlap_text
 
   !> The limit's criterion in words.

@@ -5,7 +5,7 @@ module asperity_effect_path
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kernel_real64, only: closings_on_the_way
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: control_pressure, hold_load, is_load, scene
+  use asperity_scene_values, only: control_pressure, effect_off, hold_load, is_load, scene
   use asperity_viscoelastic_solid, only: hold_times
   implicit none
   private
@@ -29,7 +29,8 @@ module asperity_effect_path
 
 contains
 
-  !> The states of loading. `points` equal parts lie between one value of a path and the next.
+  !> The states of loading. `points` equal parts lie between one value of a path and the next. With
+  !! neighbours counted there are these alone: contacts begin later then than each would alone.
   subroutine plan_states(scene_in, pairs, closing, steps, failure)
     type(scene), intent(in) :: scene_in                       !! checked values
     type(contact_pairs), intent(in) :: pairs                  !! the position
@@ -42,8 +43,8 @@ contains
     integer :: i, j, parts, used
 
     if (.not. allocated(scene_in%loading%path)) then
-      allocate (gaps(size(pairs%list)))
-      gaps = pairs%list%gap
+      allocate (gaps(0))
+      if (scene_in%effects%mode('interaction') == effect_off) gaps = pairs%list%gap
       call closings_on_the_way(scene_in%loading%points, gaps, closing, closings)
       allocate (steps(size(closings)))
       steps%value = closings

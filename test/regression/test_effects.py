@@ -250,6 +250,7 @@ def test_overlapping_circles_are_told(mode, sweeps):
     circles = {int(row["position"]): int(row["overlapping_circles"]) for row in run.positions}
     assert {m for m, count in circles.items() if count} == set(OVERLAPPING)
     assert "3 pairs of contact circles overlap" in run.stdout
+    assert ("are not independent" in run.stdout) == (mode == "off")
 
 
 # Load asked for.
@@ -279,8 +280,8 @@ def test_curve_is_made_of_states(mode, sweeps, tally):
     points = 5
     run = sweeps.solve(positions=1, x_first=5.6, curve=True, interaction=mode,
                        loading={"control": "limit", "points": points})
-    # Beside the points asked for, each first touch is a state.
-    assert len(run.curve) == int(run.positions[0]["steps"]) >= points
+    # First touch and the points asked for; contacts that touch first alone begin later together.
+    assert len(run.curve) == int(run.positions[0]["steps"]) == points + 1
     full = float(run.positions[0]["load"])
     last = run.curve[-1]
     assert all(run.positions[0][name] == last[name] for name in
@@ -310,7 +311,7 @@ def test_curve_of_a_sweep(sweeps):
     for row in run.positions:
         curve = states[int(row["position"])]
         assert [int(state["step"]) for state in curve] == list(range(1, int(row["steps"]) + 1))
-        assert len(curve) >= 3 and curve[-1]["load"] == row["load"]
+        assert len(curve) == 4 and curve[-1]["load"] == row["load"]
         assert float(row["load"]) == pytest.approx(500.0, rel=1e-10)
 
 
