@@ -62,6 +62,8 @@ module asperity_option_table
       'write scene, results and where they come from as JSON'), &
     option_entry('solve', '--vtk', 'FILE', &
       'write contacts as points with values (.vtp, for ParaView)'), &
+    option_entry('solve', '--html', 'FILE', &
+      'write a page with summary, curve, contacts in plan and warnings, for any browser'), &
     option_entry('solve', '--arithmetic', 'NAME', &
       'real64 (default), real32, real128 or ibm370; effects and paths are computed in real64 ' // &
       'only'), &

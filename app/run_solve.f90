@@ -13,6 +13,7 @@ module asperity_run_solve
   use asperity_problems, only: problem_list
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_results_csv, only: write_results
+  use asperity_results_html, only: write_html
   use asperity_results_json, only: write_json
   use asperity_results_vtk, only: write_vtk
   use asperity_run_options, only: run_options
@@ -70,22 +71,29 @@ contains
     call write_table('--contacts', of_contacts)
     call write_table('--positions', of_positions)
     call write_table('--curve', of_states)
-    if (line%output('--json') /= '') call stage_json()
+    if (line%output('--json') /= '') call stage_whole('--json')
     if (line%output('--vtk') /= '') call stage_vtk()
+    if (line%output('--html') /= '') call stage_whole('--html')
     if (line%cost .and. .not. allocated(outcome%failure)) call tell_cost(cost, outcome%text)
 
   contains
 
-    subroutine stage_json()
+    ! What tells of the files that the scene is made of.
+    subroutine stage_whole(option)
+      character(len=*), intent(in) :: option
       type(input_file) :: inputs(3)
-      type(text_buffer) :: json
+      type(text_buffer) :: text
 
       if (allocated(outcome%failure)) return
       call list_inputs(scene_in, inputs, outcome%failure)
-      if (.not. allocated(outcome%failure)) &
-        call write_json(scene_in, inputs, results, outcome%warnings, json, outcome%failure)
-      call stage('--json', json)
-    end subroutine stage_json
+      if (allocated(outcome%failure)) return
+      if (option == '--json') then
+        call write_json(scene_in, inputs, results, outcome%warnings, text, outcome%failure)
+      else
+        call write_html(scene_in, inputs, results, outcome%warnings, text)
+      end if
+      call stage(option, text)
+    end subroutine stage_whole
 
     subroutine stage_vtk()
       type(text_buffer) :: vtk
@@ -166,7 +174,8 @@ contains
     if (line%arithmetic /= '') options%arithmetic = line%arithmetic
     options%accuracy = line%accuracy
     options%keep_contacts = line%output('--contacts') // line%output('--json') // &
-                            line%output('--vtk') /= '' .or. is_thesis_sweep(scene_in)
+                            line%output('--vtk') // line%output('--html') /= '' .or. &
+                            is_thesis_sweep(scene_in)
     options%threads = line%threads
     options%progress = image_number() == 1
     options%all_images = is_shared(line)

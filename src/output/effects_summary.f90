@@ -9,9 +9,17 @@ module asperity_effects_summary
   implicit none
   private
 
-  public :: write_effects, effects_in_words
+  public :: told_line, list_effects, write_effects, effects_in_words
 
   integer, parameter :: widest = 100, indent = 15
+  ! A sentence lists positions up to half of this length.
+  integer, parameter :: longest = 1000
+
+  !> A sentence about an effect.
+  type :: told_line
+    character(len=11) :: effect = ''         !! its name in its first sentence, blank in the others
+    character(len=longest) :: text = ''      !! the sentence
+  end type told_line
 
 contains
 
@@ -32,26 +40,41 @@ contains
     if (text == '') text = 'none'
   end function effects_in_words
 
-  !> One paragraph an effect: at how many positions it was estimated and simulated, its measured
-  !> influence, the largest estimate left out, how the solves ended.
+  !> One paragraph an effect, below a heading.
   subroutine write_effects(results, buffer)
     type(scene_results), intent(in) :: results  !! solved
     type(text_buffer), intent(inout) :: buffer  !! the text
-    integer :: e
+    type(told_line), allocatable :: lines(:)
+    integer :: i
 
-    if (.not. allocated(results%effects)) return
+    call list_effects(results, lines)
+    if (size(lines) == 0) return
     call buffer%line('')
     call buffer%line('Effects, as shares of the vertical load without them')
-    do e = 1, size(results%effects%names)
-      call write_effect(results, results%effects, e, buffer)
+    do i = 1, size(lines)
+      call paragraph(trim(lines(i)%effect), trim(lines(i)%text), buffer)
     end do
   end subroutine write_effects
 
-  subroutine write_effect(results, header, e, buffer)
+  !> The sentences about all effects: at how many positions each was estimated and simulated, its
+  !> measured influence, the largest estimate left out, how the solves ended.
+  subroutine list_effects(results, lines)
+    type(scene_results), intent(in) :: results              !! solved
+    type(told_line), allocatable, intent(out) :: lines(:)   !! none where there are no effects
+    integer :: e
+
+    allocate (lines(0))
+    if (.not. allocated(results%effects)) return
+    do e = 1, size(results%effects%names)
+      call list_effect(results, results%effects, e, lines)
+    end do
+  end subroutine list_effects
+
+  subroutine list_effect(results, header, e, lines)
     type(scene_results), intent(in) :: results
     type(effect_header), intent(in) :: header
     integer, intent(in) :: e
-    type(text_buffer), intent(inout) :: buffer
+    type(told_line), allocatable, intent(inout) :: lines(:)
     logical, allocatable :: simulated(:), so(:)
     real(real64), allocatable :: influence(:), left_out(:), residual(:)
     character(len=:), allocatable :: word, head, why
@@ -79,15 +102,15 @@ contains
     head = trim(header%names(e))
     word = trim(effect_words(header%modes(e)))
     if (header%modes(e) == effect_auto) then
-      call paragraph(head, word // ', tolerance ' // percent(header%tolerance) // &
-                     ': estimated at ' // counted(number, 'position') // ', simulated at ' // &
-                     decimal_text(simulated_at), buffer)
+      call add(head, word // ', tolerance ' // percent(header%tolerance) // &
+               ': estimated at ' // counted(number, 'position') // ', simulated at ' // &
+               decimal_text(simulated_at))
     else
-      call paragraph(head, word // ': simulated at ' // counted(simulated_at, 'position'), buffer)
+      call add(head, word // ': simulated at ' // counted(simulated_at, 'position'))
     end if
     if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
       write (digits, '(g10.3)') header%plasticity_index
-      call paragraph('', 'plasticity index of the surfaces ' // trim(adjustl(digits)), buffer)
+      call add('', 'plasticity index of the surfaces ' // trim(adjustl(digits)))
     end if
 
     ! The ways in which it was simulated, in the order in which they first occur.
@@ -101,18 +124,16 @@ contains
     if (simulated_at > 0) then
       first = maxloc(abs(influence), 1)
       if (all(influence > not_computed)) &
-        call paragraph('', 'influence ' // percent(influence(first)) // at_position(first) // &
-                       ', least ' // percent(influence(minloc(abs(influence), 1, simulated))), &
-                       buffer)
+        call add('', 'influence ' // percent(influence(first)) // at_position(first) // &
+                 ', least ' // percent(influence(minloc(abs(influence), 1, simulated))))
       first = maxloc(residual, 1)
       write (digits, '(es9.1e3)') residual(first)
-      call paragraph('', 'converged everywhere, largest residual ' // trim(adjustl(digits)) // &
-                     at_position(first), buffer)
+      call add('', 'converged everywhere, largest residual ' // trim(adjustl(digits)) // &
+                 at_position(first))
     end if
     if (simulated_at < number .and. header%modes(e) == effect_auto) then
       first = maxloc(left_out, 1)
-      call paragraph('', 'largest estimate left out ' // percent(left_out(first)) // &
-                     at_position(first), buffer)
+      call add('', 'largest estimate left out ' // percent(left_out(first)) // at_position(first))
     end if
 
   contains
@@ -129,11 +150,16 @@ contains
       so = so .or. this_way
       if (header%modes(e) /= effect_auto) return
       if (why == '') then
-        call paragraph('', word // ' at ' // positions_text(this_way), buffer)
+        call add('', word // ' at ' // positions_text(this_way))
       else
-        call paragraph('', word // ' (' // why // ') at ' // positions_text(this_way), buffer)
+        call add('', word // ' (' // why // ') at ' // positions_text(this_way))
       end if
     end subroutine one_way
+
+    subroutine add(effect, text)
+      character(len=*), intent(in) :: effect, text
+      lines = [lines, told_line(effect, text)]
+    end subroutine add
 
     function at_position(position) result(text)
       integer, intent(in) :: position
@@ -143,7 +169,7 @@ contains
       if (number > 1) text = ' (position ' // decimal_text(position) // ')'
     end function at_position
 
-  end subroutine write_effect
+  end subroutine list_effect
 
   ! A text in lines, after a word.
   subroutine paragraph(head, text, buffer)

@@ -1,6 +1,7 @@
 !> A map and its summits as a drawing (SVG): heights as shades of grey, summits as dots.
 module asperity_map_picture
   use asperity_height_map, only: height_map, is_measured, number_text
+  use asperity_html_page, only: escaped
   use asperity_kinds, only: int64, real64
   use asperity_map_summits, only: map_summits
   use asperity_png_image, only: png_as_base64
@@ -186,26 +187,5 @@ contains
     end if
     text = trim(adjustl(digits))
   end function short
-
-  ! Letters that mean something in XML are written by name.
-  pure function escaped(text) result(safe)
-    character(len=*), intent(in) :: text
-    character(len=:), allocatable :: safe
-    integer :: i
-
-    safe = ''
-    do i = 1, len(text)
-      select case (text(i:i))
-      case ('&')
-        safe = safe // '&amp;'
-      case ('<')
-        safe = safe // '&lt;'
-      case ('>')
-        safe = safe // '&gt;'
-      case default
-        safe = safe // text(i:i)
-      end select
-    end do
-  end function escaped
 
 end module asperity_map_picture

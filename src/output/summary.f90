@@ -18,7 +18,8 @@ module asperity_summary
   implicit none
   private
 
-  public :: write_summary, write_corrected_table, write_choice
+  public :: write_summary, write_heading, write_remarks, write_corrected_table, write_choice, &
+            uses_samples
 
 contains
 
@@ -27,37 +28,53 @@ contains
     type(scene), intent(in) :: scene_in         !! what was solved
     type(scene_results), intent(in) :: results  !! its results
     type(text_buffer), intent(inout) :: buffer  !! the text
-    type(state_row) :: last
-    integer :: m, number, without, at_limit
 
-    number = size(results%positions)
-    without = 0
-    at_limit = 0
-    do m = 1, number
-      last = last_state(results%positions(m))
-      if (last%contacts == 0) without = without + 1
-      if (results%positions(m)%limit_reached) at_limit = at_limit + 1
-    end do
+    call write_heading(scene_in, results, buffer)
+    call buffer%line('')
+    call write_totals(results, buffer)
+    call buffer%line('')
+    call write_remarks(scene_in, results, buffer)
+    call write_effects(results, buffer)
+    if (allocated(results%map)) call write_map_table(results%map, .not. uses_samples(results), &
+                                                     buffer)
+  end subroutine write_summary
+
+  !> What was solved and how, in three lines.
+  subroutine write_heading(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in         !! what was solved
+    type(scene_results), intent(in) :: results  !! its results
+    type(text_buffer), intent(inout) :: buffer  !! the text
+
     call buffer%line(scene_in%file // ': ' // surfaces_in_words(scene_in) // ', ' // &
-                     counted(number, 'position'))
+                     counted(size(results%positions), 'position'))
     call buffer%line('solved in ' // trim(results%arithmetic) // ', exact events, effects: ' // &
                      effects_in_words(results))
     call buffer%line('control: ' // trim(control_words(scene_in%loading%control)) // &
                      limit_text(scene_in))
-    call buffer%line('')
-    call write_totals(results, buffer)
-    call buffer%line('')
+  end subroutine write_heading
+
+  !> What the totals do not tell: limits reached, positions without contact, circles that overlap.
+  subroutine write_remarks(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in         !! what was solved
+    type(scene_results), intent(in) :: results  !! its results
+    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(state_row) :: last
+    integer :: m, without
+
+    without = 0
+    do m = 1, size(results%positions)
+      last = last_state(results%positions(m))
+      if (last%contacts == 0) without = without + 1
+    end do
     if (scene_in%limit%criterion /= criterion_none) &
-      call buffer%line('limit reached at ' // decimal_text(at_limit) // ' of ' // &
-                       counted(number, 'position'))
+      call buffer%line('limit reached at ' // &
+                       decimal_text(count(results%positions%limit_reached)) // ' of ' // &
+                       counted(size(results%positions), 'position'))
     if (without > 0) call buffer%line('no contact at ' // counted(without, 'position'))
     if (any(results%positions%overlapping_circles > 0)) &
       call buffer%line(overlap_text(results%positions%overlapping_circles, &
                                     scene_in%effects%mode('interaction') == effect_off))
-    call write_effects(results, buffer)
-    if (allocated(results%map)) call write_map_table(results%map, &
-      .not. scene_uses_samples(results), buffer)
-  end subroutine write_summary
+  end subroutine write_remarks
 
   ! How many asperities there are, or on what plane.
   function surfaces_in_words(scene_in) result(text)
@@ -93,13 +110,13 @@ contains
     if (maps%periodic) text = text // ', repeated'
   end function maps_in_words
 
-  ! Whether the results are those of the samples of a map.
-  pure logical function scene_uses_samples(results) result(uses)
-    type(scene_results), intent(in) :: results
+  !> Whether the results are those of the samples of a map.
+  pure logical function uses_samples(results) result(uses)
+    type(scene_results), intent(in) :: results  !! solved
 
     uses = .false.
     if (allocated(results%effects)) uses = any(results%effects%state_columns == 'sample_area')
-  end function scene_uses_samples
+  end function uses_samples
 
   !> Table VI before and after, one line a number, with what each correction adds.
   subroutine write_corrected_table(table, buffer)

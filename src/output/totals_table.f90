@@ -7,10 +7,19 @@ module asperity_totals_table
   implicit none
   private
 
-  public :: write_totals
+  public :: total_line, list_totals, write_totals
 
   ! A load that is held is met to this share.
   real(real64), parameter :: load_is_met = 1.0e-6_real64
+
+  !> One quantity over all positions.
+  type :: total_line
+    character(len=40) :: name = ''            !! in words
+    character(len=40) :: remark = ''          !! what it is; blank: the name says it
+    logical :: is_told = .false.              !! by an effect
+    integer :: known = 0                      !! so many of the next are meant
+    real(real64) :: numbers(3) = 0.0_real64   !! the value; of several: greatest, least, average
+  end type total_line
 
 contains
 
@@ -18,6 +27,27 @@ contains
   subroutine write_totals(results, buffer)
     type(scene_results), intent(in) :: results  !! solved
     type(text_buffer), intent(inout) :: buffer  !! the text
+    type(total_line), allocatable :: lines(:)
+    integer :: i
+
+    if (size(results%positions) == 1) then
+      call buffer%line('                              value')
+    else
+      call buffer%line('                            maximum          minimum          average')
+    end if
+    call list_totals(results, lines)
+    do i = 1, size(lines)
+      if (i > 1) then
+        if (lines(i)%is_told .and. .not. lines(i - 1)%is_told) call buffer%line('')
+      end if
+      call write_line(lines(i), buffer)
+    end do
+  end subroutine write_totals
+
+  !> The same as values. What was computed at no position has no line.
+  subroutine list_totals(results, lines)
+    type(scene_results), intent(in) :: results                !! solved
+    type(total_line), allocatable, intent(out) :: lines(:)    !! in order
     character(len=*), parameter :: names(10) = [character(len=18) :: &
       'total load', 'vertical load', 'contact area', 'projected area', 'mean pressure', &
       'greatest pressure', 'approach', 'contacts', 'nominal pressure', 'area fraction']
@@ -34,26 +64,22 @@ contains
                       real(last%contacts, real64), nominal_values(results, last)]
       if (last%area > 0.0_real64) values(m, 5) = last%load / last%area
     end do
-    if (number == 1) then
-      call buffer%line('                              value')
-    else
-      call buffer%line('                            maximum          minimum          average')
-    end if
+    allocate (lines(0))
     do i = 1, size(values, 2)
       if (names(i) == 'approach') then
-        call write_value(names(i), values(:, i), buffer, 'separation of the reference planes')
+        call add_line(names(i), values(:, i), lines, 'separation of the reference planes')
       else
-        call write_value(names(i), values(:, i), buffer)
+        call add_line(names(i), values(:, i), lines)
       end if
     end do
-    call write_held(results, buffer)
-    call write_told(results, buffer)
-  end subroutine write_totals
+    call list_held(results, lines)
+    call list_told(results, lines)
+  end subroutine list_totals
 
   ! What became of a load or an approach while it was held.
-  subroutine write_held(results, buffer)
+  subroutine list_held(results, lines)
     type(scene_results), intent(in) :: results
-    type(text_buffer), intent(inout) :: buffer
+    type(total_line), allocatable, intent(inout) :: lines(:)
     real(real64) :: lost(size(results%positions)), sunk(size(results%positions))
     type(state_row) :: begin, last
     integer :: m
@@ -67,9 +93,9 @@ contains
       sunk(m) = begin%approach - last%approach
     end do
     if (any(abs(lost) > load_is_met)) &
-      call write_value('lost while held', lost, buffer, 'share of the load')
-    if (any(abs(sunk) > 0.0_real64)) call write_value('sunk while held', sunk, buffer)
-  end subroutine write_held
+      call add_line('lost while held', lost, lines, 'share of the load')
+    if (any(abs(sunk) > 0.0_real64)) call add_line('sunk while held', sunk, lines)
+  end subroutine list_held
 
   ! The state in which the last hold begins.
   pure type(state_row) function begin_of_hold(position)
@@ -84,53 +110,68 @@ contains
   end function begin_of_hold
 
   ! The columns of the effects, as they are named in --positions.
-  subroutine write_told(results, buffer)
+  subroutine list_told(results, lines)
     type(scene_results), intent(in) :: results
-    type(text_buffer), intent(inout) :: buffer
+    type(total_line), allocatable, intent(inout) :: lines(:)
     real(real64) :: values(size(results%positions))
     character(len=:), allocatable :: name
-    integer :: i, k, m
+    integer :: before, i, k, m
 
     if (.not. allocated(results%effects)) return
     if (size(results%effects%state_columns) == 0) return
-    call buffer%line('')
     do k = 1, size(results%effects%state_columns)
       do m = 1, size(results%positions)
         values(m) = results%positions(m)%state_values(k)
       end do
+      before = size(lines)
       name = trim(results%effects%state_columns(k))
       do i = 1, len(name)
         if (name(i:i) == '_') name(i:i) = ' '
       end do
-      call write_value(name, values, buffer)
+      call add_line(name, values, lines)
+      if (size(lines) > before) lines(size(lines))%is_told = .true.
     end do
-  end subroutine write_told
+  end subroutine list_told
 
-  ! A name and a value, or their range; values that were not computed are left out.
-  subroutine write_value(name, column, buffer, remark)
+  ! A value, or a range; values that were not computed are left out.
+  subroutine add_line(name, column, lines, remark)
     character(len=*), intent(in) :: name
     real(real64), intent(in) :: column(:)
-    type(text_buffer), intent(inout) :: buffer
+    type(total_line), allocatable, intent(inout) :: lines(:)
     character(len=*), intent(in), optional :: remark
     real(real64), allocatable :: known(:)
-    character(len=80) :: line
+    type(total_line) :: new
 
     known = pack(column, column > not_computed)
     if (size(known) == 0) return
-    line = ''
+    new%name = name
+    if (present(remark)) new%remark = remark
     if (size(column) == 1) then
-      write (line(19:), '(g17.7)') known
+      new%known = 1
+      new%numbers = known(1)
     else
-      write (line(19:), '(3g17.7)') maxval(known), minval(known), average(known)
+      new%known = 3
+      new%numbers = [maxval(known), minval(known), average(known)]
     end if
+    lines = [lines, new]
+  end subroutine add_line
+
+  ! A name and its numbers.
+  subroutine write_line(total, buffer)
+    type(total_line), intent(in) :: total
+    type(text_buffer), intent(inout) :: buffer
+    character(len=80) :: line
+
+    line = ''
+    write (line(19:), '(3g17.7)') total%numbers(:total%known)
     ! A long name reaches into the blanks before its number.
-    line(:max(18, len(name))) = name
-    if (present(remark)) then
-      call buffer%line(trim(line) // '   ' // remark)
-    else
+    line(:max(18, len_trim(total%name))) = total%name
+    if (total%remark == '') then
       call buffer%line(line)
+    else
+      call buffer%line(trim(line) // '   ' // total%remark)
     end if
-  end subroutine write_value
+  end subroutine write_line
 
   ! The average; a sum beyond the range of a double is not needed for it.
   pure real(real64) function average(column)

@@ -1,0 +1,239 @@
+!> Pieces of a page of HTML that stands alone: head with its style, escaped text, tables. A page is
+!> well-formed XML, too; it loads nothing and runs nothing.
+module asperity_html_page
+  use asperity_kinds, only: real64
+  use asperity_printable, only: printable
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: begin_page, end_page, begin_section, end_section
+  public :: begin_table, put_row, end_table, put_lines
+  public :: escaped, readable
+
+contains
+
+  !> Everything before the first section.
+  subroutine begin_page(title, buffer)
+    character(len=*), intent(in) :: title       !! what the page is about, as it stands
+    type(text_buffer), intent(inout) :: buffer  !! the page
+
+    call buffer%line('<!DOCTYPE html>')
+    call buffer%line('<html lang="en">')
+    call buffer%line('<head>')
+    call buffer%line('<meta charset="utf-8"/>')
+    call buffer%line('<meta http-equiv="Content-Security-Policy" ' // &
+                     'content="default-src ''none''; style-src ''unsafe-inline''"/>')
+    call buffer%line('<meta name="viewport" content="width=device-width, initial-scale=1"/>')
+    call buffer%line('<title>' // escaped(title) // '</title>')
+    call put_style(buffer)
+    call buffer%line('</head>')
+    call buffer%line('<body>')
+    call buffer%line('<main>')
+    call buffer%line('<h1>' // escaped(title) // '</h1>')
+  end subroutine begin_page
+
+  ! Two sets of colours, each with a contrast of 4.5 or more of text to paper; one column of any
+  ! width; what is too wide is scrolled by itself.
+  subroutine put_style(buffer)
+    type(text_buffer), intent(inout) :: buffer
+
+    call buffer%line('<style>')
+    call buffer%line(':root{color-scheme:light dark;--ink:#1b1f24;--paper:#ffffff;' // &
+                     '--soft:#57606a;--line:#d0d7de;--mark:#0a58ca;--back:#f3f5f7;--warn:#8a4500}')
+    call buffer%line('@media(prefers-color-scheme:dark){:root{--ink:#e6edf3;--paper:#0d1117;' // &
+                     '--soft:#9aa4af;--line:#3d444d;--mark:#6cb6ff;--back:#161b22;' // &
+                     '--warn:#f0b46a}}')
+    call buffer%line('body{margin:0;background:var(--paper);color:var(--ink);' // &
+                     'font:1rem/1.5 system-ui,sans-serif}')
+    call buffer%line('main{max-width:60rem;margin:0 auto;padding:1rem}')
+    call buffer%line('h1{font-size:clamp(1.1rem,5vw,1.5rem);line-height:1.25;' // &
+                     'overflow-wrap:anywhere}')
+    call buffer%line('h2{font-size:1.2rem;margin:2rem 0 .5rem}')
+    call buffer%line('p,li,dd{overflow-wrap:anywhere}')
+    call buffer%line('dt{font-weight:600}')
+    call buffer%line('a{color:var(--mark)}')
+    call buffer%line('.scroll{overflow:auto;max-height:80vh}')
+    call buffer%line('table{border-collapse:collapse;font-variant-numeric:tabular-nums}')
+    call buffer%line('caption{text-align:left;color:var(--soft)}')
+    call buffer%line('th,td{padding:.15rem .75rem .15rem 0;' // &
+                     'border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}')
+    call buffer%line('th:first-child{text-align:left;white-space:normal}')
+    call buffer%line('thead th{position:sticky;top:0;background:var(--paper)}')
+    call buffer%line('tbody th{font-weight:400}')
+    call buffer%line('pre{overflow:auto;max-height:30rem;padding:.75rem;' // &
+                     'background:var(--back);font-size:.85rem}')
+    call buffer%line('summary{cursor:pointer;padding:.25rem 0}')
+    call buffer%line('.warn{border-left:4px solid var(--warn);padding-left:.75rem}')
+    call buffer%line('svg{display:block;width:100%;max-width:34rem;height:auto}')
+    call buffer%line('svg text{fill:var(--ink);font:13px system-ui,sans-serif}')
+    call buffer%line('.grid{stroke:var(--line);fill:none}')
+    call buffer%line('.curve{stroke:var(--mark);stroke-width:1.5;stroke-linejoin:round;fill:none}')
+    call buffer%line('.dot{fill:var(--mark)}')
+    call buffer%line('.spot{stroke:var(--mark);fill:var(--mark);fill-opacity:.35}')
+    call buffer%line('.tip{display:none}')
+    call buffer%line('.spot:hover,.spot:focus{stroke:var(--warn);fill:var(--warn);outline:none}')
+    call buffer%line('g:hover>.tip,g:focus>.tip{display:block;stroke:none;fill-opacity:1}')
+    call buffer%line('svg:hover g:focus:not(:hover)>.tip{display:none}')
+    call buffer%line(':focus-visible{outline:2px solid var(--mark);outline-offset:2px}')
+    call buffer%line('</style>')
+  end subroutine put_style
+
+  !> Everything behind the last section.
+  subroutine end_page(buffer)
+    type(text_buffer), intent(inout) :: buffer  !! the page
+
+    call buffer%line('</main>')
+    call buffer%line('</body>')
+    call buffer%line('</html>')
+  end subroutine end_page
+
+  !> A part of the page that a reader of screens can go to.
+  subroutine begin_section(name, heading, buffer)
+    character(len=*), intent(in) :: name        !! one word, another one for every section
+    character(len=*), intent(in) :: heading     !! as it stands
+    type(text_buffer), intent(inout) :: buffer  !! the page
+
+    call buffer%line('<section aria-labelledby="' // name // '">')
+    call buffer%line('<h2 id="' // name // '">' // escaped(heading) // '</h2>')
+  end subroutine begin_section
+
+  !> Its end.
+  subroutine end_section(buffer)
+    type(text_buffer), intent(inout) :: buffer  !! the page
+
+    call buffer%line('</section>')
+  end subroutine end_section
+
+  !> A table that scrolls by itself, with the keyboard, too.
+  subroutine begin_table(caption, headers, buffer)
+    character(len=*), intent(in) :: caption      !! what it tells, as it stands
+    character(len=*), intent(in) :: headers(:)   !! of its columns; the first heads the rows
+    type(text_buffer), intent(inout) :: buffer   !! the page
+    integer :: i
+
+    call buffer%line('<div class="scroll" role="region" tabindex="0" aria-label="' // &
+                     escaped(caption) // '">')
+    call buffer%line('<table>')
+    call buffer%line('<caption>' // escaped(caption) // '</caption>')
+    call buffer%append('<thead><tr>')
+    do i = 1, size(headers)
+      call buffer%append('<th scope="col">' // escaped(trim(headers(i))) // '</th>')
+    end do
+    call buffer%line('</tr></thead>')
+    call buffer%line('<tbody>')
+  end subroutine begin_table
+
+  !> A row, as many cells as the table has headers.
+  subroutine put_row(cells, buffer)
+    character(len=*), intent(in) :: cells(:)    !! as they stand
+    type(text_buffer), intent(inout) :: buffer  !! the page
+    integer :: i
+
+    call buffer%append('<tr><th scope="row">' // escaped(trim(cells(1))) // '</th>')
+    do i = 2, size(cells)
+      call buffer%append('<td>' // escaped(trim(cells(i))) // '</td>')
+    end do
+    call buffer%line('</tr>')
+  end subroutine put_row
+
+  !> The end of a table.
+  subroutine end_table(buffer)
+    type(text_buffer), intent(inout) :: buffer  !! the page
+
+    call buffer%line('</tbody>')
+    call buffer%line('</table>')
+    call buffer%line('</div>')
+  end subroutine end_table
+
+  !> Lines of text as they were written; `label` says what they are.
+  subroutine put_lines(label, text, buffer)
+    character(len=*), intent(in) :: label       !! as it stands
+    character(len=*), intent(in) :: text        !! lines, of any bytes
+    type(text_buffer), intent(inout) :: buffer  !! the page
+    integer :: first, last
+
+    call buffer%line('<pre role="region" tabindex="0" aria-label="' // escaped(label) // '">')
+    first = 1
+    do while (first <= len(text))
+      last = first + scan(text(first:), new_line('a')) - 2
+      if (last < first - 1) last = len(text)
+      ! A carriage return before the end of a line is a part of that end.
+      call buffer%line(escaped(text(first:last - merge(1, 0, ends_with_return(text(first:last))))))
+      first = last + 2
+    end do
+    call buffer%line('</pre>')
+  end subroutine put_lines
+
+  pure logical function ends_with_return(line)
+    character(len=*), intent(in) :: line
+
+    ends_with_return = .false.
+    if (len(line) > 0) ends_with_return = iachar(line(len(line):)) == 13
+  end function ends_with_return
+
+  !> One line of text for a page, between tags or in quotes: what has a meaning there is written by
+  !> name, a tab is a blank, what cannot be shown is a question mark.
+  pure function escaped(text) result(safe)
+    character(len=*), intent(in) :: text    !! any bytes
+    character(len=:), allocatable :: safe   !! a piece of a page
+    type(text_buffer) :: buffer
+    character(len=len(text)) :: shown
+    integer :: i
+
+    shown = text
+    do i = 1, len(shown)
+      if (iachar(shown(i:i)) == 9) shown(i:i) = ' '
+    end do
+    shown = printable(shown)
+    do i = 1, len(shown)
+      select case (shown(i:i))
+      case ('&')
+        call buffer%append('&amp;')
+      case ('<')
+        call buffer%append('&lt;')
+      case ('>')
+        call buffer%append('&gt;')
+      case ('"')
+        call buffer%append('&quot;')
+      case default
+        call buffer%append(shown(i:i))
+      end select
+    end do
+    safe = buffer%text()
+  end function escaped
+
+  !> A number for reading: so many significant digits at most, no zeros behind the last.
+  pure function readable(value, digits) result(text)
+    real(real64), intent(in) :: value       !! finite
+    integer, intent(in) :: digits           !! from 1 to 15
+    character(len=:), allocatable :: text   !! without blanks
+    character(len=32) :: cell, format
+    integer :: last, power
+
+    ! The exponent after rounding.
+    write (format, '("(es32.", i0, "e3)")') digits - 1
+    write (cell, format) value
+    read (cell(29:), *) power
+    if (power >= -4 .and. power < max(digits, 6)) then
+      write (format, '("(f32.", i0, ")")') max(0, digits - 1 - power)
+      write (cell, format) value
+      cell = adjustl(cell)
+      last = len_trim(cell)
+      if (power < digits - 1) last = verify(trim(cell), '0', back=.true.)
+      if (cell(last:last) == '.') last = last - 1
+      text = cell(:last)
+      if (text == '-0' .or. text == '') text = '0'
+      if (text(1:1) == '.') text = '0' // text
+      if (index(text, '-.') == 1) text = '-0' // text(2:)
+    else
+      cell = adjustl(cell)
+      last = index(cell, 'E') - 1
+      if (digits > 1) last = verify(cell(:last), '0', back=.true.)
+      if (cell(last:last) == '.') last = last - 1
+      write (format, '(i0)') power
+      text = cell(:last) // 'e' // trim(format)
+    end if
+  end function readable
+
+end module asperity_html_page

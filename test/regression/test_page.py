@@ -1,0 +1,243 @@
+"""The page of a run (`--html`): read by a parser that forgives nothing; it holds what the CSV files
+and the summary hold, loads nothing, and can be read without eyes and without a mouse."""
+
+import re
+import subprocess
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from builds import ROOT
+from surfaces_csv import records, write_csv_scene
+
+SCENES = ("data/examples/thesis.scene", "data/examples/position_56.scene",
+          "data/examples/effects/ten_minutes.scene", "data/hard/none_at_some.scene",
+          "data/hard/none_at_all.scene", "data/hard/effects/inside_circle_auto.scene",
+          "data/hard/load_1e-300.scene", "data/hard/unit_2^500.scene")
+VOID = {"meta", "br", "hr", "img", "input", "link"}
+FLOW = {"section", "p", "div", "table", "pre", "dl", "details", "h1", "h2", "svg"}
+# What HTML allows inside, of the elements that a page has; None: text as well.
+INSIDE = {"html": {"head", "body"}, "head": {"meta", "title", "style"}, "body": {"main"},
+          "main": FLOW, "section": FLOW, "div": FLOW, "details": FLOW | {"summary"},
+          "table": {"caption", "thead", "tbody"}, "thead": {"tr"}, "tbody": {"tr"},
+          "tr": {"th", "td"}, "dl": {"dt", "dd"}, "svg": {"g", "circle", "path", "rect", "text"},
+          "g": {"g", "circle", "path", "rect", "text"}, "circle": {"title"}, "path": set(),
+          "rect": set(), "text": None, "title": None, "p": {"code"}, "code": None, "th": None,
+          "td": None, "pre": None, "summary": None, "h1": None, "h2": None, "caption": None,
+          "dt": None, "dd": None, "style": None}
+
+
+class Page(HTMLParser):
+    """The elements of a page in order, each with its attributes, text and place in the tree."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.all, self.open, self.declared = [], [], []
+        self.feed(text)
+        self.close()
+        assert not self.open, "an element is not closed"
+        assert self.declared == ["DOCTYPE html"]
+
+    def handle_decl(self, declaration):
+        self.declared.append(declaration)
+
+    def handle_starttag(self, tag, attributes):
+        assert len(dict(attributes)) == len(attributes), "an attribute twice"
+        element = {"tag": tag, "text": "", "in": list(self.open), **dict(attributes)}
+        if self.open:
+            assert tag in (INSIDE[self.open[-1]["tag"]] or ()), f"{tag} in {self.open[-1]['tag']}"
+        self.all.append(element)
+        if tag not in VOID:
+            self.open.append(element)
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open.pop()["tag"] == tag, f"{tag} ends where it is not open"
+
+    def handle_data(self, data):
+        for element in self.open:
+            element["text"] += data
+        if data.strip():
+            inside = INSIDE[self.open[-1]["tag"]]
+            assert inside is None or self.open[-1]["tag"] == "p", f"{data} in {self.open[-1]}"
+
+    def of(self, tag, within=None):
+        return [element for element in self.all if element["tag"] == tag
+                and (within is None or any(outer is within for outer in element["in"]))]
+
+    def rows(self, table):
+        return [[cell["text"] for cell in self.all if cell["tag"] in ("th", "td")
+                 and any(outer is row for outer in cell["in"])] for row in self.of("tr", table)]
+
+
+def page_of(asperity, scene, path, *words, **more):
+    done = subprocess.run([asperity, "solve", scene, "--html", path, *words], cwd=ROOT, timeout=100,
+                          capture_output=True, text=True, stdin=subprocess.DEVNULL, **more)
+    assert done.returncode == 0, done.stderr
+    text = path.read_bytes().decode()
+    ElementTree.fromstring(text.replace("<!DOCTYPE html>", ""))
+    return Page(text), text, done
+
+
+def near(text, cell, digits=6):
+    value = float(cell)
+    return abs(float(text) - value) <= 0.5000001 * 10.0**(1 - digits) * abs(value)
+
+
+def table_named(page, beginning):
+    return [table for table in page.of("table")
+            if page.of("caption", table)[0]["text"].startswith(beginning)]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_page_can_be_read(name, asperity, tmp_path):
+    """One language, one title, headings in order, a name for every region, drawing and table."""
+    page, text, _ = page_of(asperity, name, tmp_path / "r.html")
+    assert page.all[0]["lang"] == "en" and len(page.of("h1")) == len(page.of("main")) == 1
+    assert page.of("title")[0]["text"] == page.of("h1")[0]["text"] == name
+    assert not re.search(r"https?:|<script|\bsrc=|\bhref=|url\(|@import", text)
+    identities = [element["id"] for element in page.all if "id" in element]
+    assert len(identities) == len(set(identities))
+    for section in page.of("section"):
+        assert page.of("h2", section)[0]["id"] == section["aria-labelledby"]
+    for element in page.all:
+        if element.get("role") == "region" or element["tag"] == "svg":
+            assert element["aria-label"]
+        if "tabindex" in element:
+            assert element["tabindex"] == "0" and element["aria-label"] and element["role"]
+    for table in page.of("table"):
+        rows = page.rows(table)
+        assert page.of("caption", table)[0]["text"] and len({len(row) for row in rows}) == 1
+        for row in page.of("tr", table):
+            heads = [cell.get("scope") for cell in page.of("th", row)]
+            assert heads in (["row"], ["col"] * len(rows[0]))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_page_holds_all(name, asperity, tmp_path, tally):
+    """Every position and contact with its numbers and at its place, summary, warnings, scene."""
+    page, _, done = page_of(asperity, name, tmp_path / "r.html", "--positions", tmp_path / "p",
+                            "--contacts", tmp_path / "c")
+    positions, contacts = records(tmp_path / "p"), records(tmp_path / "c")
+    ends = [[row for row in contacts if row["position"] == place["position"]
+             and row["step"] == place["steps"]] for place in positions]
+    words = re.sub(r"\s+", " ", " ".join(element["text"] for element in page.of("main")))
+    for line in done.stderr.splitlines():
+        assert re.sub(r"\s+", " ", line) in words
+    totals, effects = re.split(r"\n\nEffects.*\n", done.stdout + "\n\nEffects\n")[:2]
+    for line in totals.splitlines()[:3]:
+        assert line in words
+    assert re.sub(r"\s+", " ", effects).split() == \
+        [word for part in page.of("dl") for word in part["text"].split()]
+    for line in totals.splitlines()[5:]:
+        for number in re.findall(r"(?<=\s)-?[\d.]+(?:E[+-]\d+)?(?=\s|$)", line)[:3]:
+            assert any(near(cell, number) for row in page.rows(table_named(page, "totals")[0])[1:]
+                       for cell in row[1:]) or number in words, line
+    # The scene is a text of lines: a first line end after <pre> is none of it.
+    assert page.of("pre")[-1]["text"].removeprefix("\n").split() == \
+        (ROOT / name).read_text(encoding="utf-8").split()
+    met = 0
+    if len(positions) > 1:
+        [table] = table_named(page, "positions")
+        header, *rows = page.rows(table)
+        assert len(rows) == len(positions)
+        for row, place in zip(rows, positions):
+            for column, cell in zip(header, row):
+                met += cell == {"0": "no", "1": "yes"}[place[column]] \
+                    if column == "limit_reached" else near(cell, place[column]) \
+                    if re.match(r"[-+.\d]", place[column]) else cell == place[column]
+        assert met == len(rows) * len(header)
+    rows = [row for table in table_named(page, "contacts, ") for row in page.rows(table)[1:]]
+    header = ["area_no", "x", "y", "contact_radius", "load", "average_pressure", "maximum_pressure"]
+    expected = [row for end in ends for row in end]
+    assert len(rows) == len(expected)
+    for row, contact in zip(rows, expected):
+        assert all(near(cell, contact[column]) for column, cell in zip(header, row))
+    circles = [circle for circle in page.of("circle") if "class" not in circle]
+    assert len(circles) == len(expected)
+    tally.add("page: contacts", len(expected), len(circles))
+    for circle, contact in zip(circles, expected):
+        said = page.of("title", circle)[0]["text"]
+        number, load = re.match(r"(\d+): load ([^,]+)", said).groups()
+        assert number == contact["area_no"] and near(load, contact["load"], 4)
+    if len(circles) > 2:
+        drawn = np.array([[float(c[key]) for key in ("cx", "cy", "r")] for c in circles])
+        true = np.array([[float(c[key]) for key in ("x", "y", "contact_radius")]
+                         for c in expected])
+        scale = np.ptp(drawn[:, 0]) / np.ptp(true[:, 0]) if np.ptp(true[:, 0]) else \
+            np.ptp(drawn[:, 1]) / np.ptp(true[:, 1])
+        span = np.ptp(true[:, :2], axis=0) * scale
+        assert (np.abs(np.ptp(drawn[:, :2], axis=0) - span) < 0.03 + 1e-3 * span).all()
+        shift = drawn[:, :2] - true[:, :2] * scale * [1, -1]
+        assert (np.ptp(shift, axis=0) < 0.06).all()
+        assert (np.abs(drawn[:, 2] - true[:, 2] * scale) < 0.006 * true[:, 2] * scale + 1e-9).all()
+
+
+def test_page_of_any_text(asperity, tmp_path):
+    """Names and comments are text on the page, whatever letters they have."""
+    folder = tmp_path / 'a<b> & "c"'
+    folder.mkdir()
+    scene = write_csv_scene(folder, [(0, 0, .2, 1)], [(0, 0, .1, 1)], name='<i>"&amp;',
+                            loading={"control": "approach", "value": 0.29})
+    said = b'! </pre><script>alert("1 < 2 && 3 > 2")</script> \xc2\xb5m\r\n!\ttab \xe4 ]]> <!--'
+    scene.write_bytes(scene.read_bytes() + said)
+    page, text, _ = page_of(asperity, scene, tmp_path / "r.html", "--quiet")
+    assert page.of("h1")[0]["text"] == str(scene) and not page.of("script")
+    told = page.of("pre")[-1]["text"].removesuffix("\n").split("\n")
+    assert told[-2:] == ['! </pre><script>alert("1 < 2 && 3 > 2")</script> µm', "! tab ? ]]> <!--"]
+    assert "\r" not in text
+
+
+def test_large_page(asperity, tmp_path):
+    """10,000 contacts are a page below a megabyte, and each has its circle."""
+    side = 100
+    upper = [(i + 0.001 * (j % 7), j, 0.2 + 1e-5 * ((i * 37 + j * 11) % 101), 0.7)
+             for i in range(side) for j in range(side)]
+    scene = write_csv_scene(tmp_path, upper, [(0, 0, 0, 1)],
+                            loading={"control": "approach", "value": 0.15})
+    text = scene.read_text()
+    scene.write_text(re.sub(r"lower = '[^']*'", "lower = 'plane'", text))
+    page, text, _ = page_of(asperity, scene, tmp_path / "r.html", "--quiet")
+    circles = [circle for circle in page.of("circle") if "class" not in circle]
+    assert len(circles) == side**2 and len(text.encode()) < 10**6
+    assert sum("tabindex" in element for element in page.all) < 20
+    assert len(page.rows(table_named(page, "contacts, ")[0])) == 1001
+    assert "1000 rows of contacts at most" in page.of("main")[0]["text"]
+
+
+def test_page_in_pieces(asperity, tmp_path):
+    """A page goes to standard output, and appears whole or not at all."""
+    scene = "data/examples/one_pair.scene"
+    _, text, _ = page_of(asperity, scene, tmp_path / "r.html")
+    done = subprocess.run([asperity, "solve", scene, "--html", "-"], cwd=ROOT, capture_output=True,
+                          timeout=100)
+    assert done.stdout.decode() == text
+    full = subprocess.run([asperity, "solve", scene, "--html", "/dev/full", "--json",
+                           tmp_path / "r.json"], cwd=ROOT, capture_output=True, timeout=100)
+    assert full.returncode == 1 and b"/dev/full: cannot be written" in full.stderr
+    assert not (tmp_path / "r.json").exists()
+
+
+@pytest.mark.once
+def test_colours(asperity, tmp_path):
+    """Text stands out from the page in light and in dark: WCAG 2.1 asks for 4.5 : 1, for what is
+    no text 3 : 1."""
+    _, text, _ = page_of(asperity, "data/examples/one_pair.scene", tmp_path / "r.html")
+
+    def brightness(colour):
+        parts = [int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
+        parts = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055)**2.4 for p in parts]
+        return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2]
+    modes = [dict(re.findall(r"--(\w+):(#\w{6})", line)) for line in text.splitlines()
+             if "--paper:" in line]
+    assert len(modes) == 2 and modes[0].keys() == modes[1].keys()
+    for mode in modes:
+        for name, paper in (("ink", "paper"), ("ink", "back"), ("soft", "paper"), ("mark", "paper"),
+                            ("warn", "paper")):
+            light, dark = sorted((brightness(mode[name]), brightness(mode[paper])), reverse=True)
+            assert (light + 0.05) / (dark + 0.05) >= 4.5, (name, mode)
