@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
-.PHONY: setup clean laws maps
+.PHONY: setup clean laws maps fault-table
 
 DECK ?= data/thesis.deck
 
@@ -79,3 +79,7 @@ clean: ## remove what was built (.venv stays)
 hard-table: ## make the table of docs/hard-cases.md anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/make_table.py "$$exe"
+
+fault-table: ## make the tables of docs/faults.md anew
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/fault_effects.py "$$exe"

@@ -55,6 +55,11 @@ module asperity_option_table
     option_entry('', '--positions', 'FILE', 'write the last approach of every position as CSV'), &
     option_entry('', '--carriage-control', '', &
       'keep the line printer''s column one (1, 0, blank)'), &
+    option_entry('', '--fault-free', 'LIST', &
+      'mend faults of the original (docs/faults.md): all, or of divisor, drift, overlap, ' // &
+      'overshoot, list, no-pair, reach, normal-load, shift, left-out, start-value, count ' // &
+      'those named, with commas'), &
+    option_entry('', '--variance', 'FILE', 'write Table VI with all digits as CSV'), &
     option_entry('solve', '--contacts', 'FILE', 'write every contact of every state as CSV'), &
     option_entry('solve', '--positions', 'FILE', 'write the last state of every position as CSV'), &
     option_entry('solve', '--curve', 'FILE', 'write the totals of every state as CSV'), &

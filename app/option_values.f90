@@ -11,7 +11,8 @@ module asperity_option_values
   implicit none
   private
 
-  public :: read_accuracy, read_count, read_seconds, read_spacing, read_tables, read_word
+  public :: read_accuracy, read_count, read_seconds, read_spacing, read_tables, read_word, &
+            read_words
 
 contains
 
@@ -64,6 +65,30 @@ contains
     call problems%add(option // ': found ' // quoted(value) // ', expected ' // any_of(words) // &
                       did_you_mean(value, words))
   end subroutine read_word
+
+  !> `all`, or words of a list separated by commas.
+  subroutine read_words(option, list, words, chosen, problems)
+    character(len=*), intent(in) :: option         !! whose value it is
+    character(len=*), intent(in) :: list           !! the value
+    character(len=*), intent(in) :: words(:)       !! those that are known
+    logical, intent(out) :: chosen(:)              !! by word
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    character(len=len(words)) :: known(size(words) + 1)
+    integer :: first, last, number
+
+    known(:size(words)) = words
+    known(size(known)) = 'all'
+    chosen = .false.
+    first = 1
+    do while (first <= len(list) + 1)
+      last = first + index(list(first:) // ',', ',') - 2
+      number = 0
+      call read_word(option, list(first:last), known, number, problems)
+      chosen = chosen .or. number == size(known)
+      if (number > 0) chosen(min(number, size(words))) = .true.
+      first = last + 2
+    end do
+  end subroutine read_words
 
   !> Two lengths with a comma between them.
   subroutine read_spacing(value, spacing, problems)

@@ -6,6 +6,7 @@ module asperity_original_csv
   implicit none
   private
 
+  public :: write_original_variance
   public :: write_original_contacts, write_original_positions
 
 contains
@@ -67,5 +68,23 @@ contains
       call line%finish(buffer)
     end do
   end subroutine write_original_positions
+
+  !> Table VI with all digits.
+  subroutine write_original_variance(records, buffer)
+    type(original_records), intent(in) :: records  !! what was computed
+    type(text_buffer), intent(inout) :: buffer     !! the text
+    character(len=*), parameter :: names(7) = [character(len=26) :: &
+      'total_load', 'total_contact_area', 'contact_points', 'approach', 'slope', &
+      'total_area_difference', 'individual_area_difference']
+    type(csv_line) :: line
+    integer :: row
+
+    call buffer%line('quantity,maximum,minimum,average')
+    do row = 1, size(names)
+      call line%put(trim(names(row)))
+      call line%put(records%variance(row, :))
+      call line%finish(buffer)
+    end do
+  end subroutine write_original_variance
 
 end module asperity_original_csv

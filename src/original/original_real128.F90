@@ -4,8 +4,9 @@ module asperity_original_real128
   use asperity_card_deck, only: card_deck, model_cards
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64, real64, real128
-  use asperity_numbers_real128, only: cut_to_integer, decimal_number, three_halves_power, &
-                            to_real64, whole_number
+  use asperity_numbers_real128, only: cube_root, cut_to_integer, decimal_number, &
+                            three_halves_power, to_real64, whole_number
+  use asperity_original_faults, only: mended_faults
   use asperity_original_records, only: append_contact, approach_row, contact_record, &
                                        individual_difference_row, model_record, &
                                        original_positions, original_records, &

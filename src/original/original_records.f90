@@ -5,6 +5,7 @@
 module asperity_original_records
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64, real64
+  use asperity_original_faults, only: mended_faults
   use asperity_problems, only: problem_list
   implicit none
   private
@@ -83,6 +84,7 @@ module asperity_original_records
     logical :: keep_contacts(original_positions) = .false.  !! rows of these positions
     type(decimal_value) :: approach_step = decimal_value(1_int64, -3)  !! largest decrement, cm
     integer :: napmx = 25                                   !! approaches a position, at most
+    type(mended_faults) :: mended                           !! none: the original
   end type original_request
 
   !> All that a run gives.
