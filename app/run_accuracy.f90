@@ -13,7 +13,7 @@ module asperity_run_accuracy
   use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
   use asperity_text_buffer, only: text_buffer
   use asperity_timing, only: time_allowance
-  use asperity_work_cost, only: begin_cost, tell_cost, work_cost
+  use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
 
@@ -65,7 +65,7 @@ contains
       cost%total = pieces
       cost%most_seconds = seconds
       seconds = min(seconds, seconds_of_trial)
-      call begin_cost(cost)
+      call cpu_time(cost%begun)
     end if
     least_seconds = min(seconds_a_row, seconds / (2 * pieces))
     call allowance%begin(seconds)

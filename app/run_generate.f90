@@ -12,7 +12,7 @@ module asperity_run_generate
   use asperity_output_files, only: commit_files, same_file, stage_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_surface_text, only: surface_as_csv
-  use asperity_work_cost, only: begin_cost, pieces_tried, tell_cost, work_cost
+  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 
@@ -67,7 +67,7 @@ contains
     cost%pieces = 'surfaces'
     cost%total = merge(1, spec%ensemble, line%member > 0)
     cost%tried = min(pieces_tried, cost%total)
-    call begin_cost(cost)
+    call cpu_time(cost%begun)
     do i = 1, cost%tried
       do side = 1, sides
         call generate_surface(plans(side), i, surface(side), outcome%failure)

@@ -25,7 +25,7 @@ module asperity_run_solve
   use asperity_summary, only: write_choice, write_corrected_table, write_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_warning_lines, only: list_warnings
-  use asperity_work_cost, only: begin_cost, pieces_tried, tell_cost, work_cost
+  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 
@@ -50,7 +50,6 @@ contains
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
     if (line%output('--keep') == '') call tell_kept('; --keep FILE would keep what is solved')
     options = options_of(line, scene_in)
-    call begin_cost(cost)
     call solve(scene_in, results, outcome%failure, options)
     if (image_number() > 1) return
     if (.not. allocated(outcome%failure) .and. line%budget) &
@@ -138,6 +137,7 @@ contains
     cost%pieces = 'positions'
     cost%total = max(scene_in%motion%positions, size(results%positions))
     cost%tried = size(results%positions)
+    cost%begun = results%begun
     do i = 1, cost%tried
       call pack_position(results%positions(i), words)
       cost%bytes_each = cost%bytes_each + 8.0_real64 * size(words) / cost%tried

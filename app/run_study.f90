@@ -13,7 +13,7 @@ module asperity_run_study
   use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
   use asperity_text_buffer, only: text_buffer
-  use asperity_work_cost, only: begin_cost, pieces_tried, tell_cost, work_cost
+  use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 
@@ -52,12 +52,13 @@ contains
       options%all_images = .false.
       options%keep_file = ''
     end if
-    call begin_cost(cost)
     if (options%keep_file == '') call tell_kept('; --keep FILE would keep what is done')
     call run_area_study(spec, plan, options, study, failure)
     if (allocated(failure)) then
       outcome%failure = line%input // ': ' // failure
     else if (line%cost) then
+      cost%begun = study%begun
+      cost%ended = study%ended
       call tell_cost(cost, outcome%text)
     else if (image_number() == 1) then
       call write_area_csv(study, csv)

@@ -13,7 +13,7 @@ module asperity_run_summits
   use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
   use asperity_summits_table, only: write_summits_csv, write_summits_table
   use asperity_text_buffer, only: text_buffer
-  use asperity_work_cost, only: begin_cost, tell_cost, work_cost
+  use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
 
@@ -78,7 +78,7 @@ contains
     part%spacing = map%spacing
     part%unit = map%unit
     part%height = map%height(:, :cost%tried)
-    call begin_cost(cost)
+    call cpu_time(cost%begun)
     call summits_of_samples(part, choices, summits, spikes, outcome%failure)
     if (allocated(outcome%failure)) return
     ! Each sample is marked, with outliers copied; a summit is a place, then a sphere.

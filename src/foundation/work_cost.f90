@@ -9,7 +9,7 @@ module asperity_work_cost
   implicit none
   private
 
-  public :: begin_cost, pieces_tried, tell_cost, work_cost
+  public :: pieces_tried, tell_cost, work_cost
 
   !> So many pieces are tried, spread over all of them.
   integer, parameter :: pieces_tried = 3
@@ -21,27 +21,25 @@ module asperity_work_cost
     integer :: tried = 1                     !! of them
     real(real64) :: bytes_each = 0.0_real64  !! of memory that a piece keeps until the end
     real(real64) :: most_seconds = huge(1.0_real64)  !! that may be spent; huge: any
-    real(real64), private :: begun = 0.0_real64
+    !> Processor time of this process when the first piece that is tried begins, s: what comes before
+    !> is done once.
+    real(real64) :: begun = 0.0_real64
+    !> The same when the last of them is done, and what follows is done once; negative: when it is
+    !> told.
+    real(real64) :: ended = -1.0_real64
   end type work_cost
 
 contains
 
-  !> The first piece that is tried begins: what comes before is done once.
-  subroutine begin_cost(cost)
-    type(work_cost), intent(inout) :: cost  !! what is tried
-
-    call cpu_time(cost%begun)
-  end subroutine begin_cost
-
-  !> The last piece that is tried is done: three lines, pieces, time and memory.
+  !> What was tried: three lines, pieces, time and memory.
   subroutine tell_cost(cost, text)
     type(work_cost), intent(in) :: cost       !! what was tried
     type(text_buffer), intent(inout) :: text  !! gets the lines
-    real(real64) :: bytes, ended, seconds
+    real(real64) :: bytes, now, seconds
     character(len=20) :: digits
 
-    call cpu_time(ended)
-    seconds = max(0.0_real64, ended - cost%begun)
+    call cpu_time(now)
+    seconds = max(0.0_real64, merge(now, cost%ended, cost%ended < 0.0_real64) - cost%begun)
     write (digits, '(f20.3)') seconds
     call text%line('work: ' // decimal_text(cost%total) // ' ' // &
                    cost%pieces(:len(cost%pieces) - merge(1, 0, cost%total == 1)) // ', tried ' // &
@@ -50,8 +48,8 @@ contains
       call text%line('time: at most ' // duration(cost%most_seconds) // &
                      ' and the end of what is under way then')
     else
-      seconds = cost%begun + seconds / real(cost%tried, real64) * real(cost%total, real64)
-      call text%line('time: about ' // duration(seconds) // ' of one core')
+      call text%line('time: about ' // duration(now - seconds + seconds / cost%tried * cost%total) &
+                     // ' of one core')
     end if
     bytes = 1024.0_real64 * kilobytes_so_far() + &
             cost%bytes_each * real(cost%total - cost%tried, real64)

@@ -19,14 +19,17 @@ contains
     real(real64), intent(in) :: bends(3)   !! second derivatives: xx, xy, yy
     real(real64), intent(in) :: alone      !! without neighbours
     real(real64), intent(in) :: slope(2)   !! to be taken away
-    real(real64) :: shift(2), xx, yy, more
+    real(real64) :: shift(2), b(3), s(2), more
+    integer :: power
 
-    more = max(0.0_real64, 0.1_real64 * alone - 0.5_real64 * (bends(1) + bends(3) - &
-                                        hypot(bends(1) - bends(3), 2 * bends(2))))
-    xx = bends(1) + more
-    yy = bends(3) + more
-    shift = -[yy * slope(1) - bends(2) * slope(2), xx * slope(2) - bends(2) * slope(1)] / &
-            (xx * yy - bends(2)**2)
+    ! In powers of two, which change no digit: products of small loads would be 0.
+    power = exponent(alone)
+    b = scale(bends, -power)
+    s = scale(slope, -power)
+    more = max(0.0_real64, 0.1_real64 * scale(alone, -power) - &
+               0.5_real64 * (b(1) + b(3) - hypot(b(1) - b(3), 2 * b(2))))
+    b([1, 3]) = b([1, 3]) + more
+    shift = -[b(3) * s(1) - b(2) * s(2), b(1) * s(2) - b(2) * s(1)] / (b(1) * b(3) - b(2)**2)
   end function shift_down
 
   !> Holds the shifts of near pairs along whose loads and shifts the potential curves down.

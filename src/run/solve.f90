@@ -262,8 +262,9 @@ contains
 
     solver%interrupt = options%interrupt
     call name_work(scene_in, options, kept, failure)
-    if (.not. allocated(failure)) &
-      call run_sweep(solver, options, kept, results%positions, failure)
+    if (allocated(failure)) return
+    if (results%begun < 0.0_real64) call cpu_time(results%begun)
+    call run_sweep(solver, options, kept, results%positions, failure)
   end subroutine sweep
 
   ! What a file of kept positions is for: all files that the scene is made of, and what else the

@@ -37,6 +37,7 @@ contains
     type(shared_work) :: work
     type(progress_line) :: progress
     real(real64), allocatable :: numbers(:, :)
+    real(real64) :: begun, ended
     logical :: going_on
     integer :: members, many, m, status
 
@@ -56,6 +57,7 @@ contains
     end do
     call prepare_surfaces(spec, plans)
     call progress%begin(options%progress, 'surfaces', members, work%done)
+    call cpu_time(begun)
     do
       call begin_round(work, going_on)
       if (.not. going_on) exit
@@ -77,10 +79,13 @@ contains
       call progress%reach(work%done)
     end do
     call progress%finish()
+    call cpu_time(ended)
     if (allocated(work%ending)) then
       failure = work%ending
     else if (image_number() == 1) then
       call evaluate_study(spec, plan, numbers, study)
+      study%begun = begun
+      study%ended = ended
     end if
   end subroutine run_area_study
 

@@ -36,6 +36,8 @@ module asperity_area_study_statistics
     real(real64) :: reference(quantities) = 0.0_real64 !! what sections are compared with
     integer :: representative = 0                      !! which size; 0: none of them
     real(real64) :: estimated_side = 0.0_real64        !! the size by the spread's fall with it
+    !> Processor time of this process when the first surface begins and when the last is done, s
+    real(real64) :: begun = 0.0_real64, ended = 0.0_real64
   end type area_study
 
 contains

@@ -129,6 +129,22 @@ def test_greatest_weight(asperity, tmp_path):
         "vertical_load", [0.9999 * most])
 
 
+@pytest.mark.parametrize("control", ["load", "vertical_load"])
+def test_greatest_load_straight(asperity, tmp_path, control):
+    """Pairs one above the other: the normal force is vertical, until the centres of one pair meet.
+    Of the vertical load 0/0 was computed there, and what is more was refused as out of range."""
+    most = 4 / 3 * (4.0 ** 1.5 + 3.95 ** 1.5)
+    # 32/3 to the last bit: the centres of the first pair meet exactly.
+    for surfaces, load in ((BALLS, 1.01 * most), (BALLS, 1e9),
+                           ([BALLS[k][:1] for k in (0, 1)], 4 / 3 * 4.0 ** 1.5)):
+        solved = run(asperity, tmp_path, surfaces, {"control": control, "value": load})
+        assert solved.status == 1
+        told = float(re.search(r"are level: (\S+) at most", solved.stderr)[1])
+        assert abs(told / min(most, load) - 1) < 1e-6
+        met(run(asperity, tmp_path, surfaces, {"control": control, "value": 0.9999 * told}),
+            control, [0.9999 * told])
+
+
 def jkr(load):
     """Overlap of one ball at a load, on the branch that a dead weight keeps (Johnson, Kendall and
     Roberts 1971), E = R = 1: a^3 = 3/4 (P + 3 pi w + sqrt(6 pi w P + (3 pi w)^2))."""

@@ -1,6 +1,7 @@
 """`--cost` tells time and memory beforehand, writes nothing, and its memory is what a run takes."""
 
 import re
+import resource
 import subprocess
 import sys
 
@@ -84,6 +85,27 @@ def test_memory_of_an_ensemble(asperity, root, tmp_path):
     (tmp_path / "s.spec").write_text(text)
     words = ("study", "s.spec", "--quiet", "--csv", "s.csv")
     assert check_memory(asperity, tmp_path, *words) == (4, 3)
+
+
+@pytest.mark.once
+def test_what_is_done_once_is_not_multiplied(asperity, root, tmp_path):
+    """The integrals of a study took ten times what three small surfaces do, and were counted with
+    them: 5000 were told to take 20 times too long. Processor times, of which the least counts."""
+    text = (root / "data/examples/study/thesis.spec").read_text()
+    for old, new in (("= 120.", "= 20."), ("ensemble = 50", "ensemble = 5000"),
+                     ("= 112., 70., 44., 28., 17.6, ", "= "), ("sections = 200", "sections = 2")):
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "s.spec").write_text(text)
+    words, times = [asperity, "study", "s.spec", "--quiet"], []
+    for _ in range(2):
+        said = subprocess.run([*words, "--cost"], cwd=tmp_path, text=True, capture_output=True)
+        seconds = int(re.search(r"time: about (\d+) s of one core", said.stdout)[1])
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(words, cwd=tmp_path, check=True, capture_output=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        times.append(seconds / (after.ru_utime - before.ru_utime))
+    assert min(times) < 5
 
 
 @pytest.mark.once
