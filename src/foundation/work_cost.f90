@@ -21,8 +21,8 @@ module asperity_work_cost
     integer :: tried = 1                     !! of them
     real(real64) :: bytes_each = 0.0_real64  !! of memory that a piece keeps until the end
     real(real64) :: most_seconds = huge(1.0_real64)  !! that may be spent; huge: any
-    !> Processor time of this process when the first piece that is tried begins, s: what comes before
-    !> is done once.
+    !> Processor time of this process when the first piece that is tried begins, s: what comes
+    !> before is done once.
     real(real64) :: begun = 0.0_real64
     !> The same when the last of them is done, and what follows is done once; negative: when it is
     !> told.
