@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
-.PHONY: setup clean laws maps fault-table
+.PHONY: setup clean laws maps fault-table pages
 
 DECK ?= data/thesis.deck
 
@@ -68,6 +68,10 @@ maps: ## how good summits are, on maps pressed against their truth (MAPS='a.sdf 
 	@bash .ci/setup build test bench
 	@.venv/bin/python test/bench/run_maps.py $(MAPS)
 	@.venv/bin/python test/bench/run_maps.py --tamaas 1024
+
+pages: ## pictures of --html pages in Chromium, to be looked at, in build/pages
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/look_at_pages.py "$$exe"
 
 setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint

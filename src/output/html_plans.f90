@@ -15,7 +15,7 @@ module asperity_html_plans
 
   ! A page stays below a megabyte: so many positions, circles and rows of tables at most, and so
   ! many circles of one drawing that the keyboard stops at.
-  integer, parameter :: most_plans = 100, most_circles = 10000, most_rows = 1000, most_stops = 100
+  integer, parameter :: most_plans = 100, most_circles = 10000, most_rows = 500, most_stops = 100
   ! The frame is wider than so many of the largest radii.
   real(real64), parameter :: least_width = 10.0_real64
   ! Significant digits of the tables.
@@ -117,7 +117,7 @@ contains
       call buffer%line('<div>')
     end if
     call plot%begin('contacts in plan, ' // title, across, up, buffer, is_true=.true.)
-    if (.not. stops) call buffer%line('<g class="spot">')
+    if (.not. stops) call buffer%line('<g class="spot many">')
     do i = last%first_row, last_circle
       associate (row => results%positions(m)%rows(i))
         call plot%circle(row%x, row%y, contact_radius(row), says(row, stops), stops, buffer)
@@ -162,7 +162,7 @@ contains
 
     text = decimal_text(row%area_no) // ': load ' // readable(row%load, 4)
     if (at_length) text = text // ', radius ' // readable(contact_radius(row), 4) // &
-                          ', greatest pressure ' // readable(row%maximum_pressure, 4)
+                          ', pressure up to ' // readable(row%maximum_pressure, 4)
   end function says
 
 end module asperity_html_plans

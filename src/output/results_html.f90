@@ -146,10 +146,9 @@ contains
   subroutine put_curves(results, buffer)
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
-    type(svg_plot) :: plot
     real(real64), allocatable :: x(:), y(:)
     integer, allocatable :: first(:)
-    integer :: curves, every, i, m, states
+    integer :: curves, m, states
 
     states = 0
     curves = min(size(results%positions), most_curves)
@@ -164,23 +163,7 @@ contains
       x(first(m):first(m + 1) - 1) = results%positions(m)%states%approach
       y(first(m):first(m + 1) - 1) = results%positions(m)%states%load
     end do
-    call plot%begin('load against approach, ' // decimal_text(states) // ' states', &
-                    axis_over('approach (separation of the reference planes)', x, .false.), &
-                    axis_over('load', y, .false.), buffer)
-    every = max(1, states / most_points)
-    do m = 1, curves
-      if (first(m + 1) - first(m) < 2) cycle
-      associate (chosen => [(i, i = first(m), first(m + 1) - 2, every), first(m + 1) - 1])
-        call plot%curve(x(chosen), y(chosen), buffer)
-      end associate
-    end do
-    do m = 1, curves
-      do i = first(m), first(m + 1) - 1
-        if (states > most_dots .and. i < first(m + 1) - 1) cycle
-        call plot%dot(x(i), y(i), says(x(i), y(i), m), buffer)
-      end do
-    end do
-    call plot%finish(buffer)
+    if (states > 1) call draw()
     if (states == size(results%positions)) &
       call buffer%line('<p>One state a position; <code>points = 20</code> in ' // &
                        '<code>&amp;loading</code> draws the way there.</p>')
@@ -189,6 +172,29 @@ contains
     if (size(results%positions) == 1) call put_states(results, buffer)
 
   contains
+
+    subroutine draw()
+      type(svg_plot) :: plot
+      integer :: every, i, m
+
+      call plot%begin('load against approach, ' // decimal_text(states) // ' states', &
+                      axis_over('approach (separation of the reference planes)', x, .false.), &
+                      axis_over('load', y, .false.), buffer)
+      every = max(1, states / most_points)
+      do m = 1, curves
+        if (first(m + 1) - first(m) < 2) cycle
+        associate (chosen => [(i, i = first(m), first(m + 1) - 2, every), first(m + 1) - 1])
+          call plot%curve(x(chosen), y(chosen), buffer)
+        end associate
+      end do
+      do m = 1, curves
+        do i = first(m), first(m + 1) - 1
+          if (states > most_dots .and. i < first(m + 1) - 1) cycle
+          call plot%dot(x(i), y(i), says(x(i), y(i), m), buffer)
+        end do
+      end do
+      call plot%finish(buffer)
+    end subroutine draw
 
     function says(approach, load, position) result(text)
       real(real64), intent(in) :: approach, load

@@ -208,7 +208,8 @@ contains
     if (stops) then
       call buffer%line('<g class="spot" tabindex="0" role="img" aria-label="' // escaped(says) // &
                        '"><circle ' // drawn // '><title>' // escaped(says) // &
-                       '</title></circle><text class="tip" x="0" y="-28">' // escaped(says) // &
+                       '</title></circle><text class="tip" x="' // &
+                       number(8.0_real64 - left) // '" y="-28">' // escaped(says) // &
                        '</text></g>')
     else
       call buffer%line('<circle ' // drawn // '><title>' // escaped(says) // '</title></circle>')
