@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
-.PHONY: setup clean laws maps fault-table pages
+.PHONY: setup clean laws maps fault-table pages machine
 
 DECK ?= data/thesis.deck
 
@@ -87,3 +87,7 @@ hard-table: ## make the table of docs/hard-cases.md anew
 fault-table: ## make the tables of docs/faults.md anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/fault_effects.py "$$exe"
+
+machine: ## the historic arithmetic against a System/370 (needs hercules), kept in reference_output
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/hex32_against_machine.py "$$exe"
