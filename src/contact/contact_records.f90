@@ -89,6 +89,8 @@ module asperity_contact_records
     real(real64) :: estimate = not_computed   !! estimated share of the total vertical load
     real(real64) :: influence = not_computed  !! measured share, where simulated; with its sign
     real(real64) :: error = not_computed      !! estimated relative error of its own solve
+    !> Measured change of the closing at the load asked for, as a share of it; and of the area.
+    real(real64) :: closing_change = not_computed, area_change = not_computed
     type(solve_ending) :: ending              !! how its solve ended
     logical :: influence_known = .false.      !! the effect measured it like with like
   end type effect_record

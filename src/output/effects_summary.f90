@@ -6,6 +6,7 @@ module asperity_effects_summary
   use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: effect_auto, effect_words
   use asperity_text_buffer, only: text_buffer
+  use asperity_totals_table, only: load_is_met
   implicit none
   private
 
@@ -76,19 +77,22 @@ contains
     integer, intent(in) :: e
     type(told_line), allocatable, intent(inout) :: lines(:)
     logical, allocatable :: simulated(:), so(:)
-    real(real64), allocatable :: influence(:), left_out(:), residual(:)
+    real(real64), allocatable :: area(:), closing(:), influence(:), left_out(:), residual(:)
     character(len=:), allocatable :: word, head, why
     integer :: first, m, number, simulated_at
     character(len=10) :: digits
 
     number = size(results%positions)
-    allocate (simulated(number), so(number), influence(number), left_out(number), residual(number))
+    allocate (simulated(number), so(number), influence(number), left_out(number), residual(number), &
+              area(number), closing(number))
     influence = 0.0_real64
     left_out = -1.0_real64
     residual = 0.0_real64
     do m = 1, number
       associate (outcome => results%positions(m)%effects(e))
         simulated(m) = outcome%simulated /= 'off'
+        closing(m) = outcome%closing_change
+        area(m) = outcome%area_change
         if (simulated(m)) then
           influence(m) = 0.0_real64
           if (outcome%influence > not_computed) influence(m) = outcome%influence
@@ -126,6 +130,9 @@ contains
       if (all(influence > not_computed)) &
         call add('', 'influence ' // percent(influence(first)) // at_position(first) // &
                  ', least ' // percent(influence(minloc(abs(influence), 1, simulated))))
+      if (any(closing > not_computed)) &
+        call add('', 'at the load asked for: closing ' // greatest(closing) // ', area ' // &
+                 greatest(area))
       first = maxloc(residual, 1)
       write (digits, '(es9.1e3)') residual(first)
       call add('', 'converged everywhere, largest residual ' // trim(adjustl(digits)) // &
@@ -160,6 +167,26 @@ contains
       character(len=*), intent(in) :: effect, text
       lines = [lines, told_line(effect, text)]
     end subroutine add
+
+    ! The greatest of the changes that were measured, with its sign.
+    function greatest(changes) result(text)
+      real(real64), intent(in) :: changes(:)
+      character(len=:), allocatable :: text
+      integer :: at
+
+      at = maxloc(abs(changes), 1, changes > not_computed)
+      if (at == 0) then
+        text = 'not known'
+        return
+      end if
+      ! A load is met to this share.
+      if (abs(changes(at)) < load_is_met) then
+        text = '0 %'
+        return
+      end if
+      text = percent(changes(at)) // at_position(at)
+      if (changes(at) > 0.0_real64) text = '+' // text
+    end function greatest
 
     function at_position(position) result(text)
       integer, intent(in) :: position

@@ -11,7 +11,7 @@ module asperity_summary
   use asperity_position_lists, only: counted, positions_listed
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: control_words, criterion_none, criterion_words, &
+  use asperity_scene_values, only: control_limit, control_words, criterion_none, criterion_words, &
                                    effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: write_totals
@@ -66,7 +66,7 @@ contains
       last = last_state(results%positions(m))
       if (last%contacts == 0) without = without + 1
     end do
-    if (scene_in%limit%criterion /= criterion_none) &
+    if (asks_for_limit(scene_in) .or. any(results%positions%limit_reached)) &
       call buffer%line('limit reached at ' // &
                        decimal_text(count(results%positions%limit_reached)) // ' of ' // &
                        counted(size(results%positions), 'position'))
@@ -237,13 +237,21 @@ contains
     if (independent) text = text // ': contacts there are not independent'
   end function overlap_text
 
+  ! Whether the scene names a limit or goes to one. A deck brings one that may not be meant.
+  pure logical function asks_for_limit(scene_in) result(asks)
+    type(scene), intent(in) :: scene_in
+
+    asks = scene_in%limit%criterion /= criterion_none .and. &
+           (scene_in%loading%control == control_limit .or. .not. scene_in%limit%from_thesis)
+  end function asks_for_limit
+
   !> The limit's criterion in words.
   pure function limit_text(scene_in) result(text)
     type(scene), intent(in) :: scene_in
     character(len=:), allocatable :: text
 
     text = ''
-    if (scene_in%limit%criterion /= criterion_none) &
+    if (asks_for_limit(scene_in)) &
       text = ', limit by ' // trim(criterion_words(scene_in%limit%criterion))
   end function limit_text
 

@@ -7,9 +7,9 @@ module asperity_totals_table
   implicit none
   private
 
-  public :: total_line, list_totals, write_totals
+  public :: load_is_met, total_line, list_totals, write_totals
 
-  ! A load that is held is met to this share.
+  !> A load that is asked for or held is met to this share.
   real(real64), parameter :: load_is_met = 1.0e-6_real64
 
   !> One quantity over all positions.

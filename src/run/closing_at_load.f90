@@ -14,7 +14,7 @@ module asperity_closing_at_load
   implicit none
   private
 
-  public :: close_to_load
+  public :: close_to_load, search_load
 
   integer, parameter :: most_tries = 300
   real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
@@ -55,8 +55,8 @@ contains
         return
       end if
     end if
-    call search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, found, &
-                failure)
+    call search_load(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, &
+                     found, failure)
     if (.not. jumps) return
     ! The last state is just past the jump.
     allocate (called_for(size(outcomes)))
@@ -64,8 +64,8 @@ contains
       called_for(i) = outcomes(i)%simulated /= 'off'
     end do
     deallocate (failure)
-    call search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, found, &
-                failure)
+    call search_load(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, &
+                     found, failure)
 
   contains
 
@@ -79,20 +79,21 @@ contains
 
   end subroutine close_to_load
 
-  ! The same for a load that presses. `jumps`: it is none that these effects bear, but what is
-  ! simulated changes there.
-  subroutine search(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, &
-                    found, failure)
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(in) :: effects(:)
-    real(real64), intent(in) :: target, time
-    real(real64), intent(inout) :: closing
-    type(contact_state), intent(out) :: state
-    type(effect_outcome), allocatable, intent(out) :: outcomes(:)
+  !> The same for a load that presses, reached by closing.
+  subroutine search_load(pairs, effects, target, time, closing, state, outcomes, called_for, &
+                         jumps, found, failure)
+    type(contact_pairs), intent(in) :: pairs                !! the position
+    type(effect_box), intent(in) :: effects(:)              !! those that act in time only in it
+    real(real64), intent(in) :: target                      !! load asked for
+    real(real64), intent(in) :: time                        !! since the end of loading
+    real(real64), intent(inout) :: closing                  !! a guess, then the closing
+    type(contact_state), intent(out) :: state               !! the last one that was simulated
+    type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did in it
+    !> of `auto`, which to simulate; not allocated: those that it calls for
     logical, allocatable, intent(in) :: called_for(:)
-    logical, intent(out) :: jumps
-    real(real64), allocatable, intent(out) :: found(:, :)
-    character(len=:), allocatable, intent(out) :: failure
+    logical, intent(out) :: jumps                           !! simulated effects change at the load
+    real(real64), allocatable, intent(out) :: found(:, :)   !! as of `close_to_load`
+    character(len=:), allocatable, intent(out) :: failure   !! why not
     type(root_bracket) :: bracket
     real(real64) :: load, miss, nothing, asked, greatest
     logical :: enough, inside
@@ -173,7 +174,7 @@ contains
       modes = [(effects(i)%effect%mode, i=1, size(effects))]
     end function effect_modes
 
-  end subroutine search
+  end subroutine search_load
 
   ! Where the effects that know it say that the load is reached.
   subroutine ask_effects(pairs, effects, target, time, called_for, closing, found, failure)

@@ -6,8 +6,10 @@ module asperity_effect_position
   use asperity_contact_records, only: asked_normal, asked_vertical, most_rows, &
                                       position_result
   use asperity_contact_state, only: contact_state, load_asked_for, start_state
+  use asperity_effect_at_load, only: weigh_at_load
   use asperity_effect_choice, only: choose_effects
-  use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, to_closing, to_load
+  use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, stay, to_closing, &
+                                   to_load
   use asperity_effect_rows, only: add_state
   use asperity_effect_sequence, only: first_failure, simulate
   use asperity_hertz_law, only: hertz_law
@@ -37,7 +39,7 @@ contains
     type(effect_outcome), allocatable :: outcomes(:)
     logical, allocatable :: called_for(:)
     real(real64), allocatable :: found(:, :)
-    real(real64) :: closing
+    real(real64) :: closing, held
     integer :: i
 
     result%x_displacement = pairs%x_displacement
@@ -60,13 +62,16 @@ contains
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
     call walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, called_for, &
-              found, simulated, too_far, failure)
+              found, held, simulated, too_far, failure)
+    ! More contacts than can be kept end the walk early.
+    if (too_far .or. allocated(failure) .or. .not. allocated(result%effects)) return
+    if (only_grows(steps)) call weigh_at_load(pairs, effects, held, state, result%effects)
   end subroutine run_position
 
   ! Goes from state to state. A state that is known already, from the search for a load, is not
   ! simulated again.
   subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, called_for, &
-                  found, simulated, too_far, failure)
+                  found, asked, simulated, too_far, failure)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(inout) :: effects(:)
@@ -77,10 +82,11 @@ contains
     type(effect_outcome), allocatable, intent(inout) :: outcomes(:)
     logical, allocatable, intent(inout) :: called_for(:)
     real(real64), allocatable, intent(inout) :: found(:, :)
+    real(real64), intent(out) :: asked
     logical, intent(inout) :: simulated
     logical, intent(out) :: too_far
     character(len=:), allocatable, intent(out) :: failure
-    real(real64) :: asked, closing, held
+    real(real64) :: closing, held
     integer :: e, i
 
     closing = 0.0_real64
@@ -127,6 +133,22 @@ contains
       if (result%rows_used > most_rows) exit
     end do
   end subroutine walk
+
+  ! Whether the last state is under a load that was asked for and comes from no larger one: what is
+  ! remembered of a way back is not what fewer effects would remember.
+  pure logical function only_grows(steps)
+    type(path_step), intent(in) :: steps(:)
+    integer :: last
+
+    last = size(steps)
+    do while (last > 1 .and. steps(last)%kind == as_before)
+      last = last - 1
+    end do
+    only_grows = steps(last)%load > 0.0_real64 .and. steps(last)%load < huge(1.0_real64) .and. &
+                 steps(size(steps))%kind /= stay
+    if (only_grows) only_grows = all(steps(:last)%load <= steps(last)%load .or. &
+                                     steps(:last)%load >= huge(1.0_real64))
+  end function only_grows
 
   ! Whether a state is that of a closing and time, with all effects. The search for a load while
   ! loading leaves out those that act in time.

@@ -12,7 +12,7 @@ module asperity_position_packet
   public :: pack_position, unpack_position
 
   ! Words of a position without its lists, of a state, a contact, an effect and a warning.
-  integer, parameter :: of_head = 13, of_state = 13, of_row = 13, of_effect = 14, of_warning = 7
+  integer, parameter :: of_head = 13, of_state = 13, of_row = 13, of_effect = 16, of_warning = 7
   ! One word, as the form of what is copied.
   integer(int64), parameter :: word(1) = 0_int64
 
@@ -142,7 +142,7 @@ contains
 
     words = [transfer(effect%simulated // effect%why, word), &
              transfer([effect%estimate, effect%influence, effect%error, &
-                       effect%ending%residual], word), &
+                       effect%ending%residual, effect%closing_change, effect%area_change], word), &
              int([merge(1, 0, effect%influence_known), merge(1, 0, effect%ending%converged), &
                   effect%ending%iterations], int64)]
   end function words_of_effect
@@ -151,19 +151,21 @@ contains
     integer(int64), intent(in) :: words(of_effect)
     type(effect_record) :: effect
     character(len=len(effect%simulated) + len(effect%why)) :: text
-    real(real64) :: numbers(4)
+    real(real64) :: numbers(6)
 
     text = transfer(words(:7), text)
-    numbers = transfer(words(8:11), numbers)
+    numbers = transfer(words(8:13), numbers)
     effect%simulated = text(:len(effect%simulated))
     effect%why = text(len(effect%simulated) + 1:)
     effect%estimate = numbers(1)
     effect%influence = numbers(2)
     effect%error = numbers(3)
     effect%ending%residual = numbers(4)
-    effect%influence_known = words(12) == 1_int64
-    effect%ending%converged = words(13) == 1_int64
-    effect%ending%iterations = int(words(14))
+    effect%closing_change = numbers(5)
+    effect%area_change = numbers(6)
+    effect%influence_known = words(14) == 1_int64
+    effect%ending%converged = words(15) == 1_int64
+    effect%ending%iterations = int(words(16))
   end function effect_of
 
 end module asperity_position_packet

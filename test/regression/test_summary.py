@@ -1,10 +1,12 @@
 """What the summary shows beside the totals, against the files of the same run."""
 
 import csv
+import re
 import subprocess
 
 import pytest
 from builds import ROOT
+from surfaces_csv import write_csv_scene
 
 # One of each effect, a hold under a load and one at an approach.
 SCENES = ["ten_minutes", "ten_minutes_approach", "cycle", "gelatine", "index_092"]
@@ -70,3 +72,36 @@ def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
         assert shown.get("lost while held", 0.0) == pytest.approx(lost, abs=1e-6)
         assert shown.get("sunk while held", 0.0) == near(sunk)
         assert max(abs(lost), abs(sunk)) > 1e-6
+
+
+def solve_at_load(asperity, folder, effects, load):
+    """Closing and area at a load, and what the summary says of them, with some effects."""
+    scene = write_csv_scene(
+        folder, [(0, 0, .30, 1), (.5, .1, .30, 1), (.3, .6, .299, 1)], [(0, 0, 0, 1)],
+        loading={"control": "vertical_load", "value": load},
+        limit={"criterion": "hardy", "yield_stress": 300.0},
+        effects={**effects, "friction_coefficient": 0.3} if effects else {"tolerance": 0.01})
+    text = scene.read_text()
+    scene.write_text(text.replace("lower = 'pair_lower.csv'", "lower = 'plane'"))
+    done = subprocess.run([asperity, "solve", scene, "--curve", folder / "curve"], cwd=folder,
+                          capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    last = list(csv.DictReader((folder / "curve").open()))[-1]
+    return float(last["decrease"]), float(last["area"]), done.stdout
+
+
+def test_influence_at_the_load_asked_for(asperity, tmp_path):
+    """What each effect changes under the load, against runs with fewer effects under it."""
+    words = {"plasticity": "on", "interaction": "coupled", "friction": "on"}
+    load = 300.0
+    runs = [solve_at_load(asperity, tmp_path, dict(list(words.items())[:n]), load)
+            for n in range(len(words) + 1)]
+    told = re.findall(r"at the load asked for: closing (.*) %, area (.*) %", runs[-1][2])
+    assert len(told) == len(words)
+    for before, after, percent in zip(runs, runs[1:], told):
+        for k in (0, 1):
+            change = 100 * (after[k] / before[k] - 1)
+            # Three digits of a percentage; half a unit of the last one.
+            assert float(percent[k]) == pytest.approx(change, rel=6e-3, abs=1e-4)
+    assert abs(float(told[0][1])) > 1 and abs(float(told[1][0])) > 1
+    assert "asked for" not in solve_at_load(asperity, tmp_path, {}, load)[2]

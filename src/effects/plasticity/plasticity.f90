@@ -57,7 +57,8 @@ contains
     new%state_columns = [ &
       column('hertz_load', force), &  ! of Hertz at the same penetrations
       column('contacts_flowing', plain), &                  ! how many flow now
-      column('dissipated_work', moment)]                    ! lost since first touch
+      column('dissipated_work', moment), &                  ! lost since first touch
+      column('residual_flattening', length)]                ! greatest residual overlap
     allocate (effect, source=new)
   end subroutine new_plasticity
 
@@ -127,12 +128,13 @@ contains
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
     type(plastic_past) :: past
     type(contact_response) :: answer
-    real(real64) :: elastic_load, overlap, work
+    real(real64) :: elastic_load, flattening, overlap, work
     integer :: flowing, i
 
     allocate (outcome%of_contacts(size(pairs%list), 3))
     elastic_load = 0.0_real64
     work = 0.0_real64
+    flattening = 0.0_real64
     flowing = 0
     do i = 1, size(pairs%list)
       call self%law%elastic%respond(pairs%list(i), i, state%penetration(i), answer)
@@ -142,9 +144,10 @@ contains
       outcome%of_contacts(i, :) = [merge(1.0_real64, 0.0_real64, past%flowed), past%largest, &
                                    past%residual]
       work = work + past%work_lost
+      flattening = max(flattening, past%residual)
       if (past%flowed .and. overlap >= self%law%largest(i)) flowing = flowing + 1
     end do
-    outcome%of_state = [elastic_load, real(flowing, real64), work]
+    outcome%of_state = [elastic_load, real(flowing, real64), work, flattening]
   end subroutine finish
 
   ! Overlap at which the material of a contact first yields; huge: it never does.
