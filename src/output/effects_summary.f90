@@ -83,8 +83,8 @@ contains
     character(len=10) :: digits
 
     number = size(results%positions)
-    allocate (simulated(number), so(number), influence(number), left_out(number), residual(number), &
-              area(number), closing(number))
+    allocate (simulated(number), so(number), influence(number), left_out(number), &
+              residual(number), area(number), closing(number))
     influence = 0.0_real64
     left_out = -1.0_real64
     residual = 0.0_real64
