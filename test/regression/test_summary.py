@@ -17,7 +17,7 @@ def summary_of(lines):
     block = lines[next(i for i, line in enumerate(lines) if line.strip() == "value") + 1:]
     values = {}
     for line in block:
-        if line.startswith(("limit reached", "no contact", "Effects")):
+        if re.match(r"limit reached|no contact|\d+ pairs? of|Effects", line):
             break
         if line.strip():
             words = line.split()
