@@ -30,9 +30,9 @@ module asperity_option_table
     command_entry('solve', 'SCENE', 'scene', &
       'Solves a scene, or the sweep of a card deck, and prints a summary.'), &
     command_entry('accuracy', '[DECK or SCENE]', 'deck or scene', &
-      'Computes a sweep to the limit load in every way, then with every model of neighbouring ' // &
-      'contacts, and prints time and errors of each. Without a file it takes data/thesis.deck ' // &
-      'of the current folder.'), &
+      'Computes a scene in every way that can serve it and prints time and errors of each; a ' // &
+      'sweep to the limit load in more of them. Without a file it takes data/thesis.deck of ' // &
+      'the current folder.'), &
     command_entry('generate', 'SPEC', 'specification', &
       'Makes random surfaces from a specification: CSV, or a card deck when it has a group ' // &
       '&deck. Without options the upper surface, or the deck, is printed. A % in a file''s ' // &

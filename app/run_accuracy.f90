@@ -13,6 +13,9 @@ module asperity_run_accuracy
   use asperity_scene_values, only: control_limit, criterion_load, is_thesis_sweep, scene
   use asperity_text_buffer, only: text_buffer
   use asperity_timing, only: time_allowance
+  use asperity_way_beside, only: add_exponent, add_input_error, add_theories
+  use asperity_way_study, only: most_ways, run_way_study, way_table
+  use asperity_way_table_text, only: write_way_table
   use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
@@ -35,31 +38,28 @@ contains
     type(card_deck), allocatable :: deck
     type(accuracy_row), allocatable :: rows(:)
     type(model_rung), allocatable :: rungs(:)
+    type(way_table) :: table
     type(text_buffer) :: csv
-    character(len=:), allocatable :: left_out
+    character(len=:), allocatable :: left_out, no_sweep
     type(time_allowance) :: allowance
     type(progress_line) :: progress
     type(work_cost) :: cost
     real(real64) :: seconds, least_seconds
     integer :: ways_left_out, pieces
+    logical :: is_sweep
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) then
       call refuse_input(line, scene_in%upper%file, outcome%problems)
       if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
         call refuse_input(line, scene_in%lower%file, outcome%problems)
-      if (allocated(scene_in%map)) &
-        call outcome%problems%add(line%input // ': the accuracy study takes no ' // &
-                                  'map, expected surfaces of summits')
-      if (scene_in%loading%control /= control_limit .or. &
-          scene_in%limit%criterion /= criterion_load) &
-        call outcome%problems%add(line%input // ': the accuracy study needs a scene that ends ' // &
-                                  'at a limit load: control = ''limit'', criterion = ''load''')
     end if
     if (outcome%problems%count() > 0) return
-    if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
+    is_sweep = scene_in%loading%control == control_limit .and. &
+               scene_in%limit%criterion == criterion_load .and. .not. allocated(scene_in%map)
     seconds = merge(line%seconds, usual_seconds, line%seconds > 0.0_real64)
-    pieces = number_of_ways(allocated(deck)) + number_of_rungs
+    pieces = most_ways
+    if (is_sweep) pieces = pieces + number_of_ways(is_thesis_sweep(scene_in)) + number_of_rungs
     if (line%cost) then
       cost%pieces = 'ways of computing'
       cost%total = pieces
@@ -68,19 +68,33 @@ contains
       call cpu_time(cost%begun)
     end if
     least_seconds = min(seconds_a_row, seconds / (2 * pieces))
-    call allowance%begin(seconds)
     call progress%begin(.true., 'ways of computing', pieces, 0)
-    call run_accuracy_study(scene_in, deck, least_seconds, allowance, progress, rows, &
-                            ways_left_out, outcome%failure)
-    if (.not. allocated(outcome%failure)) &
-      call run_model_rungs(scene_in, least_seconds, allowance, progress, rungs, left_out, &
-                           outcome%failure)
+    ! A sweep to the limit has a study of its own behind: half of the time is for that.
+    call allowance%begin(merge(0.5_real64, 1.0_real64, is_sweep) * seconds)
+    call run_way_study(scene_in, 0.25_real64 * least_seconds, allowance, progress, table, &
+                       outcome%failure)
+    if (.not. allocated(outcome%failure)) then
+      call add_input_error(scene_in, allowance, table)
+      call add_theories(scene_in, table)
+      call add_exponent(scene_in, table)
+    end if
+    call progress%reach(most_ways)
+    allocate (rows(0), rungs(0))
+    if (is_sweep .and. .not. allocated(outcome%failure)) then
+      call allowance%begin(0.5_real64 * seconds + max(0.0_real64, allowance%left()))
+      if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
+      call run_accuracy_study(scene_in, deck, least_seconds, allowance, progress, rows, &
+                              ways_left_out, no_sweep)
+      if (.not. allocated(no_sweep)) &
+        call run_model_rungs(scene_in, least_seconds, allowance, progress, rungs, left_out, &
+                             no_sweep)
+    end if
     call progress%finish()
     if (line%cost) then
       ! What takes longer than the trial may take is no failure of it.
       if (allocated(outcome%failure)) deallocate (outcome%failure)
-      if (allocated(rows)) cost%tried = max(1, size(rows))
-      if (allocated(rungs)) cost%tried = cost%tried + size(rungs)
+      cost%tried = max(1, size(rows) + size(rungs))
+      if (allocated(table%rows)) cost%tried = cost%tried + size(table%rows)
       call tell_cost(cost, outcome%text)
       return
     end if
@@ -88,10 +102,21 @@ contains
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
-    call write_accuracy_csv(rows, rungs, csv)
+    if (allocated(no_sweep)) then
+      rows = rows(:0)
+      rungs = rungs(:0)
+    end if
+    call write_accuracy_csv(rows, rungs, table, csv)
     call outcome%stage(line%output('--csv'), csv)
-    if (.not. line%quiet) &
+    if (line%quiet) return
+    if (allocated(no_sweep)) then
+      call outcome%text%line('The sweep in every arithmetic and step is left out: ' // no_sweep)
+      call outcome%text%line('')
+    else if (is_sweep) then
       call write_accuracy_table(rows, ways_left_out, rungs, left_out, outcome%text)
+      call outcome%text%line('')
+    end if
+    call write_way_table(table, outcome%text)
   end subroutine run_accuracy_command
 
 end module asperity_run_accuracy

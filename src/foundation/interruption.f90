@@ -1,6 +1,8 @@
-!> Whether another thread wants work to end: a number in its memory, which it makes other than 0.
+!> Whether work shall end: another thread wants it, by a number in its memory, which it makes other
+!> than 0; or its time is over.
 module asperity_interruption
   use, intrinsic :: iso_c_binding, only: c_int
+  use asperity_kinds, only: int64, real64
   implicit none
   private
 
@@ -9,8 +11,10 @@ module asperity_interruption
   !> Where the number is. As it stands nobody can end the work.
   type :: interruption
     integer(c_int), pointer :: number => null()  !! 0 as long as the work may go on
+    integer(int64) :: last_tick = huge(0_int64)  !! of the clock; huge: there is time
   contains
-    procedure :: is_asked  !! an end is wanted
+    procedure :: is_asked    !! an end is wanted
+    procedure :: end_within  !! its time is over after so many seconds
   end type interruption
 
 contains
@@ -19,6 +23,7 @@ contains
   logical function is_asked(self)
     class(interruption), intent(in) :: self  !! of the work
     integer(c_int) :: number
+    integer(int64) :: now
 
     number = 0_c_int
     if (associated(self%number)) then
@@ -26,6 +31,19 @@ contains
       number = self%number
     end if
     is_asked = number /= 0_c_int
+    if (self%last_tick == huge(0_int64)) return
+    call system_clock(now)
+    is_asked = is_asked .or. now > self%last_tick
   end function is_asked
+
+  !> Work ends after so many seconds from now, at the next place where it looks.
+  subroutine end_within(self, seconds)
+    class(interruption), intent(inout) :: self  !! of the work
+    real(real64), intent(in) :: seconds         !! from now on; at most 1e9 count
+    integer(int64) :: rate
+
+    call system_clock(self%last_tick, rate)
+    self%last_tick = self%last_tick + int(min(seconds, 1.0e9_real64) * real(rate, real64), int64)
+  end subroutine end_within
 
 end module asperity_interruption

@@ -9,6 +9,8 @@ module asperity_accuracy_table
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: effect_off, effect_words
   use asperity_text_buffer, only: text_buffer
+  use asperity_way_study, only: way_table
+  use asperity_way_table_text, only: number_of_way_columns, put_way_rows, way_columns
   implicit none
   private
 
@@ -95,9 +97,10 @@ contains
 
   !> The same with all digits. Rungs of the model follow the ways; what does not apply to a row is
   !> empty.
-  subroutine write_accuracy_csv(rows, rungs, buffer)
+  subroutine write_accuracy_csv(rows, rungs, table, buffer)
     type(accuracy_row), intent(in) :: rows(:)   !! all ways
     type(model_rung), intent(in) :: rungs(:)    !! the model's ladder
+    type(way_table), intent(in) :: table        !! what serves any scene
     type(text_buffer), intent(inout) :: buffer  !! the text
     type(csv_line) :: line
     integer :: i, k
@@ -105,7 +108,8 @@ contains
     call buffer%line('arithmetic,method,step,overlap,seconds_per_position,spread,ratio,' // &
                      'load_max,load_mean,area_max,area_mean,pressure_max,pressure_mean,' // &
                      'approach_max,approach_mean,contacts_max,contacts_mean,worst,front,' // &
-                     'interaction,tolerance,factor_max,factor_mean,factor_worst_position')
+                     'interaction,tolerance,factor_max,factor_mean,factor_worst_position,' // &
+                     way_columns)
     do i = 1, size(rows)
       call line%put(trim(rows(i)%arithmetic))
       call line%put(trim(way_name(rows(i))))
@@ -118,6 +122,7 @@ contains
       call line%put(rows(i)%worst)
       call line%put(rows(i)%on_front)
       call put_factor(line, rungs, effect_off)
+      call put_nothing(line, number_of_way_columns)
       call line%finish(buffer)
     end do
     do i = 1, size(rungs)
@@ -127,20 +132,30 @@ contains
       call line%put('stable')
       call line%put([rungs(i)%seconds, rungs(i)%spread, rungs(i)%seconds / minval(rows%seconds)])
       ! Two for each quantity, the worst, the front.
-      do k = 1, 2 * size(shown) + 2
-        call line%put('')
-      end do
+      call put_nothing(line, 2 * size(shown) + 2)
       call put_factor(line, rungs(i:i), rungs(i)%interaction)
+      call put_nothing(line, number_of_way_columns)
       call line%finish(buffer)
     end do
+    call put_way_rows(table, buffer)
   end subroutine write_accuracy_csv
+
+  subroutine put_nothing(line, cells)
+    type(csv_line), intent(inout) :: line
+    integer, intent(in) :: cells
+    integer :: k
+
+    do k = 1, cells
+      call line%put('')
+    end do
+  end subroutine put_nothing
 
   ! The model's cells: those of the first rung that takes contacts together in this way.
   subroutine put_factor(line, rungs, interaction)
     type(csv_line), intent(inout) :: line
     type(model_rung), intent(in) :: rungs(:)
     integer, intent(in) :: interaction
-    integer :: i, k
+    integer :: i
 
     call line%put(trim(effect_words(interaction)))
     do i = 1, size(rungs)
@@ -156,9 +171,7 @@ contains
         return
       end if
     end if
-    do k = 1, 3
-      call line%put('')
-    end do
+    call put_nothing(line, 3)
   end subroutine put_factor
 
   pure function name_of_model(rung) result(name)

@@ -201,10 +201,10 @@ def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
 def test_commands_that_take_no_map(asperity, tmp_path):
     scene = map_scene(tmp_path, rough(32, shortest=4), (0.1, 0.1), interaction="off",
                       loading={"control": "limit"}, limit={"criterion": "load", "value": 1e-3})
-    for command in (["solve", scene, "--budget"], ["accuracy", scene]):
-        done = subprocess.run([asperity, *command], capture_output=True, text=True, timeout=60)
-        assert done.returncode == 2, (command, done)
-        assert "map" in done.stderr
+    done = subprocess.run([asperity, "solve", scene, "--budget"], capture_output=True, text=True,
+                          timeout=60)
+    assert done.returncode == 2, done
+    assert "map" in done.stderr
 
 
 @pytest.mark.parametrize("change, said", [

@@ -10,7 +10,7 @@ module asperity_plastic_surface
   implicit none
   private
 
-  public :: surface_index, height_deviation
+  public :: surface_index, surface_hardness, combined_radius, height_deviation
 
 contains
 
@@ -21,23 +21,15 @@ contains
   !> out of range.
   pure real(real64) function surface_index(scene_in) result(found)
     type(scene), intent(in) :: scene_in  !! checked values
-    real(real64) :: deviation, hardness, modulus, radius
+    real(real64) :: deviation, hardness, radius
 
     found = -1.0_real64
-    associate (upper => scene_in%upper, lower => scene_in%lower)
-      deviation = hypot(height_deviation(upper%height), height_deviation(lower%height))
-      if (upper%is_plane) then
-        radius = mean(lower%radius)
-      else if (lower%is_plane) then
-        radius = mean(upper%radius)
-      else
-        radius = 1.0_real64 / (1.0_real64 / mean(upper%radius) + 1.0_real64 / mean(lower%radius))
-      end if
-    end associate
-    modulus = combined_modulus(scene_in)
-    hardness = hardness_of(scene_in, modulus, radius)
+    deviation = hypot(height_deviation(scene_in%upper%height), &
+                      height_deviation(scene_in%lower%height))
+    radius = combined_radius(scene_in)
+    hardness = surface_hardness(scene_in)
     if (.not. (hardness > 0.0_real64 .and. radius > 0.0_real64)) return
-    found = plasticity_index(deviation, radius, modulus, hardness)
+    found = plasticity_index(deviation, radius, combined_modulus(scene_in), hardness)
     if (.not. found <= huge(found)) found = -1.0_real64
   end function surface_index
 
@@ -50,13 +42,30 @@ contains
     height_deviation = norm2(height - mean(height)) / sqrt(real(size(height), real64))
   end function height_deviation
 
-  ! In the unit of the modulus; 0: not known.
-  pure real(real64) function hardness_of(scene_in, modulus, radius) result(hardness)
-    type(scene), intent(in) :: scene_in
-    real(real64), intent(in) :: modulus, radius
-    real(real64) :: load_share
+  !> Radius of two spheres of the mean radii together, or on a plane the mean radius.
+  pure real(real64) function combined_radius(scene_in) result(radius)
+    type(scene), intent(in) :: scene_in  !! checked values
+
+    associate (upper => scene_in%upper, lower => scene_in%lower)
+      if (upper%is_plane) then
+        radius = mean(lower%radius)
+      else if (lower%is_plane) then
+        radius = mean(upper%radius)
+      else
+        radius = 1.0_real64 / (1.0_real64 / mean(upper%radius) + 1.0_real64 / mean(lower%radius))
+      end if
+    end associate
+  end function combined_radius
+
+  !> The hardness that a scene names, or what comes to the same; in the unit of the modulus; 0: it
+  !> is not known.
+  pure real(real64) function surface_hardness(scene_in) result(hardness)
+    type(scene), intent(in) :: scene_in  !! checked values
+    real(real64) :: load_share, modulus, radius
 
     hardness = 0.0_real64
+    modulus = combined_modulus(scene_in)
+    radius = combined_radius(scene_in)
     associate (limit => scene_in%limit, effects => scene_in%effects)
       if (limit%criterion == criterion_greenwood_williamson) then
         hardness = decimal_to_real64(limit%hardness)
@@ -74,7 +83,7 @@ contains
                    sqrt(departure)
       end if
     end associate
-  end function hardness_of
+  end function surface_hardness
 
   pure real(real64) function mean(values)
     real(real64), intent(in) :: values(:)

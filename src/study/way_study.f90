@@ -1,0 +1,354 @@
+!> What accuracy costs, for any scene: every way that can serve it, its time and its error against
+!> the best that the time allows.
+module asperity_way_study
+  use asperity_kinds, only: int64, not_computed, real64
+  use asperity_original, only: run_in_arithmetic
+  use asperity_original_records, only: original_records, original_request
+  use asperity_progress, only: progress_line
+  use asperity_reviewed_theories, only: elastic_criterion
+  use asperity_run_options, only: run_options
+  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_values, only: effect_auto, effect_boundary, effect_off, scene
+  use asperity_scene_ways, only: as_the_scene_asks, list_ways, of_arithmetic, of_effects, &
+                                 of_neighbours, of_steps, run_way, scene_way, simulated_effects
+  use asperity_timing, only: time_allowance, timing_samples
+  use asperity_way_totals, only: errors_of, mean_ends, original_totals, totals_of, way_errors, &
+                                 way_totals
+  implicit none
+  private
+
+  public :: most_ways, run_way_study, way_row, way_table
+
+  ! What is foretold before a way has run, from runs on dense scenes of 20 to 2000 contacts: cells
+  ! to 0.01 take about 5 ms a contact; a tolerance ten times finer, of cells or of `auto`, up to ten
+  ! times as long.
+  real(real64), parameter :: seconds_a_contact = 5.0e-3_real64, times_a_decade = 10.0_real64
+  ! The other arithmetics over real64, at most: docs/accuracy.md.
+  real(real64), parameter :: times_arithmetic = 40.0_real64
+  ! Of what is left of the time a way may be foretold to take so much.
+  real(real64), parameter :: share_of_a_way = 0.9_real64
+
+  character(len=*), parameter :: too_long = 'takes longer than --seconds'
+
+  !> So many ways there are at most: the scene, 8 of arithmetic and steps, 8 of neighbours, 4 of
+  !> effects.
+  integer, parameter :: most_ways = 21
+
+  ! Two ways cost the same, or err the same, when they differ by less than this factor.
+  real(real64), parameter :: same_time = 1.5_real64, same_error = 1.1_real64
+
+  !> One way: its cost and its errors.
+  type :: way_row
+    type(scene_way) :: way                     !! what it is
+    real(real64) :: seconds = not_computed     !! all positions, median, from the scene read on
+    type(way_errors) :: total                  !! against the reference
+    type(way_errors) :: own                    !! against what differs in its family alone
+    real(real64) :: own_estimate = not_computed  !! what it says of itself: `error_estimate`
+    !> Load, approach and area of the last states, mean over the positions.
+    real(real64) :: ends(3) = not_computed
+    logical :: is_reference = .false.          !! the others are held against it
+    logical :: on_front = .false.              !! no other is clearly better
+    character(len=:), allocatable :: left_out  !! why it was not run; not allocated: it was
+  end type way_row
+
+  !> All ways.
+  type :: way_table
+    type(way_row), allocatable :: rows(:)          !! in a fixed order
+    integer :: reference = 1                       !! the row that the others are held against
+    type(way_totals) :: truth                      !! its totals
+    integer :: next_best = 0                       !! the row that is best but for it; 0: none
+    real(real64) :: next_best_differs = 0.0_real64 !! from the reference, as an error
+    type(way_totals) :: plain                      !! of real64 without effects; not allocated: none
+    type(elastic_criterion), allocatable :: criteria(:)  !! of the elastic limit
+    real(real64) :: exponent = not_computed        !! with which the area grows with the load
+    character(len=:), allocatable :: no_neighbours !! why none takes neighbours; empty: some do
+    character(len=:), allocatable :: no_theories   !! why there are none; empty: there are
+  end type way_table
+
+contains
+
+  !> Runs the study. `failure` is allocated when the scene as it asks cannot be solved in the time.
+  subroutine run_way_study(scene_in, least_seconds, allowance, progress, table, failure)
+    type(scene), intent(in) :: scene_in               !! checked values
+    real(real64), intent(in) :: least_seconds         !! to spend on a way, s
+    type(time_allowance), intent(in) :: allowance     !! time that may be spent
+    type(progress_line), intent(inout) :: progress    !! begun; a piece is a way
+    type(way_table), intent(out) :: table             !! all ways
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(scene_results) :: results
+    type(scene_way), allocatable :: ways(:)
+    type(way_totals), allocatable :: totals(:)
+    type(way_row) :: row
+    real(real64) :: closing
+    integer :: contacts, i, m
+
+    row%way = as_the_scene_asks()
+    allocate (totals(1))
+    call run_row(scene_in, least_seconds, allowance%left(), row, totals(1), results)
+    contacts = 0
+    closing = 0.0_real64
+    if (allocated(row%left_out)) then
+      failure = row%left_out
+      if (index(failure, too_long) == 1) &
+        failure = 'the scene ' // too_long // ': expected more of them, or fewer positions'
+      ! Where summits are no good the samples of a map may be.
+      if (index(failure, too_long) > 0 .or. .not. allocated(scene_in%map)) return
+      deallocate (failure)
+      allocate (results%positions(0))
+    else
+      closing = maxval(totals(1)%closing)
+    end if
+    do m = 1, size(results%positions)
+      associate (last => last_state(results%positions(m)))
+        contacts = contacts + last%contacts
+      end associate
+    end do
+    call list_ways(scene_in, simulated_effects(scene_in, results), closing, ways, &
+                   table%no_neighbours)
+    deallocate (totals)
+    allocate (table%rows(size(ways) + 1), totals(size(ways) + 1))
+    table%rows(1) = row
+    totals(1) = totals_of(results)
+    call progress%step()
+    do i = 1, size(ways)
+      row = way_row(way=ways(i))
+      call foretell(table%rows(:i), contacts, allowance%left(), row)
+      if (.not. allocated(row%left_out)) &
+        call run_row(scene_in, least_seconds, allowance%left(), row, totals(i + 1), results)
+      table%rows(i + 1) = row
+      call progress%step()
+    end do
+    call hold_against_best(table, totals)
+    if (table%reference == 0) then
+      failure = row%left_out
+    else
+      call mark_front(table%rows)
+    end if
+  end subroutine run_way_study
+
+  ! Leaves a way out where it is foretold to take too long.
+  pure subroutine foretell(before, contacts, left, row)
+    type(way_row), intent(in) :: before(:)
+    integer, intent(in) :: contacts
+    real(real64), intent(in) :: left
+    type(way_row), intent(inout) :: row
+    real(real64) :: seconds
+    integer :: last, plain
+
+    last = size(before)
+    plain = findloc(before%way%family == of_arithmetic .and. before%way%arithmetic == 'real64', &
+                    .true., 1)
+    seconds = max(0.0_real64, before(1)%seconds)
+    if (plain > 0) seconds = max(0.0_real64, before(plain)%seconds)
+    select case (row%way%family)
+    case (of_arithmetic, of_steps)
+      if (row%way%arithmetic /= 'real64') seconds = times_arithmetic * seconds
+    case (of_neighbours)
+      if (row%way%interaction /= effect_off) seconds = last_seconds()
+      if (row%way%interaction == effect_boundary) then
+        if (before(last)%way%interaction == effect_boundary) then
+          seconds = times_a_decade * seconds
+        else
+          seconds = max(seconds, seconds_a_contact * contacts)
+        end if
+      else if (row%way%interaction == effect_auto) then
+        seconds = sqrt(times_a_decade) * seconds
+      end if
+    case default
+      seconds = max(0.0_real64, before(1)%seconds)
+    end select
+    if (seconds > share_of_a_way * left) &
+      row%left_out = 'foretold to take ' // seconds_text(seconds) // ' s, ' // &
+                     seconds_text(max(0.0_real64, left)) // ' s are left'
+
+  contains
+
+    ! Of the last way of neighbours; of one that was left out a decade more than that before it.
+    pure real(real64) function last_seconds()
+      integer :: i
+
+      last_seconds = 0.0_real64
+      do i = 1, last
+        if (before(i)%way%family /= of_neighbours) cycle
+        if (before(i)%seconds > 0.0_real64) then
+          last_seconds = before(i)%seconds
+        else
+          last_seconds = times_a_decade * last_seconds
+        end if
+      end do
+    end function last_seconds
+
+  end subroutine foretell
+
+  ! One way on the clock, again and again until the median is steady or the time is spent.
+  subroutine run_row(scene_in, least_seconds, most_seconds, row, totals, results)
+    type(scene), intent(in) :: scene_in
+    real(real64), intent(in) :: least_seconds, most_seconds
+    type(way_row), intent(inout) :: row
+    type(way_totals), intent(out) :: totals
+    type(scene_results), intent(inout) :: results
+    type(timing_samples) :: timing
+    type(run_options) :: options
+    type(time_allowance) :: allowance
+    type(original_records) :: records
+    integer(int64) :: from, rate, until
+
+    options = run_options(keep_contacts=.false., threads=1)
+    call options%interrupt%end_within(most_seconds)
+    call allowance%begin(most_seconds)
+    do while (.not. timing%are_enough(least_seconds))
+      call system_clock(from, rate)
+      if (row%way%is_original) then
+        call run_in_arithmetic(row%way%arithmetic, scene_in%deck, original_request(), records, &
+                               row%left_out)
+      else
+        call run_way(scene_in, row%way, options, results, row%left_out)
+      end if
+      call system_clock(until)
+      if (allocated(row%left_out)) exit
+      call timing%add(real(until - from, real64) / real(rate, real64), 1)
+      if (allowance%left() < 0.0_real64) exit
+    end do
+    if (timing%passes() == 0) then
+      if (row%left_out == 'interrupted' .or. allowance%left() < 0.0_real64) &
+        row%left_out = too_long // ', ' // seconds_text(most_seconds) // ' s were left'
+      return
+    end if
+    if (allocated(row%left_out)) deallocate (row%left_out)
+    row%seconds = timing%median()
+    if (row%way%is_original) then
+      totals = original_totals(records)
+    else
+      totals = totals_of(results)
+    end if
+    row%own_estimate = totals%own_estimate
+    row%ends = mean_ends(totals)
+  end subroutine run_row
+
+  ! The reference is the way that says of itself that it errs least, of those that know neighbours,
+  ! or the scene as it asks. Every way is held against it, and against what its family is about.
+  subroutine hold_against_best(table, totals)
+    type(way_table), intent(inout) :: table
+    type(way_totals), intent(in) :: totals(:)
+    real(real64) :: estimate, least
+    integer :: best, i, plain, precise, second
+
+    best = merge(0, 1, allocated(table%rows(1)%left_out))
+    second = 0
+    least = huge(least)
+    do i = 1, size(totals)
+      associate (row => table%rows(i))
+        if (allocated(row%left_out)) cycle
+        if (row%way%family /= of_neighbours .or. row%way%interaction == effect_off) cycle
+        estimate = row%own_estimate
+        ! Of those that say nothing the last one is the finest.
+        if (.not. estimate > not_computed) estimate = least
+        if (estimate > least) then
+          second = i
+        else
+          second = best
+          best = i
+          least = estimate
+        end if
+      end associate
+    end do
+    plain = place_of('real64')
+    precise = place_of('real128')
+    if (plain > 0) table%plain = totals(plain)
+    ! Without effects the arithmetic alone is left.
+    if (best == 1 .and. precise > 0 .and. .not. table%rows(1)%own_estimate > not_computed) then
+      if (errors_between(1, plain) <= epsilon(least)) best = precise
+      second = plain
+    end if
+    if (second > 0 .and. second /= best) then
+      table%next_best = second
+      table%next_best_differs = errors_between(second, best)
+    end if
+    table%reference = best
+    if (best == 0) return
+    table%rows(best)%is_reference = .true.
+    table%truth = totals(best)
+    do i = 1, size(totals)
+      associate (row => table%rows(i))
+        if (allocated(row%left_out)) cycle
+        row%total = errors_of(totals(i), totals(best))
+        select case (row%way%family)
+        case (of_arithmetic)
+          if (precise > 0) row%own = errors_of(totals(i), totals(precise))
+        case (of_steps)
+          if (plain > 0) row%own = errors_of(totals(i), totals(plain))
+        case (of_effects)
+          if (allocated(totals(1)%load)) row%own = errors_of(totals(i), totals(1))
+        case default
+          row%own = row%total
+        end select
+      end associate
+    end do
+
+  contains
+
+    integer function place_of(arithmetic)
+      character(len=*), intent(in) :: arithmetic
+
+      place_of = findloc(table%rows%way%family == of_arithmetic .and. &
+                         table%rows%way%arithmetic == arithmetic, .true., 1)
+      if (place_of == 0) return
+      if (allocated(table%rows(place_of)%left_out)) place_of = 0
+    end function place_of
+
+    real(real64) function errors_between(i, j) result(largest)
+      integer, intent(in) :: i, j
+      type(way_errors) :: errors
+
+      largest = huge(largest)
+      if (j == 0) return
+      errors = errors_of(totals(i), totals(j))
+      largest = errors%largest
+    end function errors_between
+
+  end subroutine hold_against_best
+
+  ! Marks the ways that no other beats: one clearly more accurate at no clearly higher cost, or as
+  ! accurate and clearly cheaper. Of equals the first stands. What is below the error of the
+  ! reference itself is no gain.
+  pure subroutine mark_front(rows)
+    type(way_row), intent(inout) :: rows(:)
+    real(real64) :: error(size(rows)), floor
+    integer :: i, j
+    logical :: beaten
+
+    floor = 0.0_real64
+    if (any(rows%is_reference)) &
+      floor = max(0.0_real64, rows(findloc(rows%is_reference, .true., 1))%own_estimate)
+    error = max(rows%total%largest, floor)
+    do i = 1, size(rows)
+      if (allocated(rows(i)%left_out)) cycle
+      beaten = .false.
+      do j = 1, size(rows)
+        if (j == i .or. allocated(rows(j)%left_out)) cycle
+        if (error(j) * same_error < error(i)) then
+          beaten = beaten .or. rows(j)%seconds < rows(i)%seconds * same_time
+        else if (error(j) <= error(i) * same_error) then
+          beaten = beaten .or. rows(j)%seconds * same_time < rows(i)%seconds .or. &
+                   (j < i .and. rows(j)%seconds < rows(i)%seconds * same_time)
+        end if
+      end do
+      rows(i)%on_front = .not. beaten
+    end do
+  end subroutine mark_front
+
+  ! Seconds with two digits.
+  pure function seconds_text(seconds) result(text)
+    real(real64), intent(in) :: seconds
+    character(len=:), allocatable :: text
+    character(len=12) :: digits
+
+    if (seconds < 1.0e5_real64) then
+      write (digits, '(f9.2)') seconds
+    else
+      write (digits, '(es9.1e3)') seconds
+    end if
+    text = trim(adjustl(digits))
+  end function seconds_text
+
+end module asperity_way_study

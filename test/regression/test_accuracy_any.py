@@ -1,0 +1,180 @@
+"""What accuracy costs, for any scene: ten kinds of it, the front, the truth of the reference."""
+
+import subprocess
+
+import numpy as np
+import pytest
+
+import made_maps
+from ball_scenes import balls, path
+from dense_judge import truths
+from dense_scenes import caps, dense_scenes, strewn
+from exact_contact import Truth
+from map_press_truth import press, rough
+from plastic_truth import STEEL
+from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
+
+SECONDS = 10
+FAMILIES = ("scene", "arithmetic", "steps", "effects", "neighbours", "input", "theory")
+
+
+def study(asperity, scene, folder, seconds=SECONDS):
+    """The rows of a scene, and what was printed. The ways end in the time given; only what is
+    under way then may take longer, and a slow build."""
+    file = folder / "any.csv"
+    done = subprocess.run([asperity, "accuracy", scene, "--seconds", str(seconds), "--csv", file],
+                          capture_output=True, text=True, timeout=20 * seconds)
+    assert done.returncode == 0, done.stderr
+    return [row for row in records(file) if row["method"] == "total"], done.stdout
+
+
+def number(row, name):
+    return float(row[name]) if row[name] else None
+
+
+def reference(rows):
+    found = [row for row in rows if row["reference"] == "1"]
+    assert len(found) == 1
+    return found[0]
+
+
+def csv_pair(folder, root, exe):
+    rng = np.random.default_rng(5)
+    upper, lower = ([(float(x), float(y), 0.1 + 0.05 * float(h), 1.5)
+                     for x, y, h in rng.random((12, 3)) * [8, 8, 1]] for _ in range(2))
+    return write_csv_scene(folder, upper, lower, loading={"control": "load", "value": 200.0},
+                           limit={"criterion": "greenwood_williamson", "hardness": 2000.0})
+
+
+def friction(folder, root, exe):
+    upper = [(0.0, 0.0, 0.1, 1.0), (3.0, 0.1, 0.12, 1.0)]
+    lower = [(0.5, 0.0, 0.1, 1.0), (3.0, 0.5, 0.1, 1.0)]
+    return write_csv_scene(folder, upper, lower, loading={"control": "approach", "value": 0.05},
+                           effects={"friction": "on", "friction_coefficient": 0.3})
+
+
+def clusters(folder, root, exe):
+    return next(s for s in dense_scenes() if s.family == "clusters").write(folder,
+                                                                          interaction="auto")
+
+
+def two_thousand(folder, root, exe):
+    places, radii, gaps = strewn(np.random.default_rng(3), 2000, 1e-3, 0.15, 0.4, 0.8)
+    return caps("caps", "many", places, radii, gaps, 1e-3).write(folder, interaction="coupled")
+
+
+def generated(folder, root, exe):
+    (folder / "g.spec").write_text(
+        "&surfaces number = 200, length = 20., width = 20. /\n&radii mean = 1. /\n"
+        "&heights mean = 0.1, deviation = 0.02 /\n", encoding="ascii")
+    for side in ("upper", "lower"):
+        subprocess.run([exe, "generate", "g.spec", f"--{side}", f"{side}.csv"], cwd=folder,
+                       check=True, capture_output=True)
+    return write_scene(folder / "g.scene", surfaces={"upper": "upper.csv", "lower": "lower.csv"},
+                       material={"elastic_modulus": (2e5, 2e5), "poisson_ratio": (0.3, 0.3)},
+                       motion={"x_step": 0.5, "positions": 4},
+                       loading={"control": "load", "value": 500.0})
+
+
+def example(name):
+    return lambda folder, root, exe: root / "data" / "examples" / name
+
+
+KINDS = {"deck": example("position_56.scene"), "csv pair": csv_pair, "clusters": clusters,
+         "2000 caps": two_thousand, "plasticity path": example("effects/cycle.scene"),
+         "adhesion cycle": example("effects/gelatine.scene"),
+         "creep hold": example("effects/ten_minutes.scene"), "friction": friction,
+         "map": example("summits/press.scene"), "generated": generated}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", KINDS)
+def test_any_scene(kind, asperity, root, tmp_path):
+    """Every kind has its ways, one reference, and a front of ways that no other beats."""
+    rows, text = study(asperity, KINDS[kind](tmp_path, root, asperity), tmp_path)
+    assert {row["family"] for row in rows} <= set(FAMILIES)
+    assert rows[0]["family"] == "scene" and not rows[0]["left_out"]
+    best = reference(rows)
+    assert float(best["error_max"]) == 0.0
+    assert "Reference: " + best["way"].replace(";", ",") in text
+    run = [row for row in rows if row["seconds"] and row["family"] != "theory"]
+    assert all(row["left_out"] for row in rows if not row["seconds"] and row["family"] != "input")
+    assert all(row["left_out"] in text.replace(",", ";") for row in rows)
+    front = [row for row in rows if row["front"] == "1"]
+    assert front and all(row in run for row in front)
+    # Along the front more time buys less error, down to what the reference is good to.
+    floor = max(0.0, number(best, "error_estimate") or 0.0)
+    front.sort(key=lambda row: float(row["seconds"]))
+    errors = [max(float(row["error_max"]), floor) for row in front]
+    assert errors == sorted(errors, reverse=True)
+    assert min(float(row["seconds"]) for row in run) * 1.5 >= float(front[0]["seconds"])
+    # In doubles the arithmetic is the least of errors; short ones are worse.
+    own = {row["arithmetic"]: number(row, "own_error_max") for row in rows
+           if row["family"] == "arithmetic" and not row["left_out"]}
+    assert own["real128"] == 0.0 and own["real64"] < 1e-11 < own["real32"] < 1e-2
+    if kind in ("plasticity path", "adhesion cycle", "creep hold", "friction"):
+        assert any(row["family"] == "effects" and float(row["own_error_max"]) > 1e-4
+                   for row in rows)
+    if kind == "adhesion cycle":
+        assert "neighbours left out: adhesion and interaction do not go together" in text
+    if kind in ("deck", "clusters", "map", "generated"):
+        alone, coupled = (next(row for row in rows if row["way"].endswith(end))
+                          for end in ("each alone", "coupled"))
+        assert float(alone["error_max"]) > float(coupled["error_max"])
+
+
+def test_the_reference_of_contacts_alone(asperity, tmp_path):
+    """One pair, aside: nothing but Hertz's equations. 50 digits know it."""
+    upper, lower = [(0.0, 0.0, 0.1, 1.25)], [(0.3, 0.0, 0.1, 0.75)]
+    groups = {"loading": {"control": "approach", "value": 0.125}}
+    rows, _ = study(asperity, write_csv_scene(tmp_path, upper, lower, **groups), tmp_path, 3)
+    truth = Truth(exact_csv_scene(upper, lower, **groups)).state(1)
+    assert abs(float(reference(rows)["load"]) / float(truth.load) - 1) < 1e-14
+
+
+@pytest.mark.parametrize("name", ("clusters", "triples"))
+def test_the_reference_of_neighbours(name, asperity, tmp_path):
+    """Against the archived solution on grids: within what the reference says of itself."""
+    scene = next(s for s in dense_scenes() if s.family == name)
+    rows, _ = study(asperity, scene.write(tmp_path, interaction="off"), tmp_path)
+    best = reference(rows)
+    want = truths()[scene.name]
+    error = abs(float(best["load"]) / float(want["load"]) - 1)
+    said = float(best["error_estimate"])
+    print(f"{scene.name}: {best['way']} off by {error:.1e}, says {said:.1e}")
+    assert error <= 3 * said + 2e-5
+    alone = next(row for row in rows if row["way"] == "contacts each alone")
+    factor = float(want["alone"]) / float(want["load"]) - 1
+    assert float(alone["error_max"]) == pytest.approx(factor, rel=0.02, abs=1e-3)
+
+
+def test_the_reference_of_a_map(asperity, tmp_path):
+    """The samples of a map, against conjugate gradients in numpy."""
+    height = 1e-3 * rough(48, seed=9)
+    made_maps.write_bytes(tmp_path / "map.sdf", height)  # unit: that of the file
+    scene = write_scene(tmp_path / "map.scene", surfaces={"upper": "plane", "lower": "map.sdf"},
+                        material={"contact_modulus": 1.0},
+                        loading={"control": "load", "value": 0.5},
+                        effects={"interaction": "coupled"})
+    rows, _ = study(asperity, scene, tmp_path)
+    y, x = np.mgrid[0:48, 0:48]
+    plane = np.c_[x.ravel(), y.ravel(), np.ones(48 * 48)]
+    level = height - (plane @ np.linalg.lstsq(plane, height.ravel(), rcond=None)[0]).reshape(48, 48)
+    want = press(level, (1.0, 1.0), 1.0, 0.5)[0]
+    best = reference(rows)
+    assert best["way"] == "the map's samples"
+    assert abs(float(best["approach"]) - want) < 1e-6 * (level.max() - want)
+
+
+def test_the_reference_of_flow(asperity, tmp_path):
+    """Plasticity on a pair: Jackson and Green's law, evaluated apart; without it, an error as
+    large as the law's departure from Hertz."""
+    closing = 20 * STEEL.critical_overlap
+    scene = balls(tmp_path, "ball", {"plasticity": "on", "plastic_yield_stress": 0.9115},
+                  path([closing]), modulus=200 / (1 - 0.32 ** 2), ratio=0.32)
+    rows, _ = study(asperity, scene, tmp_path, 3)
+    without = next(row for row in rows if row["way"] == "without plasticity")
+    hertz = 4 / 3 * 200 / (1 - 0.32 ** 2) * float(closing) ** 1.5
+    want = float(STEEL.critical_load * STEEL.published("20"))
+    assert float(reference(rows)["load"]) == pytest.approx(want, rel=1e-9)
+    assert float(without["own_error_max"]) == pytest.approx(hertz / want - 1, rel=1e-6)
