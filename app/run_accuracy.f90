@@ -45,7 +45,7 @@ contains
     type(progress_line) :: progress
     type(work_cost) :: cost
     real(real64) :: seconds, least_seconds
-    integer :: ways_left_out, pieces
+    integer :: pieces, ways, ways_left_out
     logical :: is_sweep
 
     call read_scene(line%input, scene_in, outcome%problems)
@@ -73,7 +73,9 @@ contains
     call allowance%begin(merge(0.5_real64, 1.0_real64, is_sweep) * seconds)
     call run_way_study(scene_in, 0.25_real64 * least_seconds, allowance, progress, table, &
                        outcome%failure)
+    ways = 0
     if (.not. allocated(outcome%failure)) then
+      ways = size(table%rows)
       call add_input_error(scene_in, allowance, table)
       call add_theories(scene_in, table)
       call add_exponent(scene_in, table)
@@ -93,8 +95,7 @@ contains
     if (line%cost) then
       ! What takes longer than the trial may take is no failure of it.
       if (allocated(outcome%failure)) deallocate (outcome%failure)
-      cost%tried = max(1, size(rows) + size(rungs))
-      if (allocated(table%rows)) cost%tried = cost%tried + size(table%rows)
+      cost%tried = max(1, size(rows) + size(rungs) + ways)
       call tell_cost(cost, outcome%text)
       return
     end if
