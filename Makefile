@@ -51,7 +51,7 @@ bench: ## time, memory, what accuracy costs (SAVE=1 keeps it, MOST=1e7 goes furt
 	  $(if $(SMALL),--small --most 1e4 --rounds 1)
 
 figures: ## draw the pictures in docs/figures anew
-	@bash .ci/setup build figures
+	@bash .ci/setup build test figures
 	@bash .ci/figures
 
 fuzz: ## random decks, scenes and command lines (MINUTES=10); faults are kept in build/fuzz

@@ -1,0 +1,92 @@
+"""Condition number against error over the hard cases: four arithmetics, both ways to the overlap.
+
+    python test/hard/stability.py EXECUTABLE FILE
+
+writes a CSV for docs/figures/stability.gp: case, condition, arithmetic, formula, the largest
+relative error of the totals of all positions compared. The truth is that of the decimal numbers of
+the scene, so rounding them to the arithmetic is part of the error. Cases are left out where they are
+refused, where nothing is borne, and the sweeps of ten thousand positions and more.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+# It puts the folder of exact_contact on the path.
+from make_table import ROOT, condition_of
+from cases import ARITHMETICS, scenes
+from deck_cases import decks
+from exact_contact import TOTALS, Truth, read_deck
+from measure import positions_of, positions_of_deck, scene_of
+from mpmath import mp
+
+FORMULAS = ("stable", "original")
+# What an operation may lose: a hexadecimal digit is cut, the others round; results of real128 are
+# written as doubles. docs/figures/stability.gp draws them.
+ROUNDOFF = {"ibm370": 16.0 ** -5, "real32": 2.0 ** -24, "real64": 2.0 ** -53, "real128": 2.0 ** -53}
+LONG = ("positions_ten_thousand", "positions_a_million")
+# Decimal digits of the truth: the smallest penetration compared is 1e-147 of the lengths.
+DIGITS = 340
+
+
+def totals(program, path, arithmetic, formula):
+    """Totals by position, or nothing when the arithmetic refuses the case."""
+    done = subprocess.run([program, path, arithmetic, formula], capture_output=True, text=True,
+                          check=False, timeout=120)
+    if done.returncode:
+        return None
+    return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
+
+
+def error(found, truth, positions):
+    """The largest relative error of a total."""
+    worst = 0.0
+    with mp.workdps(DIGITS):
+        for m in positions:
+            state = truth.state(m)
+            true = [0] * len(TOTALS) if state is None else [getattr(state, n) for n in TOTALS]
+            for value, want in zip(found[m - 1], true, strict=True):
+                if want:
+                    worst = max(worst, float(abs(value / want - 1)))
+    return worst
+
+
+def cases():
+    """Every hard case with its file, scene and the positions that are compared."""
+    folder = ROOT / "data" / "hard"
+    for case in scenes():
+        if case.name not in LONG and set(case.refused) < set(case.arithmetics):
+            scene = scene_of(case)
+            yield case, folder / f"{case.name}.scene", scene, positions_of(case, scene)
+    for case in decks():
+        if not case.solver_refused:
+            path = folder / f"{case.name}.deck"
+            scene = read_deck(path)
+            yield case, path, scene, positions_of_deck(scene)
+
+
+def measured(program, names=(), arithmetics=ARITHMETICS):
+    """Lines of the CSV, of all cases or those named."""
+    for case, path, scene, positions in cases():
+        if names and case.name not in names:
+            continue
+        condition = condition_of(case)
+        if condition == "-":
+            continue
+        truth = Truth(scene, DIGITS)
+        for arithmetic in arithmetics:
+            for formula in FORMULAS:
+                found = totals(program, path, arithmetic, formula)
+                if found is not None:
+                    off = error(found, truth, positions)
+                    yield f"{case.name},{condition},{arithmetic},{formula},{off:.3e}"
+
+
+def main(executable, target):
+    program = Path(executable).resolve().parent.parent / "example" / "overlap_totals"
+    lines = ["case,condition,arithmetic,formula,error", *measured(program)]
+    Path(target).write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
