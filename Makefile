@@ -62,7 +62,8 @@ fuzz: ## random decks, scenes and command lines (MINUTES=10); faults are kept in
 laws: ## random scenes with effects, each under one law (RUNS=20000); misses in build/laws
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/metamorphic.py --exe "$$exe" \
-	  --runs $(or $(RUNS),20000) --keep build/laws
+	  --runs $(or $(RUNS),20000) --keep build/laws && \
+	  .venv/bin/python test/hard/map_laws.py --exe "$$exe" --runs $(or $(RUNS),1500)
 
 maps: ## how good summits are, on maps pressed against their truth (MAPS='a.sdf b.sdf')
 	@bash .ci/setup build test bench

@@ -83,9 +83,11 @@ contains
     real(real64) :: shared(size(left))
     real(real64), dimension(size(left)) :: root, rest, direction, image
     real(real64) :: now, first, before
-    integer :: round
+    integer :: power, round
 
-    root = sqrt(coarse%stiffness)
+    ! K in a power of two of its own: the root of 2 K has other digits than that of K.
+    power = exponent(maxval(coarse%stiffness))
+    root = sqrt(scale(coarse%stiffness, -power))
     rest = root * left
     direction = rest
     shared = 0.0_real64
@@ -93,7 +95,7 @@ contains
     first = now
     do round = 1, most_rounds
       if (.not. now > enough**2 * first) exit
-      image = direction + root * pressed(coarse, root * direction)
+      image = direction + root * scale(pressed(coarse, root * direction), power)
       before = now
       now = now / sum(direction * image)
       shared = shared + now * direction

@@ -159,7 +159,12 @@ contains
     character(len=:), allocatable :: why
 
     last = last_state(results%positions(1))
-    if (.not. last%vertical_load > 0.0_real64) return
+    if (.not. last%vertical_load > 0.0_real64) then
+      ! At a level where no summit touches all that the map bears is missing.
+      results%positions(1)%error_estimate = merge(1.0_real64, 0.0_real64, &
+                                                  seen%answer%load > 0.0_real64)
+      return
+    end if
     ! The stiffness of the summits takes a second state, worth it where the map's is known. None:
     ! it is not told.
     stiffness = not_computed
@@ -191,8 +196,9 @@ contains
     real(real64) :: tolerance
 
     tolerance = scene_in%effects%number('tolerance')
-    is_good_enough = results%positions(1)%error_estimate <= tolerance .and. &
-                     results%map%coarser == 1 .and. abs(results%map%area_difference) <= tolerance
+    is_good_enough = results%positions(1)%error_estimate <= tolerance
+    if (is_good_enough .and. allocated(results%map)) is_good_enough = &
+      results%map%coarser == 1 .and. abs(results%map%area_difference) <= tolerance
   end function is_good_enough
 
   !> Solves every position without effects, in the arithmetic of the options, by a method: the

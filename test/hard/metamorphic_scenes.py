@@ -59,7 +59,7 @@ def write(scene, folder, name="s"):
     (folder / f"{name}.scene").write_text(text, encoding="ascii")
 
 
-def run(exe, scene, folder, name="s", seconds=600):
+def run(exe, scene, folder, name="s", seconds=600, write=write):
     """Solve a scene in a folder; its files are read and taken away."""
     write(scene, folder, name)
     files = {what: folder / f"{name}.{what}.csv" for what in ("positions", "contacts", "curve")}

@@ -2,6 +2,7 @@
 
 import random
 
+import map_laws
 import metamorphic_laws as laws
 import metamorphic_scenes as scenes
 import pytest
@@ -20,6 +21,30 @@ def test_law(law, asperity, tmp_path, tally):
         asked += status == 0
     assert asked >= SAMPLE // 3
     tally.add(f"law: {name}", asked, asked)
+
+
+# Of the first seeds, so many a law of maps.
+MAPS = 5
+
+
+@pytest.mark.parametrize("law", range(len(map_laws.LAWS)), ids=list(map_laws.LAWS))
+def test_law_of_maps(law, asperity, tmp_path, tally):
+    asked = 0
+    for seed in range(law, MAPS * len(map_laws.LAWS), len(map_laws.LAWS)):
+        name, status, wrong = map_laws.broken(seed, asperity, tmp_path)
+        assert name == list(map_laws.LAWS)[law]
+        assert not wrong, (seed, wrong)
+        asked += status == 0
+    assert asked > 0
+    tally.add(f"law of maps: {name}", asked, asked)
+
+
+@pytest.mark.parametrize("seed, was", [
+    (125, "auto at a level where no summit of a map touches ended with a segmentation fault"),
+    (270, "loads on a plane had other digits in another unit, by where the plane's centre stood")])
+def test_found_seed_of_maps(seed, was, asperity, tmp_path):
+    _, _, wrong = map_laws.broken(seed, asperity, tmp_path)
+    assert not wrong, was
 
 
 @pytest.mark.parametrize("seed, was", [
