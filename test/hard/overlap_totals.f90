@@ -32,7 +32,7 @@ program overlap_totals
     write (error_unit, '(a)', advance='no') problems%text()
     error stop
   end if
-  options%arithmetic = words(2)
+  options%arithmetic = words(2)(:len(options%arithmetic))
   options%threads = 1
   method%overlap = merge(overlap_original, overlap_stable, words(3) == 'original')
   call solve_in_arithmetic(checked, method, options, results, failure)

@@ -4,8 +4,8 @@
 
 writes a CSV for docs/figures/stability.gp: case, condition, arithmetic, formula, the largest
 relative error of the totals of all positions compared. The truth is that of the decimal numbers of
-the scene, so rounding them to the arithmetic is part of the error. Cases are left out where they are
-refused, where nothing is borne, and the sweeps of ten thousand positions and more.
+the scene, so rounding them to the arithmetic is part of the error. Cases are left out where they
+are refused, where nothing is borne, and the sweeps of ten thousand positions and more.
 """
 
 import subprocess
