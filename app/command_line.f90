@@ -44,6 +44,7 @@ module asperity_command_line
     logical :: carriage_control = .false.            !! keep the printer's column one
     logical :: quiet = .false.                       !! no summary
     logical :: budget = .false.                      !! print the error budget
+    logical :: units = .false.                       !! name the units in CSV files
     logical :: cost = .false.                        !! tell what the work will cost, no more
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
@@ -164,6 +165,8 @@ contains
       line%quiet = .true.
     case ('--budget')
       line%budget = .true.
+    case ('--units')
+      line%units = .true.
     case ('--cost')
       line%cost = .true.
     case ('--threads')

@@ -63,6 +63,8 @@ module asperity_option_table
     option_entry('solve', '--contacts', 'FILE', 'write every contact of every state as CSV'), &
     option_entry('solve', '--positions', 'FILE', 'write the last state of every position as CSV'), &
     option_entry('solve', '--curve', 'FILE', 'write the totals of every state as CSV'), &
+    option_entry('solve', '--units', '', &
+      'begin CSV files with a line # that names the units'), &
     option_entry('solve', '--json', 'FILE', &
       'write scene, results and where they come from as JSON'), &
     option_entry('solve', '--vtk', 'FILE', &

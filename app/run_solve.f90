@@ -24,6 +24,7 @@ module asperity_run_solve
   use asperity_solve, only: solve
   use asperity_summary, only: write_choice, write_corrected_table, write_summary
   use asperity_text_buffer, only: text_buffer
+  use asperity_unit_names, only: has_units, units_in_words
   use asperity_warning_lines, only: list_warnings
   use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
@@ -107,7 +108,11 @@ contains
       type(text_buffer) :: csv
 
       if (line%output(option) == '') return
-      call write_results(which, results, csv)
+      if (line%units) then
+        call write_results(which, results, csv, 'units: ' // units_in_words(scene_in))
+      else
+        call write_results(which, results, csv)
+      end if
       call stage(option, csv)
     end subroutine write_table
 
@@ -154,6 +159,9 @@ contains
     call refuse_input(line, scene_in%upper%file, problems)
     if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
       call refuse_input(line, scene_in%lower%file, problems)
+    if (line%units .and. .not. has_units(scene_in)) &
+      call problems%add('--units: the scene does not name its units, expected for instance ' // &
+                        'units = ''mm'', ''N'' in &surfaces')
     if (allocated(scene_in%map) .and. line%budget) &
       call problems%add('--budget: a map is compared with its summits in every run, expected none')
     if (.not. (scene_in%effects%any_on() .or. allocated(scene_in%loading%path))) return

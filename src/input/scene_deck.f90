@@ -53,6 +53,7 @@ contains
       target_scene%notes = deck%notes
       target_scene%lower_is_mirrored = .true.
       target_scene%starting_gap = thesis_gap
+      target_scene%units = [character(len=16) :: 'cm', 'N']
       target_scene%limit%value = thesis_limit_load
       target_scene%limit%from_thesis = .true.
       call convert_model(path, 2, header_cards, deck%upper, target_scene%upper, found)

@@ -36,6 +36,7 @@ module asperity_scene_fields
     procedure :: take_number        !! takes one number
     procedure :: take_whole         !! takes one whole number of a given range
     procedure :: take_text          !! takes one text between quotes
+    procedure :: take_names         !! takes short texts, as many as there are places for them
     procedure :: take_word          !! takes one of several words between quotes, as its number
     procedure :: complain_of_group  !! tells a problem at a group
     procedure :: complain_of        !! tells a problem at a name that stands in the scene
@@ -192,6 +193,31 @@ contains
       call self%refuse_value(name, at + 1, 'a text between quotes')
     end if
   end subroutine take_text
+
+  !> Takes short texts between quotes, as many as there are places for them, or none.
+  subroutine take_names(self, group, name, texts)
+    class(scene_fields), intent(inout) :: self      !! the scene's text
+    character(len=*), intent(in) :: group           !! a known group
+    character(len=*), intent(in) :: name            !! a known name of it
+    character(len=*), intent(inout) :: texts(:)     !! the texts, without blanks behind
+    character(len=:), allocatable :: text
+    integer :: at, i, repeats, used
+
+    at = self%values_of(group, name, size(texts))
+    if (at == 0) return
+    used = 0
+    do i = at + 1, at + self%list%items(at)%values
+      text = self%list%value_text(i)
+      if (.not. self%list%items(i)%is_quoted .or. text == '' .or. len_trim(text) > len(texts)) then
+        call self%refuse_value(name, i, 'a text of 1 to ' // decimal_text(len(texts)) // &
+                               ' bytes between quotes')
+        return
+      end if
+      repeats = self%list%items(i)%repeats
+      texts(used + 1:used + repeats) = text
+      used = used + repeats
+    end do
+  end subroutine take_names
 
   !> Takes one of several words between quotes, as its number; 0 when it is none of them.
   subroutine take_word(self, group, name, words, number)

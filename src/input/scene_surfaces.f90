@@ -27,11 +27,12 @@ contains
     type(scene_motion) :: not_asked_for
 
     call fields%take_number('surfaces', 'nominal_area', above_zero, checked%nominal_area)
+    call fields%take_names('surfaces', 'units', checked%units)
     if (fields%surfaces_given) then
       if (any([fields%has('surfaces', 'deck'), fields%has('surfaces', 'upper'), &
                fields%has('surfaces', 'lower'), fields%has('surfaces', 'radius')])) &
         call fields%complain_of_group('surfaces', 'found &surfaces beside surfaces that are ' // &
-                                      'given as arrays, expected none, or nominal_area alone')
+                                      'given as arrays, expected none, or nominal_area and units alone')
       return
     end if
     if (.not. fields%has_group('surfaces')) then
@@ -46,6 +47,9 @@ contains
       call refuse_beside_deck(fields, 'upper')
       call refuse_beside_deck(fields, 'lower')
       call refuse_beside_deck(fields, 'radius')
+      if (fields%has('surfaces', 'units')) &
+        call fields%complain_of('surfaces', 'units', 'found beside deck, which brings cm and ' // &
+                                'N, expected none')
       if (allocated(deck)) &
         call surfaces_from_deck(beside(path, deck), checked, not_asked_for, other_files)
     else if (fields%has('surfaces', 'upper') .and. fields%has('surfaces', 'lower')) then
@@ -104,6 +108,12 @@ contains
       call fields%complain_of('surfaces', 'lower', 'found unit ' // quoted(lower_unit) // &
                               ' in its header beside ' // quoted(upper_unit) // ' of upper, ' // &
                               'expected all lengths in one unit')
+    if (upper_unit == '') upper_unit = lower_unit
+    if (upper_unit /= '' .and. checked%units(1) /= '' .and. upper_unit /= checked%units(1)) &
+      call fields%complain_of('surfaces', 'units', 'found length ' // &
+                              quoted(trim(checked%units(1))) // ' beside ' // &
+                              quoted(upper_unit) // ' in the header of a surface, expected ' // &
+                              'the same: nothing is converted')
     if (.not. fields%has('surfaces', 'radius')) then
       which = 'upper and the lower'
       if (upper_has_radius) which = 'lower'

@@ -8,6 +8,7 @@ module asperity_html_plans
   use asperity_scene_results, only: last_state, scene_results
   use asperity_svg_plot, only: plot_axis, svg_plot
   use asperity_text_buffer, only: text_buffer
+  use asperity_unit_names, only: with_unit
   implicit none
   private
 
@@ -24,14 +25,17 @@ module asperity_html_plans
 contains
 
   !> The plans of all positions in one scale, as far as there is room; the rest is told.
-  subroutine put_plans(results, buffer)
+  subroutine put_plans(results, units, buffer)
     type(scene_results), intent(in) :: results  !! with their contacts
+    character(len=*), intent(in) :: units(2)    !! names of length and force, or blank
     type(text_buffer), intent(inout) :: buffer  !! the page
     type(plot_axis) :: across, up
     type(state_row) :: last
     integer :: circles, m, plans, rows
 
     call find_frame(results, across, up)
+    across%name = with_unit('x', units(1))
+    up%name = with_unit('y', units(1))
     circles = most_circles
     rows = most_rows
     plans = 0
@@ -84,8 +88,8 @@ contains
       low(i) = low(i) - 0.5_real64 * radius - 0.02_real64 * room
       high(i) = high(i) + 0.5_real64 * radius + 0.02_real64 * room
     end do
-    across = plot_axis(name='x', low=low(1), high=high(1))
-    up = plot_axis(name='y', low=low(2), high=high(2))
+    across = plot_axis(low=low(1), high=high(1))
+    up = plot_axis(low=low(2), high=high(2))
   end subroutine find_frame
 
   subroutine put_plan(results, m, is_first, across, up, circles, rows, buffer)

@@ -13,15 +13,17 @@ module asperity_results_csv
 contains
 
   !> One line a row, under the names of the columns.
-  subroutine write_results(which, results, buffer)
+  subroutine write_results(which, results, buffer, comment)
     integer, intent(in) :: which                !! table, of `asperity_result_table`
     type(scene_results), intent(in) :: results  !! solved; contacts need them kept
     type(text_buffer), intent(inout) :: buffer  !! the text
+    character(len=*), intent(in), optional :: comment  !! a line before the names
     type(result_table) :: table
     type(csv_line) :: line
     integer :: column
     logical :: found
 
+    if (present(comment)) call buffer%line('# ' // comment)
     call table%begin(which, results)
     do column = 1, size(table%names)
       call line%put(table%names(column))

@@ -17,6 +17,7 @@ module asperity_results_html
   use asperity_svg_plot, only: axis_over, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: list_totals, total_line
+  use asperity_unit_names, only: with_unit
   use asperity_version, only: version
   implicit none
   private
@@ -60,15 +61,15 @@ contains
     end if
     call end_section(buffer)
     call begin_section('load', 'Load against approach', buffer)
-    call put_curves(results, buffer)
+    call put_curves(results, scene_in%units, buffer)
     call end_section(buffer)
     if (size(results%positions) > 1) then
       call begin_section('positions', 'Positions', buffer)
-      call put_positions(results, buffer)
+      call put_positions(results, scene_in%units(2), buffer)
       call end_section(buffer)
     end if
     call begin_section('contacts', 'Contacts in plan', buffer)
-    call put_plans(results, buffer)
+    call put_plans(results, scene_in%units, buffer)
     call end_section(buffer)
     call begin_section('origin', 'Where this comes from', buffer)
     call put_origin(scene_in, inputs, results, buffer)
@@ -143,8 +144,9 @@ contains
   end subroutine put_effects
 
   ! A curve a position over its states, and the states of the only one as a table.
-  subroutine put_curves(results, buffer)
+  subroutine put_curves(results, units, buffer)
     type(scene_results), intent(in) :: results
+    character(len=*), intent(in) :: units(2)
     type(text_buffer), intent(inout) :: buffer
     real(real64), allocatable :: x(:), y(:)
     integer, allocatable :: first(:)
@@ -178,8 +180,8 @@ contains
       integer :: every, i, m
 
       call plot%begin('load against approach, ' // decimal_text(states) // ' states', &
-                      axis_over('approach (separation of the reference planes)', x, .false.), &
-                      axis_over('load', y, .false.), buffer)
+                      axis_over(with_unit('approach, separation of planes', units(1)), x, .false.), &
+                      axis_over(with_unit('load', units(2)), y, .false.), buffer)
       every = max(1, states / most_points)
       do m = 1, curves
         if (first(m + 1) - first(m) < 2) cycle
@@ -230,8 +232,9 @@ contains
     end associate
   end subroutine put_states
 
-  subroutine put_positions(results, buffer)
+  subroutine put_positions(results, force, buffer)
     type(scene_results), intent(in) :: results
+    character(len=*), intent(in) :: force
     type(text_buffer), intent(inout) :: buffer
     integer, parameter :: own = 10
     type(svg_plot) :: plot
@@ -255,7 +258,7 @@ contains
     end do
     call plot%begin('load at every position', &
                     axis_over('position', real([1, size(load)], real64), .false.), &
-                    axis_over('load', load, .false.), buffer)
+                    axis_over(with_unit('load', force), load, .false.), buffer)
     associate (every => 1 + size(load) / most_points)
       call plot%curve(real([(m, m = 1, size(load), every)], real64), load(::every), buffer)
     end associate

@@ -10,6 +10,7 @@ module asperity_results_json
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_words, scene
   use asperity_text_buffer, only: text_buffer
+  use asperity_unit_names, only: has_units
   use asperity_version, only: version
   implicit none
   private
@@ -31,6 +32,9 @@ contains
 
     call buffer%line('{')
     call buffer%line('"scene": {"file": ' // json_text(scene_in%file) // ',')
+    if (has_units(scene_in)) &
+      call buffer%line('"units": {"length": ' // json_text(trim(scene_in%units(1))) // &
+                       ', "force": ' // json_text(trim(scene_in%units(2))) // '},')
     call buffer%line('"text": ' // json_text(scene_in%text) // '},')
     call buffer%line('"provenance": {"version": "' // version // '",')
     call buffer%line('"arithmetic": "' // trim(results%arithmetic) // '",')

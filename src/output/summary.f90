@@ -15,6 +15,7 @@ module asperity_summary
                                    effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: write_totals
+  use asperity_unit_names, only: has_units, units_in_words
   implicit none
   private
 
@@ -39,7 +40,7 @@ contains
                                                      buffer)
   end subroutine write_summary
 
-  !> What was solved and how, in three lines.
+  !> What was solved and how, in three lines, and the units where they have names.
   subroutine write_heading(scene_in, results, buffer)
     type(scene), intent(in) :: scene_in         !! what was solved
     type(scene_results), intent(in) :: results  !! its results
@@ -51,6 +52,7 @@ contains
                      effects_in_words(results))
     call buffer%line('control: ' // trim(control_words(scene_in%loading%control)) // &
                      limit_text(scene_in))
+    if (has_units(scene_in)) call buffer%line('units: ' // units_in_words(scene_in))
   end subroutine write_heading
 
   !> What the totals do not tell: limits reached, positions without contact, circles that overlap.

@@ -1,0 +1,38 @@
+!> Names of the units of a run, where its scene or a deck tells them. Nothing is converted.
+module asperity_unit_names
+  use asperity_scene_values, only: scene
+  implicit none
+  private
+
+  public :: has_units, units_in_words, with_unit
+
+contains
+
+  !> Whether the units have names.
+  pure logical function has_units(scene_in)
+    type(scene), intent(in) :: scene_in  !! what was solved
+
+    has_units = scene_in%units(1) /= ''
+  end function has_units
+
+  !> `length mm, force N, area mm2, pressure N/mm2`.
+  pure function units_in_words(scene_in) result(text)
+    type(scene), intent(in) :: scene_in    !! with names
+    character(len=:), allocatable :: text  !! one line
+
+    text = trim(scene_in%units(1))
+    text = 'length ' // text // ', force ' // trim(scene_in%units(2)) // ', area ' // text // &
+           '2, pressure ' // trim(scene_in%units(2)) // '/' // text // '2'
+  end function units_in_words
+
+  !> A name and its unit in brackets; the name alone where there is none.
+  pure function with_unit(name, unit) result(text)
+    character(len=*), intent(in) :: name   !! of a quantity
+    character(len=*), intent(in) :: unit   !! its name, or blank
+    character(len=:), allocatable :: text  !! for instance `load (N)`
+
+    text = name
+    if (unit /= '') text = name // ' (' // trim(unit) // ')'
+  end function with_unit
+
+end module asperity_unit_names

@@ -1,0 +1,80 @@
+"""Names of units: told wherever results are, never converted; what contradicts them is refused."""
+
+import json
+import subprocess
+
+import pytest
+from builds import ROOT
+from surfaces_csv import write_csv_scene
+
+SURFACES = "upper = 'pair_upper.csv', lower = 'pair_lower.csv'"
+NAMED = "length mm, force N, area mm2, pressure N/mm2"
+
+
+def run(asperity, *words, status=0):
+    done = subprocess.run([asperity, "solve", *words], cwd=ROOT, capture_output=True, text=True,
+                          timeout=100, stdin=subprocess.DEVNULL)
+    assert done.returncode == status, done.stderr
+    return done
+
+
+def scene_with(folder, units, header="x,y,height,radius"):
+    scene = write_csv_scene(folder, [(0, 0, .2, 1)], [(0, 0, .1, 1)],
+                            loading={"control": "approach", "value": 0.29})
+    text = scene.read_text()
+    assert SURFACES in text
+    scene.write_text(text.replace(SURFACES, f"{SURFACES}{units}"))
+    surface = folder / "pair_upper.csv"
+    surface.write_text(surface.read_text().replace("x,y,height,radius", header))
+    return scene
+
+
+def test_units_are_names_alone(asperity, tmp_path):
+    """The same bytes but for the names."""
+    files = {option: tmp_path / option[2:] for option in ("--positions", "--contacts", "--curve",
+                                                          "--json", "--html")}
+    words = [word for pair in files.items() for word in pair]
+    bare = run(asperity, scene_with(tmp_path, ""), *words).stdout
+    without = {option: path.read_text() for option, path in files.items()}
+    scene = scene_with(tmp_path, ", units = 'mm', 'N'")
+    told = run(asperity, scene, *words).stdout.splitlines()
+    assert told.pop(3) == f"units: {NAMED}" and told == bare.splitlines()
+    named = {option: path.read_text() for option, path in files.items()}
+    for option in ("--positions", "--contacts", "--curve"):
+        assert named[option] == without[option]
+    assert json.loads(named["--json"])["scene"]["units"] == {"length": "mm", "force": "N"}
+    assert "units" not in json.loads(without["--json"])["scene"]
+    for name in (f"units: {NAMED}", "x (mm)</text>", "y (mm)</text>"):
+        assert name in named["--html"] and name not in without["--html"]
+    run(asperity, scene, *words, "--units", "--quiet")
+    for option in ("--positions", "--contacts", "--curve"):
+        assert files[option].read_text() == f"# units: {NAMED}\n{without[option]}"
+
+
+def test_units_of_a_deck(asperity, tmp_path):
+    scene = ROOT / "data/examples/position_56.scene"
+    out = run(asperity, scene, "--units", "--positions", tmp_path / "p", "--html", tmp_path / "h")
+    units = "units: length cm, force N, area cm2, pressure N/cm2"
+    assert units in out.stdout.splitlines()
+    assert (tmp_path / "p").read_text().startswith(f"# {units}\nposition,")
+    assert "load (N)</text>" in (tmp_path / "h").read_text()
+
+
+@pytest.mark.parametrize("units, answer", [
+    ("'mm'", "units: wrong number of values: found 1, expected 2"),
+    ("'mm', 2", "units: found '2', expected a text of 1 to 16 bytes between quotes"),
+    ("'mm', ' '", "units: found the text ' ', expected a text of 1 to 16 bytes between quotes"),
+    (f"'{17 * 'm'}', 'N'", "expected a text of 1 to 16 bytes"),
+    ("'cm', 'N'", "units: found length 'cm' beside 'mm' in the header of a surface")])
+def test_refused(asperity, tmp_path, units, answer):
+    scene = scene_with(tmp_path, f", units = {units}", "x,y,height [mm],radius")
+    assert answer in run(asperity, scene, status=2).stderr
+
+
+def test_refused_otherwise(asperity, tmp_path):
+    assert "--units: the scene does not name its units" in run(
+        asperity, scene_with(tmp_path, ""), "--units", status=2).stderr
+    scene = tmp_path / "d.scene"
+    scene.write_text(f"&surfaces deck = '{ROOT}/data/thesis.deck', units = 'mm', 'N' /\n")
+    assert ":1:" in (said := run(asperity, scene, status=2).stderr)
+    assert "units: found beside deck, which brings cm and N" in said
