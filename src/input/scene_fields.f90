@@ -199,7 +199,7 @@ contains
     class(scene_fields), intent(inout) :: self      !! the scene's text
     character(len=*), intent(in) :: group           !! a known group
     character(len=*), intent(in) :: name            !! a known name of it
-    character(len=*), intent(inout) :: texts(:)     !! the texts, without blanks behind
+    character(len=16), intent(inout) :: texts(:)    !! the texts, without blanks behind
     character(len=:), allocatable :: text
     integer :: at, i, repeats, used
 

@@ -32,7 +32,8 @@ contains
       if (any([fields%has('surfaces', 'deck'), fields%has('surfaces', 'upper'), &
                fields%has('surfaces', 'lower'), fields%has('surfaces', 'radius')])) &
         call fields%complain_of_group('surfaces', 'found &surfaces beside surfaces that are ' // &
-                                      'given as arrays, expected none, or nominal_area and units alone')
+                                      'given as arrays, expected none, or nominal_area and ' // &
+                                      'units alone')
       return
     end if
     if (.not. fields%has_group('surfaces')) then

@@ -180,7 +180,8 @@ contains
       integer :: every, i, m
 
       call plot%begin('load against approach, ' // decimal_text(states) // ' states', &
-                      axis_over(with_unit('approach, separation of planes', units(1)), x, .false.), &
+                      axis_over(with_unit('approach, separation of planes', units(1)), x, &
+                                .false.), &
                       axis_over(with_unit('load', units(2)), y, .false.), buffer)
       every = max(1, states / most_points)
       do m = 1, curves
