@@ -2,12 +2,13 @@
 module asperity_command_line
   use asperity_arguments, only: argument, argument_list, read_arguments
   use asperity_input_text, only: lower_case, quoted
+  use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
   use asperity_map_levelling, only: level_names, level_plane
   use asperity_map_summits, only: rule_eight, rule_names
   use asperity_height_map, only: length_units
-  use asperity_option_values, only: read_accuracy, read_count, read_seconds, read_spacing, &
-                                    read_tables, read_word, read_words
+  use asperity_option_values, only: read_accuracy, read_count, read_seconds, read_share, &
+                                    read_spacing, read_tables, read_word, read_words
   use asperity_option_table, only: call_of, command_at, commands, known_options, &
                                     output_options
   use asperity_original, only: arithmetic_names
@@ -18,11 +19,12 @@ module asperity_command_line
   use asperity_scene_names, only: any_of
   use asperity_summit_spheres, only: radius_names
   use asperity_system_calls, only: canonical_path
+  use asperity_text_buffer, only: text_buffer
   use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
 
-  public :: command_line, is_shared, output_place, parse_command_line, refuse_input
+  public :: command_line, is_shared, output_place, parse_command_line, refuse_input, tell_part
 
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 
@@ -45,6 +47,8 @@ module asperity_command_line
     logical :: quiet = .false.                       !! no summary
     logical :: budget = .false.                      !! print the error budget
     logical :: units = .false.                       !! name the units in CSV files
+    integer :: share(2) = [1, 1]                     !! part, and how many there are
+    type(kept_file), allocatable :: parts(:)         !! of --keep, but for the first; none: no such
     logical :: cost = .false.                        !! tell what the work will cost, no more
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
@@ -117,6 +121,7 @@ contains
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     if (line%cost .and. line%budget) &
       call problems%add('--cost tells nothing of --budget, expected one of both')
+    call check_share(line, problems)
     call check_files(line, problems)
   end subroutine parse_command_line
 
@@ -165,6 +170,8 @@ contains
       line%quiet = .true.
     case ('--budget')
       line%budget = .true.
+    case ('--share')
+      call read_share(value, line%share, problems)
     case ('--units')
       line%units = .true.
     case ('--cost')
@@ -189,10 +196,57 @@ contains
       line%despike = .true.
     case default
       i = findloc(line%outputs%option == name, .true., 1)
+      if (name == '--keep' .and. allocated(line%outputs(i)%path)) then
+        call add_part(line, value)
+        return
+      end if
       line%outputs(i)%path = value
       if (value == '-') call take_standard_output(line, i, problems)
     end select
   end subroutine take_option
+
+  ! A further file of --keep.
+  pure subroutine add_part(line, path)
+    type(command_line), intent(inout) :: line
+    character(len=*), intent(in) :: path
+    type(kept_file), allocatable :: more(:)
+    integer :: i, number
+
+    number = 0
+    if (allocated(line%parts)) number = size(line%parts)
+    allocate (more(number + 1))
+    do i = 1, number
+      call move_alloc(line%parts(i)%path, more(i)%path)
+    end do
+    more(number + 1)%path = path
+    call move_alloc(more, line%parts)
+  end subroutine add_part
+
+  ! A part is kept in one file; several files are those of parts.
+  subroutine check_share(line, problems)
+    type(command_line), intent(in) :: line
+    type(problem_list), intent(inout) :: problems
+    integer :: i, j
+
+    if (line%share(2) > 1) then
+      if (line%output('--keep') == '' .or. allocated(line%parts)) &
+        call problems%add('--share: expected one --keep with the file of this part')
+      if (line%cost) call problems%add('--cost tells nothing of --share, expected one of both')
+      if (line%budget) call problems%add('--budget is of the whole, expected no --share beside it')
+    end if
+    if (.not. allocated(line%parts)) return
+    do i = 1, size(line%parts)
+      do j = 1, size(line%outputs)
+        if (same_file(line%parts(i)%path, line%output(line%outputs(j)%option))) &
+          call problems%add('--keep and ' // trim(line%outputs(j)%option) // ' both name ' // &
+                            line%parts(i)%path)
+      end do
+      do j = i + 1, size(line%parts)
+        if (same_file(line%parts(i)%path, line%parts(j)%path)) &
+          call problems%add('--keep and --keep both name ' // line%parts(i)%path)
+      end do
+    end do
+  end subroutine check_share
 
   !> An output goes to standard output: it holds one, and no summary. What is kept needs a file.
   subroutine take_standard_output(line, number, problems)
@@ -214,6 +268,19 @@ contains
                           'expected one')
     end do
   end subroutine take_standard_output
+
+  !> Says that a part of the work is kept.
+  subroutine tell_part(line, pieces, number, buffer)
+    type(command_line), intent(in) :: line       !! the user's choices
+    character(len=*), intent(in) :: pieces       !! for instance `positions`
+    integer, intent(in) :: number                !! how many of them the part has
+    type(text_buffer), intent(inout) :: buffer   !! the text
+
+    call buffer%line('part ' // decimal_text(line%share(1)) // ' of ' // &
+                     decimal_text(line%share(2)) // ': ' // decimal_text(number) // ' ' // &
+                     pieces // ' are kept in ' // line%output('--keep') // '; the outputs come ' // &
+                     'from a run with the files of all parts')
+  end subroutine tell_part
 
   !> Whether all images work on a command, each on a part of its pieces.
   pure logical function is_shared(line)

@@ -81,6 +81,9 @@ module asperity_option_table
       'threads (default: one a core, or one for little work); the same bytes for any'), &
     option_entry('solve', '--keep', 'FILE', &
       'keep positions that are solved; a rerun goes on there'), &
+    option_entry('solve', '--share', 'I/N', &
+      'do part I of N and keep it, write nothing else; a run with the --keep files of all ' // &
+      'parts, one option each, gives the whole'), &
     option_entry('solve', '--cost', '', 'tell what time and memory it will take, and end'), &
     option_entry('solve', '--quiet', '', 'print no summary'), &
     option_entry('accuracy', '--seconds', 'S', &
@@ -96,6 +99,9 @@ module asperity_option_table
     option_entry('generate', '--cost', '', 'tell what time and memory it will take, and end'), &
     option_entry('study', '--csv', 'FILE', 'write the table with all digits'), &
     option_entry('study', '--keep', 'FILE', 'keep surfaces that are done; a rerun goes on there'), &
+    option_entry('study', '--share', 'I/N', &
+      'do part I of N and keep it, write nothing else; a run with the --keep files of all ' // &
+      'parts, one option each, gives the whole'), &
     option_entry('study', '--cost', '', 'tell what time and memory it will take, and end'), &
     option_entry('study', '--quiet', '', 'print no table'), &
     option_entry('summits', '--output', 'FILE', 'write the summits as CSV: x,y,height,radius'), &

@@ -11,7 +11,7 @@ module asperity_option_values
   implicit none
   private
 
-  public :: read_accuracy, read_count, read_seconds, read_spacing, read_tables, read_word, &
+  public :: read_accuracy, read_count, read_seconds, read_share, read_spacing, read_tables, read_word, &
             read_words
 
 contains
@@ -33,6 +33,31 @@ contains
     number = 0
     call problems%add(option // ': found ' // quoted(value) // ', expected ' // expected)
   end subroutine read_count
+
+  !> A part and how many there are: `I/N`.
+  subroutine read_share(value, share, problems)
+    character(len=*), intent(in) :: value          !! the word
+    integer, intent(inout) :: share(2)             !! as it was when the word is no such pair
+    type(problem_list), intent(inout) :: problems  !! what is wrong
+    integer :: found(2), slash, status
+
+    slash = index(value, '/')
+    status = 1
+    if (slash > 1 .and. slash < len(value) .and. len(value) <= 13 .and. &
+        verify(value, '0123456789/') == 0 .and. slash == index(value, '/', back=.true.)) then
+      read (value(:slash - 1), '(i6)', iostat=status) found(1)
+      if (status == 0 .and. slash <= 7) read (value(slash + 1:), '(i6)', iostat=status) found(2)
+      if (slash > 7 .or. len(value) - slash > 6) status = 1
+    end if
+    if (status == 0) then
+      if (found(1) >= 1 .and. found(1) <= found(2)) then
+        share = found
+        return
+      end if
+    end if
+    call problems%add('--share: found ' // quoted(value) // ', expected I/N, part I of N, for ' // &
+                      'instance 3/16')
+  end subroutine read_share
 
   !> A relative error between 0 and 1.
   subroutine read_accuracy(value, accuracy, problems)

@@ -1,7 +1,7 @@
 !> The command `asperity solve SCENE`: scene, present-day solver, summary and CSV files.
 module asperity_run_solve
   use asperity_budget_table, only: write_budget
-  use asperity_command_line, only: command_line, is_shared, refuse_input
+  use asperity_command_line, only: command_line, is_shared, refuse_input, tell_part
   use asperity_command_outcome, only: command_outcome
   use asperity_corrected_table, only: correct_table
   use asperity_error_budget, only: error_budget, measure_budget
@@ -10,7 +10,8 @@ module asperity_run_solve
   use asperity_kinds, only: int64, real64
   use asperity_output_files, only: tell_kept
   use asperity_position_packet, only: pack_position
-  use asperity_problems, only: problem_list
+  use asperity_position_lists, only: counted
+  use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_results_csv, only: write_results
   use asperity_results_html, only: write_html
@@ -57,6 +58,10 @@ contains
       call measure_budget(scene_in, options, results, budget, outcome%failure)
     if (allocated(outcome%failure)) then
       outcome%failure = line%input // ': ' // outcome%failure
+      return
+    end if
+    if (line%share(2) > 1) then
+      if (.not. line%quiet) call tell_part(line, 'positions', size(results%positions), outcome%text)
       return
     end if
     if (line%cost) call weigh_positions(scene_in, results, cost)
@@ -164,6 +169,11 @@ contains
                         'units = ''mm'', ''N'' in &surfaces')
     if (allocated(scene_in%map) .and. line%budget) &
       call problems%add('--budget: a map is compared with its summits in every run, expected none')
+    if (line%share(2) > scene_in%motion%positions .or. &
+        (allocated(scene_in%map) .and. line%share(2) > 1)) &
+      call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
+                        counted(merge(1, scene_in%motion%positions, allocated(scene_in%map)), &
+                                'position') // ', expected no more parts than positions')
     if (.not. (scene_in%effects%any_on() .or. allocated(scene_in%loading%path))) return
     if (line%arithmetic /= '' .and. line%arithmetic /= 'real64') &
       call problems%add('--arithmetic ' // line%arithmetic // ': effects and paths of several ' // &
@@ -188,6 +198,9 @@ contains
     options%progress = image_number() == 1
     options%all_images = is_shared(line)
     options%keep_file = line%output('--keep')
+    options%part = line%share(1)
+    options%parts = line%share(2)
+    if (allocated(line%parts)) options%more_files = line%parts
     if (.not. line%cost) return
     options%sample = pieces_tried
     options%threads = 1

@@ -5,11 +5,13 @@ module asperity_run_study
   use asperity_area_study_statistics, only: area_study
   use asperity_area_study_surface, only: numbers_of_a_surface
   use asperity_area_study_table, only: write_area_csv, write_area_table
-  use asperity_command_line, only: command_line
+  use asperity_command_line, only: command_line, tell_part
   use asperity_command_outcome, only: command_outcome
   use asperity_images, only: image_number
+  use asperity_kept_records, only: pieces_of_part
   use asperity_kinds, only: real64
   use asperity_output_files, only: tell_kept
+  use asperity_problems, only: decimal_text
   use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
   use asperity_text_buffer, only: text_buffer
@@ -38,11 +40,18 @@ contains
     if (outcome%problems%count() == 0) then
       call plan_study(spec, plan, failure)
       if (allocated(failure)) call outcome%problems%add(line%input // ': ' // failure)
+      if (line%share(2) > spec%surfaces%ensemble) &
+        call outcome%problems%add('--share: found ' // decimal_text(line%share(2)) // &
+                                  ' parts of ' // decimal_text(spec%surfaces%ensemble) // &
+                                  ' surfaces, expected no more parts than surfaces')
     end if
     if (outcome%problems%count() > 0) return
     options%progress = image_number() == 1
     options%all_images = .true.
     options%keep_file = line%output('--keep')
+    options%part = line%share(1)
+    options%parts = line%share(2)
+    if (allocated(line%parts)) options%more_files = line%parts
     if (line%cost) then
       cost%pieces = 'surfaces'
       cost%total = spec%surfaces%ensemble
@@ -60,6 +69,10 @@ contains
       cost%begun = study%begun
       cost%ended = study%ended
       call tell_cost(cost, outcome%text)
+    else if (image_number() == 1 .and. options%parts > 1) then
+      if (.not. line%quiet) &
+        call tell_part(line, 'surfaces', pieces_of_part(spec%surfaces%ensemble, options%part, &
+                                                        options%parts), outcome%text)
     else if (image_number() == 1) then
       call write_area_csv(study, csv)
       call outcome%stage(line%output('--csv'), csv)

@@ -1,4 +1,5 @@
-!> The file in which long work keeps what is done, so that a rerun goes on from there.
+!> The file in which long work keeps what is done, so that a rerun goes on from there; or several,
+!> of parts of the work that were done by themselves.
 !>
 !> A line says what work it is, by a checksum of all its input. Then, for every piece of it in
 !> order (a surface, a position), a line with its number, how many words of 64 bits follow and their
@@ -18,11 +19,21 @@ module asperity_kept_records
   implicit none
   private
 
-  public :: checksum, keep_records, kept_work, word_record, resume_records
+  public :: checksum, join_records, keep_records, kept_file, kept_work, pieces_of_part, &
+            resume_records, whole_number, word_record
 
-  !> What is kept, and where.
+  !> A file.
+  type :: kept_file
+    character(len=:), allocatable :: path      !! as the user gave it
+  end type kept_file
+
+  !> What is kept, and where. Part I of N of some work is its pieces I, I + N, I + 2 N and so on; in
+  !> its file they are numbered from 1.
   type :: kept_work
     character(len=:), allocatable :: path      !! the file
+    integer :: part = 1                        !! which part of the work is done and kept
+    integer :: parts = 1                       !! of so many
+    type(kept_file), allocatable :: more(:)    !! files of further parts, to be joined; none: no such
     character(len=:), allocatable :: heading   !! its first line: what work it is
     character(len=:), allocatable :: piece     !! what a record is, for instance `surface`
     character(len=:), allocatable :: of_what   !! whose, for a message: `this specification`
@@ -53,7 +64,7 @@ contains
     integer :: used
 
     allocate (records(0))
-    heading = work%heading // new_line('a')
+    heading = work%heading // part_text(work%part, work%parts) // new_line('a')
     text = ''
     descriptor = posix_open(work%path // c_null_char, read_only)
     if (descriptor >= 0) then
@@ -83,6 +94,103 @@ contains
     call stage_file(work%path, heading, failure)
     if (.not. allocated(failure)) call commit_files(failure)
   end subroutine resume_records
+
+  !> How many of the pieces of some work a part has.
+  elemental integer function pieces_of_part(pieces, part, parts) result(number)
+    integer, intent(in) :: pieces  !! in all
+    integer, intent(in) :: part    !! from 1
+    integer, intent(in) :: parts   !! how many parts there are
+
+    number = (pieces - part + parts) / parts
+  end function pieces_of_part
+
+  !> The number in the whole work of a piece of a part.
+  elemental integer function whole_number(piece, part, parts) result(number)
+    integer, intent(in) :: piece   !! number in the part
+    integer, intent(in) :: part    !! from 1
+    integer, intent(in) :: parts   !! how many parts there are
+
+    number = part + (piece - 1) * parts
+  end function whole_number
+
+  !> What all parts have kept, in the order of the whole. `failure` is allocated when a file is not
+  !> one of them, when one is missing or not done.
+  subroutine join_records(work, total, records, failure)
+    type(kept_work), intent(in) :: work                        !! with `more` files
+    integer, intent(in) :: total                               !! pieces in all
+    type(word_record), allocatable, intent(out) :: records(:)  !! of all pieces
+    character(len=:), allocatable, intent(out) :: failure      !! why not
+    character(len=:), allocatable :: path
+    logical, allocatable :: is_there(:)
+    integer :: i, parts
+
+    parts = 1 + size(work%more)
+    allocate (records(total), is_there(parts))
+    is_there = .false.
+    do i = 1, parts
+      if (i == 1) then
+        path = work%path
+      else
+        path = work%more(i - 1)%path
+      end if
+      call join_part(work, path, is_there, records, failure)
+      if (allocated(failure)) return
+    end do
+  end subroutine join_records
+
+  ! The records of one part.
+  subroutine join_part(work, path, is_there, records, failure)
+    type(kept_work), intent(in) :: work
+    character(len=*), intent(in) :: path
+    logical, intent(inout) :: is_there(:)
+    type(word_record), intent(inout) :: records(:)
+    character(len=:), allocatable, intent(out) :: failure
+    type(word_record), allocatable :: found(:)
+    character(len=:), allocatable :: heading, text
+    integer :: i, part, parts, pieces, used
+
+    call read_whole_file(path, text, failure)
+    if (allocated(failure)) return
+    parts = size(is_there)
+    do part = 1, parts
+      heading = work%heading // part_text(part, parts) // new_line('a')
+      if (index(text, heading) == 1) exit
+    end do
+    if (part > parts) then
+      failure = path // ': holds no part of ' // decimal_text(parts) // ' of the ' // &
+                work%piece // 's of ' // work%of_what // ', expected the files of all ' // &
+                decimal_text(parts) // ' parts that --share kept, each with one --keep'
+      return
+    end if
+    if (is_there(part)) then
+      failure = path // ': holds part ' // decimal_text(part) // ' of ' // decimal_text(parts) // &
+                ' once more, expected each part once'
+      return
+    end if
+    is_there(part) = .true.
+    pieces = pieces_of_part(size(records), part, parts)
+    used = len(heading)
+    allocate (found(0))
+    call take_records(text, work%piece, pieces, used, found)
+    if (size(found) < pieces) then
+      failure = path // ': holds ' // decimal_text(size(found)) // ' of ' // &
+                decimal_text(pieces) // ' ' // work%piece // 's, expected all: run it with ' // &
+                '--share ' // decimal_text(part) // '/' // decimal_text(parts) // ' to its end'
+      return
+    end if
+    do i = 1, pieces
+      call move_alloc(found(i)%words, records(whole_number(i, part, parts))%words)
+    end do
+  end subroutine join_part
+
+  ! What of the work a file has, behind its first line; nothing for the whole.
+  pure function part_text(part, parts) result(text)
+    integer, intent(in) :: part, parts
+    character(len=:), allocatable :: text
+
+    text = ''
+    if (parts > 1) text = ', part ' // decimal_text(part) // ' of ' // decimal_text(parts)
+  end function part_text
 
   !> Appends records. `failure` is allocated when they cannot be kept.
   subroutine keep_records(work, first, records, failure)

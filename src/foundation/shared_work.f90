@@ -6,7 +6,8 @@
 !> is one round, and nothing becomes words.
 module asperity_shared_work
   use asperity_images, only: gather_words, image_count, image_number, take_from_first
-  use asperity_kept_records, only: keep_records, kept_work, resume_records, word_record
+  use asperity_kept_records, only: join_records, keep_records, kept_work, resume_records, &
+                                   word_record
   use asperity_kinds, only: int64
   implicit none
   private
@@ -54,8 +55,12 @@ contains
     allocate (work%records(0))
     if (.not. work%packed) return
     if (is_kept(work) .and. image_number() == 1) then
-      call resume_records(kept, total, work%records, work%ending)
-      work%done = size(work%records)
+      if (allocated(kept%more)) then
+        call join_records(kept, total, work%records, work%ending)
+      else
+        call resume_records(kept, total, work%records, work%ending)
+      end if
+      if (.not. allocated(work%ending)) work%done = size(work%records)
     end if
     call agree(work)
   end subroutine begin_work

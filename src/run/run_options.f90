@@ -1,6 +1,7 @@
 !> How a run is done: all that is not in the scene.
 module asperity_run_options
   use asperity_interruption, only: interruption
+  use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
   implicit none
   private
@@ -19,6 +20,10 @@ module asperity_run_options
     integer :: sample = 0                          !! solve so many positions, spread; 0: all
     logical :: all_images = .false.                !! all images of the run call, and share the work
     character(len=:), allocatable :: keep_file     !! positions are kept there as they are solved
+    integer :: part = 1                            !! of the positions, to be solved and kept alone
+    integer :: parts = 1                           !! so many there are
+    !> Files of further parts: all are there, and are joined; not allocated: this is no such run.
+    type(kept_file), allocatable :: more_files(:)
     type(interruption) :: interrupt = interruption()  !! another thread can end the run, which fails
   end type run_options
 

@@ -287,6 +287,9 @@ contains
     if (allocated(options%keep_file)) kept%path = options%keep_file
     if (kept%path == '') return
     kept%piece = 'position'
+    kept%part = options%part
+    kept%parts = options%parts
+    if (allocated(options%more_files)) kept%more = options%more_files
     kept%of_what = 'this scene, arithmetic and list of contacts'
     call list_inputs(scene_in, inputs, failure)
     kept%heading = 'asperity ' // version // ' solve, ' // trim(options%arithmetic) // &

@@ -8,7 +8,7 @@ module asperity_sweep
   use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
   use asperity_images, only: image_number
   use asperity_interruption, only: interruption
-  use asperity_kept_records, only: kept_work
+  use asperity_kept_records, only: kept_work, pieces_of_part, whole_number
   use asperity_kinds, only: int64
   use asperity_loads_met, only: check_loads, compare_loads
   use asperity_position_packet, only: pack_position, unpack_position
@@ -32,7 +32,8 @@ module asperity_sweep
   type :: sweep_watch
     integer :: last = 0            ! no position behind it is wanted
     integer :: highest = 0         ! of those solved
-    integer :: stride = 1          ! from one that is solved to the next, in the scene
+    integer :: start = 1           ! the first one that is solved, in the scene
+    integer :: stride = 1          ! from one that is solved to the next
     integer(int64) :: rows = 0_int64  ! contacts kept so far
     type(progress_line) :: progress
     type(shared_work) :: work
@@ -58,6 +59,11 @@ contains
     number = solver%positions
     if (options%sample > 0) number = min(number, options%sample)
     if (number > 1) watch%stride = (solver%positions - 1) / (number - 1)
+    if (options%parts > 1) then
+      number = pieces_of_part(number, options%part, options%parts)
+      watch%start = options%part
+      watch%stride = options%parts
+    end if
     states = int(number, int64) * int(max(1, solver%states), int64)
     if (.not. has_memory(states * int(room_of_a_state, int64))) then
       failure = 'not enough memory for ' // decimal_text(number) // ' positions'
@@ -75,6 +81,8 @@ contains
     do m = 1, watch%work%done * merge(1, 0, image_number() == 1)
       call unpack_position(watch%work%records(m)%words, positions(m))
     end do
+    if (allocated(kept%more) .and. sum(int(positions%rows_used, int64)) > most_rows) &
+      watch%work%ending = too_many()
     call watch%progress%begin(options%progress, 'positions', number, watch%work%done)
     do
       call begin_round(watch%work, going_on)
@@ -138,7 +146,7 @@ contains
     integer(int64), allocatable :: words(:)
     integer :: last
 
-    call solver%solve(1 + (m - 1) * watch%stride, options%keep_contacts, position, failure)
+    call solver%solve(whole_number(m, watch%start, watch%stride), options%keep_contacts, position, failure)
     if (.not. allocated(failure)) then
       if (.not. are_finite(position)) &
         failure = 'a result is beyond the range of a double, expected other units'
@@ -184,14 +192,20 @@ contains
         rows = rows + int(positions(m)%rows_used, int64)
         if (m == work%failed) work%ending = work%failure
         if (rows > int(most_rows, int64)) &
-          work%ending = 'more than ' // decimal_text(most_rows) // ' contacts to keep: ' // &
-                        'expected fewer positions or points, or no list of contacts'
+          work%ending = too_many()
         if (.not. allocated(work%ending)) cycle
-        work%ending = 'position ' // decimal_text(1 + (m - 1) * watch%stride) // ': ' // &
+        work%ending = 'position ' // decimal_text(whole_number(m, watch%start, watch%stride)) // ': ' // &
                       work%ending
         return
       end do
     end associate
   end subroutine take_round
+
+  pure function too_many() result(text)
+    character(len=:), allocatable :: text
+
+    text = 'more than ' // decimal_text(most_rows) // ' contacts to keep: expected fewer ' // &
+           'positions or points, or no list of contacts'
+  end function too_many
 
 end module asperity_sweep

@@ -5,7 +5,7 @@ module asperity_area_study
   use asperity_area_study_surface, only: numbers_of_a_surface, prepare_surfaces, study_surface
   use asperity_generated_surface, only: surface_plan
   use asperity_images, only: image_number
-  use asperity_kept_records, only: checksum, kept_work, word_record
+  use asperity_kept_records, only: checksum, kept_work, pieces_of_part, whole_number, word_record
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text
   use asperity_progress, only: progress_line
@@ -25,7 +25,7 @@ module asperity_area_study
 contains
 
   !> Runs the study: every image studies surfaces, image 1 gathers them in order and keeps them.
-  !> Only there `study` is filled. `failure` is allocated on all images alike.
+  !> Only there `study` is filled, and not by a part. `failure` is allocated on all images alike.
   subroutine run_area_study(spec, plan, options, study, failure)
     type(study_spec), intent(in) :: spec                   !! checked
     type(study_plan), intent(in) :: plan                   !! its plan
@@ -39,18 +39,23 @@ contains
     real(real64), allocatable :: numbers(:, :)
     real(real64) :: begun, ended
     logical :: going_on
-    integer :: members, many, m, status
+    integer :: members, many, m, status, surface
 
-    members = spec%surfaces%ensemble
+    members = pieces_of_part(spec%surfaces%ensemble, options%part, options%parts)
     many = numbers_of_a_surface(plan)
     allocate (numbers(many, members), source=0.0_real64, stat=status)
     if (status /= 0) then
       failure = 'not enough memory for the sections of ' // decimal_text(members) // ' surfaces'
       return
     end if
-    kept = kept_work('', 'asperity ' // version // ' study, specification ' // &
-                     checksum(spec%text), 'surface', 'this specification')
+    kept%path = ''
     if (allocated(options%keep_file)) kept%path = options%keep_file
+    kept%heading = 'asperity ' // version // ' study, specification ' // checksum(spec%text)
+    kept%piece = 'surface'
+    kept%of_what = 'this specification'
+    kept%part = options%part
+    kept%parts = options%parts
+    if (allocated(options%more_files)) kept%more = options%more_files
     call begin_work(work, members, options%all_images, kept, most_each)
     do m = 1, work%done * merge(1, 0, image_number() == 1)
       call take_surface(work%records(m), numbers(:, m))
@@ -63,9 +68,10 @@ contains
       if (.not. going_on) exit
       do m = work%first, work%last
         if (.not. is_own(work, m)) cycle
-        call study_surface(spec, plan, plans, m, numbers(:, m), failure)
+        surface = whole_number(m, options%part, options%parts)
+        call study_surface(spec, plan, plans, surface, numbers(:, m), failure)
         if (allocated(failure)) then
-          call add_failure(work, m, 'surface ' // decimal_text(m) // ': ' // failure)
+          call add_failure(work, m, 'surface ' // decimal_text(surface) // ': ' // failure)
           exit
         end if
         if (work%packed) work%records(m)%words = transfer(numbers(:, m), [0_int64])
@@ -82,7 +88,7 @@ contains
     call cpu_time(ended)
     if (allocated(work%ending)) then
       failure = work%ending
-    else if (image_number() == 1) then
+    else if (image_number() == 1 .and. options%parts == 1) then
       call evaluate_study(spec, plan, numbers, study)
       study%begun = begun
       study%ended = ended

@@ -1,0 +1,139 @@
+"""`--share I/N`: parts of a sweep or a study done by themselves, joined by a run over their files,
+are the whole, byte for byte."""
+
+import os
+import re
+import subprocess
+
+import pytest
+from builds import ROOT
+from test_kept_positions import OUTPUTS, SCENES, thesis_scene
+
+STUDY = ROOT / "data/examples/study"
+
+
+def run(asperity, folder, *words, status=0):
+    done = subprocess.run([asperity, *words], cwd=folder, stdin=subprocess.DEVNULL, timeout=200,
+                          capture_output=True, text=True)
+    assert done.returncode == status, done.stderr
+    return done
+
+
+def outputs(scene):
+    return [word for name in OUTPUTS for word in (f"--{name}", f"{name}.csv")
+            if name != "contacts" or "without a list" not in scene.name]
+
+
+def files(folder):
+    return {path.name: path.read_bytes() for path in folder.glob("*.csv")}
+
+
+@pytest.mark.parametrize("parts", [2, 7])
+@pytest.mark.parametrize("name", SCENES)
+def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
+    scene = thesis_scene(name, root, tmp_path)
+    words = ["solve", scene, *outputs(scene)]
+    whole, joined = tmp_path / "whole", tmp_path / "joined"
+    whole.mkdir()
+    joined.mkdir()
+    at_once = run(asperity, whole, *words)
+    expected = files(whole)
+    positions = len(expected["positions.csv"].splitlines()) - 1
+    keeps = []
+    for part in range(1, parts + 1):
+        keeps += ["--keep", f"part.{part}"]
+        done = run(asperity, joined, *words, "--share", f"{part}/{parts}", *keeps[-2:])
+        number = len(range(part, positions + 1, parts))
+        assert done.stdout == (f"part {part} of {parts}: {number} positions are kept in part.{part};"
+                               " the outputs come from a run with the files of all parts\n")
+        assert files(joined) == {}
+    # The files in any order; what is kept is not changed.
+    kept = {path.name: path.read_bytes() for path in joined.iterdir()}
+    together = run(asperity, joined, *words, *keeps[4:], *keeps[:4])
+    assert files(joined) == expected and expected
+    assert (together.stdout, together.stderr) == (at_once.stdout, at_once.stderr)
+    assert kept == {name: (joined / name).read_bytes() for name in kept}
+    tally.add("shares: positions", positions, positions)
+
+
+def test_study(asperity, root, tmp_path):
+    spec = next(STUDY.glob("*"))
+    text = re.sub(r"ensemble\s*=\s*\d+", "ensemble = 5", spec.read_text())
+    assert "ensemble = 5" in text
+    (tmp_path / "s.study").write_text(text)
+    at_once = run(asperity, tmp_path, "study", "s.study", "--csv", "whole.csv")
+    for part in (1, 2):
+        run(asperity, tmp_path, "study", "s.study", "--share", f"{part}/2", "--keep", f"p{part}")
+    together = run(asperity, tmp_path, "study", "s.study", "--csv", "joined.csv", "--keep", "p1",
+                   "--keep", "p2")
+    assert together.stdout == at_once.stdout
+    assert (tmp_path / "whole.csv").read_bytes() == (tmp_path / "joined.csv").read_bytes()
+
+
+def test_a_part_goes_on(asperity, root, tmp_path):
+    """A part that was ended in the middle is told, goes on, and then the whole can be had."""
+    scene = thesis_scene("curve", root, tmp_path)
+    words = ["solve", scene, "--positions", "positions.csv"]
+    for part in (1, 2, 3):
+        run(asperity, tmp_path, *words, "--share", f"{part}/3", "--keep", f"p{part}")
+    kept = (tmp_path / "p2").read_bytes()
+    places = [match.start() for match in re.finditer(rb"(?m)^position ", kept)]
+    assert len(places) == 13
+    (tmp_path / "p2").write_bytes(kept[:places[4] + 50])
+    keeps = ["--keep", "p1", "--keep", "p2", "--keep", "p3"]
+    told = run(asperity, tmp_path, *words, *keeps, status=1).stderr
+    assert "p2: holds 4 of 13 positions, expected all: run it with --share 2/3 to its end" in told
+    assert not (tmp_path / "positions.csv").exists()
+    run(asperity, tmp_path, *words, "--share", "2/3", "--keep", "p2")
+    assert (tmp_path / "p2").read_bytes() == kept
+    run(asperity, tmp_path, *words, *keeps)
+    assert len((tmp_path / "positions.csv").read_text().splitlines()) == 41
+
+
+def test_what_is_refused(asperity, root, tmp_path):
+    scene = thesis_scene("curve", root, tmp_path)
+    for part in (1, 2):
+        run(asperity, tmp_path, "solve", scene, "--share", f"{part}/2", "--keep", f"p{part}")
+    for words, answer in ((["--share", "0/2"], "expected I/N, part I of N"),
+                          (["--share", "3/2"], "expected I/N, part I of N"),
+                          (["--share", "half"], "--share: found 'half'"),
+                          (["--share", "1/2"], "--share: expected one --keep"),
+                          (["--share", "1/41", "--keep", "a"], "41 parts of 40 positions"),
+                          (["--share", "1/2", "--keep", "a", "--keep", "b"], "expected one --keep"),
+                          (["--share", "1/2", "--keep", "a", "--cost"], "--cost tells nothing of"),
+                          (["--keep", "p1", "--keep", "./p1"], "--keep and --keep both name"),
+                          (["--keep", "p1", "--keep", "p2", "--positions", "p2"],
+                           "--keep and --positions both name p2")):
+        assert answer in run(asperity, tmp_path, "solve", scene, *words, status=2).stderr
+    (tmp_path / "again").write_bytes((tmp_path / "p1").read_bytes())
+    for words, answer in ((["p1"], "p1: holds no positions of this scene"),
+                          (["p1", "again"], "again: holds part 1 of 2 once more"),
+                          (["p1", "p2", "again"], "p1: holds no part of 3"),
+                          (["p1", "none"], "none: "), (["p1", str(scene)], "holds no part of 2")):
+        keeps = [word for path in words for word in ("--keep", path)]
+        assert answer in run(asperity, tmp_path, "solve", scene, *keeps, status=1).stderr
+    other = thesis_scene("thesis", root, tmp_path)
+    assert "holds no part of 2 of the positions of this scene" in run(
+        asperity, tmp_path, "solve", other, "--keep", "p1", "--keep", "p2", status=1).stderr
+
+
+def test_the_recipe_for_a_cluster(asperity, root, tmp_path):
+    """Both scripts of the page as they stand, the tasks of the array one after the other."""
+    page = (root / "docs/many-images.md").read_text()
+    array, join = re.findall(r"```\n((?:#!/bin/bash\n)?(?:#SBATCH.*\n)*asperity solve SCENE[^`]*)```",
+                             page)[:2]
+    scene = thesis_scene("thesis", root, tmp_path)
+    (tmp_path / "asperity").symlink_to(asperity)
+    [tasks] = re.findall(r"#SBATCH --array=1-(\d+)", array)
+    paths = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "OMP_NUM_THREADS": "1"}
+
+    def bash(script, **more):
+        subprocess.run(["bash", "-ec", script.replace("SCENE", str(scene))], cwd=tmp_path, timeout=100,
+                       check=True, env={**paths, **more}, capture_output=True)
+    for task in range(1, int(tasks) + 1):
+        bash(array, SLURM_ARRAY_TASK_ID=str(task))
+    assert files(tmp_path) == {}
+    bash(join)
+    joined = files(tmp_path)
+    run(asperity, tmp_path, "solve", scene, "--positions", "positions.csv")
+    assert joined == files(tmp_path) and list(joined) == ["positions.csv"]
