@@ -278,8 +278,8 @@ contains
 
     call buffer%line('part ' // decimal_text(line%share(1)) // ' of ' // &
                      decimal_text(line%share(2)) // ': ' // decimal_text(number) // ' ' // &
-                     pieces // ' are kept in ' // line%output('--keep') // '; the outputs come ' // &
-                     'from a run with the files of all parts')
+                     pieces // ' are kept in ' // line%output('--keep') // &
+                     '; the outputs come from a run with the files of all parts')
   end subroutine tell_part
 
   !> Whether all images work on a command, each on a part of its pieces.

@@ -11,8 +11,8 @@ module asperity_option_values
   implicit none
   private
 
-  public :: read_accuracy, read_count, read_seconds, read_share, read_spacing, read_tables, read_word, &
-            read_words
+  public :: read_accuracy, read_count, read_seconds, read_share, read_spacing, read_tables, &
+            read_word, read_words
 
 contains
 
@@ -42,18 +42,14 @@ contains
     integer :: found(2), slash, status
 
     slash = index(value, '/')
+    found = 0
     status = 1
-    if (slash > 1 .and. slash < len(value) .and. len(value) <= 13 .and. &
-        verify(value, '0123456789/') == 0 .and. slash == index(value, '/', back=.true.)) then
-      read (value(:slash - 1), '(i6)', iostat=status) found(1)
-      if (status == 0 .and. slash <= 7) read (value(slash + 1:), '(i6)', iostat=status) found(2)
-      if (slash > 7 .or. len(value) - slash > 6) status = 1
-    end if
-    if (status == 0) then
-      if (found(1) >= 1 .and. found(1) <= found(2)) then
-        share = found
-        return
-      end if
+    if (slash > 1 .and. verify(value(:max(1, slash - 1)) // value(slash + 1:), '0123456789') == 0 &
+        .and. max(slash - 1, len(value) - slash) <= 6 .and. slash < len(value)) &
+      read (value(:slash - 1) // ' ' // value(slash + 1:), *, iostat=status) found
+    if (status == 0 .and. found(1) >= 1 .and. found(1) <= found(2)) then
+      share = found
+      return
     end if
     call problems%add('--share: found ' // quoted(value) // ', expected I/N, part I of N, for ' // &
                       'instance 3/16')

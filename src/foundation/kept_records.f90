@@ -33,7 +33,7 @@ module asperity_kept_records
     character(len=:), allocatable :: path      !! the file
     integer :: part = 1                        !! which part of the work is done and kept
     integer :: parts = 1                       !! of so many
-    type(kept_file), allocatable :: more(:)    !! files of further parts, to be joined; none: no such
+    type(kept_file), allocatable :: more(:)    !! files of further parts, to be joined
     character(len=:), allocatable :: heading   !! its first line: what work it is
     character(len=:), allocatable :: piece     !! what a record is, for instance `surface`
     character(len=:), allocatable :: of_what   !! whose, for a message: `this specification`

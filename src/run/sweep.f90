@@ -146,7 +146,8 @@ contains
     integer(int64), allocatable :: words(:)
     integer :: last
 
-    call solver%solve(whole_number(m, watch%start, watch%stride), options%keep_contacts, position, failure)
+    call solver%solve(whole_number(m, watch%start, watch%stride), options%keep_contacts, &
+                      position, failure)
     if (.not. allocated(failure)) then
       if (.not. are_finite(position)) &
         failure = 'a result is beyond the range of a double, expected other units'
@@ -194,7 +195,8 @@ contains
         if (rows > int(most_rows, int64)) &
           work%ending = too_many()
         if (.not. allocated(work%ending)) cycle
-        work%ending = 'position ' // decimal_text(whole_number(m, watch%start, watch%stride)) // ': ' // &
+        work%ending = 'position ' // &
+                      decimal_text(whole_number(m, watch%start, watch%stride)) // ': ' // &
                       work%ending
         return
       end do

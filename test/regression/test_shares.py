@@ -44,8 +44,9 @@ def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
         keeps += ["--keep", f"part.{part}"]
         done = run(asperity, joined, *words, "--share", f"{part}/{parts}", *keeps[-2:])
         number = len(range(part, positions + 1, parts))
-        assert done.stdout == (f"part {part} of {parts}: {number} positions are kept in part.{part};"
-                               " the outputs come from a run with the files of all parts\n")
+        assert done.stdout == (f"part {part} of {parts}: {number} positions are kept in "
+                               f"part.{part}; the outputs come from a run with the files of all "
+                               "parts\n")
         assert files(joined) == {}
     # The files in any order; what is kept is not changed.
     kept = {path.name: path.read_bytes() for path in joined.iterdir()}
@@ -120,16 +121,16 @@ def test_what_is_refused(asperity, root, tmp_path):
 def test_the_recipe_for_a_cluster(asperity, root, tmp_path):
     """Both scripts of the page as they stand, the tasks of the array one after the other."""
     page = (root / "docs/many-images.md").read_text()
-    array, join = re.findall(r"```\n((?:#!/bin/bash\n)?(?:#SBATCH.*\n)*asperity solve SCENE[^`]*)```",
-                             page)[:2]
+    array, join = re.findall(
+        r"```\n((?:#!/bin/bash\n)?(?:#SBATCH.*\n)*asperity solve SCENE[^`]*)```", page)
     scene = thesis_scene("thesis", root, tmp_path)
     (tmp_path / "asperity").symlink_to(asperity)
     [tasks] = re.findall(r"#SBATCH --array=1-(\d+)", array)
     paths = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "OMP_NUM_THREADS": "1"}
 
     def bash(script, **more):
-        subprocess.run(["bash", "-ec", script.replace("SCENE", str(scene))], cwd=tmp_path, timeout=100,
-                       check=True, env={**paths, **more}, capture_output=True)
+        subprocess.run(["bash", "-ec", script.replace("SCENE", str(scene))], cwd=tmp_path,
+                       timeout=100, check=True, env={**paths, **more}, capture_output=True)
     for task in range(1, int(tasks) + 1):
         bash(array, SLURM_ARRAY_TASK_ID=str(task))
     assert files(tmp_path) == {}
