@@ -39,14 +39,17 @@ contains
     character(len=*), intent(in) :: value          !! the word
     integer, intent(inout) :: share(2)             !! as it was when the word is no such pair
     type(problem_list), intent(inout) :: problems  !! what is wrong
+    character(len=len(value)) :: pair
     integer :: found(2), slash, status
 
     slash = index(value, '/')
+    pair = value
+    if (slash > 0) pair(slash:slash) = ' '
     found = 0
     status = 1
     if (slash > 1 .and. verify(value(:max(1, slash - 1)) // value(slash + 1:), '0123456789') == 0 &
         .and. max(slash - 1, len(value) - slash) <= 6 .and. slash < len(value)) &
-      read (value(:slash - 1) // ' ' // value(slash + 1:), *, iostat=status) found
+      read (pair, *, iostat=status) found
     if (status == 0 .and. found(1) >= 1 .and. found(1) <= found(2)) then
       share = found
       return
