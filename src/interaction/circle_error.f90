@@ -102,7 +102,7 @@ contains
     gradient = 0.0_real64
     gradient(1, :) = -1.0_real64
     products = 0
-    call newton_step(solution%set, gradient, .false., weight_left, step, products)
+    call newton_step(solution%set, gradient, .false., weight_left, weight_left, step, products)
     associate (set => solution%set)
       do k = 1, size(weight)
         weight(k) = step(1, k)

@@ -31,6 +31,9 @@ module asperity_circle_field
   real(real64), parameter, public :: hertz_spread = 0.1_real64
   real(real64), parameter, public :: flat_spread = 1.0_real64 / 6
 
+  !> Numbers for a field from outside.
+  integer, parameter, public :: outer_terms = 7
+
   !> Circles or near pairs from which on threads share the work: less takes microseconds.
   integer, parameter, public :: many = 1000
 
@@ -46,6 +49,8 @@ module asperity_circle_field
     real(real64), allocatable :: x(:), y(:)      !! places without shift
     real(real64), allocatable :: curvature(:)    !! 1/R; 0 where a circle may not shift
     logical, allocatable :: still(:)             !! may not shift
+    !> share of the curvature that is added to second derivatives by the own shift
+    real(real64), allocatable :: stiffer(:)
     logical, allocatable :: held(:)              !! not in products; a new field makes it `still`
     real(real64), allocatable :: move_x(:), move_y(:)  !! the shifts
     real(real64), allocatable :: load(:)         !! over the modulus
@@ -56,6 +61,10 @@ module asperity_circle_field
     real(real64), allocatable :: tilt_x(:), tilt_y(:)    !! slope with Hertz' weight
     real(real64), allocatable :: steer_x(:), steer_y(:)  !! slope of `lift`
     real(real64), allocatable :: bends(:, :)     !! second derivatives by the own shift: xx, xy, yy
+    !> field from outside: second derivatives xx, xy, yy, slopes, and the shift where it is zero
+    real(real64), allocatable :: outer(:, :)
+    !> second derivatives by the own shift over the load, without near circles: xx, xy, yy
+    real(real64), allocatable :: bowl(:, :)
     real(real64) :: energy = 0.0_real64          !! 1/2 sum V V G
     type(source_tree) :: tree                    !! of the places
     real(real64), allocatable :: planted(:)      !! radii at planting
@@ -152,8 +161,12 @@ contains
     set%tilt_x = set%tilt_x / pi
     set%tilt_y = set%tilt_y / pi
     set%held = set%still
-    set%bends = spread(set%load * set%curvature, 1, 3)
-    set%bends(2, :) = 0.0_real64
+    set%stiffer = spread(0.0_real64, 1, n)
+    ! Of the far field the mean of both.
+    set%bowl = spread(set%curvature + 0.5_real64 * lap / pi, 1, 3)
+    set%bowl(2, :) = 0.0_real64
+    if (allocated(set%outer)) call add_outer(set)
+    set%bends = spread(set%load, 1, 3) * set%bowl
     set%steer_x = set%tilt_x
     set%steer_y = set%tilt_y
     do from = 1, size(set%one), a_batch
@@ -168,6 +181,25 @@ contains
       end do
     end do
   end subroutine find_field
+
+  ! Adds the field from outside.
+  subroutine add_outer(set)
+    type(circle_set), intent(inout) :: set
+    real(real64) :: x, y
+    integer :: k
+
+    do k = 1, size(set%x)
+      associate (b => set%outer(:, k))
+        x = set%move_x(k) - b(6)
+        y = set%move_y(k) - b(7)
+        set%lift(k) = set%lift(k) + (b(4) + 0.5_real64 * (b(1) * x + b(2) * y)) * x + &
+                      (b(5) + 0.5_real64 * (b(2) * x + b(3) * y)) * y
+        set%tilt_x(k) = set%tilt_x(k) + b(4) + b(1) * x + b(2) * y
+        set%tilt_y(k) = set%tilt_y(k) + b(5) + b(2) * x + b(3) * y
+        set%bowl(:, k) = set%bowl(:, k) + b(:3)
+      end associate
+    end do
+  end subroutine add_outer
 
   ! The terms of one near pair, kept for products.
   subroutine find_terms(set, k, terms)

@@ -11,6 +11,9 @@ module asperity_circle_products
 
   public :: hold_bent, multiply, shift_down
 
+  ! Least share of its curvature by which a shift is stiffened.
+  real(real64), parameter :: least_stiffer = 1.0_real64 / 16
+
 contains
 
   !> The shift that takes a slope away, downwards in any case: the lesser second derivative is kept
@@ -32,32 +35,40 @@ contains
     shift = -[b(3) * s(1) - b(2) * s(2), b(1) * s(2) - b(2) * s(1)] / (b(1) * b(3) - b(2)**2)
   end function shift_down
 
-  !> Holds the shifts of near pairs along whose loads and shifts the potential curves down.
+  !> Stiffens the shifts of near pairs along whose loads and shifts the potential curves down, so
+  !> that it does not; where the curvature alone does not do, they are held.
   subroutine hold_bent(set, margin)
-    type(circle_set), intent(inout) :: set  !! its field is known; gets who is held
+    type(circle_set), intent(inout) :: set  !! its field is known; gets who is stiffer or held
     real(real64), intent(in) :: margin      !! share of the second derivatives
-    logical :: bent(size(set%one))
+    real(real64) :: stiffer(size(set%one))
     integer :: k
 
+    set%stiffer = 0.0_real64
     if (all(set%held)) return
-    !$omp parallel do schedule(static) if(size(bent) > many)
-    do k = 1, size(bent)
-      bent(k) = curves_down(set, k, margin)
+    !$omp parallel do schedule(static) if(size(stiffer) > many)
+    do k = 1, size(stiffer)
+      stiffer(k) = 0.0_real64
+      do while (curves_down(set, k, margin, stiffer(k)))
+        stiffer(k) = max(least_stiffer, 2 * stiffer(k))
+        if (stiffer(k) > 1.0_real64) exit
+      end do
     end do
     !$omp end parallel do
-    do k = 1, size(bent)
-      if (.not. bent(k)) cycle
-      set%held(set%one(k)) = .true.
-      set%held(set%other(k)) = .true.
+    do k = 1, size(stiffer)
+      if (.not. stiffer(k) > 0.0_real64) cycle
+      associate (two => [set%one(k), set%other(k)])
+        set%stiffer(two) = max(set%stiffer(two), stiffer(k))
+        if (stiffer(k) > 1.0_real64) set%held(two) = .true.
+      end associate
     end do
   end subroutine hold_bent
 
   ! Whether the second derivatives by the loads and shifts of a near pair are not positive definite.
-  pure logical function curves_down(set, k, margin)
+  pure logical function curves_down(set, k, margin, stiffer)
     type(circle_set), intent(in) :: set
-    real(real64), intent(in) :: margin
+    real(real64), intent(in) :: margin, stiffer
     integer, intent(in) :: k
-    real(real64) :: h(6, 6), both(3), least(6)
+    real(real64) :: h(6, 6), both(3), alone(6)
     integer :: i, j
 
     i = set%one(k)
@@ -72,11 +83,14 @@ contains
     h(5:6, 3) = both(2:3)
     if (set%held(i)) h(4:6, 2:3) = 0.0_real64
     if (set%held(j)) h(5:6, 1:3) = 0.0_real64
-    least = margin * [1 / set%stiffness(i), set%load(i) * set%curvature(i) * [1, 1], &
-                      1 / set%stiffness(j), set%load(j) * set%curvature(j) * [1, 1]]
+    alone = [1 / set%stiffness(i), set%load(i) * set%curvature(i) * [1, 1], &
+             1 / set%stiffness(j), set%load(j) * set%curvature(j) * [1, 1]]
     curves_down = .true.
     do j = 1, 6
-      if (.not. h(j, j) > least(j)) return
+      if (mod(j, 3) /= 1) h(j, j) = h(j, j) + stiffer * alone(j)
+    end do
+    do j = 1, 6
+      if (.not. h(j, j) > margin * alone(j)) return
       do i = j + 1, 6
         h(i:, i) = h(i:, i) - h(i:, j) * (h(i, j) / h(j, j))
       end do
@@ -131,8 +145,12 @@ contains
       mine(1) = (potential(i) + flat_spread * set%circle(i)**2 * lap(i)) / pi + &
                 (1.0_real64 / set%stiffness(i) + grows / (3 * set%load(i))) * &
                 change(1, i) + x * change(2, i) + y * change(3, i)
-      mine(2) = x * change(1, i) + set%load(i) * set%curvature(i) * change(2, i)
-      mine(3) = y * change(1, i) + set%load(i) * set%curvature(i) * change(3, i)
+      associate (b => set%bowl(:, i), more => set%stiffer(i) * set%curvature(i))
+        mine(2) = x * change(1, i) + &
+                  set%load(i) * ((b(1) + more) * change(2, i) + b(2) * change(3, i))
+        mine(3) = y * change(1, i) + &
+                  set%load(i) * (b(2) * change(2, i) + (b(3) + more) * change(3, i))
+      end associate
       do l = set%tree%first(i), set%tree%first(i + 1) - 1
         j = set%tree%near(l)
         k = set%pair(l)

@@ -12,6 +12,7 @@ module asperity_coupled_contacts
   use asperity_circle_field, only: many
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
+  use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back
   use asperity_coupled_joining, only: look, open_hidden
   use asperity_coupled_start, only: prepare
   use asperity_coupled_state, only: answer_at, coupled_solution, evaluate, raise, &
@@ -34,14 +35,18 @@ module asperity_coupled_contacts
   real(real64), parameter :: most_left = 0.1_real64, least_left = 0.01_real64
   ! Open contacts are looked at again when the residual has fallen to this share.
   real(real64), parameter :: look_again = 0.1_real64
+  ! From here on Newton's steps find the rest by themselves.
+  real(real64), parameter :: nearly_there = 1.0e-6_real64
+  ! Groups are solved once more when that has halved the residual, so often at most.
+  integer, parameter :: most_rounds = 4
 
 contains
 
   !> Solves at a given closing, or, where `target` is present, at a sum of the normal loads, or of
   !> the vertical ones, as the pairs have it.
-  subroutine solve_coupled(pairs, law, solution, target, resolved)
+  recursive subroutine solve_coupled(pairs, law, solution, target, resolved)
     type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
-    class(contact_law), intent(in) :: law              !! of each contact
+    class(contact_law), intent(in), target :: law      !! of each contact
     !> closing: given, or found where there is a target; penetrations and shifts: a start when
     !> allocated
     type(coupled_solution), intent(inout) :: solution
@@ -50,7 +55,7 @@ contains
     type(solve_state) :: state
     real(real64) :: looked, before
     integer :: iteration, joined
-    logical :: done
+    logical :: done, everywhere
 
     call prepare(pairs, law, solution, state, target, resolved)
     if (allocated(solution%failure)) return
@@ -68,8 +73,11 @@ contains
       before = state%residual
       ! Pairs that were not listed may touch: whoever asked must come again with all.
       if (solution%closing > pairs%complete_to .and. state%residual < look_again) exit
-      if (done .or. (state%residual <= look_again * looked .and. joined /= 0)) then
-        call look(pairs, law, asked, done .or. joined < 0, solution, state, resolved, joined)
+      ! At the end, at first, and when nearly there: who joins later brings many back.
+      everywhere = done .or. (joined < 0 .and. state%residual <= look_again) .or. &
+        (size(state%gap) > many .and. state%residual <= nearly_there .and. looked > nearly_there)
+      if (everywhere .or. (state%residual <= look_again * looked .and. joined > 0)) then
+        call look(pairs, law, asked, everywhere, solution, state, resolved, joined)
         looked = state%residual
         if (allocated(solution%failure)) return
         if (done .and. joined == 0) exit
@@ -79,6 +87,8 @@ contains
         end if
       end if
       call take_step(pairs, law, solution, state, resolved)
+      if (state%residual > max(look_again * before, nearly_there)) &
+        call relax(pairs, law, solution, state, resolved)
       solution%ending%iterations = iteration + 1
     end do
     solution%ending%residual = state%residual
@@ -128,6 +138,62 @@ contains
     end do
   end subroutine adopt
 
+  ! Solves the few contacts that hold all others back by themselves, if that brings all nearer.
+  recursive subroutine relax(pairs, law, solution, state, resolved)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in), target :: law
+    type(coupled_solution), intent(inout) :: solution
+    type(solve_state), intent(inout) :: state
+    type(resolved_contacts), intent(in), optional :: resolved
+    real(real64), allocatable :: p(:), x(:), y(:)
+    integer, allocatable :: member(:), first(:)
+    real(real64) :: before
+    integer :: k, round
+
+    do round = 1, most_rounds
+      if (allocated(solution%failure)) return
+      call find_groups(solution%set, state%miss, member, first)
+      ! Many are no few.
+      if (size(member) == 0 .or. 4 * size(member) > size(state%miss)) return
+      before = state%residual
+      p = solution%penetration
+      x = solution%move_x
+      y = solution%move_y
+      !$omp parallel do schedule(dynamic)
+      do k = 1, size(first) - 1
+        call solve_group(pairs, law, state, member(first(k):first(k + 1) - 1), solution)
+      end do
+      !$omp end parallel do
+      if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
+      call evaluate(pairs, law, solution, state, resolved)
+      if (allocated(solution%failure)) return
+      if (.not. state%residual < before) then
+        solution%penetration = p
+        solution%move_x = x
+        solution%move_y = y
+        call evaluate(pairs, law, solution, state, resolved)
+      end if
+      if (state%residual > 0.5_real64 * before) return
+    end do
+  end subroutine relax
+
+  ! Solves some contacts under the field of all others; those of other groups stay as they are.
+  recursive subroutine solve_group(pairs, law, state, member, solution)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in), target :: law
+    type(solve_state), intent(in) :: state
+    integer, intent(in) :: member(:)
+    type(coupled_solution), intent(inout) :: solution
+    type(contact_pairs) :: alone
+    type(group_law) :: alone_law
+    type(coupled_solution) :: part
+
+    call lift_out(pairs, law, solution, state, member, alone, alone_law, part)
+    call solve_coupled(alone, alone_law, part)
+    if (part%ending%converged .and. .not. allocated(part%failure)) &
+      call put_back(pairs, member, alone, alone_law, part, solution)
+  end subroutine solve_group
+
   ! One step of Newton's method, cut where it goes too far.
   subroutine take_step(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs
@@ -148,7 +214,8 @@ contains
     gradient(2, :) = solution%set%load * state%off_x
     gradient(3, :) = solution%set%load * state%off_y
     call newton_step(solution%set, gradient, state%target > 0.0_real64, &
-                     min(most_left, max(left, state%residual)), step, solution%products)
+                     min(most_left, max(left, state%residual)), min(most_left, state%residual), &
+                     step, solution%products)
     allocate (p, source=solution%penetration)
     allocate (x, source=solution%move_x)
     allocate (y, source=solution%move_y)

@@ -24,6 +24,7 @@ module asperity_coupled_state
     real(real64) :: closing = 0.0_real64            !! past first touch of all
     real(real64), allocatable :: penetration(:)     !! not positive where open
     real(real64), allocatable :: move_x(:), move_y(:)  !! shifts
+    real(real64), allocatable :: outer(:, :)        !! field from outside, as `circle_set` has it
     type(circle_set) :: set                         !! those that carry load, with their field
     type(solve_ending) :: ending                    !! residual over the largest penetration
     integer :: products = 0                         !! of the matrix, in all steps
@@ -36,6 +37,7 @@ module asperity_coupled_state
     real(real64), allocatable :: gap(:)             !! of every pair
     real(real64), allocatable :: off(:)             !! gradient by load, by circle
     real(real64), allocatable :: off_x(:), off_y(:) !! gradient by shift over load, by circle
+    real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
     integer, allocatable :: joins(:)                !! how often a pair has joined
@@ -169,9 +171,9 @@ contains
         if (.not. set%still(k)) aside = hypot(state%off_x(k), state%off_y(k)) / set%curvature(k) * &
                                         (hypot(set%tilt_x(k), set%tilt_y(k)) + &
                                          set%curvature(k) * hypot(set%move_x(k), set%move_y(k)))
-        state%residual = max(state%residual, abs(state%off(k)), aside)
+        state%miss(k) = max(abs(state%off(k)), aside)
       end do
-      state%residual = state%residual / deepest
+      state%residual = maxval(state%miss) / deepest
       ! What is no number is no solution.
       if (.not. sum(abs(state%off)) <= huge(deepest)) state%residual = huge(deepest)
     end associate
@@ -210,9 +212,10 @@ contains
         if (size(set%number) == n) same = all(set%number == number(:n))
       end if
       if (.not. same) call set%make_room(n)
-      if (allocated(state%off)) deallocate (state%off, state%off_x, state%off_y)
-      allocate (state%off(n), state%off_x(n), state%off_y(n))
+      if (allocated(state%off)) deallocate (state%off, state%off_x, state%off_y, state%miss)
+      allocate (state%off(n), state%off_x(n), state%off_y(n), state%miss(n))
       set%number = number(:n)
+      if (allocated(solution%outer)) set%outer = solution%outer(:, set%number)
       do k = 1, n
         i = number(k)
         place = [pairs%list(i)%x, pairs%list(i)%y]

@@ -20,7 +20,7 @@ module asperity_coupled_step
   real(real64), parameter :: worth_a_step = 0.5_real64
   ! Shifts wait for loads where no less than this share of the gradient is asked for.
   real(real64), parameter :: far_off = 0.1_real64
-  ! Near pairs are held where the potential is nearly flat, by the accuracy times this.
+  ! Near pairs are stiffened where the potential is nearly flat, by how far off all is times this.
   real(real64), parameter :: flat = 3.0_real64
 
 contains
@@ -33,11 +33,12 @@ contains
   !> the loads and shifts of a near pair; far from the solution all are, as long as the loads have
   !> more to do than they. Where it curves down all the same, the steps before it are kept (Nocedal
   !> and Wright, Numerical Optimization, 2006, algorithm 7.1), or all shifts are held.
-  subroutine newton_step(set, gradient, keep_sum, accuracy, step, rounds)
+  subroutine newton_step(set, gradient, keep_sum, accuracy, off, step, rounds)
     type(circle_set), intent(inout) :: set      !! its field is known; stays
     real(real64), intent(in) :: gradient(:, :)  !! (3, circle): by load, by shift along x and y
     logical, intent(in) :: keep_sum             !! the changes of the loads add up to zero
     real(real64), intent(in) :: accuracy        !! share of the gradient that may remain
+    real(real64), intent(in) :: off             !! how far the equations are off, a share
     real(real64), intent(out) :: step(:, :)     !! (3, circle)
     integer, intent(inout) :: rounds            !! products, counted on
     real(real64), allocatable, dimension(:, :) :: left, scaled, direction, image
@@ -59,7 +60,7 @@ contains
     call precondition(set, coarse, even, left, scaled)
     if (accuracy >= far_off .and. &
         sum(left(2:, :) * scaled(2:, :)) < sum(left(1, :) * scaled(1, :))) set%held = .true.
-    call hold_bent(set, flat * accuracy)
+    call hold_bent(set, flat * off)
     size_first = -1.0_real64
     do
       call precondition(set, coarse, even, left, scaled)
@@ -110,7 +111,8 @@ contains
     if (sum(even) > 0.0_real64) scaled(1, :) = scaled(1, :) - even * (sum(scaled(1, :)) / sum(even))
     do i = 1, size(set%x)
       if (.not. set%held(i)) scaled(2:, i) = &
-          shift_down(set%bends(:, i), set%load(i) * set%curvature(i), -left(2:, i))
+          shift_down(set%bends(:, i) + set%stiffer(i) * set%load(i) * set%curvature(i) * &
+                     [1, 0, 1], set%load(i) * set%curvature(i), -left(2:, i))
     end do
   end subroutine precondition
 

@@ -1,0 +1,203 @@
+!> The few contacts that hold all others back, group by group, each as a scene of its own.
+!>
+!> One near pair far from its solution keeps the steps of all contacts short. So the contacts whose
+!> equations are off by much more than the mean are solved by themselves, with those close by, under
+!> the field that the others have now: its value, slope, bend and what a circle feels more of it as
+!> it grows. (Nonlinear elimination: Cai and Li, SIAM J. Sci. Comput. 33, 746, 2011.) A slope t is
+!> nothing but another place of first touch, s**2/(2 R) + t s = (s + R t)**2/(2 R) - R t**2/2; what
+!> is felt of the square of a radius, nothing but a softer contact.
+module asperity_coupled_groups
+  use asperity_circle_field, only: circle_set, outer_terms
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_coupled_state, only: coupled_solution, evaluate, solve_state
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: find_groups, group_law, lift_out, put_back
+
+  !> The law of some contacts of a list by their places among themselves.
+  type, extends(contact_law) :: group_law
+    class(contact_law), pointer :: whole => null()  !! law of the list
+    integer, allocatable :: number(:)               !! places in the list
+    !> What a circle feels of the others falls or grows as its square, with its penetration: by
+    !> this factor it must go deeper.
+    real(real64), allocatable :: deeper(:)
+  contains
+    procedure :: respond
+  end type group_law
+
+  ! Equations are much off from this times the mean on.
+  real(real64), parameter :: much_off = 10.0_real64
+  ! Sums of radii up to which circles are in one group: farther off a field bends little.
+  real(real64), parameter :: close_by = 2.0_real64
+  ! No contact becomes so soft that its penetration falls with its load.
+  real(real64), parameter :: least_deeper = 0.1_real64
+
+contains
+
+  !> The answer of a contact of the group.
+  pure subroutine respond(self, pair, number, penetration, response)
+    class(group_law), intent(in) :: self             !! the law
+    type(contact_pair), intent(in) :: pair           !! who touches
+    integer, intent(in) :: number                    !! place in the group
+    real(real64), intent(in) :: penetration          !! vertical, past first touch; less than zc
+    type(contact_response), intent(out) :: response  !! the answer
+
+    associate (deeper => self%deeper(number))
+      call self%whole%respond(pair, self%number(number), penetration / deeper, response)
+      response%stiffness = response%stiffness / deeper
+    end associate
+  end subroutine respond
+
+  !> Who is off by much, with those close by, as circles in the order of their groups.
+  subroutine find_groups(set, miss, member, first)
+    type(circle_set), intent(in) :: set             !! its field is known
+    real(real64), intent(in) :: miss(:)             !! how far its equations are off, by circle
+    integer, allocatable, intent(out) :: member(:)  !! circles
+    integer, allocatable, intent(out) :: first(:)   !! where a group begins; one more than groups
+    integer :: root(size(miss)), many(size(miss))
+    logical :: is_off(size(miss)), is_one(size(miss))
+    integer :: i, k
+
+    is_off = miss > much_off * (sum(miss) / size(miss)) .and. .not. set%still
+    is_one = is_off
+    do k = 1, size(set%one)
+      associate (a => set%one(k), b => set%other(k))
+        if (.not. (is_off(a) .or. is_off(b))) cycle
+        if (.not. are_close(a, b)) cycle
+        is_one(a) = .true.
+        is_one(b) = .true.
+      end associate
+    end do
+    ! A group goes by its first circle.
+    root = [(i, i=1, size(root))]
+    do k = 1, size(set%one)
+      associate (a => set%one(k), b => set%other(k))
+        if (.not. (is_one(a) .and. is_one(b))) cycle
+        if (are_close(a, b)) root(max(root_of(a), root_of(b))) = min(root_of(a), root_of(b))
+      end associate
+    end do
+    many = 0
+    do i = 1, size(root)
+      root(i) = root_of(i)
+      if (is_one(i)) many(root(i)) = many(root(i)) + 1
+    end do
+    allocate (first(count(many > 0) + 1), member(count(is_one)))
+    first(1) = 1
+    k = 1
+    do i = 1, size(many)
+      if (many(i) == 0) cycle
+      first(k + 1) = first(k) + many(i)
+      many(i) = first(k)
+      k = k + 1
+    end do
+    do i = 1, size(root)
+      if (.not. is_one(i)) cycle
+      member(many(root(i))) = i
+      many(root(i)) = many(root(i)) + 1
+    end do
+
+  contains
+
+    logical function are_close(a, b)
+      integer, intent(in) :: a, b
+
+      are_close = .not. (set%still(a) .or. set%still(b)) .and. &
+                  hypot((set%x(a) - set%x(b)) + (set%move_x(a) - set%move_x(b)), &
+                        (set%y(a) - set%y(b)) + (set%move_y(a) - set%move_y(b))) < &
+                  close_by * (set%circle(a) + set%circle(b))
+    end function are_close
+
+    integer function root_of(a)
+      integer, intent(in) :: a
+
+      root_of = a
+      do while (root(root_of) /= root_of)
+        root(root_of) = root(root(root_of))
+        root_of = root(root_of)
+      end do
+    end function root_of
+
+  end subroutine find_groups
+
+  !> A group as a scene of its own, in the field of all others as it is now.
+  subroutine lift_out(pairs, law, solution, state, member, alone, alone_law, part)
+    type(contact_pairs), intent(in) :: pairs          !! the position
+    class(contact_law), intent(in), target :: law     !! of each contact
+    type(coupled_solution), intent(in) :: solution    !! evaluated
+    type(solve_state), intent(in) :: state            !! gaps
+    integer, intent(in) :: member(:)                  !! circles of the group
+    type(contact_pairs), intent(out) :: alone         !! the group
+    type(group_law), intent(out) :: alone_law         !! of its contacts
+    type(coupled_solution), intent(out) :: part       !! a start
+    type(solve_state) :: inside
+    real(real64) :: outer(outer_terms, size(member)), x, y
+    integer :: i
+
+    associate (number => solution%set%number(member), set => solution%set)
+      alone%modulus = pairs%modulus
+      alone%list = pairs%list(number)
+      alone_law%whole => law
+      alone_law%number = number
+      alone_law%deeper = spread(1.0_real64, 1, size(number))
+      part%closing = solution%closing
+      part%penetration = solution%penetration(number)
+      part%move_x = solution%move_x(number)
+      part%move_y = solution%move_y(number)
+      inside%gap = state%gap(number)
+      call evaluate(alone, alone_law, part, inside)
+      do i = 1, size(member)
+        associate (k => member(i), pair => alone%list(i))
+          x = pair%radius * (set%tilt_x(k) - part%set%tilt_x(i))
+          y = pair%radius * (set%tilt_y(k) - part%set%tilt_y(i))
+          pair%x = pair%x - x
+          pair%y = pair%y - y
+          part%move_x(i) = part%move_x(i) + x
+          part%move_y(i) = part%move_y(i) + y
+        end associate
+      end do
+      ! Once more where they stand now: other pairs may be near, and the slope a little off.
+      call evaluate(alone, alone_law, part, inside)
+      do i = 1, size(member)
+        associate (k => member(i), pair => alone%list(i), p => part%penetration(i))
+          x = part%move_x(i) - set%move_x(k)
+          y = part%move_y(i) - set%move_y(k)
+          outer(:3, i) = (set%bends(:, k) - part%set%bends(:, i)) / set%load(k)
+          outer(4, i) = set%tilt_x(k) - part%set%tilt_x(i) - set%curvature(k) * x
+          outer(5, i) = set%tilt_y(k) - part%set%tilt_y(i) - set%curvature(k) * y
+          outer(6:, i) = [part%move_x(i), part%move_y(i)]
+          ! d(lift)/d(log of the radius) is twice that by the log of the penetration.
+          alone_law%deeper(i) = max(least_deeper, 1.0_real64 + 0.5_real64 * &
+                                    (set%growth(k) - part%set%growth(i)) / p)
+          pair%gap = state%gap(number(i)) + set%lift(k) - part%set%lift(i) - 0.5_real64 * &
+                     set%curvature(k) * (x * (part%move_x(i) + set%move_x(k)) + &
+                                         y * (part%move_y(i) + set%move_y(k))) - &
+                     (alone_law%deeper(i) - 1.0_real64) * p
+          p = p * alone_law%deeper(i)
+        end associate
+      end do
+      part%outer = outer
+    end associate
+  end subroutine lift_out
+
+  !> What a group came to.
+  subroutine put_back(pairs, member, alone, alone_law, part, solution)
+    type(contact_pairs), intent(in) :: pairs           !! the position
+    integer, intent(in) :: member(:)                   !! circles of the group
+    type(contact_pairs), intent(in) :: alone           !! the group
+    type(group_law), intent(in) :: alone_law           !! of its contacts
+    type(coupled_solution), intent(in) :: part         !! its solution
+    type(coupled_solution), intent(inout) :: solution  !! gets it
+    integer :: i, k
+
+    do k = 1, size(member)
+      i = solution%set%number(member(k))
+      solution%penetration(i) = part%penetration(k) / alone_law%deeper(k)
+      solution%move_x(i) = part%move_x(k) + (alone%list(k)%x - pairs%list(i)%x)
+      solution%move_y(i) = part%move_y(k) + (alone%list(k)%y - pairs%list(i)%y)
+    end do
+  end subroutine put_back
+
+end module asperity_coupled_groups
