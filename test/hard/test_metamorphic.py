@@ -59,6 +59,19 @@ def test_found_seed(seed, was, asperity, tmp_path):
     assert not wrong, was
 
 
+def test_what_is_told_of_a_contact_is_its_own(asperity, tmp_path):
+    """Seed 41937: `auto` left interaction out, the states were those of contacts alone, and what it
+    told of contacts those of the points asked for: other rows, then memory of nobody."""
+    scene = scenes.scene_of_seed(41937)
+    run = scenes.run(asperity, scene, tmp_path)
+    laws.look(scene, run)
+    assert len(run.files["curve"]) == scene.groups["loading"]["points"] + 1
+    assert run.files["positions"][0]["interaction"] == "off"
+    for contact in run.files["contacts"]:
+        assert float(contact["alone_load"]) == pytest.approx(float(contact["vertical_load"]),
+                                                             rel=1e-12)
+
+
 def good_run(asperity, tmp_path):
     scene = next(s for s in map(scenes.scene_of_seed, range(100))
                  if s.groups["loading"]["control"] == "load" and s.kind == "apart"
