@@ -178,9 +178,6 @@ contains
     if (line%arithmetic /= '' .and. line%arithmetic /= 'real64') &
       call problems%add('--arithmetic ' // line%arithmetic // ': effects and paths of several ' // &
                         'values are computed in real64, expected that or none')
-    if (line%accuracy > 0.0_real64) &
-      call problems%add('--accuracy: effects and paths of several values are computed in ' // &
-                        'real64 only, expected none')
   end subroutine check_choices
 
   ! How the user wants it done. The corrected Table VI needs the contacts of the thesis' sweep.

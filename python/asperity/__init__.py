@@ -78,8 +78,8 @@ def solve(scene: Path | Mapping[str, Mapping], *, arithmetic: str = "real64",
         `"plane"` for one of the two. Anything with a buffer of doubles, numpy's arrays among them,
         is taken as it stands, other sequences are copied. Files are relative to the current folder.
     arithmetic: `real64`, `real32`, `real128` or `ibm370`. Effects need `real64`.
-    accuracy: relative error of every total that is allowed; the cheapest arithmetic that has it is
-        taken. 0: none is asked for.
+    accuracy: relative error of every total that is allowed; the cheapest way that has it is taken.
+        0: none is asked for.
     contacts: False: totals only, `contacts` of the results has no rows.
     threads: 0: all cores. The results are the same for any number.
 

@@ -191,8 +191,11 @@ contains
 
     write (asked, '(es9.1e3)') accuracy
     write (promised, '(es9.1e3)') results%error_bound
-    call buffer%line('accuracy' // asked // ' asked for: ' // trim(results%arithmetic) // &
-                     ', exact events is the cheapest way that has it, error bound' // promised)
+    call buffer%line('accuracy' // asked // ' asked for: ' // results%way_taken // &
+                     ' is the cheapest way that has it, ' // &
+                     trim(merge('estimated error', 'error bound    ', &
+                                allocated(results%effects))) // promised)
+    call buffer%line(results%way_told)
   end subroutine write_choice
 
   !> A number with so many decimals, right-justified.

@@ -49,6 +49,8 @@ module asperity_scene_results
     real(real64) :: nominal_area = 0.0_real64              !! of the surfaces in plan; 0: not given
     type(map_record), allocatable :: map                   !! summits for a map
     real(real64) :: error_bound = 0.0_real64               !! where an accuracy was asked for
+    character(len=:), allocatable :: way_taken             !! there: the cheapest that has it
+    character(len=:), allocatable :: way_told              !! there: what else is to be said of it
     !> Processor time of this process when its first position begins, s; negative: none did.
     real(real64) :: begun = -1.0_real64
   end type scene_results

@@ -1,6 +1,8 @@
 !> The way from a scene to its results: with its effects, in an arithmetic, or to an accuracy.
 module asperity_solve
   use asperity_accuracy_bound, only: error_bound, front_arithmetics
+  use asperity_accuracy_choice, only: accuracy_had, choose_model, had_text, has_accuracy, &
+                                      next_tolerance, tell_way, total_of, with_circles
   use asperity_contact_records, only: solve_method, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_solver, only: make_effect_solver
@@ -32,7 +34,7 @@ contains
 
   !> Solves every position of a scene. `failure` is allocated, with the position, when one cannot be
   !> solved, or when what is asked for cannot be had.
-  subroutine solve(scene_in, results, failure, options)
+  recursive subroutine solve(scene_in, results, failure, options)
     type(scene), intent(in) :: scene_in                    !! checked values
     type(scene_results), intent(out) :: results            !! all positions
     character(len=:), allocatable, intent(out) :: failure  !! why not
@@ -40,7 +42,9 @@ contains
     type(run_options) :: chosen
 
     if (present(options)) chosen = options
-    if (allocated(scene_in%map)) then
+    if (chosen%accuracy > 0 .and. (needs_doubles(scene_in) .or. allocated(scene_in%map))) then
+      call solve_model_to_accuracy(scene_in, chosen, results, failure)
+    else if (allocated(scene_in%map)) then
       call solve_map(scene_in, chosen, results, failure)
     else
       call solve_surfaces(scene_in, chosen, results, failure)
@@ -224,7 +228,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     class(position_solver), allocatable :: solver
 
-    if (options%arithmetic /= 'real64' .or. options%accuracy > 0) then
+    if (options%arithmetic /= 'real64') then
       failure = 'effects and paths of several values are computed in real64 only'
       return
     end if
@@ -250,12 +254,66 @@ contains
       call solve_in_arithmetic(scene_in, solve_method(), way, results, failure)
       if (allocated(failure)) return
       results%error_bound = error_bound(trim(way%arithmetic), scene_in, results%positions)
-      if (results%error_bound <= options%accuracy) return
+      if (results%error_bound <= options%accuracy) then
+        results%way_taken = trim(way%arithmetic) // ', exact events'
+        results%way_told = 'ten times better: this run has it'
+        if (results%error_bound > 0.1_real64 * options%accuracy) &
+          results%way_told = 'ten times better: ' // trim(merge( &
+            'real128, up to 40 times the time', 'cannot be had                   ', i == 1))
+        results%way_told = results%way_told // '; contacts each alone, as the scene asks'
+        return
+      end if
     end do
     write (digits, '(es10.1e3)') results%error_bound
     failure = 'no way of computing has this accuracy; the best one, ' // trim(way%arithmetic) // &
               ', is good to' // digits
   end subroutine solve_to_accuracy
+
+  ! With the effects of the scene so that what they leave out or approximate is within the accuracy
+  ! asked for, by estimate before and check after. A tolerance of the half leaves room for the rest.
+  recursive subroutine solve_model_to_accuracy(scene_in, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    type(run_options) :: way
+    type(scene) :: chosen
+    type(accuracy_had) :: had
+    real(real64) :: tolerance
+    character(len=:), allocatable :: best, unsolved
+
+    way = options
+    way%accuracy = 0.0_real64
+    tolerance = options%accuracy
+    do while (tolerance > 0.0_real64)
+      call choose_model(scene_in, options%accuracy, 0.5_real64 * tolerance, chosen)
+      call solve(chosen, results, unsolved, way)
+      if (allocated(unsolved)) exit
+      had = has_accuracy(chosen, results)
+      results%error_bound = total_of(had)
+      if (results%error_bound <= options%accuracy) then
+        call tell_way(chosen, options%accuracy, results)
+        return
+      end if
+      best = had_text(had)
+      tolerance = next_tolerance(had, options%accuracy, tolerance)
+    end do
+    if (.not. allocated(best)) then
+      ! What cannot be solved at all has nothing to do with the accuracy.
+      call with_circles(scene_in, chosen)
+      if (chosen%effects%mode('interaction') /= effect_off) &
+        call solve(chosen, results, failure, way)
+      if (allocated(failure) .or. .not. allocated(results%positions)) then
+        call move_alloc(unsolved, failure)
+        return
+      end if
+      best = had_text(has_accuracy(chosen, results)) // ' with interaction = ''coupled'''
+    end if
+    failure = 'no way of computing has this accuracy; the best one has ' // best
+    if (scene_in%effects%mode('interaction') /= effect_off .and. .not. allocated(unsolved)) &
+      failure = failure // '; for loads alone set tolerance and interaction = ''auto'''
+    if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
+  end subroutine solve_model_to_accuracy
 
   ! The sweep, with the file in which its positions are kept.
   subroutine sweep(scene_in, options, solver, results, failure)

@@ -12,6 +12,7 @@ from dense_scenes import caps, dense_scenes, strewn
 from exact_contact import Truth
 from map_press_truth import press, rough
 from plastic_truth import STEEL
+from promise_judge import KINDS as PROMISED, judge
 from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
 
 SECONDS = 10
@@ -178,3 +179,36 @@ def test_the_reference_of_flow(asperity, tmp_path):
     want = float(STEEL.critical_load * STEEL.published("20"))
     assert float(reference(rows)["load"]) == pytest.approx(want, rel=1e-9)
     assert float(without["own_error_max"]) == pytest.approx(hertz / want - 1, rel=1e-6)
+
+
+@pytest.mark.parametrize("asked", ("1e-2", "1e-4", "1e-8"))
+@pytest.mark.parametrize("kind", PROMISED)
+def test_the_promise(kind, asked, asperity):
+    """`solve --accuracy E` has it, or says what can be had: some of the scenes of promise_judge."""
+    solved = 0
+    for number in (1, 2, 3):
+        verdict = judge(asperity, kind, number, asked)
+        print(f"{kind} {number}, {asked}: status {verdict.status}, error {verdict.error:.1e}, "
+              f"said {verdict.promised:.1e}")
+        assert verdict.kept, verdict
+        solved += verdict.status == 0
+    assert solved or kind == "dense"
+
+
+def test_what_can_be_had(asperity, tmp_path):
+    """A refusal tells what there is, and that is true."""
+    scene = next(s for s in dense_scenes() if s.family == "triples")
+    done = subprocess.run([asperity, "solve", scene.write(tmp_path, interaction="auto"),
+                           "--accuracy", "1e-8"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1 and done.stdout == ""
+    assert "no way of computing has this accuracy; the best one has loads and" in done.stderr
+    assert "for loads alone set tolerance" in done.stderr
+
+
+def test_the_choice_is_told(asperity, root):
+    """Which way, its error, and ten times better."""
+    done = subprocess.run([asperity, "solve", root / "data/examples/effects/ten_minutes.scene",
+                           "--accuracy", "1e-2"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert "'auto' with tolerance 5.000000E-003 is the cheapest way that has it" in done.stdout
+    assert "ten times better: this run has it" in done.stdout

@@ -1,0 +1,186 @@
+!> Which way of taking effects has an accuracy asked for: what is chosen beforehand, what the run
+!> had afterwards, what could be had.
+!>
+!> `auto` is the choice itself: it leaves out what it estimates below its tolerance, takes contacts
+!> as circles where they are good enough, and on cells what is not. An accuracy sets its tolerance;
+!> what a scene has `off` is not of its model, what it has `on` stays.
+module asperity_accuracy_choice
+  use asperity_accuracy_bound, only: error_bound
+  use asperity_contact_records, only: asked_nothing, asked_vertical, state_row
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_kinds, only: not_computed, real64
+  use asperity_numeral, only: rounded_decimal
+  use asperity_problems, only: real_text
+  use asperity_scene_results, only: scene_results
+  use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, &
+                                   effect_off, scene
+  implicit none
+  private
+
+  public :: accuracy_had, choose_model, had_text, has_accuracy, next_tolerance, tell_way, &
+            total_of, with_circles
+
+  ! The finest accuracy for which contacts go on cells: areas there are not known any better. With
+  ! tolerances of 1e-4 they were uncertain by 4.9e-4 (20 caps) to 1.1e-3 (the thesis' sweep).
+  real(real64), parameter :: finest_on_cells = 5.0e-4_real64
+  ! What the solves of effects are good to: docs/what-status-0-promises.md.
+  real(real64), parameter :: finest_of_effects = 1.0e-9_real64
+
+  ! The truth was at most 1.41 times what is estimated of loads and areas, in 83 runs of 59 dense
+  ! scenes (test/regression/promise_judge.py).
+  real(real64), parameter :: over_estimate = 1.5_real64
+
+  !> What a run had: relative errors.
+  type :: accuracy_had
+    real(real64) :: model = 0.0_real64       !! of load or approach: left out or approximated
+    real(real64) :: area = 0.0_real64        !! the same of the real area
+    real(real64) :: arithmetic = 0.0_real64  !! of all totals
+    real(real64) :: load = 0.0_real64        !! by which a load that was asked for is missed
+  end type accuracy_had
+
+contains
+
+  !> The scene with its effects chosen by a tolerance. Where an accuracy is finer than that of
+  !> cells, circles stay circles, and tell how good they are. Of a map the samples: they take no
+  !> longer than to hold its summits against them.
+  subroutine choose_model(scene_in, accuracy, tolerance, chosen)
+    type(scene), intent(in) :: scene_in       !! checked values, with effects
+    real(real64), intent(in) :: accuracy      !! that is asked for
+    real(real64), intent(in) :: tolerance     !! share of the totals
+    type(scene), intent(out) :: chosen        !! the same to be solved
+    integer :: mode
+
+    chosen = scene_in
+    mode = chosen%effects%mode('interaction')
+    if (mode /= effect_off) then
+      mode = effect_auto
+      if (allocated(scene_in%map)) then
+        if (count(scene_in%effects%modes /= effect_off) == 1) mode = effect_boundary
+      else if (accuracy < finest_on_cells) then
+        mode = effect_coupled
+      end if
+    end if
+    call chosen%effects%call_for('interaction', mode)
+    call chosen%effects%set('tolerance', rounded_decimal(tolerance, 3))
+    if (tolerance < chosen%effects%number('boundary_tolerance')) &
+      call chosen%effects%set('boundary_tolerance', rounded_decimal(tolerance, 3))
+  end subroutine choose_model
+
+  !> The scene with circles alone, to tell what they are good to.
+  subroutine with_circles(scene_in, chosen)
+    type(scene), intent(in) :: scene_in       !! checked values, with effects
+    type(scene), intent(out) :: chosen        !! the same to be solved
+
+    chosen = scene_in
+    if (chosen%effects%mode('interaction') /= effect_off) &
+      call chosen%effects%call_for('interaction', effect_coupled)
+  end subroutine with_circles
+
+  !> What a run had. A path is held to its tolerance: what is estimated is of its last state.
+  function has_accuracy(scene_in, results) result(had)
+    type(scene), intent(in) :: scene_in         !! as it was solved
+    type(scene_results), intent(in) :: results  !! of it
+    type(accuracy_had) :: had
+    integer :: column, e, i, m
+
+    had%arithmetic = error_bound('real64', scene_in, results%positions)
+    do m = 1, size(results%positions)
+      associate (position => results%positions(m))
+        had%model = max(had%model, over_estimate * position%error_estimate)
+        do i = 1, size(position%states)
+          had%load = max(had%load, missed(position%states(i)))
+        end do
+        if (allocated(position%effects)) then
+          do e = 1, size(position%effects)
+            if (position%effects(e)%simulated /= 'off') &
+              had%arithmetic = max(had%arithmetic, finest_of_effects)
+          end do
+        end if
+      end associate
+    end do
+    if (allocated(scene_in%loading%path) .and. &
+        any(scene_in%effects%modes == effect_auto)) &
+      had%model = max(had%model, scene_in%effects%number('tolerance'))
+    if (.not. allocated(results%effects)) return
+    column = findloc(results%effects%state_columns, 'area_error_estimate', 1)
+    if (column == 0) return
+    do m = 1, size(results%positions)
+      if (.not. allocated(results%positions(m)%state_values)) cycle
+      if (size(results%positions(m)%state_values) >= column) &
+        had%area = max(had%area, &
+                       over_estimate * results%positions(m)%state_values(column))
+    end do
+  end function has_accuracy
+
+  ! The share by which a state misses the load asked for.
+  pure real(real64) function missed(state)
+    type(state_row), intent(in) :: state
+
+    missed = 0.0_real64
+    if (state%asked == asked_nothing .or. .not. abs(state%load_asked) > 0.0_real64) return
+    missed = abs(merge(state%vertical_load, state%load, state%asked == asked_vertical) / &
+                 state%load_asked - 1.0_real64)
+  end function missed
+
+  !> The total: of the loads and the approach, or of the area where that is worse.
+  pure real(real64) function total_of(had)
+    type(accuracy_had), intent(in) :: had   !! of a run
+
+    total_of = max(had%model, had%area) + had%arithmetic + had%load
+  end function total_of
+
+  !> The tolerance to try after one whose area was not good enough: what is uncertain of an area
+  !> falls by 2.7 for a tolerance ten times finer, in the thesis' sweep. 0: none.
+  pure real(real64) function next_tolerance(had, accuracy, tolerance) result(next)
+    type(accuracy_had), intent(in) :: had       !! with the tolerance
+    real(real64), intent(in) :: accuracy        !! asked for
+    real(real64), intent(in) :: tolerance       !! that was tried
+
+    next = 0.1_real64 * tolerance
+    if (tolerance < accuracy .or. accuracy < finest_on_cells .or. &
+        had%area > 2.7_real64 * accuracy .or. &
+        had%model + had%arithmetic + had%load > accuracy) next = 0.0_real64
+  end function next_tolerance
+
+  !> Tells which way was taken, and what ten times better would cost.
+  subroutine tell_way(scene_in, accuracy, results)
+    type(scene), intent(in) :: scene_in             !! as it was solved
+    real(real64), intent(in) :: accuracy            !! asked for
+    type(scene_results), intent(inout) :: results   !! of it, with the error bound
+    integer :: mode
+
+    mode = scene_in%effects%mode('interaction')
+    results%way_taken = 'real64, effects as the scene asks'
+    if (any(scene_in%effects%modes == effect_auto)) results%way_taken = &
+      'real64, ''auto'' with tolerance ' // real_text(scene_in%effects%number('tolerance'))
+    if (mode == effect_coupled) results%way_taken = results%way_taken // ', neighbours as circles'
+    if (mode == effect_boundary) results%way_taken = 'real64, the samples of the map'
+    results%way_told = 'ten times better: '
+    if (results%error_bound <= 0.1_real64 * accuracy) then
+      results%way_told = results%way_told // 'this run has it'
+    else if (0.1_real64 * accuracy < finest_of_effects .or. mode == effect_boundary) then
+      results%way_told = results%way_told // 'cannot be had, effects are computed to ' // &
+                         real_text(finest_of_effects)
+    else if (mode == effect_off) then
+      results%way_told = results%way_told // 'with a finer tolerance, at little cost'
+    else if (0.1_real64 * accuracy >= finest_on_cells) then
+      results%way_told = results%way_told // 'on cells, at up to ten times the time'
+    else
+      results%way_told = results%way_told // 'perhaps, if circles have it; areas on cells are ' // &
+                         'good to ' // real_text(finest_on_cells)
+    end if
+    if (mode == effect_off) &
+      results%way_told = results%way_told // '; contacts each alone, as the scene asks'
+  end subroutine tell_way
+
+  !> What a run had, in words.
+  pure function had_text(had) result(text)
+    type(accuracy_had), intent(in) :: had   !! of the run
+    character(len=:), allocatable :: text
+
+    text = 'loads and approaches to ' // real_text(had%model + had%arithmetic + had%load)
+    if (had%area > 0.0_real64) &
+      text = text // ', areas to ' // real_text(had%area + had%arithmetic + had%load)
+  end function had_text
+
+end module asperity_accuracy_choice

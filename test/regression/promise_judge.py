@@ -1,0 +1,230 @@
+"""Judges `solve --accuracy E`: promise against truth over random scenes of all kinds.
+
+    python test/regression/promise_judge.py EXECUTABLE [--scenes 500] [--seconds 1800]
+
+Kinds: contacts without effects (50 digits), dense neighbours (the archived solutions on grids),
+flow and adhesion on one pair (laws evaluated apart), maps (conjugate gradients in numpy). Each is
+asked for 1e-2, 1e-4 and 1e-8. A promise is kept when loads, areas and approaches (over the closing
+where effects are on) are within it and the truth's own error, or when it is refused.
+"""
+
+import argparse
+import random
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import made_maps
+from adhesion_truth import jkr, maugis
+from ball_scenes import balls, path
+from dense_judge import truths
+from dense_scenes import dense_scenes
+from exact_contact import Truth
+from map_press_truth import press, rough
+from mpmath import mpf
+from plastic_truth import STEEL
+from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
+
+ASKED = ("1e-2", "1e-4", "1e-8")
+TOTALS = ("load", "vertical_load", "area", "approach")
+
+
+@dataclass
+class Verdict:
+    """One scene asked for one accuracy."""
+
+    kind: str
+    scene: int
+    asked: float
+    status: int = 0
+    error: float = 0.0    # the largest of the totals
+    bound: float = 0.0    # of the truth, for that total
+    promised: float = 0.0  # what the run says of itself: a bound, or an estimate
+    seconds: float = 0.0
+    message: str = ""
+
+    @property
+    def kept(self):
+        if self.status:
+            return self.status == 1 and self.message != ""
+        return self.error <= self.asked + self.bound and self.promised <= self.asked * 1.06
+
+
+def alone(rng, folder):
+    """Hertz' contacts, some far from the origin, some steep."""
+    offset = rng.choice((0.0, 0.0, 0.0, 1e3, 1e6))
+    def surface():
+        return [(offset + rng.uniform(0, 5), offset + rng.uniform(0, 5), rng.uniform(0.05, 0.2),
+                 rng.uniform(0.5, 2)) for _ in range(rng.randint(2, 9))]
+    upper, lower = surface(), surface()
+    loading = rng.choice(({"control": "load", "value": float(f"{10 ** rng.uniform(-1, 3):.3g}")},
+                          {"control": "approach", "value": rng.choice((0.05, 0.1, 0.2))},
+                          {"control": "limit"}))
+    groups = {"loading": loading, "motion": {"x_step": 0.25, "positions": rng.randint(1, 3)}}
+    if loading["control"] == "limit":
+        groups["limit"] = {"criterion": "load", "value": 50.0}
+    scene = write_csv_scene(folder, upper, lower, **groups)
+    truth = Truth(exact_csv_scene(upper, lower, **groups))
+
+    def errors(rows):
+        for m, row in enumerate(rows, 1):
+            state = truth.state(m)
+            yield 0.0, 0.0
+            for name in TOTALS if state else ():
+                want = getattr(state, name)
+                if want:
+                    yield float(abs((float(row[name]) - want) / want)), 2.0 ** -53
+    return scene, errors
+
+
+def dense(rng, folder):
+    """Neighbours: `auto`, `coupled` or `boundary` in the scene, at its approach or its load."""
+    scene = rng.choice([s for s in dense_scenes() if int(truths()[s.name]["contacts"]) <= 100])
+    want = truths()[scene.name]
+    by_load = rng.random() < 0.5
+    loading = {"control": "load", "value": float(want["normal_load"])} if by_load else None
+    written = scene.write(folder, loading, interaction=rng.choice(("auto", "coupled", "boundary")))
+
+    def errors(rows):
+        row, = rows
+        if by_load:
+            yield (abs(float(row["approach"]) - scene.approach) / float(want["closing"]),
+                   float(want["load_error"]))
+        else:
+            yield (abs(float(row["vertical_load"]) / float(want["load"]) - 1),
+                   float(want["load_error"]))
+        yield abs(float(row["area"]) / float(want["area"]) - 1), float(want["area_error"])
+    return written, errors
+
+
+def flow(rng, folder):
+    x = round(10 ** rng.uniform(0.8, 2.0), 3)
+    closing = x * STEEL.critical_overlap
+    scene = balls(folder, "ball", {"plasticity": rng.choice(("on", "auto")),
+                                   "plastic_yield_stress": 0.9115},
+                  path([closing]), modulus=200 / (1 - 0.32 ** 2), ratio=0.32)
+
+    def errors(rows):
+        load = float(STEEL.critical_load * STEEL.published(str(x)))
+        area = float(STEEL.critical_area * STEEL.area(str(x)))
+        yield abs(float(rows[0]["load"]) / load - 1), 1e-12
+        yield abs(float(rows[0]["area"]) / area - 1), 1e-12
+    return scene, errors
+
+
+def adhesion(rng, folder):
+    """The theory is that of docs/effects/adhesion.md for the Tabor parameter, DMT aside."""
+    work = 10 ** rng.uniform(-6, -4)
+    tabor = 10 ** rng.uniform(-0.9, 1.5)
+    distance = (work ** 2 / tabor ** 3) ** (1 / 3)
+    closing = 10 ** rng.uniform(-3, -2)
+    scene = balls(folder, "ball", {"adhesion": rng.choice(("on", "auto")),
+                                   "work_of_adhesion": work, "equilibrium_distance": distance},
+                  path([closing]))
+
+    def errors(rows):
+        given = mpf(1), mpf(1), mpf(work), mpf(closing)
+        want = jkr(*given) if tabor > 5 else maugis(*given[:3], mpf(distance), given[3])
+        yield float(abs(float(rows[0]["load"]) / want.load - 1)), 1e-12
+        yield float(abs(float(rows[0]["area"]) / (np.pi * want.contact_radius ** 2) - 1)), 1e-12
+    return scene, errors
+
+
+def measured(rng, folder):
+    """A map's samples: the level of the flat at a load."""
+    n = rng.choice((32, 48))
+    height = 1e-3 * rough(n, shortest=rng.choice((4, 8)), seed=rng.randrange(10 ** 6))
+    y, x = np.mgrid[0:n, 0:n]
+    plane = np.c_[x.ravel(), y.ravel(), np.ones(n * n)]
+    level = height - (plane @ np.linalg.lstsq(plane, height.ravel(), rcond=None)[0]).reshape(n, n)
+    load = 10 ** rng.uniform(-3, -1.5)
+    made_maps.write_bytes(folder / "map.sdf", height)
+    scene = write_scene(folder / "map.scene", surfaces={"upper": "plane", "lower": "map.sdf"},
+                        material={"contact_modulus": 1.0},
+                        loading={"control": "load", "value": load},
+                        effects={"interaction": rng.choice(("auto", "coupled", "boundary"))})
+
+    def errors(rows):
+        want = press(level, (1.0, 1.0), 1.0, load)[0]
+        yield abs(float(rows[0]["approach"]) - want) / (level.max() - want), 1e-9
+    return scene, errors
+
+
+KINDS = {"alone": alone, "dense": dense, "flow": flow, "adhesion": adhesion, "map": measured}
+SHARES = (40, 35, 10, 10, 5)
+
+
+def judge(exe, kind, number, asked, timeout=300):
+    """One scene by its kind and number, the same in every run."""
+    rng = random.Random(f"promise {kind} {number}")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        scene, errors = KINDS[kind](rng, folder)
+        verdict = Verdict(kind, number, float(asked))
+        file = folder / "positions.csv"
+        began = time.perf_counter()
+        done = subprocess.run([exe, "solve", scene, "--accuracy", asked, "--positions", file,
+                               "--threads", "1"], capture_output=True, text=True, timeout=timeout)
+        verdict.seconds = time.perf_counter() - began
+        verdict.status, verdict.message = done.returncode, done.stderr.strip()
+        if done.returncode == 0:
+            said = re.search(r"(?:error bound|estimated error)\s*(\S+)", done.stdout)
+            verdict.promised = float(said[1])
+            verdict.error, verdict.bound = max(errors(records(file)),
+                                               key=lambda pair: pair[0] - pair[1])
+    return verdict
+
+
+def judged(exe, scenes, seconds=1e9):
+    """So many scenes of all kinds, each asked for all accuracies, as long as there is time."""
+    began = time.perf_counter()
+    chosen = random.Random(17).choices(list(KINDS), SHARES, k=scenes)
+    numbers, found = Counter(), []
+    for kind in chosen:
+        numbers[kind] += 1
+        for asked in ASKED:
+            found.append(judge(exe, kind, numbers[kind], asked))
+        if time.perf_counter() - began > seconds:
+            break
+    return found
+
+
+def table(verdicts):
+    """A line a kind and accuracy: scenes, kept, refused, broken; the time."""
+    yield "kind      asked  scenes  solved  refused  broken  largest error/said     seconds, median"
+    for kind in KINDS:
+        for asked in ASKED:
+            rows = [v for v in verdicts if v.kind == kind and v.asked == float(asked)]
+            if not rows:
+                continue
+            solved = [v for v in rows if v.status == 0]
+            worst = max((max(0.0, v.error - v.bound) / v.promised for v in solved), default=0.0)
+            yield (f"{kind:9} {asked}  {len(rows):6}  {len(solved):6}  "
+                   f"{sum(v.status == 1 for v in rows):7}  {sum(not v.kept for v in rows):6}  "
+                   f"{worst:21.2g}  {np.median([v.seconds for v in rows]):.3f}")
+
+
+def main(words):
+    told = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    told.add_argument("executable")
+    told.add_argument("--scenes", type=int, default=500)
+    told.add_argument("--seconds", type=float, default=1800.0)
+    given = told.parse_args(words)
+    verdicts = judged(Path(given.executable).resolve(), given.scenes, given.seconds)
+    print(*table(verdicts), sep="\n")
+    for v in verdicts:
+        if not v.kept:
+            print(f"broken: {v.kind} {v.scene}, {v.asked:g}: status {v.status}, error {v.error:.2e}"
+                  f", promised {v.promised:.1e}, truth to {v.bound:.1e} {v.message[-200:]}")
+    return int(any(not v.kept for v in verdicts))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
