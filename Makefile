@@ -85,9 +85,10 @@ hard-table: ## make the table of docs/hard-cases.md anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/make_table.py "$$exe"
 
-fault-table: ## make the tables of docs/faults.md anew
+fault-table: ## make the tables of docs/faults.md and docs/listing-port-scan.md anew
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/fault_effects.py "$$exe"
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/fault_effects.py "$$exe" && \
+	  .venv/bin/python test/regression/listing_page.py "$$exe"
 
 machine: ## the historic arithmetic against a System/370 (needs hercules), kept in reference_output
 	@bash .ci/setup build test

@@ -21,7 +21,7 @@ from printed_report import Report
 ROOT = Path(__file__).resolve().parents[2]
 DECK = ROOT / "data" / "thesis.deck"
 ARCHIVE = ROOT / "reference_output" / "faults" / "table_vi.csv"
-END = "<!-- end of what fault_effects.py made -->"
+END = "<!-- end of what was made -->"
 COLUMNS = ("maximum", "minimum", "average")
 # Decimals that Table VI prints, by quantity.
 DECIMALS = {"total_load": 0, "total_contact_area": 4, "contact_points": 0, "approach": 4,
@@ -171,9 +171,9 @@ def begin(name):
     return f"<!-- {name}: made by test/regression/fault_effects.py -->"
 
 
-def inside(text, name):
-    """What stands between the markers: before, inside, behind."""
-    before, _, rest = text.partition(begin(name))
+def inside(text, first):
+    """What stands between a marker and the next end: before, inside, behind."""
+    before, _, rest = text.partition(first)
     return before, *rest.partition(END)[::2]
 
 
@@ -181,7 +181,7 @@ def main(executable):
     asperity = Path(executable).resolve()
     path = ROOT / DOCUMENT
     for name, lines in MADE.items():
-        before, _, after = inside(path.read_text(encoding="utf-8"), name)
+        before, _, after = inside(path.read_text(encoding="utf-8"), begin(name))
         table = "\n".join(lines(asperity))
         path.write_text(f"{before}{begin(name)}\n{table}\n{END}{after}", encoding="utf-8")
     ARCHIVE.write_text("\n".join(archive(asperity)) + "\n", encoding="ascii")

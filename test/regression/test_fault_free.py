@@ -13,8 +13,8 @@ import pytest
 from builds import ROOT
 from decks import random_deck, write_deck
 from exact_contact import Truth, read_deck
-from fault_effects import (ARCHIVE, DECIMALS, DOCUMENT, MADE, archive, effects, inside, names,
-                           variance)
+from fault_effects import (ARCHIVE, DECIMALS, DOCUMENT, MADE, archive, begin, effects, inside,
+                           names, variance)
 from mpmath import mp, mpf
 
 DIGITS = 40
@@ -159,7 +159,7 @@ def test_names(asperity):
 def test_tables_of_the_page_are_current(asperity):
     page = (ROOT / DOCUMENT).read_text(encoding="utf-8")
     for name, lines in MADE.items():
-        assert inside(page, name)[1].strip("\n").splitlines() == list(lines(asperity))
+        assert inside(page, begin(name))[1].strip("\n").splitlines() == list(lines(asperity))
     assert ARCHIVE.read_text(encoding="ascii").splitlines() == list(archive(asperity))
 
 
