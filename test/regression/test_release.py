@@ -1,0 +1,55 @@
+"""What a release is cut from agrees with itself."""
+
+import re
+import subprocess
+import tomllib
+
+import pytest
+from builds import ROOT
+
+pytestmark = pytest.mark.once
+
+
+def text_of(path):
+    return (ROOT / path).read_text(encoding="utf-8")
+
+
+def test_one_version(asperity):
+    """The same number wherever it stands, and what the program says."""
+    version = tomllib.loads(text_of("fpm.toml"))["version"]
+    assert re.fullmatch(r"\d+\.\d+\.\d+", version)
+    assert version == tomllib.loads(text_of("python/pyproject.toml"))["project"]["version"]
+    assert re.findall(r"(?m)^version: (.*)", text_of("CITATION.cff")) == [version]
+    assert f"version = '{version}'" in text_of("src/foundation/version.f90")
+    said = subprocess.run([asperity, "--version"], capture_output=True, text=True, timeout=100)
+    assert said.stdout.startswith(f"asperity {version}\n")
+
+
+def test_changelog_can_be_cut():
+    """The newest section is that of this version; versions fall, each has a line."""
+    log = text_of("CHANGELOG.md")
+    versions = re.findall(r"(?m)^## (.*)$", log)
+    assert versions[0] == tomllib.loads(text_of("fpm.toml"))["version"]
+    numbers = [tuple(map(int, version.split("."))) for version in versions]
+    assert numbers == sorted(numbers, reverse=True) and len(set(numbers)) == len(numbers)
+    for section in re.split(r"(?m)^## .*$", log)[1:]:
+        assert re.search(r"(?m)^- \w", section) or section.strip()
+
+
+def test_citation():
+    """The fields that CFF 1.2.0 asks for, and no line with a tabulator."""
+    citation = text_of("CITATION.cff")
+    for field in ("cff-version: 1.2.0", "message: ", "title: asperity", "authors:"):
+        assert re.search(f"(?m)^{re.escape(field)}", citation)
+    assert "\t" not in citation and re.search(r"(?m)^license: MIT$", citation)
+    assert "MIT" in text_of("LICENSE")
+
+
+def test_recipe_names_what_there_is():
+    """The steps of CONTRIBUTING name the places of the version, each and no other."""
+    steps = text_of("CONTRIBUTING.md").split("## Releasing")[1].split("\n## ")[0]
+    named = set(re.findall(r"`([\w./]+\.(?:toml|f90|cff|md))`", steps))
+    assert {"fpm.toml", "python/pyproject.toml", "CITATION.cff", "src/foundation/version.f90",
+            "CHANGELOG.md"} <= named
+    for path in named:
+        assert (ROOT / path).exists()
