@@ -25,7 +25,7 @@ contains
   !> Reads and checks a map. With problems, or when `failure` is allocated because there is no
   !> memory for it, the map is not to be used.
   subroutine read_height_map(path, spacing, progress, map, problems, failure)
-    character(len=*), intent(in) :: path                    !! the file
+    character(len=*), intent(in) :: path                    !! the file; `-` is standard input
     real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
     logical, intent(in) :: progress                         !! tell how far it has come
     type(height_map), intent(out) :: map                    !! its samples
@@ -39,7 +39,11 @@ contains
     call problems%start(path)
     before = problems%count()
     map%unit = ''
-    call file%open(path)
+    if (path == '-') then
+      call file%open('/dev/stdin')
+    else
+      call file%open(path)
+    end if
     call file%take(magic_length, magic)
     if (allocated(file%failure)) then
       call problems%add_at(1, 1, file%failure // ', expected ' // expected)

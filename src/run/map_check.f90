@@ -1,9 +1,9 @@
 !> What the summits of a map cost: they are held against the map itself at the same load.
 !>
 !> The map is pressed at its full resolution when it has few enough samples, else at a half, a
-!> quarter and so on of it, and once more at half of that: the difference says how good the
-!> comparison is. It is pressed before they are: where it is one contact with holes in it, summits
-!> are no contacts of their own.
+!> quarter and so on of it, and twice more, coarser each time: what its separation changes by says
+!> what that of all samples is, and how sure. It is pressed before they are: where it is one contact
+!> with holes in it, summits are no contacts of their own.
 module asperity_map_check
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured
@@ -110,22 +110,19 @@ contains
     real(real64), intent(in) :: stiffness       !! of them: load over approach; or `not_computed`
     type(map_record), intent(out) :: check      !! how they compare
     character(len=:), allocatable, intent(out) :: failure  !! why not
-    type(height_map) :: half
-    type(map_answer) :: at_level, coarse
-    real(real64) :: level
+    type(map_answer) :: at_level
+    real(real64) :: beyond, level
 
     check%summits = size(summits%x)
     check%coarser = seen%coarser
     check%rms_height = rms_of(map)
     associate (answer => seen%answer)
       call press_map(seen%map, seen%periodic, modulus, answer, state%vertical_load)
-      if (.not. allocated(answer%failure) .and. check%coarser > 1) then
-        half = half_map(seen%map)
-        call press_map(half, seen%periodic, modulus, coarse, state%vertical_load)
-        check%uncertain = abs(coarse%level - answer%level) / check%rms_height
-        if (allocated(coarse%failure)) answer%failure = coarse%failure
-      end if
-      level = answer%level
+      beyond = 0.0_real64
+      if (.not. allocated(answer%failure) .and. check%coarser > 1) &
+        call look_beyond(seen, modulus, state%vertical_load, beyond, check%uncertain)
+      check%uncertain = check%uncertain / check%rms_height
+      level = answer%level + beyond
       check%level = level
       check%difference = (state%approach - level) / check%rms_height
       if (check%coarser == 1) then
@@ -135,21 +132,57 @@ contains
       check%closing = maxval(map%height) - level
       if (.not. allocated(answer%failure)) then
         call share_out(map, seen, summits, check)
-        at_level%level = state%approach
+        at_level%level = state%approach - beyond
         at_level%pressure = answer%pressure
         call press_map(seen%map, seen%periodic, modulus, at_level)
       end if
-      if (at_level%load > 0.0_real64) &
+      if (at_level%load > 0.0_real64) then
         check%load_difference = state%vertical_load / at_level%load - 1.0_real64
+        if (check%coarser > 1) then
+          check%load_uncertain = at_level%load
+          at_level%level = at_level%level - check%uncertain * check%rms_height
+          call press_map(seen%map, seen%periodic, modulus, at_level)
+          check%load_uncertain = at_level%load / check%load_uncertain - 1.0_real64
+        end if
+      end if
       if (.not. allocated(answer%failure) .and. stiffness > 0.0_real64) then
         call press_map(seen%map, seen%periodic, modulus, answer, &
                        (1.0_real64 + stiffness_step) * state%vertical_load)
-        check%stiffness = stiffness_step * state%vertical_load / (level - answer%level)
+        check%stiffness = stiffness_step * state%vertical_load / (level - beyond - answer%level)
         check%stiffness_difference = stiffness / check%stiffness - 1.0_real64
       end if
       if (allocated(answer%failure)) failure = 'beside its summits: ' // answer%failure
     end associate
   end subroutine hold_against_map
+
+  ! What the separation of all samples is above that of squares of them, by how it changes with the
+  ! side of a square. Each halving changes it by a share of the change before: half, as a square's
+  ! value differs from its samples by their slope times its side; 1, were heights as rough at every
+  ! size. Between them it is taken, give or take the rest, or what the changes themselves change by.
+  subroutine look_beyond(seen, modulus, load, beyond, uncertain)
+    type(map_seen), intent(inout) :: seen     ! pressed by the load; gets a failure
+    real(real64), intent(in) :: modulus, load
+    real(real64), intent(out) :: beyond, uncertain
+    type(height_map) :: map
+    type(map_answer) :: coarse
+    real(real64) :: level(3), change(2), least, most
+    integer :: i
+
+    level(1) = seen%answer%level
+    map = seen%map
+    do i = 2, 3
+      map = half_map(map)
+      if (allocated(coarse%pressure)) deallocate (coarse%pressure)
+      call press_map(map, seen%periodic, modulus, coarse, load)
+      if (allocated(coarse%failure)) seen%answer%failure = coarse%failure
+      level(i) = coarse%level
+    end do
+    change = level(:2) - level(2:)
+    least = 1.0_real64 - 1.0_real64 / seen%coarser
+    most = log(real(seen%coarser, real64)) / log(2.0_real64)
+    beyond = 0.5_real64 * (least + most) * change(1)
+    uncertain = 0.5_real64 * (most - least) * max(abs(change(1)), abs(change(1) - change(2)))
+  end subroutine look_beyond
 
   ! Shares of the load that summits cannot stand for.
   subroutine share_out(map, seen, summits, check)

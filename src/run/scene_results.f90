@@ -35,6 +35,7 @@ module asperity_scene_results
     real(real64) :: area = not_computed                 !! of the map
     real(real64) :: area_difference = not_computed      !! share of it
     real(real64) :: load_difference = huge(1.0_real64)  !! at the same separation, share
+    real(real64) :: load_uncertain = 0.0_real64         !! of that, for the coarser map
     real(real64) :: stiffness = not_computed            !! of the map: load over approach
     real(real64) :: stiffness_difference = not_computed !! share of it
     type(map_shares) :: shares                          !! of the load, where it is

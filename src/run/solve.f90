@@ -185,7 +185,8 @@ contains
     call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings)
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
     if (scene_in%loading%control == control_approach) then
-      results%positions(1)%error_estimate = abs(results%map%load_difference)
+      results%positions(1)%error_estimate = abs(results%map%load_difference) + &
+                                            results%map%load_uncertain
     else
       results%positions(1)%error_estimate = &
         (abs(results%map%difference) + results%map%uncertain) * results%map%rms_height / &

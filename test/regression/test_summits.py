@@ -374,9 +374,10 @@ def test_a_pipe_serves_too(asperity, tmp_path):
     path = write_matrix(tmp_path / "a.txt", MADE["smooth"]())
     command = [asperity, "summits", "--spacing", "1,1"]
     direct = subprocess.run([*command, path], capture_output=True, text=True, check=True)
-    piped = subprocess.run([*command, "/dev/stdin"], input=path.read_text(encoding="ascii"),
-                           capture_output=True, text=True, check=True)
-    assert piped.stdout.splitlines()[1:] == direct.stdout.splitlines()[1:]
+    for name in ("/dev/stdin", "-"):
+        piped = subprocess.run([*command, name], input=path.read_text(encoding="ascii"),
+                               capture_output=True, text=True, check=True)
+        assert piped.stdout.splitlines()[1:] == direct.stdout.splitlines()[1:]
 
 
 # ---------------------------------------------------------------- what is refused
