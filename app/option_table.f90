@@ -89,6 +89,7 @@ module asperity_option_table
     option_entry('accuracy', '--seconds', 'S', &
       'time that may be spent (default 60); ways that take longer are left out'), &
     option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
+    option_entry('accuracy', '--html', 'FILE', 'write a page: slide to an error, read the way'), &
     option_entry('accuracy', '--cost', '', 'tell what time and memory it will take, and end'), &
     option_entry('accuracy', '--quiet', '', 'print no table'), &
     option_entry('generate', '--output', 'FILE', &

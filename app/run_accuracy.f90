@@ -1,5 +1,6 @@
 !> The command `asperity accuracy [DECK or SCENE]`: the study of what accuracy costs in time.
 module asperity_run_accuracy
+  use asperity_accuracy_page, only: write_accuracy_page
   use asperity_accuracy_study, only: accuracy_row, number_of_ways, run_accuracy_study
   use asperity_accuracy_table, only: write_accuracy_csv, write_accuracy_table
   use asperity_card_deck, only: card_deck
@@ -39,7 +40,7 @@ contains
     type(accuracy_row), allocatable :: rows(:)
     type(model_rung), allocatable :: rungs(:)
     type(way_table) :: table
-    type(text_buffer) :: csv
+    type(text_buffer) :: csv, page
     character(len=:), allocatable :: left_out, no_sweep
     type(time_allowance) :: allowance
     type(progress_line) :: progress
@@ -109,6 +110,10 @@ contains
     end if
     call write_accuracy_csv(rows, rungs, table, csv)
     call outcome%stage(line%output('--csv'), csv)
+    if (line%output('--html') /= '') then
+      call write_accuracy_page(line%input, table, page)
+      call outcome%stage(line%output('--html'), page)
+    end if
     if (line%quiet) return
     if (allocated(no_sweep)) then
       call outcome%text%line('The sweep in every arithmetic and step is left out: ' // no_sweep)

@@ -1,5 +1,5 @@
 !> Pieces of a page of HTML that stands alone: head with its style, escaped text, tables. A page is
-!> well-formed XML, too; it loads nothing and runs nothing.
+!> well-formed XML, too; it loads nothing, and runs nothing but what stands in it.
 module asperity_html_page
   use asperity_kinds, only: real64
   use asperity_printable, only: printable
@@ -14,16 +14,21 @@ module asperity_html_page
 contains
 
   !> Everything before the first section.
-  subroutine begin_page(title, buffer)
-    character(len=*), intent(in) :: title       !! what the page is about, as it stands
-    type(text_buffer), intent(inout) :: buffer  !! the page
+  subroutine begin_page(title, buffer, with_script)
+    character(len=*), intent(in) :: title         !! what the page is about, as it stands
+    type(text_buffer), intent(inout) :: buffer    !! the page
+    logical, intent(in), optional :: with_script  !! a script in the page may run
+    character(len=:), allocatable :: script
+
+    script = ''
+    if (present(with_script)) script = '; script-src ''unsafe-inline'''
 
     call buffer%line('<!DOCTYPE html>')
     call buffer%line('<html lang="en">')
     call buffer%line('<head>')
     call buffer%line('<meta charset="utf-8"/>')
     call buffer%line('<meta http-equiv="Content-Security-Policy" ' // &
-                     'content="default-src ''none''; style-src ''unsafe-inline''"/>')
+                     'content="default-src ''none''; style-src ''unsafe-inline''' // script // '"/>')
     call buffer%line('<meta name="viewport" content="width=device-width, initial-scale=1"/>')
     call buffer%line('<title>' // escaped(title) // '</title>')
     call put_style(buffer)

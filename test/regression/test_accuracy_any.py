@@ -1,6 +1,8 @@
 """What accuracy costs, for any scene: ten kinds of it, the front, the truth of the reference."""
 
+import re
 import subprocess
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -212,3 +214,28 @@ def test_the_choice_is_told(asperity, root):
     assert done.returncode == 0, done.stderr
     assert "'auto' with tolerance 5.000000E-003 is the cheapest way that has it" in done.stdout
     assert "ten times better: this run has it" in done.stdout
+
+
+def test_the_page(asperity, root, tmp_path):
+    """The page of a study: well-formed, without the network, and its data are those of the CSV."""
+    scene = root / "data/examples/csv_surfaces.scene"
+    for name in ("a.html", "a.csv"):
+        assert not (tmp_path / name).exists()
+    done = subprocess.run([asperity, "accuracy", scene, "--seconds", "5", "--quiet", "--csv",
+                           "a.csv", "--html", "a.html"], cwd=tmp_path, capture_output=True,
+                          text=True, timeout=100)
+    assert done.returncode == 0 and done.stdout == "", done.stderr
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    tree = ElementTree.fromstring(page.split("\n", 1)[1])
+    assert "default-src 'none'" in page and not re.search(r"(?:src|href)=|https?:|url\(", page)
+    rows = [row for row in records(tmp_path / "a.csv") if row["method"] == "total"]
+    run = [row for row in rows if row["seconds"] and row["family"] != "theory"]
+    floor = float(reference(rows)["error_estimate"])
+    data = re.findall(r'^\["(.*?)",\s*(\S+?),\s*(\S+?)\],$', page, re.M)
+    assert [name for name, _, _ in data] == [row["way"].replace(";", ",") for row in run]
+    for (_, seconds, error), row in zip(data, run):
+        assert float(seconds) == pytest.approx(float(row["seconds"]), rel=1e-12)
+        assert float(error) == pytest.approx(max(float(row["error_max"]), floor), rel=1e-12)
+    dots = tree.findall(".//div[@id='total-plot']//circle")
+    assert len(dots) == len(run)
+    assert len(tree.findall(".//tbody/tr")) == len(rows)

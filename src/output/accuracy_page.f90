@@ -1,0 +1,196 @@
+!> What accuracy costs for a scene, as one page that opens anywhere: slide to the error that is
+!> needed, read the way and its time; the diagrams, and all ways as a table. It loads nothing; its
+!> script is a few lines that look into the data of the page.
+module asperity_accuracy_page
+  use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
+                                end_table, put_row, readable
+  use asperity_kinds, only: not_computed, real64
+  use asperity_scene_ways, only: family_words, of_input, of_theory
+  use asperity_svg_plot, only: axis_over, plot_axis, svg_plot
+  use asperity_text_buffer, only: text_buffer
+  use asperity_version, only: version
+  use asperity_way_study, only: way_row, way_table
+  implicit none
+  private
+
+  public :: write_accuracy_page
+
+  ! What cannot be seen is drawn there, below the rounding of a double.
+  real(real64), parameter :: least_drawn = 1.0e-17_real64
+
+contains
+
+  !> The whole page.
+  subroutine write_accuracy_page(title, table, buffer)
+    character(len=*), intent(in) :: title       !! the scene's name
+    type(way_table), intent(in) :: table        !! all ways
+    type(text_buffer), intent(inout) :: buffer  !! the page
+    real(real64) :: error(size(table%rows)), own(size(table%rows))
+    logical :: is_run(size(table%rows))
+    integer :: i
+
+    do i = 1, size(table%rows)
+      associate (row => table%rows(i))
+        is_run(i) = row%seconds > not_computed .and. row%total%largest > not_computed .and. &
+                    row%way%family /= of_theory
+        ! Nothing is known better than the reference.
+        error(i) = max(row%total%largest, table%rows(table%reference)%own_estimate, least_drawn)
+        own(i) = max(row%own%largest, least_drawn)
+      end associate
+    end do
+    call begin_page('What accuracy costs: ' // title, buffer, with_script=.true.)
+    call buffer%line('<p>Error: the largest over the positions, relative, of the loads or, at a ' // &
+                     'given load, of the approach over the closing. Time: all positions, one ' // &
+                     'thread.</p>')
+    call begin_section('choose', 'What error do you need?', buffer)
+    call buffer%line('<p><label for="error">Error at most</label> <input id="error" type="range" ' // &
+                     'min="-16" max="0" step="0.25" value="-2" style="width:100%"/></p>')
+    call buffer%line('<p id="answer" aria-live="polite">The page''s script is needed here; the ' // &
+                     'table below has the same.</p>')
+    call end_section(buffer)
+    call begin_section('total', 'Error against time', buffer)
+    call put_plot('error against the reference', 'total-plot', table, is_run, error, buffer)
+    call end_section(buffer)
+    call begin_section('own', 'What each way leaves out by itself', buffer)
+    call buffer%line('<p>Arithmetic against real128, steps against exact events, effects against ' // &
+                     'the scene as it asks, neighbours against the reference. The line is what ' // &
+                     'the digits of the input mean.</p>')
+    call put_plot('its own error', 'own-plot', table, is_run .and. &
+                  table%rows%own%largest > not_computed, own, buffer)
+    call end_section(buffer)
+    call begin_section('ways', 'All ways', buffer)
+    call put_ways(table, buffer)
+    call end_section(buffer)
+    call buffer%line('<p>asperity ' // version // '</p>')
+    call put_script(table, is_run, error, buffer)
+    call end_page(buffer)
+  end subroutine write_accuracy_page
+
+  ! One diagram: a dot a way, the front joined, the error of the input across.
+  subroutine put_plot(name, id, table, shown, error, buffer)
+    character(len=*), intent(in) :: name, id
+    type(way_table), intent(in) :: table
+    logical, intent(in) :: shown(:)
+    real(real64), intent(in) :: error(:)
+    type(text_buffer), intent(inout) :: buffer
+    type(svg_plot) :: plot
+    type(plot_axis) :: across
+    real(real64), allocatable :: seconds(:), level(:)
+    integer :: i
+
+    if (.not. any(shown)) return
+    seconds = pack(table%rows%seconds, shown)
+    seconds = max(seconds, 1.0e-9_real64)
+    level = pack(error, shown)
+    call buffer%line('<div id="' // id // '">')
+    across = axis_over('time, s', seconds, .true.)
+    call plot%begin(name // ' over time', across, axis_over(name, [level, 1.0_real64], .true.), &
+                    buffer)
+    if (id == 'total-plot') call put_front(pack(table%rows%seconds, table%rows%on_front), &
+                                           pack(error, table%rows%on_front))
+    do i = 1, size(table%rows)
+      if (shown(i)) &
+        call plot%dot(max(table%rows(i)%seconds, 1.0e-9_real64), error(i), &
+                      trim(family_words(table%rows(i)%way%family)) // ': ' // &
+                      trim(table%rows(i)%way%name) // ', ' // &
+                      readable(table%rows(i)%seconds, 2) // ' s, ' // readable(error(i), 2), buffer)
+      if (table%rows(i)%way%family == of_input .and. id == 'own-plot' .and. &
+          table%rows(i)%own%largest > 0.0_real64) &
+        call plot%curve([across%low, across%high], [error(i), error(i)], buffer)
+    end do
+    call plot%finish(buffer)
+    call buffer%line('</div>')
+
+  contains
+
+    ! From the fastest on.
+    subroutine put_front(time, level)
+      real(real64), intent(in) :: time(:), level(:)
+      real(real64) :: x(size(time)), y(size(time))
+      logical :: left(size(time))
+      integer :: k, next
+
+      left = .true.
+      do k = 1, size(time)
+        next = minloc(time, 1, left)
+        left(next) = .false.
+        x(k) = max(time(next), 1.0e-9_real64)
+        y(k) = level(next)
+      end do
+      call plot%curve(x, y, buffer)
+    end subroutine put_front
+
+  end subroutine put_plot
+
+  ! All ways, those that were left out with the reason.
+  subroutine put_ways(table, buffer)
+    type(way_table), intent(in) :: table
+    type(text_buffer), intent(inout) :: buffer
+    character(len=140) :: cells(8)
+    integer :: i
+
+    call begin_table('ways of computing; front: none is clearly better', &
+                     [character(len=12) :: 'way', 'of', 'front', 'time, s', 'error', 'of the area', &
+                      'its own', 'left out'], buffer)
+    do i = 1, size(table%rows)
+      associate (row => table%rows(i))
+        cells(1) = row%way%name
+        cells(2) = family_words(row%way%family)
+        cells(3) = merge('*', ' ', row%on_front)
+        cells(4) = told(row%seconds)
+        cells(5) = told(row%total%largest)
+        cells(6) = told(row%total%area)
+        if (row%is_reference) cells(5:6) = 'reference'
+        cells(7) = told(row%own%largest)
+        cells(8) = ''
+        if (allocated(row%left_out)) cells(8) = row%left_out
+        call put_row(cells, buffer)
+      end associate
+    end do
+    call end_table(buffer)
+  end subroutine put_ways
+
+  pure function told(value) result(text)
+    real(real64), intent(in) :: value
+    character(len=:), allocatable :: text
+
+    text = ''
+    if (value > not_computed) text = readable(value, 2)
+  end function told
+
+  ! The data, and what the slider does: the cheapest way with the error, and with a tenth of it.
+  subroutine put_script(table, is_run, error, buffer)
+    type(way_table), intent(in) :: table
+    logical, intent(in) :: is_run(:)
+    real(real64), intent(in) :: error(:)
+    type(text_buffer), intent(inout) :: buffer
+    character(len=60) :: numbers
+    integer :: i
+
+    call buffer%line('<script>')
+    call buffer%line('const ways=[')
+    do i = 1, size(table%rows)
+      if (.not. is_run(i)) cycle
+      write (numbers, '(es23.15e3, ",", es23.15e3)') table%rows(i)%seconds, error(i)
+      call buffer%line('["' // trim(table%rows(i)%way%name) // '",' // &
+                       trim(adjustl(numbers)) // '],')
+    end do
+    call buffer%line('];')
+    call buffer%line('const slider=document.getElementById("error"),' // &
+                     'answer=document.getElementById("answer"),')
+    call buffer%line('dots=document.querySelectorAll("#total-plot .dot");')
+    call buffer%line('function best(e){let b=-1;ways.forEach((w,i)=>{if(e>=w[2])' // &
+                     'if(b===-1||ways[b][1]>w[1])b=i});return b}')
+    call buffer%line('function say(){const e=10**Number(slider.value),b=best(e),t=best(e/10),' // &
+                     'n=e.toExponential(1);')
+    call buffer%line('dots.forEach((d,i)=>{d.setAttribute("r",i===b?7:3)});')
+    call buffer%line('answer.textContent=b===-1?n+": none of the ways has it.":' // &
+                     'n+": "+ways[b][0]+", "+ways[b][1].toPrecision(2)+" s, error "+' // &
+                     'ways[b][2].toExponential(1)+". Ten times better: "+(t===-1?"none has it.":')
+    call buffer%line('t===b?"the same way.":ways[t][0]+", "+(ways[t][1]/ways[b][1])' // &
+                     '.toPrecision(2)+" times the time.")}')
+    call buffer%line('slider.addEventListener("input",say);say();')
+    call buffer%line('</script>')
+  end subroutine put_script
+
+end module asperity_accuracy_page
