@@ -39,22 +39,23 @@ contains
       end associate
     end do
     call begin_page('What accuracy costs: ' // title, buffer, with_script=.true.)
-    call buffer%line('<p>Error: the largest over the positions, relative, of the loads or, at a ' // &
-                     'given load, of the approach over the closing. Time: all positions, one ' // &
-                     'thread.</p>')
+    call buffer%line('<p>Error: the largest over the positions, relative, of the loads or, ' // &
+                     'at a given load, of the approach over the closing. Time: all ' // &
+                     'positions, one thread.</p>')
     call begin_section('choose', 'What error do you need?', buffer)
-    call buffer%line('<p><label for="error">Error at most</label> <input id="error" type="range" ' // &
-                     'min="-16" max="0" step="0.25" value="-2" style="width:100%"/></p>')
-    call buffer%line('<p id="answer" aria-live="polite">The page''s script is needed here; the ' // &
-                     'table below has the same.</p>')
+    call buffer%line('<p><label for="error">Error at most</label> ' // &
+                     '<input id="error" type="range" min="-16" max="0" step="0.25" ' // &
+                     'value="-2" style="width:100%"/></p>')
+    call buffer%line('<p id="answer" aria-live="polite">The page''s script is needed ' // &
+                     'here; the table below has the same.</p>')
     call end_section(buffer)
     call begin_section('total', 'Error against time', buffer)
     call put_plot('error against the reference', 'total-plot', table, is_run, error, buffer)
     call end_section(buffer)
     call begin_section('own', 'What each way leaves out by itself', buffer)
-    call buffer%line('<p>Arithmetic against real128, steps against exact events, effects against ' // &
-                     'the scene as it asks, neighbours against the reference. The line is what ' // &
-                     'the digits of the input mean.</p>')
+    call buffer%line('<p>Arithmetic against real128, steps against exact events, effects ' // &
+                     'against the scene as it asks, neighbours against the reference. The ' // &
+                     'line is what the digits of the input mean.</p>')
     call put_plot('its own error', 'own-plot', table, is_run .and. &
                   table%rows%own%largest > not_computed, own, buffer)
     call end_section(buffer)
@@ -130,8 +131,8 @@ contains
     integer :: i
 
     call begin_table('ways of computing; front: none is clearly better', &
-                     [character(len=12) :: 'way', 'of', 'front', 'time, s', 'error', 'of the area', &
-                      'its own', 'left out'], buffer)
+                     [character(len=12) :: 'way', 'of', 'front', 'time, s', 'error', &
+                      'of the area', 'its own', 'left out'], buffer)
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
         cells(1) = row%way%name

@@ -112,7 +112,7 @@ def test_columns_of_the_others(asperity, tmp_path):
     (tmp_path / "a.spec").write_text("&surfaces number = 9, length = 1., width = 2. /\n"
                                      "&radii mean = 3. / &heights mean = 0.1, deviation = 0.01 /\n")
     run(asperity, "generate", tmp_path / "a.spec", "--output", tmp_path / "g")
-    run(asperity, "accuracy", "data/thesis.deck", "--seconds", "0.5", "--csv", tmp_path / "a")
+    run(asperity, "accuracy", "data/thesis.deck", "--seconds", "3", "--csv", tmp_path / "a")
     text = (ROOT / "data/examples/study/thesis.spec").read_text()
     (tmp_path / "b.spec").write_text(re.sub(r"ensemble = \d+", "ensemble = 2", text))
     run(asperity, "study", tmp_path / "b.spec", "--csv", tmp_path / "b")
