@@ -26,6 +26,8 @@ module asperity_run_accuracy
   ! Time spent on every row at most, s: enough for a steady median; and what all of them may take
   ! when the user does not say.
   real(real64), parameter :: seconds_a_row = 0.2_real64, usual_seconds = 60.0_real64
+  ! Of the time of a sweep, what the ways that serve any scene may take at most.
+  real(real64), parameter :: share_of_ways = 1.0_real64 / 3.0_real64
   ! Time that is spent to tell what all of it would take.
   real(real64), parameter :: seconds_of_trial = 2.0_real64
 
@@ -70,8 +72,8 @@ contains
     end if
     least_seconds = min(seconds_a_row, seconds / (2 * pieces))
     call progress%begin(.true., 'ways of computing', pieces, 0)
-    ! A sweep to the limit has a study of its own behind: half of the time is for that.
-    call allowance%begin(merge(0.5_real64, 1.0_real64, is_sweep) * seconds)
+    ! A sweep to the limit has a study of its own behind, which takes longer.
+    call allowance%begin(merge(share_of_ways, 1.0_real64, is_sweep) * seconds)
     call run_way_study(scene_in, 0.25_real64 * least_seconds, allowance, progress, table, &
                        outcome%failure)
     ways = 0
@@ -84,7 +86,8 @@ contains
     call progress%reach(most_ways)
     allocate (rows(0), rungs(0))
     if (is_sweep .and. .not. allocated(outcome%failure)) then
-      call allowance%begin(0.5_real64 * seconds + max(0.0_real64, allowance%left()))
+      call allowance%begin((1.0_real64 - share_of_ways) * seconds + &
+                           max(0.0_real64, allowance%left()))
       if (is_thesis_sweep(scene_in)) call move_alloc(scene_in%deck, deck)
       call run_accuracy_study(scene_in, deck, least_seconds, allowance, progress, rows, &
                               ways_left_out, no_sweep)
