@@ -114,6 +114,7 @@ contains
 
     axis = self%across
     if (which == 2) axis = self%up
+    step = 0.0_real64
     if (axis%is_log) then
       last = floor(log10(axis%high))
       do k = ceiling(log10(axis%low)), last, 1 + int(log10(axis%high / axis%low)) / (marks + 2)

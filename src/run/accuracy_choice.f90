@@ -86,7 +86,7 @@ contains
     had%arithmetic = error_bound('real64', scene_in, results%positions)
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
-        had%model = max(had%model, over_estimate * position%error_estimate)
+        had%model = max(had%model, over_estimate * max(0.0_real64, position%error_estimate))
         do i = 1, size(position%states)
           had%load = max(had%load, missed(position%states(i)))
         end do
@@ -108,7 +108,7 @@ contains
       if (.not. allocated(results%positions(m)%state_values)) cycle
       if (size(results%positions(m)%state_values) >= column) &
         had%area = max(had%area, &
-                       over_estimate * results%positions(m)%state_values(column))
+                       over_estimate * max(0.0_real64, results%positions(m)%state_values(column)))
     end do
   end function has_accuracy
 

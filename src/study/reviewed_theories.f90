@@ -116,6 +116,8 @@ contains
     ! Two alike bodies of half the compliance each have the modulus of the scene, whatever its way
     ! of naming it.
     modulus = rounded_decimal(2 * combined_modulus(scene_in), 17)
+    ! The law wants two; on a plane it does not look at the other.
+    if (sides == 1) spec%sides(2) = spec%sides(1)
     summits%law = greenwood_law_of(spec, modulus, ratio, sides == 1)
 
   contains
