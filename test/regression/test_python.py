@@ -32,6 +32,7 @@ FILES = {"positions": "--positions", "states": "--curve", "contacts": "--contact
 def venv(tmp_path_factory):
     """A fresh venv with the package and nothing else: pip install ./python, without a network."""
     build("release")
+    start = time.monotonic()
     folder = tmp_path_factory.mktemp("venv")
     path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
     for command in ([sys.executable, "-m", "venv", folder],
@@ -40,6 +41,7 @@ def venv(tmp_path_factory):
         done = subprocess.run(command, cwd=ROOT, env={**os.environ, "PATH": path},
                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=500)
         assert done.returncode == 0, done.stdout + done.stderr
+    print(f"pip install ./python: {time.monotonic() - start:.1f} s")
     return folder
 
 
@@ -375,7 +377,9 @@ def test_page(venv):
     text = (ROOT / "docs/python.md").read_text(encoding="utf-8")
     lines = re.search(r"```python\n(.*?)```", text, re.S)[1]
     assert len(lines.splitlines()) == 10
+    start = time.monotonic()
     first, *curve = run(venv, "-c", lines).splitlines()
+    print(f"ten lines of Python: {time.monotonic() - start:.2f} s")
     assert first == "thesis: 1438 N"
     program = subprocess.run([venv / "bin/asperity", "--version"], capture_output=True, text=True)
     assert program.stdout.startswith("asperity ") and program.returncode == 0
