@@ -14,8 +14,8 @@ module asperity_html_plans
 
   public :: put_plans
 
-  ! A page stays below a megabyte: so many positions, circles and rows of tables at most, and so
-  ! many circles of one drawing that the keyboard stops at.
+  ! A page stays below a megabyte: so many positions, circles, circles that the keyboard stops at,
+  ! and rows of tables at most.
   integer, parameter :: most_plans = 100, most_circles = 10000, most_rows = 500, most_stops = 100
   ! The frame is wider than so many of the largest radii.
   real(real64), parameter :: least_width = 10.0_real64
@@ -31,20 +31,21 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! the page
     type(plot_axis) :: across, up
     type(state_row) :: last
-    integer :: circles, m, plans, rows
+    integer :: circles, m, plans, rows, stops
 
     call find_frame(results, across, up)
     across%name = with_unit('x', units(1))
     up%name = with_unit('y', units(1))
     circles = most_circles
     rows = most_rows
+    stops = most_stops
     plans = 0
     do m = 1, size(results%positions)
       last = last_state(results%positions(m))
       if (last%last_row < last%first_row) cycle
       plans = plans + 1
       if (plans > most_plans .or. circles == 0) cycle
-      call put_plan(results, m, plans == 1, across, up, circles, rows, buffer)
+      call put_plan(results, m, plans == 1, across, up, circles, rows, stops, buffer)
     end do
     if (plans == 0) call buffer%line('<p>No contact.</p>')
     if (plans > most_plans .or. circles == 0 .or. rows == 0) &
@@ -92,25 +93,26 @@ contains
     up = plot_axis(low=low(2), high=high(2))
   end subroutine find_frame
 
-  subroutine put_plan(results, m, is_first, across, up, circles, rows, buffer)
+  subroutine put_plan(results, m, is_first, across, up, circles, rows, stops, buffer)
     type(scene_results), intent(in) :: results
     integer, intent(in) :: m
     logical, intent(in) :: is_first
     type(plot_axis), intent(in) :: across, up
-    integer, intent(inout) :: circles, rows
+    integer, intent(inout) :: circles, rows, stops
     type(text_buffer), intent(inout) :: buffer
     type(svg_plot) :: plot
     type(state_row) :: last
     character(len=:), allocatable :: title
     integer :: i, last_circle, last_in_table
-    logical :: stops
+    logical :: reached
 
     last = last_state(results%positions(m))
     last_circle = min(last%last_row, last%first_row + circles - 1)
     last_in_table = min(last%last_row, last%first_row + rows - 1)
     circles = circles - (last_circle - last%first_row + 1)
     rows = rows - (last_in_table - last%first_row + 1)
-    stops = last%last_row - last%first_row < most_stops
+    reached = last%last_row - last%first_row < stops
+    if (reached) stops = stops - (last%last_row - last%first_row + 1)
     title = counted(last%last_row - last%first_row + 1, 'contact') // ', load ' // &
             readable(last%load, digits)
     if (size(results%positions) > 1) title = 'position ' // decimal_text(m) // ': ' // title
@@ -120,14 +122,16 @@ contains
     else
       call buffer%line('<div>')
     end if
-    call plot%begin('contacts in plan, ' // title, across, up, buffer, is_true=.true.)
-    if (.not. stops) call buffer%line('<g class="spot many">')
+    call plot%begin('contacts in plan, ' // title, across, up, buffer, is_true=.true., &
+                    is_again=.not. is_first)
+    if (.not. reached) call buffer%line('<g class="spot many">')
     do i = last%first_row, last_circle
       associate (row => results%positions(m)%rows(i))
-        call plot%circle(row%x, row%y, contact_radius(row), says(row, stops), stops, buffer)
+        call plot%circle(row%x, row%y, contact_radius(row), says(row, reached), reached, &
+                         buffer)
       end associate
     end do
-    if (.not. stops) call buffer%line('</g>')
+    if (.not. reached) call buffer%line('</g>')
     call plot%finish(buffer)
     if (last_in_table >= last%first_row) then
       call begin_table('contacts, ' // title, [character(len=16) :: 'area_no', 'x', 'y', &

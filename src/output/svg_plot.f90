@@ -69,13 +69,18 @@ contains
   end function axis_over
 
   !> Begins a drawing: frame, marks, names of the axes.
-  subroutine begin(self, label, across, up, buffer, is_true)
+  subroutine begin(self, label, across, up, buffer, is_true, is_again)
     class(svg_plot), intent(out) :: self          !! the drawing
     character(len=*), intent(in) :: label         !! what it shows, for who cannot see it
     type(plot_axis), intent(in) :: across         !! to the right
     type(plot_axis), intent(in) :: up             !! upwards
     type(text_buffer), intent(inout) :: buffer    !! the page
     logical, intent(in), optional :: is_true      !! a unit is as long upwards as to the right
+    logical, intent(in), optional :: is_again     !! the axes are those of the first true drawing
+    logical :: again
+
+    again = .false.
+    if (present(is_again)) again = is_again
 
     self%across = across
     self%up = up
@@ -89,7 +94,12 @@ contains
                      number(self%frame(2) + above + below) // '" role="' // &
                      trim(merge('group', 'img  ', present(is_true))) // '" aria-label="' // &
                      escaped(label) // '">')
-    call buffer%line('<g aria-hidden="true">')
+    if (again) then
+      call buffer%line('<use href="#axes" aria-hidden="true"/>')
+      return
+    end if
+    call buffer%line('<g' // trim(merge(' id="axes"', '          ', present(is_true))) // &
+                     ' aria-hidden="true">')
     call put_marks(self, 1, buffer)
     call put_marks(self, 2, buffer)
     call buffer%line('<rect class="grid" x="0" y="0" width="' // number(self%frame(1)) // &

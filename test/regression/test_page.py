@@ -21,7 +21,8 @@ FLOW = {"section", "p", "div", "table", "pre", "dl", "details", "h1", "h2", "svg
 INSIDE = {"html": {"head", "body"}, "head": {"meta", "title", "style"}, "body": {"main"},
           "main": FLOW, "section": FLOW, "div": FLOW, "details": FLOW | {"summary"},
           "table": {"caption", "thead", "tbody"}, "thead": {"tr"}, "tbody": {"tr"},
-          "tr": {"th", "td"}, "dl": {"dt", "dd"}, "svg": {"g", "circle", "path", "rect", "text"},
+          "tr": {"th", "td"}, "dl": {"dt", "dd"},
+          "svg": {"g", "circle", "path", "rect", "text", "use"},
           "g": {"g", "circle", "path", "rect", "text"}, "circle": {"title"}, "path": set(),
           "rect": set(), "text": None, "title": None, "p": {"code"}, "code": None, "th": None,
           "td": None, "pre": None, "summary": None, "h1": None, "h2": None, "caption": None,
@@ -100,7 +101,7 @@ def test_page_can_be_read(name, asperity, tmp_path):
     page, text, _ = page_of(asperity, name, tmp_path / "r.html")
     assert page.all[0]["lang"] == "en" and len(page.of("h1")) == len(page.of("main")) == 1
     assert page.of("title")[0]["text"] == page.of("h1")[0]["text"] == name
-    assert not re.search(r"https?:|<script|\bsrc=|\bhref=|url\(|@import", text)
+    assert not re.search(r'https?:|<script|\bsrc=|\bhref="[^#]|url\(|@import', text)
     identities = [element["id"] for element in page.all if "id" in element]
     assert len(identities) == len(set(identities))
     for section in page.of("section"):
@@ -193,20 +194,24 @@ def test_page_of_any_text(asperity, tmp_path):
     assert "\r" not in text
 
 
-def test_large_page(asperity, tmp_path):
+@pytest.mark.parametrize("side, positions", [(100, 1), (10, 100)])
+def test_large_page(side, positions, asperity, tmp_path):
     """10,000 contacts are a page below a megabyte, and each has its circle."""
-    side = 100
     upper = [(i + 0.001 * (j % 7), j, 0.2 + 1e-5 * ((i * 37 + j * 11) % 101), 0.7)
              for i in range(side) for j in range(side)]
     scene = write_csv_scene(tmp_path, upper, [(0, 0, 0, 1)],
+                            motion={"x_step": 0.013, "positions": positions},
                             loading={"control": "approach", "value": 0.15})
     text = scene.read_text()
     scene.write_text(re.sub(r"lower = '[^']*'", "lower = 'plane'", text))
     page, text, _ = page_of(asperity, scene, tmp_path / "r.html", "--quiet")
     circles = [circle for circle in page.of("circle") if "class" not in circle]
-    assert len(circles) == side**2 and len(text.encode()) < 10**6
-    assert sum("tabindex" in element for element in page.all) < 20
-    assert len(page.rows(table_named(page, "contacts, ")[0])) == 501
+    assert len(circles) == 10**4 and len(text.encode()) < 10**6
+    stops = [element for element in page.all if element["tag"] == "g" and "tabindex" in element]
+    assert len(stops) == (100 if positions > 1 else 0)
+    assert len([use for use in page.of("use") if use["href"] == "#axes"]) == positions - 1
+    rows = [row for table in table_named(page, "contacts, ") for row in page.rows(table)[1:]]
+    assert len(rows) == 500
     assert "500 rows of contacts at most" in page.of("main")[0]["text"]
 
 
