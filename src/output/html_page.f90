@@ -72,7 +72,7 @@ contains
     call buffer%line('summary{cursor:pointer;padding:.25rem 0}')
     call buffer%line('.warn{border-left:4px solid var(--warn);padding-left:.75rem}')
     call buffer%line('svg{display:block;width:100%;max-width:34rem;height:auto}')
-    call buffer%line('svg text{fill:var(--ink);font:13px system-ui,sans-serif}')
+    call buffer%line('text{fill:var(--ink);font:13px system-ui,sans-serif}')
     call buffer%line('.grid{stroke:var(--line);fill:none}')
     call buffer%line('.curve{stroke:var(--mark);stroke-width:1.5;stroke-linejoin:round;fill:none}')
     call buffer%line('.dot{fill:var(--mark)}')

@@ -210,6 +210,8 @@ def test_large_page(side, positions, asperity, tmp_path):
     stops = [element for element in page.all if element["tag"] == "g" and "tabindex" in element]
     assert len(stops) == (100 if positions > 1 else 0)
     assert len([use for use in page.of("use") if use["href"] == "#axes"]) == positions - 1
+    # A copy of the axes is outside the drawing for the style: it knows its letters by name alone.
+    assert "\ntext{" in text and "svg text" not in text
     rows = [row for table in table_named(page, "contacts, ") for row in page.rows(table)[1:]]
     assert len(rows) == 500
     assert "500 rows of contacts at most" in page.of("main")[0]["text"]
