@@ -239,3 +239,53 @@ def test_the_page(asperity, root, tmp_path):
     dots = tree.findall(".//div[@id='total-plot']//circle")
     assert len(dots) == len(run)
     assert len(tree.findall(".//tbody/tr")) == len(rows)
+
+
+def test_theories_in_closed_form(asperity, tmp_path):
+    """Areas of Greenwood and Tripp and the least hardness of each criterion, evaluated apart from
+    the surfaces' statistics."""
+    rng = np.random.default_rng(8)
+    upper, lower = (np.c_[rng.uniform(0, 9, 40), rng.uniform(0, 9, 40),
+                          rng.normal(0.1, 0.02, 40), np.full(40, radius)] for radius in (1.5, 1.0))
+    approach, hardness = 0.1, 9000.0
+    scene = write_csv_scene(tmp_path, upper, lower, loading={"control": "approach",
+                                                             "value": approach},
+                            limit={"criterion": "greenwood_williamson", "hardness": hardness})
+    rows, text = study(asperity, scene, tmp_path, 5)
+    area = float(reference(rows)["area"])
+    modulus = 1 / ((1 - 0.3 ** 2) / 2e5 + (1 - 0.25 ** 2) / 1e5)
+    boxes = [np.ptp(s[:, 0]) * np.ptp(s[:, 1]) for s in (upper, lower)]
+    density = 40 / np.sqrt(boxes[0] * boxes[1])
+    sigma = np.hypot(upper[:, 2].std(), lower[:, 2].std())
+    u = (approach - upper[:, 2].mean() - lower[:, 2].mean()) / sigma
+    s = np.linspace(u, u + 12, 200001)
+    f2 = np.trapezoid((s - u) ** 2 * np.exp(-s * s / 2), s) / np.sqrt(2 * np.pi)
+    want = (np.pi * density * 1.25 * sigma) ** 2 * min(boxes) * f2
+    found = {row["way"]: row for row in rows if row["family"] == "theory"}
+    assert float(found["Greenwood and Tripp; plastic"]["area_error_max"]) == pytest.approx(
+        abs(want / area - 1), rel=1e-6)
+    # Two unlike surfaces: the mean of the product of both radii stands for beta squared.
+    assert float(found["Greenwood and Tripp; elastic"]["area_error_max"]) == pytest.approx(
+        abs(want * 1.5 / 1.25 ** 2 / area - 1), rel=1e-4)
+    for name, lacks in (("D'yachenko; cones", "alpha"), ("Kragelskii; hemispheres", "K2")):
+        assert lacks in found[name]["left_out"]
+    heights = np.r_[upper[:, 2], lower[:, 2]]
+    foot = max(np.sqrt(2 * side[:, 2].mean() / side[0, 3]) for side in (upper, lower))
+    for name, value in (
+            ("Blok, height over distance", np.pi * modulus * heights.max() * np.sqrt(density) / 2),
+            ("Halliday, slope", 2 * modulus * foot / 0.84),
+            ("Greenwood and Williamson, index", modulus / 0.6 * np.sqrt(sigma / 0.6))):
+        printed = float(re.search(rf"{name}\s+(\S+)", text)[1])
+        assert printed == pytest.approx(value, rel=6e-4), name
+
+
+def test_the_error_of_the_input(asperity, tmp_path):
+    """One pair above the other: load as (half a unit moved)^(3/2). Draws stay within the bound."""
+    scene = write_csv_scene(tmp_path, [(0, 0, 0.101, 1.5)], [(0, 0, 0.1, 0.75)],
+                            loading={"control": "approach", "value": 0.151})
+    rows, text = study(asperity, scene, tmp_path, 3)
+    row = next(row for row in rows if row["family"] == "input")
+    assert row["way"] == "heights 5.0E-04; radii 5.0E-03"
+    # Both heights and both radii at their ends: closing 0.05 +- 0.001, radius 0.5 +- 0.5 %.
+    bound = (1 + 0.001 / 0.05) ** 1.5 * 1.01 - 1
+    assert 1e-4 < float(row["own_error_max"]) <= bound
