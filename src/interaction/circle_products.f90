@@ -131,9 +131,9 @@ contains
 
     n = size(set%x)
     allocate (potential(n), lap(n))
-    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, potential, lap, &
+    call sum_sources(set%rough_tree, change(1, :), flat_spread * set%circle**2, potential, lap, &
                      move_x=set%move_x, move_y=set%move_y, target_move_x=set%move_x, &
-                     target_move_y=set%move_y, rough=.true.)
+                     target_move_y=set%move_y)
     !$omp parallel do schedule(static) if(n > many) &
     !$omp   private(grows, i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
     !$omp   slope_here, slope_there, x, y)

@@ -12,17 +12,17 @@ module asperity_box_expansions
 
   public :: translations, prepare, add_moments, add_field, multiply
 
-  ! Greatest degree. Measured, the largest error of what one source does, and of sums over 1e4 to
-  ! 1e6 places by their mean, all over a square and in clusters: order 6: 2e-4, 5e-7, 2e-6;
-  ! 7: 4e-5, 9e-8, 4e-7; 8: 1.3e-5, 1.5e-8, 9e-8, at a tenth more time than 7.
-  integer, parameter :: order = 8
-  ! Greatest degree of rough sums.
-  integer, parameter :: rough_order = 4
+  !> Greatest degree. Measured, the largest error of what one source does, and of sums over 1e4 to
+  !> 1e6 places by their mean, all over a square and in clusters: order 6: 2e-4, 5e-7, 2e-6;
+  !> 7: 4e-5, 9e-8, 4e-7; 8: 1.3e-5, 1.5e-8, 9e-8, at a tenth more time than 7.
+  integer, parameter, public :: full_order = 8
+  !> Greatest degree of rough sums.
+  integer, parameter, public :: rough_order = 4
 
   !> Ways between the moments of boxes; those of a parent and its four children by quarter.
   type :: translations
-    !> number of moments, and of those that rough sums use: the first
-    integer :: terms = 0, few = 0
+    !> greatest degree, and number of moments
+    integer :: order = 0, terms = 0
     !> degrees in x and y of each, the sum of their squares ascending
     integer, allocatable :: in_x(:), in_y(:)
     !> moments of a box to the field in a box 7 rows + columns before it
@@ -34,20 +34,21 @@ module asperity_box_expansions
 contains
 
   !> Prepares the ways between boxes.
-  pure subroutine prepare(ways)
+  pure subroutine prepare(order, ways)
+    integer, intent(in) :: order             !! greatest degree, no more than the full one
     type(translations), intent(out) :: ways  !! the ways
-    integer, parameter :: n = order + 1, nodes = n * n
-    real(real64) :: node(n), x(nodes), y(nodes)
+    real(real64) :: node(order + 1), x((order + 1)**2), y((order + 1)**2)
     real(real64), allocatable :: value(:, :), to_terms(:, :), from_nodes(:, :), kernel(:, :), &
                                  half(:, :)
-    integer :: i, k, row, column, terms, in_x(nodes), in_y(nodes)
+    integer :: i, k, row, column, terms, nodes, in_x(size(x)), in_y(size(x))
 
+    ways%order = order
     terms = 0
-    node = chebyshev_nodes(n)
-    x = [(node, i=1, n)]
-    y = [(spread(node(i), 1, n), i=1, n)]
+    nodes = size(x)
+    node = chebyshev_nodes(size(node))
+    x = [(node, i=1, size(node))]
+    y = [(spread(node(i), 1, size(node)), i=1, size(node))]
     do k = 0, order**2
-      if (k == rough_order**2 + 1) ways%few = terms
       do i = 0, order
         do row = 0, order
           if (i**2 + row**2 /= k) cycle
@@ -96,7 +97,8 @@ contains
   end subroutine prepare
 
   ! Chebyshev's polynomials, their slopes and second derivatives.
-  pure subroutine polynomials(z, t, d, dd)
+  pure subroutine polynomials(order, z, t, d, dd)
+    integer, intent(in) :: order
     real(real64), intent(in) :: z
     real(real64), dimension(0:order), intent(out) :: t, d, dd
     integer :: l
@@ -119,13 +121,13 @@ contains
     real(real64), intent(in) :: half          !! half of the box's width
     real(real64), intent(in) :: charge        !! of 1/r
     real(real64), intent(in) :: spread        !! of its Laplacian: charge times a length squared
-    real(real64), intent(inout) :: moment(:)  !! of the box, all or the first
-    real(real64), dimension(0:order) :: tx, ty, dx, dy, ddx, ddy
+    real(real64), intent(inout) :: moment(:)  !! of the box
+    real(real64), dimension(0:ways%order) :: tx, ty, dx, dy, ddx, ddy
     real(real64) :: second
     integer :: k
 
-    call polynomials(x / half, tx, dx, ddx)
-    call polynomials(y / half, ty, dy, ddy)
+    call polynomials(ways%order, x / half, tx, dx, ddx)
+    call polynomials(ways%order, y / half, ty, dy, ddy)
     second = spread / (half * half)
     ddy = charge * ty + second * ddy
     ty = second * ty
@@ -142,13 +144,13 @@ contains
     real(real64), intent(in) :: x             !! place from the middle of the box
     real(real64), intent(in) :: y             !! place from the middle of the box
     real(real64), intent(in) :: half          !! half of the box's width
-    real(real64), intent(in) :: field(:)      !! of the box, all or the first
+    real(real64), intent(in) :: field(:)      !! of the box
     real(real64), intent(inout) :: value(4)   !! potential, Laplacian, slopes in x and y
-    real(real64), dimension(0:order) :: tx, ty, dx, dy, ddx, ddy
+    real(real64), dimension(0:ways%order) :: tx, ty, dx, dy, ddx, ddy
     integer :: k
 
-    call polynomials(x / half, tx, dx, ddx)
-    call polynomials(y / half, ty, dy, ddy)
+    call polynomials(ways%order, x / half, tx, dx, ddx)
+    call polynomials(ways%order, y / half, ty, dy, ddy)
     dx = dx / half
     dy = dy / half
     ddx = ddx / (half * half)

@@ -15,10 +15,9 @@ module asperity_box_tree
 
   ! Levels below the root: Morton's key and a level, together, stay exact in a double.
   integer, parameter :: deepest = 24
-  ! Pairs of places that take the time of one translation (measured: 100 to 200 do as well), and
-  ! above which boxes that touch are split: 27 translations a box save 3/4 of 9 * pairs.
-  real(real64), parameter :: worth_a_translation = 100.0_real64
-  real(real64), parameter :: worth_a_split = 16 * worth_a_translation
+  ! Pairs of places above which boxes that touch are split, over those that take the time of one
+  ! translation: 27 translations a box save 3/4 of 9 * pairs.
+  real(real64), parameter :: worth_a_split = 16.0_real64
   ! Pairs of places up to which all are summed place by place: 600 places, where trees of any depth
   ! took as long (measured) and expansions need not be prepared.
   real(real64), parameter :: few_pairs = 3.6e5_real64
@@ -66,10 +65,11 @@ module asperity_box_tree
 contains
 
   !> Sorts circles into boxes and settles which boxes act on which.
-  pure subroutine plant_boxes(source, target, same, tree)
+  pure subroutine plant_boxes(source, target, same, worth, tree)
     real(real64), intent(in) :: source(:, :)  !! x, y and reach of sources, one at least
     real(real64), intent(in) :: target(:, :)  !! of targets, one at least
     logical, intent(in) :: same               !! targets are the sources
+    real(real64), intent(in) :: worth         !! pairs of places that take a translation's time
     type(box_tree), intent(out) :: tree       !! the boxes
     integer(int64), allocatable :: source_key(:), target_key(:)
     real(real64) :: width
@@ -101,7 +101,8 @@ contains
     do l = 0, deepest
       tree%last = l
       tree%level(l)%half = scale(0.5_real64 * width, -l)
-      call meet(tree%level(l - 1), tree%level(l), merge(few_pairs, worth_a_split, l == 0))
+      call meet(tree%level(l - 1), tree%level(l), worth, &
+                merge(few_pairs, worth_a_split * worth, l == 0))
       if (any(tree%level(l)%partner > 0)) tree%top = min(tree%top, l)
       if (l == deepest) exit
       call divide(tree%level(l), tree%level(l + 1), source_key, target_key, deepest - l - 1)
@@ -145,9 +146,10 @@ contains
   end subroutine make_level
 
   ! Settles, for every box, how the boxes act whose parents touch its own.
-  pure subroutine meet(above, this, enough)
+  pure subroutine meet(above, this, worth, enough)
     type(box_level), intent(in) :: above
     type(box_level), intent(inout) :: this
+    real(real64), intent(in) :: worth   ! pairs of places that take a translation's time
     real(real64), intent(in) :: enough  ! pairs of places, above which boxes that touch are split
     real(real64) :: pairs
     integer :: a, b, k, n, shift(2)
@@ -162,7 +164,7 @@ contains
                   * (this%source(3, b) - this%source(1, b) + 1)
           if (.not. pairs > 0.0_real64) cycle
           shift = this%cell(:, b) - this%cell(:, a)
-          if (maxval(abs(shift)) > 1 .and. pairs > worth_a_translation) then
+          if (maxval(abs(shift)) > 1 .and. pairs > worth) then
             this%partner(7 * shift(2) + shift(1), a) = b
           else
             n = n + 1

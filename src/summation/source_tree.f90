@@ -5,7 +5,8 @@
 !> are listed and left to the caller. All others are summed: those in boxes that touch place by
 !> place, those in other boxes by expansions (asperity_box_expansions).
 module asperity_source_tree
-  use asperity_box_expansions, only: add_field, add_moments, multiply, prepare, translations
+  use asperity_box_expansions, only: add_field, add_moments, full_order, multiply, prepare, &
+                                     rough_order, translations
   use asperity_box_tree, only: box_tree, plant_boxes
   use asperity_direct_sums, only: add_direct, gather_sources
   use asperity_key_sort, only: sort_keys
@@ -18,6 +19,9 @@ module asperity_source_tree
 
   ! Boxes whose translations are made together, and fewest places for which threads are started.
   integer, parameter :: batch = 64, many = 512
+  ! Pairs of places that take the time of one translation (measured: 100 to 200 do as well); rough
+  ! ones have a twelfth of the terms squared.
+  real(real64), parameter :: worth = 100.0_real64, rough_worth = worth / 8
   ! Bytes of a source or target without near ones. A million circles that are both took 210 each
   ! all over a square, 200 in clusters (measured); the rest is for worse.
   integer(int64), parameter :: bytes_per_place = 200_int64
@@ -43,7 +47,7 @@ contains
 
   !> Plants sources and targets at their places and finds which are near each other.
   subroutine plant_tree(tree, x_source, y_source, reach_source, near_factor, x_target, y_target, &
-                        reach_target)
+                        reach_target, rough)
     type(source_tree), intent(out) :: tree           !! the tree
     real(real64), intent(in) :: x_source(:)          !! places
     real(real64), intent(in) :: y_source(:)          !! places
@@ -54,6 +58,9 @@ contains
     real(real64), intent(in), optional :: x_target(:)
     real(real64), intent(in), optional :: y_target(:)      !! places of targets
     real(real64), intent(in), optional :: reach_target(:)  !! reaches of targets
+    !> errors of 1e-4 or so will do, and what is near is not listed
+    logical, intent(in), optional :: rough
+    logical :: is_rough
     integer :: n
 
     tree%same = .not. present(x_target)
@@ -76,12 +83,15 @@ contains
       tree%target(2, :) = y_target
       tree%target(3, :) = near_factor * reach_target
     end if
-    call plant_boxes(tree%source, tree%target, tree%same, tree%boxes)
+    is_rough = .false.
+    if (present(rough)) is_rough = rough
+    call plant_boxes(tree%source, tree%target, tree%same, merge(rough_worth, worth, is_rough), &
+                     tree%boxes)
     tree%source(:, :) = tree%source(:, tree%boxes%source_order)
     tree%target(:, :) = tree%target(:, tree%boxes%target_order)
-    call list_near(tree)
+    if (.not. is_rough) call list_near(tree)
     if (tree%boxes%top > tree%boxes%last .or. allocated(tree%failure)) return
-    call prepare(tree%ways)
+    call prepare(merge(rough_order, full_order, is_rough), tree%ways)
     do n = tree%boxes%top, tree%boxes%last
       associate (level => tree%boxes%level(n))
         allocate (level%moment(tree%ways%terms, level%boxes), &
@@ -155,7 +165,7 @@ contains
   !> smooth functions of charges and moves. Moves must be small against the reaches. Laplacian and
   !> slopes are those of the potential with its spread.
   subroutine sum_sources(tree, charge, spread, potential, lap, slope_x, slope_y, move_x, move_y, &
-                         target_move_x, target_move_y, rough)
+                         target_move_x, target_move_y)
     type(source_tree), intent(inout) :: tree                  !! the tree
     real(real64), intent(in) :: charge(:)                     !! of sources
     real(real64), intent(in) :: spread(:)                     !! of sources, at most reach**2
@@ -167,14 +177,10 @@ contains
     real(real64), intent(in), optional :: move_y(:)           !! of sources
     real(real64), intent(in), optional :: target_move_x(:)    !! of targets
     real(real64), intent(in), optional :: target_move_y(:)    !! of targets
-    !> errors of 1e-4 or so will do
-    logical, intent(in), optional :: rough
     real(real64), allocatable :: about(:, :)
     real(real64) :: value(4), place(2)
-    integer :: l, a, i, n, at, terms
+    integer :: l, a, i, n, at
 
-    terms = tree%ways%terms
-    if (present(rough)) terms = merge(tree%ways%few, terms, rough)
     potential(:) = 0.0_real64
     if (present(lap)) lap(:) = 0.0_real64
     if (present(slope_x)) slope_x(:) = 0.0_real64
@@ -191,10 +197,10 @@ contains
       tree%source(7, :) = charge(s) * spread(s)
     end associate
     do l = tree%boxes%last, tree%boxes%top, -1
-      call rise(tree, l, terms)
+      call rise(tree, l)
     end do
     do l = tree%boxes%top, tree%boxes%last
-      call fall(tree, l, terms)
+      call fall(tree, l)
     end do
     !$omp parallel private(about, value, place, l, a, i, n, at) if(size(tree%target, 2) > many)
     allocate (about(0, 7))
@@ -209,7 +215,7 @@ contains
             call add_direct(about, n, tree%target(:, i), value)
             place = tree%target(4:5, i) - middle_of(tree%boxes, l, a)
             if (l >= tree%boxes%top) &
-              call add_field(tree%ways, place(1), place(2), this%half, this%field(:terms, a), value)
+              call add_field(tree%ways, place(1), place(2), this%half, this%field(:, a), value)
             at = tree%boxes%target_order(i)
             potential(at) = value(1)
             if (present(lap)) lap(at) = value(2)
@@ -224,27 +230,27 @@ contains
   end subroutine sum_sources
 
   ! Moments of the boxes of a level, from their children and from what is in none.
-  subroutine rise(tree, l, terms)
+  subroutine rise(tree, l)
     type(source_tree), intent(inout) :: tree
-    integer, intent(in) :: l, terms
-    real(real64) :: place(2), part(terms, 1)
+    integer, intent(in) :: l
+    real(real64) :: place(2), part(tree%ways%terms, 1)
     integer :: a, b, j
 
-    associate (this => tree%boxes%level(l))
+    associate (this => tree%boxes%level(l), terms => tree%ways%terms)
       !$omp parallel do schedule(static, 16) private(place, part, b, j) if(this%boxes > batch)
       do a = 1, this%boxes
-        this%moment(:terms, a) = 0.0_real64
+        this%moment(:, a) = 0.0_real64
         do j = this%source(1, a), this%source(2, a)
           place = tree%source(4:5, j) - middle_of(tree%boxes, l, a)
           call add_moments(tree%ways, place(1), place(2), this%half, tree%source(6, j), &
-                           tree%source(7, j), this%moment(:terms, a))
+                           tree%source(7, j), this%moment(:, a))
         end do
         do b = this%child(a), this%child(a + 1) - 1
           associate (below => tree%boxes%level(l + 1))
             call multiply(tree%ways%up(:, :, below%quarter(b)), below%moment(:, b:b), terms, 1, &
                           part)
           end associate
-          this%moment(:terms, a) = this%moment(:terms, a) + part(:, 1)
+          this%moment(:, a) = this%moment(:, a) + part(:, 1)
         end do
       end do
       !$omp end parallel do
@@ -252,18 +258,18 @@ contains
   end subroutine rise
 
   ! Fields in the boxes of a level: from the box around, and from boxes that act as a whole.
-  subroutine fall(tree, l, terms)
+  subroutine fall(tree, l)
     type(source_tree), intent(inout) :: tree
-    integer, intent(in) :: l, terms
-    real(real64) :: panel(terms, batch), part(terms, batch)
+    integer, intent(in) :: l
+    real(real64), dimension(tree%ways%terms, batch) :: panel, part
     integer :: begin, a, b, n, shift, into(batch)
 
-    associate (this => tree%boxes%level(l))
+    associate (this => tree%boxes%level(l), terms => tree%ways%terms)
       !$omp parallel do schedule(static, 1) private(panel, part, a, b, n, shift, into) &
       !$omp if(this%boxes > batch)
       do begin = 1, this%boxes, batch
         do a = begin, min(begin + batch - 1, this%boxes)
-          this%field(:terms, a) = 0.0_real64
+          this%field(:, a) = 0.0_real64
           if (l > tree%boxes%top) call multiply(tree%ways%down(:, :, this%quarter(a)), &
                                                 tree%boxes%level(l - 1)%field(:, this%parent(a): &
                                                 this%parent(a)), terms, 1, this%field(:, a:a))
@@ -279,7 +285,7 @@ contains
           end do
           call multiply(tree%ways%across(:, :, shift), panel, terms, n, part)
           do b = 1, n
-            this%field(:terms, into(b)) = this%field(:terms, into(b)) + part(:, b) / this%half
+            this%field(:, into(b)) = this%field(:, into(b)) + part(:, b) / this%half
           end do
         end do
       end do
