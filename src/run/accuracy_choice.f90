@@ -17,8 +17,8 @@ module asperity_accuracy_choice
   implicit none
   private
 
-  public :: accuracy_had, choose_model, had_text, has_accuracy, next_tolerance, tell_way, &
-            total_of, with_circles
+  public :: accuracy_had, choose_model, had_text, has_accuracy, may_go_on_cells, &
+            next_tolerance, tell_way, total_of, with_circles
 
   ! The finest accuracy for which contacts go on cells: areas there are not known any better. With
   ! tolerances of 1e-4 they were uncertain by 4.9e-4 (20 caps) to 1.1e-3 (the thesis' sweep).
@@ -40,13 +40,13 @@ module asperity_accuracy_choice
 
 contains
 
-  !> The scene with its effects chosen by a tolerance. Where an accuracy is finer than that of
-  !> cells, circles stay circles, and tell how good they are. Of a map the samples: they take no
-  !> longer than to hold its summits against them.
-  subroutine choose_model(scene_in, accuracy, tolerance, chosen)
+  !> The scene with its effects chosen by a tolerance. Without cells circles stay circles, and tell
+  !> how good they are. Of a map the samples: they take no longer than to hold its summits against
+  !> them.
+  subroutine choose_model(scene_in, tolerance, on_cells, chosen)
     type(scene), intent(in) :: scene_in       !! checked values, with effects
-    real(real64), intent(in) :: accuracy      !! that is asked for
     real(real64), intent(in) :: tolerance     !! share of the totals
+    logical, intent(in) :: on_cells           !! contacts go on cells where circles are no good
     type(scene), intent(out) :: chosen        !! the same to be solved
     integer :: mode
 
@@ -56,7 +56,7 @@ contains
       mode = effect_auto
       if (allocated(scene_in%map)) then
         if (count(scene_in%effects%modes /= effect_off) == 1) mode = effect_boundary
-      else if (accuracy < finest_on_cells) then
+      else if (.not. on_cells) then
         mode = effect_coupled
       end if
     end if
@@ -65,6 +65,15 @@ contains
     if (tolerance < chosen%effects%number('boundary_tolerance')) &
       call chosen%effects%set('boundary_tolerance', rounded_decimal(tolerance, 3))
   end subroutine choose_model
+
+  !> Whether cells are worth a try after circles: where neighbours count, and cells are as good.
+  pure logical function may_go_on_cells(scene_in, accuracy)
+    type(scene), intent(in) :: scene_in      !! checked values, with effects
+    real(real64), intent(in) :: accuracy     !! asked for
+
+    may_go_on_cells = scene_in%effects%mode('interaction') /= effect_off .and. &
+                      .not. allocated(scene_in%map) .and. accuracy >= finest_on_cells
+  end function may_go_on_cells
 
   !> The scene with circles alone, to tell what they are good to.
   subroutine with_circles(scene_in, chosen)

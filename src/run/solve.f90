@@ -2,7 +2,8 @@
 module asperity_solve
   use asperity_accuracy_bound, only: error_bound, front_arithmetics
   use asperity_accuracy_choice, only: accuracy_had, choose_model, had_text, has_accuracy, &
-                                      next_tolerance, tell_way, total_of, with_circles
+                                      may_go_on_cells, next_tolerance, tell_way, total_of, &
+                                      with_circles
   use asperity_contact_records, only: solve_method, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_solver, only: make_effect_solver
@@ -282,12 +283,14 @@ contains
     type(accuracy_had) :: had
     real(real64) :: tolerance
     character(len=:), allocatable :: best, unsolved
+    logical :: on_cells
 
     way = options
     way%accuracy = 0.0_real64
     tolerance = options%accuracy
+    on_cells = .false.
     do while (tolerance > 0.0_real64)
-      call choose_model(scene_in, options%accuracy, 0.5_real64 * tolerance, chosen)
+      call choose_model(scene_in, 0.5_real64 * tolerance, on_cells, chosen)
       call solve(chosen, results, unsolved, way)
       if (allocated(unsolved)) exit
       had = has_accuracy(chosen, results)
@@ -297,6 +300,10 @@ contains
         return
       end if
       best = had_text(had)
+      if (.not. on_cells) then
+        on_cells = may_go_on_cells(scene_in, options%accuracy)
+        if (on_cells) cycle
+      end if
       tolerance = next_tolerance(had, options%accuracy, tolerance)
     end do
     if (.not. allocated(best)) then

@@ -212,7 +212,8 @@ def test_the_choice_is_told(asperity, root):
     done = subprocess.run([asperity, "solve", root / "data/examples/effects/ten_minutes.scene",
                            "--accuracy", "1e-2"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
-    assert "'auto' with tolerance 5.000000E-003 is the cheapest way that has it" in done.stdout
+    assert ("'auto' with tolerance 5.000000E-003, neighbours as circles is the cheapest way that "
+            "has it") in done.stdout
     assert "ten times better: this run has it" in done.stdout
 
 
