@@ -22,7 +22,7 @@ module asperity_circle_field
   implicit none
   private
 
-  public :: between, circle_set, plant_circles, find_field, inclination
+  public :: are_close, between, circle_set, plant_circles, find_field, inclination
 
   !> Sums of radii below which a pair is near.
   real(real64), parameter, public :: near_factor = 5.0_real64
@@ -37,8 +37,9 @@ module asperity_circle_field
   !> Circles or near pairs from which on threads share the work: less takes microseconds.
   integer, parameter, public :: many = 1000
 
-  ! Of a near pair: its terms, its two circles, its place in both lists.
-  integer(int64), parameter :: bytes_of_pair = 80_int64
+  ! Of a near pair: its terms, its two circles, its place in both lists. Of a circle: what products
+  ! and steps need, most of it blocks of circles, the largest.
+  integer(int64), parameter :: bytes_of_pair = 80_int64, bytes_of_circle = 1200_int64
 
   ! Pairs whose terms are found together.
   integer, parameter :: a_batch = 65536
@@ -126,7 +127,7 @@ contains
     if (allocated(set%tree%failure)) return
     pairs = size(set%tree%near) / 2
     if (allocated(set%pair)) deallocate (set%pair, set%one, set%other, set%terms)
-    if (.not. has_memory(bytes_of_pair * pairs)) then
+    if (.not. has_memory(bytes_of_pair * pairs + bytes_of_circle * size(set%x))) then
       set%tree%failure = 'no memory for the near pairs of contacts'
       return
     end if
@@ -262,6 +263,17 @@ contains
       set%bends(:, j) = set%bends(:, j) + both
     end associate
   end subroutine add_terms
+
+  !> Whether circles are nearer, where they stand now, than some sums of their radii.
+  pure logical function are_close(set, a, b, sums)
+    type(circle_set), intent(in) :: set   !! places, shifts and radii are set
+    integer, intent(in) :: a, b           !! the circles
+    real(real64), intent(in) :: sums      !! sums of radii
+
+    are_close = ((set%x(a) - set%x(b)) + (set%move_x(a) - set%move_x(b)))**2 + &
+                ((set%y(a) - set%y(b)) + (set%move_y(a) - set%move_y(b)))**2 < &
+                (sums * (set%circle(a) + set%circle(b)))**2
+  end function are_close
 
   !> Second derivatives of a near pair's compliance: xx, xy, yy.
   pure function between(set, k) result(bends)

@@ -7,10 +7,11 @@
 !> nothing but another place of first touch, s**2/(2 R) + t s = (s + R t)**2/(2 R) - R t**2/2; what
 !> is felt of the square of a radius, nothing but a softer contact.
 module asperity_coupled_groups
-  use asperity_circle_field, only: circle_set, outer_terms
+  use asperity_circle_field, only: are_close, circle_set, outer_terms
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: coupled_solution, evaluate, solve_state
+  use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
   implicit none
   private
@@ -57,69 +58,23 @@ contains
     real(real64), intent(in) :: miss(:)             !! how far its equations are off, by circle
     integer, allocatable, intent(out) :: member(:)  !! circles
     integer, allocatable, intent(out) :: first(:)   !! where a group begins; one more than groups
-    integer :: root(size(miss)), many(size(miss))
-    logical :: is_off(size(miss)), is_one(size(miss))
-    integer :: i, k
+    logical :: is_off(size(miss)), is_one(size(miss)), joins(size(set%one))
+    integer :: k
 
     is_off = miss > much_off * (sum(miss) / size(miss)) .and. .not. set%still
     is_one = is_off
-    do k = 1, size(set%one)
+    do k = 1, size(joins)
       associate (a => set%one(k), b => set%other(k))
-        if (.not. (is_off(a) .or. is_off(b))) cycle
-        if (.not. are_close(a, b)) cycle
+        joins(k) = .false.
+        if (set%still(a) .or. set%still(b)) cycle
+        joins(k) = are_close(set, a, b, close_by)
+        if (.not. (joins(k) .and. (is_off(a) .or. is_off(b)))) cycle
         is_one(a) = .true.
         is_one(b) = .true.
       end associate
     end do
-    ! A group goes by its first circle.
-    root = [(i, i=1, size(root))]
-    do k = 1, size(set%one)
-      associate (a => set%one(k), b => set%other(k))
-        if (.not. (is_one(a) .and. is_one(b))) cycle
-        if (are_close(a, b)) root(max(root_of(a), root_of(b))) = min(root_of(a), root_of(b))
-      end associate
-    end do
-    many = 0
-    do i = 1, size(root)
-      root(i) = root_of(i)
-      if (is_one(i)) many(root(i)) = many(root(i)) + 1
-    end do
-    allocate (first(count(many > 0) + 1), member(count(is_one)))
-    first(1) = 1
-    k = 1
-    do i = 1, size(many)
-      if (many(i) == 0) cycle
-      first(k + 1) = first(k) + many(i)
-      many(i) = first(k)
-      k = k + 1
-    end do
-    do i = 1, size(root)
-      if (.not. is_one(i)) cycle
-      member(many(root(i))) = i
-      many(root(i)) = many(root(i)) + 1
-    end do
-
-  contains
-
-    logical function are_close(a, b)
-      integer, intent(in) :: a, b
-
-      are_close = .not. (set%still(a) .or. set%still(b)) .and. &
-                  hypot((set%x(a) - set%x(b)) + (set%move_x(a) - set%move_x(b)), &
-                        (set%y(a) - set%y(b)) + (set%move_y(a) - set%move_y(b))) < &
-                  close_by * (set%circle(a) + set%circle(b))
-    end function are_close
-
-    integer function root_of(a)
-      integer, intent(in) :: a
-
-      root_of = a
-      do while (root(root_of) /= root_of)
-        root(root_of) = root(root(root_of))
-        root_of = root(root_of)
-      end do
-    end function root_of
-
+    joins = joins .and. is_one(set%one) .and. is_one(set%other)
+    call gather_groups(set%one, set%other, joins, is_one, size(miss), member, first)
   end subroutine find_groups
 
   !> A group as a scene of its own, in the field of all others as it is now.

@@ -201,7 +201,8 @@ contains
     !$omp end parallel do
     n = 0
     do k = 1, size(state%gap)
-      if (.not. answer(k)%vertical_load > 0.0_real64) cycle
+      ! What underflows is no load.
+      if (.not. answer(k)%vertical_load > tiny(1.0_real64) * max(1.0_real64, pairs%modulus)) cycle
       n = n + 1
       number(n) = k
       answer(n) = answer(k)

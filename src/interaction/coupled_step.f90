@@ -1,5 +1,6 @@
 !> One Newton step of coupled contacts, by conjugate gradients.
 module asperity_coupled_step
+  use asperity_circle_blocks, only: circle_blocks, find_blocks, solve_blocks
   use asperity_circle_field, only: circle_set, many
   use asperity_circle_products, only: hold_bent, multiply, shift_down
   use asperity_coarse_circles, only: coarse_circles, gather_squares, shared_change, sum_of_squares
@@ -42,7 +43,8 @@ contains
     real(real64), intent(out) :: step(:, :)     !! (3, circle)
     integer, intent(inout) :: rounds            !! products, counted on
     real(real64), allocatable, dimension(:, :) :: left, scaled, direction, image
-    real(real64), allocatable :: even(:), bent(:)
+    real(real64), allocatable :: even(:, :), bent(:)
+    type(circle_blocks) :: blocks
     type(coarse_circles) :: coarse
     real(real64) :: size_now, size_first, curvature, part
     integer :: i, round
@@ -50,20 +52,21 @@ contains
     allocate (scaled, direction, image, mold=gradient)
     allocate (left, source=-gradient)
     step = 0.0_real64
-    if (size(set%x) > many) then
-      call gather_squares(set%x, set%y, coarse)
-      coarse%stiffness = sum_of_squares(coarse, set%stiffness)
-    end if
+    if (size(set%x) > many) call gather_squares(set%x, set%y, coarse)
     ! What all alike would change, to be taken off where the sum is kept.
-    allocate (even(size(set%x)), source=0.0_real64)
-    if (keep_sum) call find_loads(set, coarse, spread(1.0_real64, 1, size(even)), even)
-    call precondition(set, coarse, even, left, scaled)
-    if (accuracy >= far_off .and. &
-        sum(left(2:, :) * scaled(2:, :)) < sum(left(1, :) * scaled(1, :))) set%held = .true.
+    allocate (even, mold=gradient)
+    even = 0.0_real64
+    set%stiffer = 0.0_real64
+    if (accuracy >= far_off) then
+      call prepare_blocks()
+      call precondition(set, blocks, coarse, even, left, scaled)
+      if (sum(left(2:, :) * scaled(2:, :)) < sum(left(1, :) * scaled(1, :))) set%held = .true.
+    end if
     call hold_bent(set, flat * off)
+    call prepare_blocks()
     size_first = -1.0_real64
     do
-      call precondition(set, coarse, even, left, scaled)
+      call precondition(set, blocks, coarse, even, left, scaled)
       direction = scaled
       size_now = sum(left * scaled)
       if (size_first < 0.0_real64) size_first = size_now
@@ -77,7 +80,7 @@ contains
         part = size_now / curvature
         step = step + part * direction
         left = left - part * image
-        call precondition(set, coarse, even, left, scaled)
+        call precondition(set, blocks, coarse, even, left, scaled)
         ! The squares are not solved exactly: each direction against the last one.
         direction = scaled - (part * sum(scaled * image) / size_now) * direction
         size_now = sum(left * scaled)
@@ -91,46 +94,63 @@ contains
       call multiply(set, step, image)
       rounds = rounds + 1
       left = -gradient - image
+      call prepare_blocks()
     end do
     do i = 1, size(set%x)
       if (set%held(i) .and. .not. set%still(i)) &
         step(2:, i) = shift_down(set%bends(:, i), set%load(i) * set%curvature(i), gradient(2:, i))
     end do
+
+  contains
+
+    ! The blocks, their sums over squares, and what all alike would change.
+    subroutine prepare_blocks()
+      real(real64) :: ones(3, size(set%x))
+
+      call find_blocks(set, blocks)
+      ones = 0.0_real64
+      ones(1, :) = 1.0_real64
+      even = 0.0_real64
+      if (allocated(coarse%square)) then
+        ! A block in one square: what it answers to that is then known by the sum.
+        do i = 1, size(blocks%first) - 1
+          associate (member => blocks%member(blocks%first(i):blocks%first(i + 1) - 1))
+            coarse%square(member) = coarse%square(member(1))
+          end associate
+        end do
+        call solve_blocks(set, blocks, ones, scaled)
+        coarse%stiffness = sum_of_squares(coarse, scaled(1, :))
+      end if
+      if (.not. keep_sum) return
+      call precondition(set, blocks, coarse, even, ones, scaled)
+      even = scaled
+    end subroutine prepare_blocks
+
   end subroutine newton_step
 
-  ! As if each contact were alone; many also in squares.
-  subroutine precondition(set, coarse, even, left, scaled)
+  ! As if there were nothing but blocks; many also in squares: the inverse of blocks and of what
+  ! squares full of circles do to each other.
+  subroutine precondition(set, blocks, coarse, even, left, scaled)
     type(circle_set), intent(in) :: set
+    type(circle_blocks), intent(in) :: blocks
     type(coarse_circles), intent(inout) :: coarse
-    real(real64), intent(in) :: even(:), left(:, :)
+    real(real64), intent(in) :: even(:, :), left(:, :)
     real(real64), intent(out) :: scaled(:, :)
-    integer :: i
+    real(real64), allocatable :: lowered(:), rest(:, :), change(:, :)
 
-    scaled = 0.0_real64
-    call find_loads(set, coarse, left(1, :), scaled(1, :))
-    if (sum(even) > 0.0_real64) scaled(1, :) = scaled(1, :) - even * (sum(scaled(1, :)) / sum(even))
-    do i = 1, size(set%x)
-      if (.not. set%held(i)) scaled(2:, i) = &
-          shift_down(set%bends(:, i) + set%stiffer(i) * set%load(i) * set%curvature(i) * &
-                     [1, 0, 1], set%load(i) * set%curvature(i), -left(2:, i))
-    end do
+    call solve_blocks(set, blocks, left, scaled)
+    if (allocated(coarse%square)) then
+      lowered = sum_of_squares(coarse, scaled(1, :))
+      where (coarse%stiffness > 0.0_real64) lowered = lowered / coarse%stiffness
+      lowered = lowered - shared_change(coarse, lowered)
+      allocate (rest(3, size(left, 2)), change(3, size(left, 2)))
+      rest = 0.0_real64
+      rest(1, :) = lowered(coarse%square)
+      call solve_blocks(set, blocks, rest, change)
+      scaled = scaled - change
+    end if
+    if (sum(even(1, :)) > 0.0_real64) &
+      scaled = scaled - even * (sum(scaled(1, :)) / sum(even(1, :)))
   end subroutine precondition
-
-  ! Changes of load for what the equations leave over, were circles lowered by squares full of them
-  ! alone: the inverse of 1/k and what squares do.
-  subroutine find_loads(set, coarse, left, loads)
-    type(circle_set), intent(in) :: set
-    type(coarse_circles), intent(inout) :: coarse
-    real(real64), intent(in) :: left(:)
-    real(real64), intent(out) :: loads(:)
-    real(real64), allocatable :: lowered(:)
-
-    loads = set%stiffness * left
-    if (.not. allocated(coarse%square)) return
-    lowered = sum_of_squares(coarse, loads)
-    where (coarse%stiffness > 0.0_real64) lowered = lowered / coarse%stiffness
-    lowered = lowered - shared_change(coarse, lowered)
-    loads = loads - set%stiffness * lowered(coarse%square)
-  end subroutine find_loads
 
 end module asperity_coupled_step
