@@ -201,8 +201,8 @@ contains
     !$omp end parallel do
     n = 0
     do k = 1, size(state%gap)
-      ! What underflows is no load.
-      if (.not. answer(k)%vertical_load > tiny(1.0_real64) * max(1.0_real64, pairs%modulus)) cycle
+      ! What underflows over the modulus is no load.
+      if (.not. answer(k)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64) cycle
       n = n + 1
       number(n) = k
       answer(n) = answer(k)
