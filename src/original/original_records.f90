@@ -84,7 +84,7 @@ module asperity_original_records
     logical :: keep_contacts(original_positions) = .false.  !! rows of these positions
     type(decimal_value) :: approach_step = decimal_value(1_int64, -3)  !! largest decrement, cm
     integer :: napmx = 25                                   !! approaches a position, at most
-    type(mended_faults) :: mended                           !! none: the original
+    type(mended_faults) :: mended = mended_faults()         !! none: the original
   end type original_request
 
   !> All that a run gives.

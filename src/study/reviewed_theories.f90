@@ -71,13 +71,16 @@ contains
     if (why_not /= '') return
     hardness = surface_hardness(scene_in)
     modulus = combined_modulus(scene_in)
-    theories = [bowden_and_tabor(hardness, truth), &
-                lacks('D''yachenko, cones', 'alpha, "related to mean height", has no value'), &
-                greenwood_and_tripp_plastic(summits, hardness, is_load(scene_in%loading%control), &
-                                            truth), &
-                lacks('Kragelskii, rods', 'those of the height distribution have no value'), &
-                lacks('Kragelskii, hemispheres', 'K2, b and nu have no values'), &
-                greenwood_elastic(scene_in, summits, truth)]
+    ! One by one: a list of them in brackets would lose their texts.
+    deallocate (theories)
+    allocate (theories(6))
+    theories(1) = bowden_and_tabor(hardness, truth)
+    theories(2) = lacks('D''yachenko, cones', 'alpha, "related to mean height", has no value')
+    theories(3) = greenwood_and_tripp_plastic(summits, hardness, &
+                                              is_load(scene_in%loading%control), truth)
+    theories(4) = lacks('Kragelskii, rods', 'those of the height distribution have no value')
+    theories(5) = lacks('Kragelskii, hemispheres', 'K2, b and nu have no values')
+    theories(6) = greenwood_elastic(scene_in, summits, truth)
     ! Blok: h/(2 l) < H/(pi E), h from peak to valley, l from peak to peak. Halliday: tan theta <
     ! 0.84 (1 - nu^2) H/E, for caps of one material, whose E/(1 - nu^2) is twice the combined
     ! modulus. Greenwood and Williamson: an index of 0.6. What was simulated: the greatest pressure

@@ -48,7 +48,7 @@ module asperity_scene_ways
     character(len=7) :: arithmetic = 'real64'  !! one of `arithmetic_names`
     real(real64) :: step = 0.0_real64          !! of marching; 0: exact events
     integer :: interaction = as_it_is          !! one of the `effect_` numbers, or as it is
-    type(decimal_value) :: tolerance           !! of `auto` or of the cells
+    type(decimal_value) :: tolerance = decimal_value()  !! of `auto` or of the cells
     character(len=11) :: without = ''          !! an effect that is left out
     logical :: is_original = .false.           !! the original program
   end type scene_way

@@ -41,8 +41,8 @@ module asperity_way_study
   type :: way_row
     type(scene_way) :: way                     !! what it is
     real(real64) :: seconds = not_computed     !! all positions, median, from the scene read on
-    type(way_errors) :: total                  !! against the reference
-    type(way_errors) :: own                    !! against what differs in its family alone
+    type(way_errors) :: total = way_errors()   !! against the reference
+    type(way_errors) :: own = way_errors()     !! against what differs in its family alone
     real(real64) :: own_estimate = not_computed  !! what it says of itself: `error_estimate`
     !> Load, approach and area of the last states, mean over the positions.
     real(real64) :: ends(3) = not_computed
