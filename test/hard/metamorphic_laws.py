@@ -256,7 +256,9 @@ def same_after(scene, other, exe, folder, factor=1.0, share=None, names=None):
     look(other, two)
     if both(one, two):
         if names:
-            within(one, two, share, names, scene.groups["loading"]["control"])
+            # A load that is held moves the approach, whatever gave it.
+            held = scene.groups.get("effects", {}).get("hold") == "load"
+            within(one, two, share, names, "load" if held else scene.groups["loading"]["control"])
         else:
             same_totals(scene, one, two, factor, share)
     return one.status
