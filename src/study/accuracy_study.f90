@@ -8,6 +8,7 @@ module asperity_accuracy_study
   use asperity_card_deck, only: card_deck
   use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
                                       solve_method, state_row
+  use asperity_front, only: on_front
   use asperity_kinds, only: int64, real64
   use asperity_decimal, only: decimal_value
   use asperity_original, only: arithmetic_names, run_in_arithmetic
@@ -42,10 +43,6 @@ module asperity_accuracy_study
                                               1.0e-5_real64]
   !> The step at which the pressure of exact events is taken: the original's.
   integer, parameter :: usual_step = 2
-
-  ! Two rows cost the same, or err the same, when they differ by less than this factor. It is wide
-  ! on purpose: the front must not depend on the clock's mood.
-  real(real64), parameter :: same_time = 1.5_real64, same_error = 1.1_real64
 
   !> One way of computing: its cost and its errors.
   type :: accuracy_row
@@ -133,7 +130,7 @@ contains
       end if
     end do
     rows%ratio = rows%seconds / minval(rows%seconds)
-    call mark_front(rows)
+    rows%on_front = on_front(rows%seconds, rows%worst)
 
   contains
 
@@ -293,27 +290,5 @@ contains
     relative = abs(have - want)
     if (abs(want) > 0.0_real64) relative = relative / abs(want)
   end function relative
-
-  !> Marks the rows that no other row beats: one clearly more accurate at no clearly higher cost, or
-  !> as accurate and clearly cheaper. Of rows equal in both the first stands.
-  pure subroutine mark_front(rows)
-    type(accuracy_row), intent(inout) :: rows(:)
-    integer :: i, j
-    logical :: beaten
-
-    do i = 1, size(rows)
-      beaten = .false.
-      do j = 1, size(rows)
-        if (j == i) cycle
-        if (rows(j)%worst * same_error < rows(i)%worst) then
-          beaten = beaten .or. rows(j)%seconds < rows(i)%seconds * same_time
-        else if (rows(j)%worst <= rows(i)%worst * same_error) then
-          beaten = beaten .or. rows(j)%seconds * same_time < rows(i)%seconds .or. &
-                   (j < i .and. rows(j)%seconds < rows(i)%seconds * same_time)
-        end if
-      end do
-      rows(i)%on_front = .not. beaten
-    end do
-  end subroutine mark_front
 
 end module asperity_accuracy_study

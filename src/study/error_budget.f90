@@ -6,7 +6,7 @@ module asperity_error_budget
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_solve, only: solve_in_arithmetic
+  use asperity_surface_solve, only: solve_in_arithmetic
   implicit none
   private
 

@@ -16,7 +16,8 @@ module asperity_scene_ways
   use asperity_scene_values, only: control_approach, control_limit, effect_auto, effect_boundary, &
                                    effect_coupled, effect_off, is_thesis_sweep, scene, &
                                    scene_effects
-  use asperity_solve, only: solve, solve_in_arithmetic
+  use asperity_solve, only: solve
+  use asperity_surface_solve, only: solve_in_arithmetic
   implicit none
   private
 

@@ -1,6 +1,7 @@
 !> What accuracy costs, for any scene: every way that can serve it, its time and its error against
 !> the best that the time allows.
 module asperity_way_study
+  use asperity_front, only: on_front
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records, original_request
@@ -33,9 +34,6 @@ module asperity_way_study
   !> So many ways there are at most: the scene, 8 of arithmetic and steps, 8 of neighbours, 4 of
   !> effects.
   integer, parameter :: most_ways = 21
-
-  ! Two ways cost the same, or err the same, when they differ by less than this factor.
-  real(real64), parameter :: same_time = 1.5_real64, same_error = 1.1_real64
 
   !> One way: its cost and its errors.
   type :: way_row
@@ -308,33 +306,22 @@ contains
 
   end subroutine hold_against_best
 
-  ! Marks the ways that no other beats: one clearly more accurate at no clearly higher cost, or as
-  ! accurate and clearly cheaper. Of equals the first stands. What is below the error of the
-  ! reference itself is no gain.
+  ! Marks the ways that are worth their time, of those that were run. What is below the error of
+  ! the reference itself is no gain.
   pure subroutine mark_front(rows)
     type(way_row), intent(inout) :: rows(:)
-    real(real64) :: error(size(rows)), floor
-    integer :: i, j
-    logical :: beaten
+    integer, allocatable :: run(:)
+    real(real64) :: floor
+    integer :: i
 
     floor = 0.0_real64
     if (any(rows%is_reference)) &
       floor = max(0.0_real64, rows(findloc(rows%is_reference, .true., 1))%own_estimate)
-    error = max(rows%total%largest, floor)
+    allocate (run(0))
     do i = 1, size(rows)
-      if (allocated(rows(i)%left_out)) cycle
-      beaten = .false.
-      do j = 1, size(rows)
-        if (j == i .or. allocated(rows(j)%left_out)) cycle
-        if (error(j) * same_error < error(i)) then
-          beaten = beaten .or. rows(j)%seconds < rows(i)%seconds * same_time
-        else if (error(j) <= error(i) * same_error) then
-          beaten = beaten .or. rows(j)%seconds * same_time < rows(i)%seconds .or. &
-                   (j < i .and. rows(j)%seconds < rows(i)%seconds * same_time)
-        end if
-      end do
-      rows(i)%on_front = .not. beaten
+      if (.not. allocated(rows(i)%left_out)) run = [run, i]
     end do
+    rows(run)%on_front = on_front(rows(run)%seconds, max(rows(run)%total%largest, floor))
   end subroutine mark_front
 
   ! Seconds with two digits.

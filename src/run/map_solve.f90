@@ -1,0 +1,165 @@
+!> A map in a scene: its summits, held against the map, or its samples.
+module asperity_map_solve
+  use asperity_contact_records, only: state_row
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_height_map, only: height_map
+  use asperity_kept_sweep, only: sweep_scene
+  use asperity_kinds, only: not_computed, real64
+  use asperity_map_check, only: a_little_more, hold_against_map, map_seen, see_map, &
+                                stiffness_between
+  use asperity_map_press_solver, only: make_map_solver, name_map_columns
+  use asperity_map_scene, only: area_of_map, join_maps, load_the_map, map_loading, summits_of_scene
+  use asperity_map_shares, only: warn_of_shares
+  use asperity_map_summits, only: map_summits
+  use asperity_position_solver, only: position_solver
+  use asperity_run_options, only: run_options
+  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_values, only: combined_modulus, control_approach, control_limit, effect_auto, &
+                                   effect_boundary, effect_off, scene
+  use asperity_surface_solve, only: solve_surfaces
+  use asperity_theory_warnings, only: take_worse, theory_warning
+  implicit none
+  private
+
+  public :: solve_map
+
+contains
+
+  !> Solves a map: its summits, held against the map itself, or the samples of the map.
+  subroutine solve_map(scene_in, options, results, failure)
+    type(scene), intent(in) :: scene_in                    !! checked values, with a map
+    type(run_options), intent(in) :: options               !! how
+    type(scene_results), intent(inout) :: results          !! get the position
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(height_map), target :: map
+    type(map_loading) :: loading
+    type(map_seen) :: seen
+    type(map_summits) :: summits
+    type(scene) :: plain
+    type(scene_results) :: of_summits
+    type(run_options) :: of_summits_options
+    integer :: mode
+
+    call join_maps(scene_in, map, failure)
+    if (allocated(failure)) return
+    mode = scene_in%effects%mode('interaction')
+    results%nominal_area = decimal_to_real64(scene_in%nominal_area)
+    if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
+    if (mode == effect_boundary) then
+      call solve_samples(scene_in, map, options, results, failure)
+      return
+    end if
+    if (scene_in%loading%control == control_limit) then
+      loading%values = [0.0_real64]
+    else
+      call load_the_map(scene_in, map, loading, failure)
+      if (allocated(failure)) return
+    end if
+    call see_map(map, scene_in%map%periodic, loading, seen, failure)
+    if (allocated(failure) .and. mode == effect_auto) then
+      call solve_samples(scene_in, map, options, results, failure)
+      return
+    end if
+    if (allocated(failure) .and. mode /= effect_off) return
+    call summits_of_scene(scene_in, map, plain, summits, failure)
+    if (allocated(failure)) return
+    ! What is kept is the answer: of `auto` that is not known yet.
+    of_summits_options = options
+    if (mode == effect_auto .and. allocated(options%keep_file)) &
+      deallocate (of_summits_options%keep_file)
+    call solve_surfaces(plain, of_summits_options, of_summits, failure)
+    if (allocated(failure)) return
+    call check_summits(scene_in, plain, map, seen, summits, of_summits, failure)
+    if (allocated(failure)) return
+    of_summits%nominal_area = results%nominal_area
+    if (mode == effect_auto .and. .not. is_good_enough(scene_in, of_summits)) then
+      results%map = of_summits%map
+      call solve_samples(scene_in, map, options, results, failure)
+      if (allocated(failure)) failure = 'its summits are not good enough, and its samples: ' // &
+                                        failure
+    else
+      results = of_summits
+    end if
+  end subroutine solve_map
+
+  ! The samples of a map themselves.
+  subroutine solve_samples(scene_in, map, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(height_map), intent(in), target :: map
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    class(position_solver), allocatable :: solver
+    type(map_loading) :: loading
+
+    results%arithmetic = 'real64'
+    call load_the_map(scene_in, map, loading, failure)
+    if (allocated(failure)) return
+    call make_map_solver(map, scene_in%map%periodic, loading, &
+                         scene_in%effects%number('tolerance'), solver)
+    allocate (results%effects)
+    call name_map_columns(scene_in%effects%mode('interaction'), results%effects)
+    results%effects%tolerance = scene_in%effects%number('tolerance')
+    call sweep_scene(scene_in, options, solver, results, failure)
+  end subroutine solve_samples
+
+  ! What the summits cost, from the map itself: told with the results.
+  subroutine check_summits(scene_in, plain, map, seen, summits, results, failure)
+    type(scene), intent(in) :: scene_in, plain
+    type(height_map), intent(in) :: map
+    type(map_seen), intent(inout) :: seen
+    type(map_summits), intent(in) :: summits
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    type(scene_results) :: more
+    type(scene) :: other
+    type(state_row) :: last
+    type(theory_warning), allocatable :: warnings(:)
+    real(real64) :: stiffness
+    character(len=:), allocatable :: why
+
+    last = last_state(results%positions(1))
+    if (.not. last%vertical_load > 0.0_real64) then
+      ! At a level where no summit touches all that the map bears is missing.
+      results%positions(1)%error_estimate = merge(1.0_real64, 0.0_real64, &
+                                                  seen%answer%load > 0.0_real64)
+      return
+    end if
+    ! The stiffness of the summits takes a second state, worth it where the map's is known. None:
+    ! it is not told.
+    stiffness = not_computed
+    if (seen%coarser == 1) then
+      other = plain
+      other%loading = a_little_more(last)
+      call solve_surfaces(other, run_options(), more, why)
+      if (.not. allocated(why)) stiffness = stiffness_between(last, last_state(more%positions(1)))
+    end if
+    allocate (results%map)
+    call hold_against_map(map, seen, combined_modulus(scene_in), summits, last, stiffness, &
+                          results%map, failure)
+    if (allocated(failure)) return
+    call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings)
+    call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
+    if (scene_in%loading%control == control_approach) then
+      results%positions(1)%error_estimate = abs(results%map%load_difference) + &
+                                            results%map%load_uncertain
+    else
+      results%positions(1)%error_estimate = &
+        (abs(results%map%difference) + results%map%uncertain) * results%map%rms_height / &
+        results%map%closing
+    end if
+  end subroutine check_summits
+
+  ! Whether `auto` is content with summits: within its tolerance, area included.
+  logical function is_good_enough(scene_in, results)
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: results
+    real(real64) :: tolerance
+
+    tolerance = scene_in%effects%number('tolerance')
+    is_good_enough = results%positions(1)%error_estimate <= tolerance
+    if (is_good_enough .and. allocated(results%map)) is_good_enough = &
+      results%map%coarser == 1 .and. abs(results%map%area_difference) <= tolerance
+  end function is_good_enough
+
+end module asperity_map_solve

@@ -1,0 +1,108 @@
+!> Two surfaces of summits: with their effects, in an arithmetic, or in the cheapest arithmetic that
+!> is accurate enough.
+module asperity_surface_solve
+  use asperity_accuracy_bound, only: error_bound, front_arithmetics
+  use asperity_arithmetics, only: solver_in
+  use asperity_contact_records, only: solve_method
+  use asperity_effect_solver, only: make_effect_solver
+  use asperity_kept_sweep, only: sweep_scene
+  use asperity_kinds, only: real64
+  use asperity_position_solver, only: position_solver
+  use asperity_run_options, only: run_options
+  use asperity_scene_results, only: scene_results
+  use asperity_scene_values, only: scene
+  implicit none
+  private
+
+  public :: needs_doubles, solve_in_arithmetic, solve_surfaces
+
+contains
+
+  !> Solves two surfaces of summits, or one and a plane.
+  subroutine solve_surfaces(scene_in, chosen, results, failure)
+    type(scene), intent(in) :: scene_in                    !! checked values, without a map
+    type(run_options), intent(in) :: chosen
+    type(scene_results), intent(inout) :: results          !! get the positions
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+
+    if (needs_doubles(scene_in)) then
+      call solve_effects(scene_in, chosen, results, failure)
+    else if (chosen%accuracy > 0) then
+      call solve_to_accuracy(scene_in, chosen, results, failure)
+    else
+      call solve_in_arithmetic(scene_in, solve_method(), chosen, results, failure)
+    end if
+  end subroutine solve_surfaces
+
+  !> Solves every position without effects, in the arithmetic of the options, by a method: the
+  !> solver proper is `solve_method()`, the others serve the accuracy study.
+  subroutine solve_in_arithmetic(scene_in, method, options, results, failure)
+    type(scene), intent(in) :: scene_in                    !! checked values
+    type(solve_method), intent(in) :: method               !! how to compute
+    type(run_options), intent(in) :: options               !! its arithmetic, and how
+    type(scene_results), intent(out) :: results            !! all positions
+    character(len=:), allocatable, intent(out) :: failure  !! why not
+    class(position_solver), allocatable :: solver
+
+    results%arithmetic = options%arithmetic
+    call solver_in(trim(options%arithmetic), scene_in, method, solver, failure)
+    if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
+  end subroutine solve_in_arithmetic
+
+  ! With the effects of the scene, in doubles.
+  subroutine solve_effects(scene_in, options, results, failure)
+    type(scene), intent(in), target :: scene_in
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    class(position_solver), allocatable :: solver
+
+    if (options%arithmetic /= 'real64') then
+      failure = 'effects and paths of several values are computed in real64 only'
+      return
+    end if
+    results%arithmetic = options%arithmetic
+    allocate (results%effects)
+    call make_effect_solver(scene_in, solver, results%effects, failure)
+    if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
+  end subroutine solve_effects
+
+  ! In the cheapest arithmetic whose error bound is within the accuracy asked for.
+  subroutine solve_to_accuracy(scene_in, options, results, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(scene_results), intent(inout) :: results
+    character(len=:), allocatable, intent(out) :: failure
+    type(run_options) :: way
+    character(len=10) :: digits
+    integer :: i
+
+    way = options
+    do i = 1, size(front_arithmetics)
+      way%arithmetic = front_arithmetics(i)
+      call solve_in_arithmetic(scene_in, solve_method(), way, results, failure)
+      if (allocated(failure)) return
+      results%error_bound = error_bound(trim(way%arithmetic), scene_in, results%positions)
+      if (results%error_bound <= options%accuracy) then
+        results%way_taken = trim(way%arithmetic) // ', exact events'
+        results%way_told = 'ten times better: this run has it'
+        if (results%error_bound > 0.1_real64 * options%accuracy) &
+          results%way_told = 'ten times better: ' // trim(merge( &
+            'real128, up to 40 times the time', 'cannot be had                   ', i == 1))
+        results%way_told = results%way_told // '; contacts each alone, as the scene asks'
+        return
+      end if
+    end do
+    write (digits, '(es10.1e3)') results%error_bound
+    failure = 'no way of computing has this accuracy; the best one, ' // trim(way%arithmetic) // &
+              ', is good to' // digits
+  end subroutine solve_to_accuracy
+
+  !> Effects and paths of several values are computed in doubles only.
+  pure logical function needs_doubles(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values
+
+    needs_doubles = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
+  end function needs_doubles
+
+end module asperity_surface_solve
