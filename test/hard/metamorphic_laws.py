@@ -85,12 +85,13 @@ def asked_loads(scene):
 
 def loads_are_met(scene, rows, curve):
     """Load asked is load found, at every state that names one; held loads are held. A load near 0
-    is a difference of pushes and pulls: it is met to 1e-12 of them."""
+    is a difference of pushes and pulls, each 6 pi w R in contacts after Johnson, Kendall and Roberts
+    that bear nothing: it is met to 1e-12 of them."""
     asked, effects = asked_loads(scene), scene.groups.get("effects", {})
     if not asked:
         return
     name = scene.groups["loading"]["control"]
-    size = 1e-6 * (max(asked) + scenes.pull(scene))
+    size = 1e-6 * (max(asked) + 3 * scenes.pull(scene))
     for row in rows:
         states = [state for state in curve if state["position"] == row["position"]]
         held = [number(state, name) for state in states if float(state.get("time", 0.0)) > 0.0]
@@ -275,6 +276,14 @@ def within(one, two, share, names, control):
         if control == "approach":
             # As given, or first touch less a closing, each rounded.
             near(number(row, "approach"), number(other, "approach"), 1e-12, "approach")
+        else:
+            near(closing(one, row), closing(two, other), share, "closing")
+
+
+def closing(run, row):
+    """How far the surfaces of a position came nearer after they first touched, at its end."""
+    ends = [s for s in run.files["curve"] if s["position"] == row["position"]]
+    return number(ends[-1], "decrease")
 
 
 LAWS = {"scaled by powers of two": law_scaled, "mirrored": law_mirrored,
