@@ -1,12 +1,12 @@
 !> The library for C, and for whatever calls C: `include/asperity.h` says what each procedure does.
 !>
-!> Every call gives one outcome, a handle, that holds all it brought: a scene, tables as arrays,
-!> texts, what went wrong. Nothing stops the process, prints, or is remembered between calls.
+!> Every call here gives one outcome, a handle, that holds all it brought: a scene, tables as
+!> arrays, texts, what went wrong; `asperity_c_answers` has what looks at it. Nothing stops the
+!> process, prints, or is remembered between calls.
 !>
 !> The name of a procedure for C must not be that of a module, as `asperity_solve` is one.
 module asperity_c
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
-                                         c_loc, c_null_char, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
   use asperity, only: add_reals, arithmetic_names, array_table, build_scene, card_deck, &
                       generate_surface, generated_surface, generation_spec, height_map, &
                       length_units, level_names, list_warnings, make_arrays, map_statistics, &
@@ -16,19 +16,16 @@ module asperity_c
                       read_generation_spec, read_scene, rule_names, run_in_arithmetic, &
                       run_options, scene, scene_results, scene_surface, solve, summit_choices, &
                       summits_of_file, surface_plan, take_surface, text_buffer, thesis_tables, &
-                      version, write_report, write_summary, write_summits_table
-  use asperity_c_outcome, only: begin, finish, has_column, look_at, not_computed, outcome, &
-                                set_text, table_statistics, table_summits, table_upper, &
-                                text_failure, text_notes, text_of, text_report, text_warnings, &
-                                texts, type_double, type_int, type_word
+                      write_report, write_summary, write_summits_table
+  use asperity_c_outcome, only: begin, finish, look_at, outcome, set_text, table_statistics, &
+                                table_summits, table_upper, text_notes, text_of, text_report, &
+                                text_warnings
   use, intrinsic :: iso_fortran_env, only: int64, real64
   implicit none
   private
 
-  public :: c_version, c_read_scene, c_build_scene, c_solve, c_report, c_summits, c_generate
-  public :: c_status, c_text, c_problems, c_get_problem
-  public :: c_rows, c_columns, c_column_name, c_column_type, c_column, c_free
-  public :: c_surface, c_options, c_summits_options, c_problem
+  public :: c_read_scene, c_build_scene, c_solve, c_report, c_summits, c_generate
+  public :: c_surface, c_options, c_summits_options
 
   !> `asperity_surface` of the header.
   type, bind(c) :: c_surface
@@ -53,29 +50,7 @@ module asperity_c
     integer(c_int) :: despike                 !! not 0: single outliers go
   end type c_summits_options
 
-  !> `asperity_problem` of the header.
-  type, bind(c) :: c_problem
-    type(c_ptr) :: file      !! empty: it has none
-    integer(c_int) :: line   !! 0: it has none
-    integer(c_int) :: column !! 0: it has none
-    type(c_ptr) :: text      !! without file, line and column
-  end type c_problem
-
-  ! Texts that are always there: constants, which can have no address in Fortran.
-  integer :: letter
-  character(len=*), parameter :: no_memory = 'not enough memory'
-  character(kind=c_char), target :: no_text_letters(1) = c_null_char
-  character(kind=c_char), target :: no_memory_letters(len(no_memory) + 1) = &
-    [(no_memory(letter:letter), letter = 1, len(no_memory)), c_null_char]
-  character(kind=c_char), target :: version_letters(len(version) + 1) = &
-    [(version(letter:letter), letter = 1, len(version)), c_null_char]
-
 contains
-
-  !> `asperity_get_version`.
-  type(c_ptr) function c_version() bind(c, name='asperity_get_version')
-    c_version = c_loc(version_letters)
-  end function c_version
 
   !> `asperity_read_scene`.
   type(c_ptr) function c_read_scene(path) bind(c, name='asperity_read_scene') result(handle)
@@ -335,141 +310,6 @@ contains
     end do
     call finish(new)
   end function c_generate
-
-  !> `asperity_status`.
-  integer(c_int) function c_status(handle) bind(c, name='asperity_status') result(status)
-    type(c_ptr), value :: handle  !! outcome
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    status = not_computed
-    if (associated(it)) status = it%status
-  end function c_status
-
-  !> `asperity_text`.
-  type(c_ptr) function c_text(handle, which) bind(c, name='asperity_text') result(text)
-    type(c_ptr), value :: handle    !! outcome
-    integer(c_int), value :: which  !! one of the `text_` numbers
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    text = c_loc(no_text_letters)
-    if (.not. associated(it)) then
-      if (which == text_failure) text = c_loc(no_memory_letters)
-    else if (which >= 1 .and. which <= texts) then
-      if (allocated(it%texts(which)%letters)) text = c_loc(it%texts(which)%letters)
-    end if
-  end function c_text
-
-  !> `asperity_problem_count`.
-  integer(c_int) function c_problems(handle) bind(c, name='asperity_problem_count') result(number)
-    type(c_ptr), value :: handle  !! outcome
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    number = 0_c_int
-    if (associated(it)) number = size(it%messages, kind=c_int)
-  end function c_problems
-
-  !> `asperity_get_problem`.
-  subroutine c_get_problem(handle, number, problem) bind(c, name='asperity_get_problem')
-    type(c_ptr), value :: handle              !! outcome
-    integer(c_int), value :: number           !! of the problem, from 0
-    type(c_problem), intent(out) :: problem   !! the problem; empty when there is none
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    problem = c_problem(c_loc(no_text_letters), 0_c_int, 0_c_int, c_loc(no_text_letters))
-    if (.not. associated(it)) return
-    if (number < 0_c_int .or. number >= size(it%messages)) return
-    problem = c_problem(c_loc(it%files(number + 1)%letters), &
-                        int(it%places(number + 1)%line, c_int), &
-                        int(it%places(number + 1)%column, c_int), &
-                        c_loc(it%messages(number + 1)%letters))
-  end subroutine c_get_problem
-
-  !> `asperity_rows`.
-  integer(c_int) function c_rows(handle, table) bind(c, name='asperity_rows') result(number)
-    type(c_ptr), value :: handle    !! outcome
-    integer(c_int), value :: table  !! one of the tables
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    number = 0_c_int
-    if (has_column(it, table, 0_c_int)) number = int(it%tables(table)%rows, c_int)
-  end function c_rows
-
-  !> `asperity_columns`.
-  integer(c_int) function c_columns(handle, table) bind(c, name='asperity_columns') result(number)
-    type(c_ptr), value :: handle    !! outcome
-    integer(c_int), value :: table  !! one of the tables
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    number = 0_c_int
-    if (has_column(it, table, 0_c_int)) number = size(it%tables(table)%columns, kind=c_int)
-  end function c_columns
-
-  !> `asperity_column_name`.
-  type(c_ptr) function c_column_name(handle, table, column) bind(c, name='asperity_column_name') &
-    result(name)
-    type(c_ptr), value :: handle     !! outcome
-    integer(c_int), value :: table   !! one of the tables
-    integer(c_int), value :: column  !! from 0
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    name = c_null_ptr
-    if (has_column(it, table, column)) name = c_loc(it%names(column + 1, table)%letters)
-  end function c_column_name
-
-  !> `asperity_column_type`.
-  integer(c_int) function c_column_type(handle, table, column) &
-    bind(c, name='asperity_column_type') result(kind)
-    type(c_ptr), value :: handle     !! outcome
-    integer(c_int), value :: table   !! one of the tables
-    integer(c_int), value :: column  !! from 0
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    kind = 0_c_int
-    if (.not. has_column(it, table, column)) return
-    associate (of => it%tables(table)%columns(column + 1))
-      kind = type_double
-      if (allocated(of%wholes)) kind = type_int
-      if (allocated(of%letters)) kind = type_word
-    end associate
-  end function c_column_type
-
-  !> `asperity_column`.
-  type(c_ptr) function c_column(handle, table, column) bind(c, name='asperity_column') &
-    result(cells)
-    type(c_ptr), value :: handle     !! outcome
-    integer(c_int), value :: table   !! one of the tables
-    integer(c_int), value :: column  !! from 0
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    cells = c_null_ptr
-    if (.not. has_column(it, table, column)) return
-    if (it%tables(table)%rows == 0) return
-    if (allocated(it%tables(table)%columns(column + 1)%reals)) then
-      cells = c_loc(it%tables(table)%columns(column + 1)%reals)
-    else if (allocated(it%tables(table)%columns(column + 1)%wholes)) then
-      cells = c_loc(it%tables(table)%columns(column + 1)%wholes)
-    else
-      cells = c_loc(it%tables(table)%columns(column + 1)%letters)
-    end if
-  end function c_column
-
-  !> `asperity_free`.
-  subroutine c_free(handle) bind(c, name='asperity_free')
-    type(c_ptr), value :: handle  !! outcome, or null
-    type(outcome), pointer :: it
-
-    call look_at(handle, it)
-    if (associated(it)) deallocate (it)
-  end subroutine c_free
 
   subroutine set_surface(x, y, height, radius, table)
     real(real64), intent(in) :: x(:), y(:), height(:), radius(:)

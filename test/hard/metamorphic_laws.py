@@ -85,8 +85,8 @@ def asked_loads(scene):
 
 def loads_are_met(scene, rows, curve):
     """Load asked is load found, at every state that names one; held loads are held. A load near 0
-    is a difference of pushes and pulls, each 6 pi w R in contacts after Johnson, Kendall and Roberts
-    that bear nothing: it is met to 1e-12 of them."""
+    is a difference of pushes and pulls, each 6 pi w R in a contact after Johnson, Kendall and
+    Roberts that bears nothing: it is met to 1e-12 of them."""
     asked, effects = asked_loads(scene), scene.groups.get("effects", {})
     if not asked:
         return
