@@ -15,7 +15,10 @@ program asperity_main
   use asperity_run_solve, only: run_solve_command
   use asperity_run_study, only: run_study_command
   use asperity_run_summits, only: run_summits_command
+  use asperity_waiting_threads, only: let_waiting_threads_sleep
   implicit none
+  ! Commands whose work is shared out to threads.
+  character(len=*), parameter :: threaded(3) = [character(len=8) :: 'accuracy', 'solve', 'study']
   type(command_line) :: line
   type(command_outcome) :: outcome
   integer :: status
@@ -28,6 +31,7 @@ program asperity_main
   else if (outcome%problems%count() > 0) then
     call outcome%problems%add('Try: asperity --help')
   else if (image_number() == 1 .or. is_shared(line)) then
+    if (line%threads /= 1 .and. any(line%command == threaded)) call let_waiting_threads_sleep()
     select case (line%command)
     case ('', 'help', 'version')
       call describe(line%command, line%topic, outcome%text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import threading
 import warnings
 from array import array
@@ -38,7 +39,20 @@ class CProblem(Structure):
     _fields_ = [("file", c_char_p), ("line", c_int), ("column", c_int), ("text", c_char_p)]
 
 
-_C = ctypes.CDLL(str(Path(__file__).with_name("libasperity.so")))
+def _loaded(path: Path) -> ctypes.CDLL:
+    """Threads that wait sleep, unless the environment says what they do; OpenMP's runtime looks
+    at it once, when it is loaded."""
+    name = "OMP_WAIT_POLICY"
+    if {name, "GOMP_SPINCOUNT"} & os.environ.keys():
+        return ctypes.CDLL(str(path))
+    os.environ[name] = "passive"
+    try:
+        return ctypes.CDLL(str(path))
+    finally:
+        del os.environ[name]
+
+
+_C = _loaded(Path(__file__).with_name("libasperity.so"))
 for _name, _result, *_arguments in (
         ("get_version", c_char_p),
         ("read_scene", c_void_p, c_char_p),

@@ -8,7 +8,7 @@ module asperity_system_calls
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
   public :: posix_isatty, posix_getpid, posix_exit, posix_getrlimit
-  public :: posix_mmap, posix_munmap
+  public :: posix_execv, posix_mmap, posix_munmap, posix_setenv
   public :: system_error, system_reason, canonical_path
 
   interface
@@ -111,6 +111,22 @@ module asperity_system_calls
       implicit none
       integer(c_int), value :: status
     end subroutine posix_exit_now
+
+    !> Begins a program in place of this one; it comes back with -1 when refused.
+    integer(c_int) function posix_execv(path, words) bind(c, name='execv')
+      import :: c_char, c_int, c_ptr
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(in) :: words(*)
+    end function posix_execv
+
+    !> Sets a word of the environment; -1 when refused.
+    integer(c_int) function posix_setenv(name, value, anew) bind(c, name='setenv')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: name(*), value(*)
+      integer(c_int), value :: anew
+    end function posix_setenv
 
     !> Ends the process in order, with an exit status.
     subroutine posix_exit(status) bind(c, name='exit')

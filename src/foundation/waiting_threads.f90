@@ -1,0 +1,62 @@
+!> What the threads of OpenMP do while they wait for each other.
+module asperity_waiting_threads
+  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+  use asperity_images, only: image_count
+  use asperity_system_calls, only: canonical_path, posix_execv, posix_setenv
+  !$ use omp_lib, only: omp_get_max_threads
+  implicit none
+  private
+
+  public :: let_waiting_threads_sleep
+
+  ! What the environment may say of it; the second is libgomp's own.
+  character(len=*), parameter :: policies(2) = [character(len=15) :: 'OMP_WAIT_POLICY', &
+    'GOMP_SPINCOUNT']
+
+contains
+
+  !> Lets threads sleep while they wait, unless the environment says what they do. To be called
+  !> before any input is read. By default they spin, and where other programs need the cores, that
+  !> keeps those from working that are waited for; docs/large-surfaces.md has the figures. The
+  !> runtime of OpenMP looks at the environment before the program begins. So the program begins
+  !> anew, once, with the same words.
+  subroutine let_waiting_threads_sleep()
+    character(kind=c_char), allocatable, target :: letters(:)
+    character(len=:), allocatable :: word, words
+    type(c_ptr), allocatable :: address(:)
+    integer, allocatable :: first(:)
+    integer(c_int) :: status
+    integer :: i, length, threads
+
+    threads = 1
+    !$ threads = omp_get_max_threads()
+    ! What began several images would lose one that begins anew.
+    if (threads == 1 .or. image_count() > 1) return
+    do i = 1, size(policies)
+      call get_environment_variable(trim(policies(i)), status=length)
+      if (length /= 1) return
+    end do
+
+    words = ''
+    allocate (first(0:command_argument_count()))
+    do i = 0, command_argument_count()
+      call get_command_argument(i, length=length)
+      allocate (character(len=length) :: word)
+      call get_command_argument(i, value=word)
+      first(i) = len(words) + 1
+      words = words // word // c_null_char
+      deallocate (word)
+    end do
+    letters = transfer(words, letters)
+    allocate (address(size(first) + 1))
+    address = c_null_ptr
+    do i = 0, size(first) - 1
+      address(i + 1) = c_loc(letters(first(i)))
+    end do
+    if (posix_setenv(trim(policies(1)) // c_null_char, 'passive' // c_null_char, 1_c_int) /= 0) &
+      return
+    ! It comes back only where the system does not begin the program; then threads spin.
+    status = posix_execv(canonical_path('/proc/self/exe') // c_null_char, address)
+  end subroutine let_waiting_threads_sleep
+
+end module asperity_waiting_threads
