@@ -27,6 +27,7 @@ module asperity_interaction
   !> Interaction of neighbouring contacts.
   type, extends(contact_effect) :: interaction_effect
     real(real64) :: boundary_tolerance = 0.0_real64  !! what the last halving of cells may change
+    real(real64) :: area_tolerance = 0.0_real64      !! what areas may be off by at least
   contains
     procedure :: estimate
     procedure :: apply
@@ -45,6 +46,7 @@ contains
     call new%call_as('interaction', scene_in%effects)
     new%approximates = .true.
     new%boundary_tolerance = scene_in%effects%number('boundary_tolerance')
+    new%area_tolerance = scene_in%effects%number('area_tolerance')
     ! Cells come and go with the closing, which moves the load a little.
     if (any(new%mode == [effect_auto, effect_boundary])) &
       new%load_tolerance = 0.1_real64 * new%boundary_tolerance
@@ -92,7 +94,8 @@ contains
     else
       solution%coupled%closing = state%closing
       call solve_joint(pairs, state%law, what_to_resolve(self, state%law), &
-                       min(self%tolerance, state%left), self%boundary_tolerance, solution)
+                       min(self%tolerance, state%left), self%boundary_tolerance, solution, &
+                       area_tolerance=self%area_tolerance)
     end if
     outcome%ending = solution%coupled%ending
     if (allocated(solution%failure)) then
@@ -155,7 +158,7 @@ contains
     type(joint_solution) :: solution
 
     call solve_joint(pairs, law, what_to_resolve(self, law), min(self%tolerance, left), &
-                     self%boundary_tolerance, solution, target)
+                     self%boundary_tolerance, solution, target, self%area_tolerance)
     if (allocated(solution%failure)) then
       failure = 'interaction: ' // solution%failure
       return

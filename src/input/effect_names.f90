@@ -86,6 +86,8 @@ module asperity_effect_names
                   meaning='share that ''auto'' may leave out, of all effects together'), &
     effect_number('boundary_tolerance', 'interaction', share, decimal_value(1_int64, -3), &
                   meaning='share of the load that the last halving of the cells may change'), &
+    effect_number('area_tolerance', 'interaction', share, decimal_value(5_int64, -3), &
+                  meaning='share of the area that may be off where tolerances allow less'), &
     effect_number('friction_coefficient', 'friction', not_negative, needed_with='on', &
                   meaning='tangential over normal load of a contact that slides'), &
     effect_number('plastic_yield_stress', 'plasticity', above_zero, needed_with='no limit', &

@@ -10,7 +10,7 @@ module asperity_height_map
   private
 
   public :: height_map, change_unit, length_units, no_height, is_measured, is_length, &
-            make_room, read_height, expected_length, number_text, most_samples
+            make_room, read_height, expected_length, number_text, most_samples, digit_of, no_power
 
   !> Stands for the height of a sample that was not measured.
   real(real64), parameter :: no_height = -huge(1.0_real64)
@@ -26,6 +26,8 @@ module asperity_height_map
   integer(int64), parameter :: most_samples = 2147483647_int64
   ! Lengths beyond these are no lengths of anything, and their powers would not fit in a double.
   real(real64), parameter :: least_length = 1.0e-30_real64, most_length = 1.0e30_real64
+  !> No digit was read yet.
+  integer, parameter :: no_power = huge(0)
   !> What a message says of a length.
   character(len=*), parameter :: expected_length = 'a length from 1e-30 to 1e30'
 
@@ -36,6 +38,8 @@ module asperity_height_map
     real(real64) :: spacing(2) = 0.0_real64     !! from sample to sample along x and y, more than 0
     real(real64), allocatable :: height(:, :)   !! by column and row; `no_height` where missing
     character(len=:), allocatable :: unit       !! of all lengths; empty where the file has none
+    !> What one more in the last digit of a height is, as the file has heights; 0: not known.
+    real(real64) :: digit = 0.0_real64
   end type height_map
 
 contains
@@ -61,6 +65,7 @@ contains
 
     map%unit = trim(length_units(unit))
     map%spacing = map%spacing * metre_in(unit)
+    map%digit = map%digit * metre_in(unit)
     where (is_measured(map%height)) map%height = map%height * metre_in(unit)
   end subroutine change_unit
 
@@ -79,20 +84,31 @@ contains
   end subroutine make_room
 
   !> Reads a height, or a word for a missing one: `BAD` or `NaN`.
-  pure subroutine read_height(word, height, good)
+  pure subroutine read_height(word, height, good, power)
     character(len=*), intent(in) :: word   !! without blanks
     real(real64), intent(out) :: height    !! `no_height` for a missing one
     logical, intent(out) :: good           !! whether it is a height
+    !> of ten, of the last digit of all that were read; `no_power` before the first
+    integer, intent(inout) :: power
     type(decimal_value) :: decimal
 
     call read_numeral(word, decimal, good)
     if (good) then
       height = decimal_to_real64(decimal)
+      if (decimal%digits /= 0_int64) power = min(power, decimal%exponent)
       return
     end if
     height = no_height
     good = lower_case(word) == 'bad' .or. lower_case(word) == 'nan'
   end subroutine read_height
+
+  !> What one more in the last digit is: 0 where there is none.
+  pure real(real64) function digit_of(power)
+    integer, intent(in) :: power  !! as `read_height` leaves it
+
+    digit_of = 0.0_real64
+    if (power < no_power) digit_of = 10.0_real64**power
+  end function digit_of
 
   !> A whole number as text without blanks.
   pure function number_text(value) result(text)

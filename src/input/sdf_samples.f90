@@ -4,8 +4,8 @@
 !> the highest (for a float all from 3.4E38 or 1.7E308 on). In BCR-1.0, which fixes no direction,
 !> the first profile is that of the largest y, as other programs have it.
 module asperity_sdf_samples
-  use asperity_height_map, only: height_map, is_measured, make_room, most_samples, no_height, &
-                                 number_text, read_height
+  use asperity_height_map, only: digit_of, height_map, is_measured, make_room, most_samples, &
+                                 no_height, no_power, number_text, read_height
   use asperity_input_text, only: quoted
   use asperity_kinds, only: int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
@@ -61,6 +61,7 @@ contains
       call read_words(file, header, map, shown, problems)
     end if
     call shown%finish()
+    map%digit = map%digit * header%scale(3)
 
   contains
 
@@ -102,6 +103,7 @@ contains
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: bytes
     integer(int64) :: place
+    real(real64) :: largest
     integer :: wide, i, first, last, profile, at
     logical :: good
 
@@ -129,6 +131,11 @@ contains
       end do
       call shown%reach(profile)
     end do
+    ! A whole number counts; a real one is as good as its format.
+    map%digit = 1.0_real64
+    largest = maxval(abs(map%height), mask=is_measured(map%height)) / header%scale(3)
+    if (header%data_type == binary32) map%digit = real(spacing(real(largest, real32)), real64)
+    if (header%data_type == binary64) map%digit = spacing(largest)
   end subroutine read_bytes
 
   ! The height of a sample in bytes.
@@ -229,12 +236,13 @@ contains
     type(token) :: word
     character(len=:), allocatable :: expected
     real(real64) :: height
-    integer :: i, profile
+    integer :: i, power, profile
     logical :: good, whole
 
     whole = header%data_type /= binary32 .and. header%data_type /= binary64
     expected = merge('a whole number', 'a number      ', whole)
     expected = trim(expected) // ', at most 1e30 as a height, or BAD'
+    power = no_power
     do profile = 1, map%rows
       do i = 1, map%columns
         call file%next(word)
@@ -245,7 +253,7 @@ contains
                                number_text(header%profiles))
           return
         end if
-        call read_height(word%text(:word%length), height, good)
+        call read_height(word%text(:word%length), height, good, power)
         if (whole .and. is_measured(height)) &
           good = good .and. verify(word%text(:word%length), '+-0123456789') == 0
         good = good .and. .not. word%is_cut
@@ -263,6 +271,8 @@ contains
       end do
       call shown%reach(profile)
     end do
+    map%digit = digit_of(power)
+    if (whole) map%digit = 1.0_real64
     ! Without it the last number could be a part of one.
     call file%next(word)
     if (word%length == 1 .and. word%text(1:1) == '*') return

@@ -3,8 +3,8 @@
 !> Cells are separated by blanks, commas or semicolons; a number sign makes the rest of a line a
 !> comment. Each is read twice: to find its size, and to fill the map.
 module asperity_text_map
-  use asperity_height_map, only: expected_length, height_map, is_length, is_measured, make_room, &
-                                 most_samples, number_text, read_height
+  use asperity_height_map, only: digit_of, expected_length, height_map, is_length, is_measured, &
+                                 make_room, most_samples, no_power, number_text, read_height
   use asperity_input_text, only: lower_case, quoted
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text, problem_list
@@ -41,7 +41,7 @@ contains
     type(token) :: word
     type(progress_line) :: shown
     integer(int64) :: samples
-    integer :: i, row, line, end_line
+    integer :: i, row, line, end_line, power
     logical :: good
 
     call file%next(word)
@@ -72,6 +72,7 @@ contains
     call shown%begin(progress, 'profiles read', map%rows, 0)
     call file%again()
     call file%next(word)
+    power = no_power
     do row = 1, map%rows
       line = word%line
       i = 0
@@ -81,7 +82,7 @@ contains
           call problems%add_at(line, word%column, 'an empty cell before this one, expected ' // &
                                expected_height)
         if (i <= map%columns) then
-          call read_cell(word, map%height(i, row), good)
+          call read_cell(word, map%height(i, row), good, power)
           if (.not. good) call refuse(word, problems)
         end if
         end_line = word%column + word%length
@@ -93,6 +94,7 @@ contains
       call shown%reach(row)
     end do
     call shown%finish()
+    map%digit = digit_of(power)
   end subroutine read_matrix
 
   !> Reads `x,y,z` lines, in any order. `failure` is allocated when there is no memory for them.
@@ -107,13 +109,14 @@ contains
     type(progress_line) :: shown
     real(real64) :: values(3)
     integer(int64) :: lines, done
-    integer :: place(2), i, cells
+    integer :: place(2), i, cells, power
     logical :: good, grid
 
     lines = 0_int64
+    power = no_power
     call first_point(file, ahead)
     do while (ahead%length > 0)
-      call next_point(file, ahead, words, cells, values, good, problems)
+      call next_point(file, ahead, words, cells, values, good, power, problems)
       ! Where the first line is none the file is of another kind: that is one mistake, not many.
       if (cells /= 3 .and. lines == 0_int64) return
       if (.not. good) cycle
@@ -146,7 +149,7 @@ contains
     call file%again()
     call first_point(file, ahead)
     do done = 1_int64, lines
-      call next_point(file, ahead, words, cells, values, good, problems)
+      call next_point(file, ahead, words, cells, values, good, power, problems)
       do i = 1, 2
         place(i) = 1 + nint((values(i) - along(i)%first) / map%spacing(i))
         if (abs(values(i) - along(i)%first - (place(i) - 1) * map%spacing(i)) > &
@@ -167,18 +170,20 @@ contains
       call shown%reach(int(done))
     end do
     call shown%finish()
+    map%digit = digit_of(power)
   end subroutine read_points
 
   ! The line that begins with the word ahead, which becomes the first of the next line.
-  subroutine next_point(file, ahead, words, cells, values, good, problems)
+  subroutine next_point(file, ahead, words, cells, values, good, power, problems)
     type(token_reader), intent(inout) :: file
     type(token), intent(inout) :: ahead
     type(token), intent(out) :: words(3)
     integer, intent(out) :: cells
     real(real64), intent(out) :: values(3)
     logical, intent(out) :: good
+    integer, intent(inout) :: power  ! of the last digit of the heights
     type(problem_list), intent(inout) :: problems
-    integer :: i, line
+    integer :: i, line, any_power
 
     values = 0.0_real64
     line = ahead%line
@@ -198,7 +203,9 @@ contains
       return
     end if
     do i = 1, 3
-      call read_cell(words(i), values(i), good)
+      any_power = no_power
+      call read_cell(words(i), values(i), good, any_power)
+      if (i == 3) power = min(power, any_power)
       if (i < 3 .and. .not. is_measured(values(i))) good = .false.
       if (good) cycle
       call refuse(words(i), problems)
@@ -237,12 +244,13 @@ contains
   end subroutine take_coordinate
 
   ! A cell as a height.
-  subroutine read_cell(word, height, good)
+  subroutine read_cell(word, height, good, power)
     type(token), intent(in) :: word
     real(real64), intent(out) :: height
     logical, intent(out) :: good
+    integer, intent(inout) :: power
 
-    call read_height(word%text(:word%length), height, good)
+    call read_height(word%text(:word%length), height, good, power)
     good = good .and. .not. word%is_cut
     if (is_measured(height)) good = good .and. abs(height) <= highest
   end subroutine read_cell

@@ -11,6 +11,7 @@
 !> the forces of a given sum, which are as convex a set; gaps are then over their mean under force.
 module asperity_cells_relax
   use asperity_cell_convolution, only: cell_convolution
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -24,12 +25,13 @@ module asperity_cells_relax
 contains
 
   !> Improves forces until no gap is violated by more than a tolerance.
-  subroutine relax(influence, gap, tolerance, force, ending, load, closing)
+  subroutine relax(influence, gap, tolerance, force, ending, interrupt, load, closing)
     type(cell_convolution), intent(inout) :: influence  !! A
     real(real64), intent(in) :: gap(:, :)               !! undeformed
     real(real64), intent(in) :: tolerance  !! largest gap under a force, or overlap without one
     real(real64), intent(inout) :: force(:, :)          !! 0 or more; start and result
     type(solve_ending), intent(out) :: ending           !! how it ended; residual as the tolerance
+    type(interruption), intent(in) :: interrupt         !! who can end it; it is not converged then
     real(real64), intent(in), optional :: load          !! sum of the forces, which start with it
     real(real64), intent(out), optional :: closing      !! that it takes: less than every gap left
     real(real64), allocatable, dimension(:, :) :: rest, steepest, direction, change, next, after
@@ -45,7 +47,7 @@ contains
       ending%residual = violation(force, rest)
       ending%converged = ending%residual <= tolerance
       if (ending%converged .and. fresh) exit
-      if (ending%iterations == iterations_allowed) exit
+      if (ending%iterations == iterations_allowed .or. interrupt%is_asked()) exit
       if (ending%converged) then
         ! The gap was carried along; make sure of it.
         call find_rest(force, rest)

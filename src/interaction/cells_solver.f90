@@ -14,6 +14,7 @@ module asperity_cells_solver
   use asperity_cells_relax, only: relax
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -34,8 +35,10 @@ module asperity_cells_solver
   ! Over the standard deviation of an area: what it may be off by. Of a load: what halving the cells
   ! that give it may change.
   real(real64), parameter :: area_told = 5.0_real64, load_told = 1.5_real64
-  ! An area may be off by so much more than a load's last halving, and by this at least.
-  real(real64), parameter :: area_over_load = 4.0_real64, least_area = 0.005_real64
+  ! An area may be off by so much more than a load's last halving.
+  real(real64), parameter :: area_over_load = 4.0_real64
+  !> And by this at least, unless another number is given.
+  real(real64), parameter, public :: usual_area = 0.005_real64
 
   ! The gaps are closed to that times the tolerance, of the penetration. The load is then off by .44
   ! (rms; 1.1 at most) of it: measured on 3 times 130 circles.
@@ -72,7 +75,8 @@ contains
   !> Solves a cluster at a closing.
   !>
   !> Members that touch at the same place share one contact: its load is told under the first.
-  subroutine solve_cells(pairs, members, closing, outside, tolerance, answer, worth)
+  subroutine solve_cells(pairs, members, closing, outside, tolerance, answer, worth, &
+                         area_tolerance)
     type(contact_pairs), intent(in) :: pairs       !! the position
     integer, intent(in) :: members(:)              !! places of the contacts in the list of pairs
     real(real64), intent(in) :: closing            !! past first touch
@@ -81,9 +85,13 @@ contains
     type(cells_answer), intent(inout) :: answer    !! the answer; before that, one to begin with
     !> load, area: what is less is told as exactly as if it were this
     real(real64), intent(in), optional :: worth(2)
+    real(real64), intent(in), optional :: area_tolerance  !! share; absent: `usual_area`
     type(gap_shape), allocatable :: shapes(:)
     type(cells_answer) :: last, none
+    real(real64) :: least_area
 
+    least_area = usual_area
+    if (present(area_tolerance)) least_area = area_tolerance
     last = answer
     answer = none
     call make_room(answer, size(members))
@@ -98,9 +106,12 @@ contains
     else if (.not. maxval(shapes%penetration / shapes%curvature_radius) > shallowest) then
       answer%failure = 'contacts too shallow for cells'
     else
-      call halve_until_settled(pairs%modulus, shapes, outside, tolerance, last, answer, worth)
+      call halve_until_settled(pairs%modulus, shapes, outside, tolerance, least_area, &
+                               pairs%interrupt, last, answer, worth)
     end if
-    if (allocated(answer%failure)) answer%ending%converged = .false.
+    if (.not. allocated(answer%failure)) return
+    answer%ending%converged = .false.
+    if (pairs%interrupt%is_asked()) answer%failure = 'interrupted'
   end subroutine solve_cells
 
   ! Penetration at which the centres of a pair are level, or a centre comes to the plane.
@@ -130,10 +141,12 @@ contains
     end do
   end subroutine find_shapes
 
-  subroutine halve_until_settled(modulus, shapes, outside, tolerance, last, answer, least_worth)
-    real(real64), intent(in) :: modulus, tolerance
+  subroutine halve_until_settled(modulus, shapes, outside, tolerance, least_area, interrupt, &
+                                 last, answer, least_worth)
+    real(real64), intent(in) :: modulus, tolerance, least_area
     type(gap_shape), intent(in) :: shapes(:)
     type(outside_field), intent(in) :: outside
+    type(interruption), intent(in) :: interrupt
     type(cells_answer), intent(in) :: last
     type(cells_answer), intent(inout) :: answer
     real(real64), intent(in), optional :: least_worth(2)
@@ -173,7 +186,7 @@ contains
       else
         call refine_forces(coarse, lattice)
       end if
-      call solve_on(influence, lattice, tolerance, answer%ending)
+      call solve_on(influence, lattice, tolerance, interrupt, answer%ending)
       if (.not. answer%ending%converged) then
         answer%failure = 'the pressures on the cells did not converge'
         return
@@ -193,16 +206,18 @@ contains
       return
     end if
     do i = 1, size(shapes)
-      call solve_alone(modulus, frame, shapes(i:i), tolerance, last, influence, answer)
+      call solve_alone(modulus, frame, shapes(i:i), tolerance, interrupt, last, influence, answer)
+      if (allocated(answer%failure)) return
     end do
   end subroutine halve_until_settled
 
   ! A contact by itself, on the same lattice, so that the cells' errors cancel in the ratio. One
   ! that was solved at nearly the same penetration p is as that, by the powers of p in Hertz' law.
-  subroutine solve_alone(modulus, frame, shape, tolerance, last, influence, answer)
+  subroutine solve_alone(modulus, frame, shape, tolerance, interrupt, last, influence, answer)
     real(real64), intent(in) :: modulus, tolerance
     type(cell_frame), intent(in) :: frame
     type(gap_shape), intent(in) :: shape(1)
+    type(interruption), intent(in) :: interrupt
     type(cells_answer), intent(in) :: last
     type(cell_convolution), allocatable, intent(inout) :: influence
     type(cells_answer), intent(inout) :: answer
@@ -226,7 +241,7 @@ contains
       own%scale = shape(1)%penetration
       call lay_cells(own, shape, answer%halvings, lattice)
       call start_forces(own, shape, lattice)
-      call solve_on(influence, lattice, tolerance, alone%ending)
+      call solve_on(influence, lattice, tolerance, interrupt, alone%ending)
       if (.not. alone%ending%converged) &
         answer%failure = 'the pressures on the cells of a contact alone did not converge'
       call make_room(alone, size(answer%area))
@@ -238,10 +253,11 @@ contains
   end subroutine solve_alone
 
   ! With an influence that was prepared for a lattice that is not much larger, or a new one.
-  subroutine solve_on(influence, lattice, tolerance, ending)
+  subroutine solve_on(influence, lattice, tolerance, interrupt, ending)
     type(cell_convolution), allocatable, intent(inout) :: influence
     type(cell_lattice), intent(inout) :: lattice
     real(real64), intent(in) :: tolerance
+    type(interruption), intent(in) :: interrupt
     type(solve_ending), intent(out) :: ending
     real(real64), allocatable :: table(:, :)
 
@@ -256,7 +272,7 @@ contains
       deallocate (table)
     end if
     call relax(influence, lattice%gap, max(1.0e-10_real64, inner * tolerance), &
-               lattice%force, ending)
+               lattice%force, ending, interrupt)
   end subroutine solve_on
 
 end module asperity_cells_solver

@@ -66,6 +66,7 @@ contains
     ! None has been looked at yet.
     joined = -1
     do iteration = 0, most_iterations
+      if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
       ! Or as small as rounding lets it be: it falls no more.
       done = state%residual <= asked .or. &

@@ -7,6 +7,7 @@
 !> settles. The coupling knows how every load moves every other, so that only the cells' corrections
 !> lag.
 module asperity_joint_contacts
+  use asperity_cells_solver, only: usual_area
   use asperity_circle_error, only: find_errors
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
@@ -42,8 +43,8 @@ module asperity_joint_contacts
   real(real64), parameter :: round_share = 0.1_real64
   ! What circles may leave out with the shape of spheres, which is told too high, not too low.
   real(real64), parameter :: shape_share = 0.8_real64
-  ! What circles may leave out of the area: of the tolerance, or of this if more.
-  real(real64), parameter :: area_share = 0.7_real64, least_area = 0.005_real64
+  ! What circles may leave out of the area: of the tolerance, or of that of areas if more.
+  real(real64), parameter :: area_share = 0.7_real64
   integer, parameter :: most_rounds = 30
   ! Of what the last coupling changed, what is told. At a load that is of the closing, most of which
   ! is the cells' own correction: rounds alternate and contract by .25 to .5.
@@ -59,7 +60,8 @@ module asperity_joint_contacts
 contains
 
   !> Solves at the closing in `solution%coupled`, or at a load.
-  subroutine solve_joint(pairs, law, which, tolerance, cells_tolerance, solution, target)
+  subroutine solve_joint(pairs, law, which, tolerance, cells_tolerance, solution, target, &
+                         area_tolerance)
     type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
     class(contact_law), intent(in) :: law              !! of each contact
     integer, intent(in) :: which                       !! `resolve_none` ...
@@ -67,12 +69,16 @@ contains
     real(real64), intent(in) :: cells_tolerance        !! relative change by the last halving
     type(joint_solution), intent(inout) :: solution    !! closing; then all
     real(real64), intent(in), optional :: target       !! normal load
+    !> share of the area that may be off at least; absent: `usual_area`
+    real(real64), intent(in), optional :: area_tolerance
     type(resolved_contacts) :: resolved
     type(cluster), allocatable :: clusters(:)
     real(real64), dimension(size(pairs%list)) :: error, emitted, shape, area_error
     integer :: hosts(size(pairs%list)), k
-    real(real64) :: before, now, total
+    real(real64) :: before, least_area, now, total
 
+    least_area = usual_area
+    if (present(area_tolerance)) least_area = area_tolerance
     call solve_coupled(pairs, law, solution%coupled, target)
     if (failed(solution)) return
     allocate (solution%is_resolved(size(error)), source=.false.)
@@ -104,7 +110,7 @@ contains
         do
           solution%rounds = solution%rounds + 1
           call solve_clusters(pairs, coupled, merge(cells_tolerance, cells_share * tolerance, &
-                              which == resolve_all), clusters, solution%failure)
+                              which == resolve_all), least_area, clusters, solution%failure)
           if (allocated(solution%failure)) return
           call answer_with(pairs, law, clusters, coupled, resolved)
           if (failed(solution)) return

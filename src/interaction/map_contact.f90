@@ -10,6 +10,7 @@ module asperity_map_contact
   use asperity_cells_relax, only: relax
   use asperity_constants, only: pi
   use asperity_height_map, only: height_map, is_measured, no_height
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
@@ -26,6 +27,7 @@ module asperity_map_contact
     real(real64) :: sample_area = 0.0_real64      !! of the samples under pressure, as they are
     real(real64), allocatable :: pressure(:, :)   !! on every sample; given: a start
     type(solve_ending) :: ending                  !! residual: largest gap violated over the heights
+    type(interruption) :: interrupt               !! given: who can end the solve, which fails
     character(len=:), allocatable :: failure      !! why there is none
   end type map_answer
 
@@ -118,6 +120,7 @@ contains
       if (minval(shape(gap)) >= worth_halving) then
         half = half_map(map)
         start%level = answer%level
+        start%interrupt = answer%interrupt
         call press_map(half, periodic, modulus, start, load, closed_start)
         if (allocated(start%failure)) then
           answer%failure = start%failure
@@ -150,14 +153,15 @@ contains
         if (.not. sum(force) > 0.0_real64) force = merge(1.0_real64, 0.0_real64, &
                                                          gap < 0.5_real64)
         force = force * (closing / sum(force))
-        call relax(influence, gap, allowed, force, answer%ending, closing, answer%level)
+        call relax(influence, gap, allowed, force, answer%ending, answer%interrupt, closing, &
+                   answer%level)
         ! Next to nothing is lost beside the gaps.
         if (.not. abs(sum(force) - closing) < load_met * closing) answer%failure = &
           'the load is too small beside the modulus and the heights to be met on the samples'
         answer%level = top - range * answer%level
         answer%load = load
       else
-        call relax(influence, gap, allowed, force, answer%ending)
+        call relax(influence, gap, allowed, force, answer%ending, answer%interrupt)
         answer%load = sum(force) * unit * product(map%spacing)
       end if
       answer%sample_area = product(map%spacing) * count(force > 0.0_real64)
@@ -167,6 +171,7 @@ contains
     end associate
     if (.not. (answer%ending%converged .or. allocated(answer%failure))) &
       answer%failure = 'the pressures on the map did not converge'
+    if (allocated(answer%failure) .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
   end subroutine press_map
 
   !> The map at half its resolution: of four samples the mean of their mean and the highest, which

@@ -95,10 +95,11 @@ contains
   end subroutine form_clusters
 
   !> Solves all clusters, each under the field of the circles that are no members.
-  subroutine solve_clusters(pairs, coupled, tolerance, clusters, failure)
+  subroutine solve_clusters(pairs, coupled, tolerance, area_tolerance, clusters, failure)
     type(contact_pairs), intent(in) :: pairs              !! the position
     type(coupled_solution), intent(in) :: coupled         !! solved
     real(real64), intent(in) :: tolerance                 !! relative change by the last halving
+    real(real64), intent(in) :: area_tolerance            !! share of the area, at least
     type(cluster), intent(inout) :: clusters(:)           !! get their answers
     character(len=:), allocatable, intent(inout) :: failure  !! no memory, or cells that do not end
     integer, allocatable :: of(:)
@@ -126,7 +127,7 @@ contains
         if (allocated(one%outside%at_nodes)) &
           one%outside%at_nodes = one%outside%at_nodes - one%lowered
         call solve_cells(pairs, one%members, coupled%closing - one%lowered, one%outside, &
-                         tolerance, one%answer, worth)
+                         tolerance, one%answer, worth, area_tolerance)
       end associate
     end do
     !$omp end parallel do

@@ -17,18 +17,22 @@ module asperity_accuracy_choice
   implicit none
   private
 
-  public :: accuracy_had, choose_model, had_text, has_accuracy, may_go_on_cells, &
-            next_tolerance, tell_way, total_of, with_circles
+  public :: accuracy_had, choose_model, first_tolerance, had_text, has_accuracy, &
+            may_go_on_cells, next_tolerance, tell_way, total_of, with_circles
 
-  ! The finest accuracy for which contacts go on cells: areas there are not known any better. With
-  ! tolerances of 1e-4 they were uncertain by 4.9e-4 (20 caps) to 1.1e-3 (the thesis' sweep).
-  real(real64), parameter :: finest_on_cells = 5.0e-4_real64
+  ! The finest accuracy for which contacts go on cells: areas there are not known any better. Finer
+  ! cells told 1.9e-3 and 9.3e-4 in two scenes of steep pairs, and were 2.1e-3 and 1.5e-3 off.
+  real(real64), parameter :: finest_on_cells = 3.0e-3_real64
   ! What the solves of effects are good to: docs/what-status-0-promises.md.
   real(real64), parameter :: finest_of_effects = 1.0e-9_real64
 
   ! The truth was at most 1.41 times what is estimated of loads and areas, in 83 runs of 59 dense
   ! scenes (test/regression/promise_judge.py).
   real(real64), parameter :: over_estimate = 1.5_real64
+
+  ! A tolerance is aimed so much below what would just do; below this share of the accuracy it is
+  ! not the tolerance that is to blame.
+  real(real64), parameter :: nearly = 0.95_real64, least_tried = 0.25_real64
 
   !> What a run had: relative errors.
   type :: accuracy_had
@@ -62,6 +66,7 @@ contains
     end if
     call chosen%effects%call_for('interaction', mode)
     call chosen%effects%set('tolerance', rounded_decimal(tolerance, 3))
+    call chosen%effects%set('area_tolerance', rounded_decimal(tolerance, 3))
     if (tolerance < chosen%effects%number('boundary_tolerance')) &
       call chosen%effects%set('boundary_tolerance', rounded_decimal(tolerance, 3))
   end subroutine choose_model
@@ -138,17 +143,24 @@ contains
     total_of = max(had%model, had%area) + had%arithmetic + had%load
   end function total_of
 
-  !> The tolerance to try after one whose area was not good enough: what is uncertain of an area
-  !> falls by 2.7 for a tolerance ten times finer, in the thesis' sweep. 0: none.
+  !> The tolerance with which cells are tried first: what they tell is about that.
+  pure real(real64) function first_tolerance(accuracy) result(first)
+    real(real64), intent(in) :: accuracy        !! asked for
+
+    first = accuracy / over_estimate
+  end function first_tolerance
+
+  !> The tolerance to try after one on cells that was not good enough: what is told is in proportion
+  !> to it. 0: none, it was fine enough for that.
   pure real(real64) function next_tolerance(had, accuracy, tolerance) result(next)
     type(accuracy_had), intent(in) :: had       !! with the tolerance
     real(real64), intent(in) :: accuracy        !! asked for
     real(real64), intent(in) :: tolerance       !! that was tried
+    real(real64) :: left
 
-    next = 0.1_real64 * tolerance
-    if (tolerance < accuracy .or. accuracy < finest_on_cells .or. &
-        had%area > 2.7_real64 * accuracy .or. &
-        had%model + had%arithmetic + had%load > accuracy) next = 0.0_real64
+    left = accuracy - had%arithmetic - had%load
+    next = nearly * tolerance * left / max(had%model, had%area)
+    if (.not. (next > 0.0_real64 .and. tolerance > least_tried * accuracy)) next = 0.0_real64
   end function next_tolerance
 
   !> Tells which way was taken, and what ten times better would cost.

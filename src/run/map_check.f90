@@ -68,7 +68,7 @@ contains
     type(height_map), intent(in) :: map                    !! levelled
     logical, intent(in) :: periodic                        !! it repeats itself
     type(map_loading), intent(in) :: loading               !! how far it is pressed
-    type(map_seen), intent(out) :: seen                    !! pressed
+    type(map_seen), intent(inout) :: seen                  !! nothing but who can end it; pressed
     character(len=:), allocatable, intent(out) :: failure  !! why they cannot, or it cannot be
     real(real64) :: last
     character(len=4) :: digits
@@ -134,6 +134,7 @@ contains
         call share_out(map, seen, summits, check)
         at_level%level = state%approach - beyond
         at_level%pressure = answer%pressure
+        at_level%interrupt = answer%interrupt
         call press_map(seen%map, seen%periodic, modulus, at_level)
       end if
       if (at_level%load > 0.0_real64) then
@@ -171,6 +172,7 @@ contains
     integer :: i
 
     level(1) = seen%answer%level
+    coarse%interrupt = seen%answer%interrupt
     map = seen%map
     do i = 2, 3
       map = half_map(map)

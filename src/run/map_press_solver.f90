@@ -77,6 +77,7 @@ contains
     integer :: i
 
     allocate (result%states(self%states), result%rows(0), values(0, 1))
+    answer%interrupt = self%interrupt
     do i = m, self%states
       if (self%loading%by_load .and. self%loading%values(i) > 0.0_real64) then
         call press_map(self%map, self%periodic, self%loading%modulus, answer, &
@@ -86,7 +87,6 @@ contains
         if (.not. self%loading%by_load) answer%level = self%loading%values(i)
         call press_map(self%map, self%periodic, self%loading%modulus, answer)
       end if
-      if (self%interrupt%is_asked()) answer%failure = 'interrupted'
       if (allocated(answer%failure)) then
         failure = answer%failure
         return

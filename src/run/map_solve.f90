@@ -55,7 +55,9 @@ contains
       call load_the_map(scene_in, map, loading, failure)
       if (allocated(failure)) return
     end if
+    seen%answer%interrupt = options%interrupt
     call see_map(map, scene_in%map%periodic, loading, seen, failure)
+    if (options%interrupt%is_asked()) failure = 'interrupted'
     if (allocated(failure) .and. mode == effect_auto) then
       call solve_samples(scene_in, map, options, results, failure)
       return
@@ -70,6 +72,7 @@ contains
     call solve_surfaces(plain, of_summits_options, of_summits, failure)
     if (allocated(failure)) return
     call check_summits(scene_in, plain, map, seen, summits, of_summits, failure)
+    if (options%interrupt%is_asked()) failure = 'interrupted'
     if (allocated(failure)) return
     of_summits%nominal_area = results%nominal_area
     if (mode == effect_auto .and. .not. is_good_enough(scene_in, of_summits)) then

@@ -1,8 +1,8 @@
 !> The way from a scene to its results, as it asks or to an accuracy.
 module asperity_solve
-  use asperity_accuracy_choice, only: accuracy_had, choose_model, had_text, has_accuracy, &
-                                      may_go_on_cells, next_tolerance, tell_way, total_of, &
-                                      with_circles
+  use asperity_accuracy_choice, only: accuracy_had, choose_model, first_tolerance, had_text, &
+                                      has_accuracy, may_go_on_cells, next_tolerance, tell_way, &
+                                      total_of, with_circles
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
@@ -39,7 +39,8 @@ contains
   end subroutine solve
 
   ! With the effects of the scene so that what they leave out or approximate is within the accuracy
-  ! asked for, by estimate before and check after. A tolerance of the half leaves room for the rest.
+  ! asked for, by estimate before and check after. Circles come first: they are cheap beside cells,
+  ! and a part of any solve on cells. A tolerance of the half leaves room for the rest.
   recursive subroutine solve_model_to_accuracy(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
@@ -54,10 +55,10 @@ contains
 
     way = options
     way%accuracy = 0.0_real64
-    tolerance = options%accuracy
+    tolerance = 0.5_real64 * options%accuracy
     on_cells = .false.
     do while (tolerance > 0.0_real64)
-      call choose_model(scene_in, 0.5_real64 * tolerance, on_cells, chosen)
+      call choose_model(scene_in, tolerance, on_cells, chosen)
       call solve(chosen, results, unsolved, way)
       if (allocated(unsolved)) exit
       had = has_accuracy(chosen, results)
@@ -67,11 +68,13 @@ contains
         return
       end if
       best = had_text(had)
-      if (.not. on_cells) then
+      if (on_cells) then
+        tolerance = next_tolerance(had, options%accuracy, tolerance)
+      else
         on_cells = may_go_on_cells(scene_in, options%accuracy)
-        if (on_cells) cycle
+        if (.not. on_cells) exit
+        tolerance = first_tolerance(options%accuracy)
       end if
-      tolerance = next_tolerance(had, options%accuracy, tolerance)
     end do
     if (.not. allocated(best)) then
       ! What cannot be solved at all has nothing to do with the accuracy.

@@ -2,6 +2,7 @@
 !> that any of them was given with.
 module asperity_given_digits
   use asperity_decimal, only: decimal_value
+  use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, real64
   use asperity_number_span, only: number_span, span_of
   use asperity_random_philox, only: philox_block
@@ -19,12 +20,14 @@ module asperity_given_digits
 contains
 
   !> Half a unit of the last digit that any number of both surfaces has: of the heights, of the
-  !> radii. A whole number that all are is taken as exact.
+  !> radii. A whole number that all are is taken as exact. Of a map its samples'; of two the larger.
   pure function half_units(scene_in) result(halves)
-    type(scene), intent(in) :: scene_in  !! without a map
+    type(scene), intent(in) :: scene_in  !! checked values
     real(real64) :: halves(2)
 
-    if (allocated(scene_in%deck) .and. scene_in%from_deck) then
+    if (allocated(scene_in%map)) then
+      halves = [0.5_real64 * max(scene_in%map%upper%digit, scene_in%map%lower%digit), 0.0_real64]
+    else if (allocated(scene_in%deck) .and. scene_in%from_deck) then
       associate (upper => scene_in%deck%upper, lower => scene_in%deck%lower)
         halves(1) = cm_per_inch * unit_of([upper%z, lower%z]) / 2
         halves(2) = cm_per_inch * unit_of([upper%radius, lower%radius]) / 2
@@ -82,14 +85,19 @@ contains
   !> A scene whose heights and radii are other numbers that would have been written as these, drawn
   !> evenly. Radii that are all equal move together.
   subroutine perturbed_scene(scene_in, halves, draw, copy)
-    type(scene), intent(in) :: scene_in      !! without a map
-    real(real64), intent(in) :: halves(2)    !! as `half_units` has them
+    type(scene), intent(in) :: scene_in      !! checked values
+    real(real64), intent(in) :: halves(2)    !! as `half_units` has them; of a map it has its own
     integer, intent(in) :: draw              !! number of the draw, from 1
     type(scene), intent(out) :: copy         !! the other scene
 
     copy = scene_in
-    call move(copy%upper, 1)
-    call move(copy%lower, 2)
+    if (allocated(copy%map)) then
+      call move_samples(copy%map%upper, 1)
+      call move_samples(copy%map%lower, 2)
+    else
+      call move(copy%upper, 1)
+      call move(copy%lower, 2)
+    end if
 
   contains
 
@@ -111,6 +119,19 @@ contains
       end do
       surface%radius = max(surface%radius, 0.5_real64 * span%least)
     end subroutine move
+
+    subroutine move_samples(map, side)
+      type(height_map), intent(inout) :: map
+      integer, intent(in) :: side
+      integer :: i, j
+
+      do j = 1, map%rows
+        do i = 1, map%columns
+          if (is_measured(map%height(i, j))) map%height(i, j) = map%height(i, j) + &
+            0.5_real64 * map%digit * even(i, side, 2 + j)
+        end do
+      end do
+    end subroutine move_samples
 
     ! From -1 to 1.
     real(real64) function even(i, side, what)

@@ -8,7 +8,7 @@ module asperity_way_beside
   use asperity_reviewed_theories, only: reviewed_theory, theories_of
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: control_approach, scene
+  use asperity_scene_values, only: control_approach, effect_boundary, scene
   use asperity_scene_ways, only: of_arithmetic, of_input, of_theory, run_way, scene_way, &
                                  without_map
   use asperity_timing, only: time_allowance
@@ -26,44 +26,63 @@ module asperity_way_beside
 contains
 
   !> Adds a row: how far results of contacts each alone move when heights and radii are other
-  !> numbers with the same digits; the largest of some draws.
+  !> numbers with the same digits; the largest of some draws. Of a map its samples move: a row of
+  !> summits, and one of the samples where they are the reference.
   subroutine add_input_error(scene_in, allowance, table)
     type(scene), intent(in) :: scene_in            !! checked values
     type(time_allowance), intent(in) :: allowance  !! time that may be spent
     type(way_table), intent(inout) :: table        !! gets the row
-    type(way_row) :: row
-    type(way_errors) :: errors
-    type(scene) :: other
-    type(scene_results) :: results
-    type(run_options) :: options
     real(real64) :: halves(2)
-    character(len=:), allocatable :: failure
-    integer :: draw
+    character(len=32) :: name
 
-    row%way = scene_way(family=of_input)
-    row%way%name = 'heights and radii as given'
-    if (allocated(scene_in%map)) then
-      row%left_out = 'the digits of a map are not known'
-    else if (.not. allocated(table%plain%first)) then
-      row%left_out = 'contacts each alone were not run'
-    else
-      halves = half_units(scene_in)
-      write (row%way%name, '("heights", es8.1e2, ", radii", es8.1e2)') halves
-      row%own = way_errors(largest=0.0_real64, mean=0.0_real64, area=0.0_real64, worst=0)
-      options = run_options(keep_contacts=.false., threads=1)
-      call options%interrupt%end_within(allowance%left())
-      do draw = 1, draws
-        call perturbed_scene(scene_in, halves, draw, other)
-        call run_way(other, scene_way(family=of_arithmetic), options, results, failure)
-        if (allocated(failure)) then
-          call move_alloc(failure, row%left_out)
-          exit
-        end if
-        errors = errors_of(totals_of(results), table%plain)
-        if (errors%largest >= row%own%largest) row%own = errors
-      end do
+    halves = half_units(scene_in)
+    if (.not. allocated(scene_in%map)) then
+      write (name, '("heights", es8.1e2, ", radii", es8.1e2)') halves
+      call add_draws(scene_way(family=of_arithmetic), table%plain, name)
+      return
     end if
-    table%rows = [table%rows, row]
+    write (name, '("heights", es8.1e2, ", of summits")') halves(1)
+    call add_draws(scene_way(family=of_arithmetic), table%plain, name)
+    ! What the samples themselves mean, where they are the reference.
+    if (table%rows(table%reference)%way%interaction /= effect_boundary) return
+    write (name, '("heights", es8.1e2, ", of samples")') halves(1)
+    call add_draws(table%rows(table%reference)%way, table%truth, name)
+
+  contains
+
+    ! A row: other inputs in a way, against the totals that it has as given.
+    subroutine add_draws(way, as_given, name)
+      type(scene_way), intent(in) :: way
+      type(way_totals), intent(in) :: as_given
+      character(len=*), intent(in) :: name
+      type(way_row) :: row
+      type(way_errors) :: errors
+      type(scene) :: other
+      type(scene_results) :: results
+      type(run_options) :: options
+      integer :: draw
+
+      row%way = scene_way(family=of_input)
+      row%way%name = name
+      if (.not. allocated(as_given%first)) then
+        row%left_out = 'contacts each alone were not run'
+      else
+        row%own = way_errors(largest=0.0_real64, mean=0.0_real64, area=0.0_real64, worst=0)
+        options = run_options(keep_contacts=.false., threads=1)
+        call options%interrupt%end_within(allowance%left())
+        do draw = 1, draws
+          call perturbed_scene(scene_in, halves, draw, other)
+          call run_way(other, way, options, results, row%left_out)
+          if (options%interrupt%is_asked()) row%left_out = 'takes longer than --seconds'
+          if (allocated(row%left_out)) exit
+          errors = errors_of(totals_of(results), as_given)
+          if (errors%largest >= row%own%largest) row%own = errors
+        end do
+        if (allocated(row%left_out)) row%own = way_errors()
+      end if
+      table%rows = [table%rows, row]
+    end subroutine add_draws
+
   end subroutine add_input_error
 
   !> Adds a row a theory, and the criteria of the elastic limit.

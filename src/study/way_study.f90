@@ -1,6 +1,7 @@
 !> What accuracy costs, for any scene: every way that can serve it, its time and its error against
 !> the best that the time allows.
 module asperity_way_study
+  use asperity_contact_records, only: state_row
   use asperity_front, only: on_front
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_original, only: run_in_arithmetic
@@ -28,6 +29,8 @@ module asperity_way_study
   real(real64), parameter :: times_arithmetic = 40.0_real64
   ! Of what is left of the time a way may be foretold to take so much.
   real(real64), parameter :: share_of_a_way = 0.9_real64
+  ! The scene as it asks may take so much: the rest is for ways that are cheaper.
+  real(real64), parameter :: share_of_scene = 0.5_real64
 
   character(len=*), parameter :: too_long = 'takes longer than --seconds'
 
@@ -78,29 +81,25 @@ contains
     type(way_totals), allocatable :: totals(:)
     type(way_row) :: row
     real(real64) :: closing
-    integer :: contacts, i, m
+    integer :: contacts, i
 
     row%way = as_the_scene_asks()
     allocate (totals(1))
-    call run_row(scene_in, least_seconds, allowance%left(), row, totals(1), results)
-    contacts = 0
+    call run_row(scene_in, least_seconds, share_of_scene * allowance%left(), row, totals(1), results)
     closing = 0.0_real64
     if (allocated(row%left_out)) then
-      failure = row%left_out
-      if (index(failure, too_long) == 1) &
-        failure = 'the scene ' // too_long // ': expected more of them, or fewer positions'
       ! Where summits are no good the samples of a map may be.
-      if (index(failure, too_long) > 0 .or. .not. allocated(scene_in%map)) return
-      deallocate (failure)
+      if (index(row%left_out, too_long) == 0 .and. .not. allocated(scene_in%map)) then
+        failure = row%left_out
+        return
+      end if
+      ! What was solved of it before its time was over is not all of it.
+      results = scene_results()
       allocate (results%positions(0))
     else
       closing = maxval(totals(1)%closing)
     end if
-    do m = 1, size(results%positions)
-      associate (last => last_state(results%positions(m)))
-        contacts = contacts + last%contacts
-      end associate
-    end do
+    contacts = contacts_of(results)
     call list_ways(scene_in, simulated_effects(scene_in, results), closing, ways, &
                    table%no_neighbours)
     deallocate (totals)
@@ -113,16 +112,32 @@ contains
       call foretell(table%rows(:i), contacts, allowance%left(), row)
       if (.not. allocated(row%left_out)) &
         call run_row(scene_in, least_seconds, allowance%left(), row, totals(i + 1), results)
+      if (contacts == 0 .and. .not. allocated(row%left_out)) contacts = contacts_of(results)
       table%rows(i + 1) = row
       call progress%step()
     end do
     call hold_against_best(table, totals)
     if (table%reference == 0) then
-      failure = row%left_out
+      failure = table%rows(1)%left_out
+      if (index(failure, too_long) == 1) &
+        failure = 'the scene ' // too_long // ': expected more of them, or fewer positions'
     else
       call mark_front(table%rows)
     end if
   end subroutine run_way_study
+
+  ! Contacts of all positions at last.
+  integer function contacts_of(results) result(contacts)
+    type(scene_results), intent(in) :: results
+    type(state_row) :: last
+    integer :: m
+
+    contacts = 0
+    do m = 1, size(results%positions)
+      last = last_state(results%positions(m))
+      contacts = contacts + last%contacts
+    end do
+  end function contacts_of
 
   ! Leaves a way out where it is foretold to take too long.
   pure subroutine foretell(before, contacts, left, row)
@@ -204,21 +219,22 @@ contains
       end if
       call system_clock(until)
       if (allocated(row%left_out)) exit
+      ! A pass that is ended early leaves no totals.
+      if (row%way%is_original) then
+        totals = original_totals(records)
+      else
+        totals = totals_of(results)
+      end if
       call timing%add(real(until - from, real64) / real(rate, real64), 1)
       if (allowance%left() < 0.0_real64) exit
     end do
     if (timing%passes() == 0) then
-      if (row%left_out == 'interrupted' .or. allowance%left() < 0.0_real64) &
+      if (index(row%left_out, 'interrupted') > 0 .or. allowance%left() < 0.0_real64) &
         row%left_out = too_long // ', ' // seconds_text(most_seconds) // ' s were left'
       return
     end if
     if (allocated(row%left_out)) deallocate (row%left_out)
     row%seconds = timing%median()
-    if (row%way%is_original) then
-      totals = original_totals(records)
-    else
-      totals = totals_of(results)
-    end if
     row%own_estimate = totals%own_estimate
     row%ends = mean_ends(totals)
   end subroutine run_row

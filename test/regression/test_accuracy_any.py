@@ -290,3 +290,71 @@ def test_the_error_of_the_input(asperity, tmp_path):
     # Both heights and both radii at their ends: closing 0.05 +- 0.001, radius 0.5 +- 0.5 %.
     bound = (1 + 0.001 / 0.05) ** 1.5 * 1.01 - 1
     assert 1e-4 < float(row["own_error_max"]) <= bound
+
+
+def integers(folder, heights, kind="INT16"):
+    """A map of whole numbers times a scale, by a library of its own: an int16 has 65535 of them."""
+    sdfio = pytest.importorskip("sdfio")
+    meta = sdfio.Metadata(revision=sdfio.Revision.ISO_1_0, data_type=sdfio.DataType[kind],
+                          manufacturer_id="test", create_date=None, mod_date=None)
+    sdfio.write(folder / "map.sdf", heights, x_scale=1.0, y_scale=1.0, z_scale=1e-5, metadata=meta)
+    return {"lower": "map.sdf"}, 5.0e-6
+
+
+def reals(folder, heights):
+    made_maps.write_bytes(folder / "map.sdf", heights)
+    return {"lower": "map.sdf"}, np.spacing(np.abs(heights).max()) / 2
+
+
+def matrix(folder, heights):
+    np.savetxt(folder / "map.txt", heights, "%.5f")
+    return {"lower": "map.txt", "map_spacing": (1.0, 1.0)}, 5.0e-6
+
+
+def points(folder, heights):
+    y, x = np.mgrid[0:len(heights), 0:heights.shape[1]]
+    np.savetxt(folder / "map.txt", np.c_[x.ravel(), y.ravel(), heights.ravel()], "%d %d %.4f")
+    return {"lower": "map.txt"}, 5.0e-5
+
+
+@pytest.mark.parametrize("kind", (integers, reals, matrix, points))
+def test_the_error_of_the_input_of_a_map(kind, asperity, tmp_path):
+    """Half of what one more in the last digit of a height is, as the file has heights; what that
+    means for the level of a flat, against draws of other heights in numpy."""
+    n, load = 32, 0.05
+    heights = 1e-2 * rough(n, shortest=4, seed=3)
+    names, half = kind(tmp_path, heights)
+    scene = write_scene(tmp_path / "map.scene", surfaces={"upper": "plane", **names},
+                        material={"contact_modulus": 1.0},
+                        loading={"control": "load", "value": load},
+                        effects={"interaction": "boundary"})
+    rows, _ = study(asperity, scene, tmp_path, 3)
+    told = {row["way"]: float(row["own_error_max"]) for row in rows if row["family"] == "input"}
+    first = f"heights {half:.1E}"
+    assert list(told) == [first + "; of summits", first + "; of samples"]
+    rng = np.random.default_rng(1)
+    y, x = np.mgrid[0:n, 0:n]
+    plane = np.c_[x.ravel(), y.ravel(), np.ones(n * n)]
+
+    def level(moved):
+        moved = moved - (plane @ np.linalg.lstsq(plane, moved.ravel(), rcond=None)[0]).reshape(n, n)
+        return press(moved, (1.0, 1.0), 1.0, load)[0], moved.max()
+
+    if kind is reals:
+        # Moves of 1e-18 are below what a solve is closed to.
+        assert told[first + "; of samples"] < 1e-8
+        return
+    given, top = level(heights)
+    moves = [abs(level(heights + half * rng.uniform(-1, 1, (n, n)))[0] - given) for _ in range(4)]
+    assert told[first + "; of samples"] == pytest.approx(max(moves) / (top - given), rel=0.75)
+
+
+def test_the_time_is_kept_within_cells(asperity, tmp_path):
+    """A scene whose own cells would take minutes: that is named, and the others are run."""
+    scene = next(s for s in dense_scenes() if s.name == "many_007")
+    written = scene.write(tmp_path, interaction="boundary", boundary_tolerance=1e-6)
+    rows, text = study(asperity, written, tmp_path, 3)
+    assert "takes longer than --seconds" in rows[0]["left_out"]
+    assert reference(rows)["family"] == "neighbours"
+    coupled = next(row for row in rows if row["way"] == "contacts coupled")
+    assert float(coupled["load"]) == pytest.approx(float(truths()[scene.name]["load"]), rel=0.02)
