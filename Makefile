@@ -65,10 +65,11 @@ laws: ## random scenes with effects, each under one law (RUNS=20000); misses in 
 	  --runs $(or $(RUNS),20000) --keep build/laws && \
 	  .venv/bin/python test/hard/map_laws.py --exe "$$exe" --runs $(or $(RUNS),1500)
 
-maps: ## how good summits are, on maps pressed against their truth (MAPS='a.sdf b.sdf')
+maps: ## how good summits are, on maps pressed against their truth; docs/accuracy-map.html
 	@bash .ci/setup build test bench
 	@.venv/bin/python test/bench/run_maps.py $(MAPS)
 	@.venv/bin/python test/bench/run_maps.py --tamaas 1024
+	@.venv/bin/python test/bench/accuracy_peers.py
 
 pages: ## pictures of --html pages in Chromium, to be looked at, in build/pages
 	@bash .ci/setup build test

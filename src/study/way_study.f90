@@ -85,7 +85,8 @@ contains
 
     row%way = as_the_scene_asks()
     allocate (totals(1))
-    call run_row(scene_in, least_seconds, share_of_scene * allowance%left(), row, totals(1), results)
+    call run_row(scene_in, least_seconds, share_of_scene * allowance%left(), row, totals(1), &
+                 results)
     closing = 0.0_real64
     if (allocated(row%left_out)) then
       ! Where summits are no good the samples of a map may be.

@@ -2,9 +2,9 @@
 
     python test/regression/promise_judge.py EXECUTABLE [--scenes 500] [--seconds 1800]
 
-Kinds: contacts without effects (50 digits), dense neighbours (the archived solutions on grids),
-flow and adhesion on one pair (laws evaluated apart), maps (conjugate gradients in numpy). Each is
-asked for 1e-2, 1e-4 and 1e-8. A promise is kept when loads, areas and approaches (over the closing
+Kinds: contacts without effects (50 digits), dense neighbours, up to 100 contacts or more (the
+archived solutions on grids), flow, adhesion, cycles of adhesion, friction and creep on one pair
+(laws evaluated apart), maps (conjugate gradients in numpy). Each is asked for 1e-2, 1e-4 and 1e-8. A promise is kept when loads, areas and approaches (over the closing
 where effects are on) are within it and the truth's own error, or when it is refused.
 """
 
@@ -27,8 +27,9 @@ from ball_scenes import balls, path
 from dense_judge import truths
 from dense_scenes import dense_scenes
 from exact_contact import Truth
+from friction_truth import closed_form
 from map_press_truth import press, rough
-from mpmath import mpf
+from mpmath import mpf, sqrt, workdps
 from plastic_truth import STEEL
 from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
 
@@ -86,7 +87,17 @@ def alone(rng, folder):
 
 def dense(rng, folder):
     """Neighbours: `auto`, `coupled` or `boundary` in the scene, at its approach or its load."""
-    scene = rng.choice([s for s in dense_scenes() if int(truths()[s.name]["contacts"]) <= 100])
+    return neighbours(rng, folder, lambda contacts: contacts <= 100)
+
+
+def many(rng, folder):
+    """The same of more contacts than that."""
+    return neighbours(rng, folder, lambda contacts: contacts > 100)
+
+
+def neighbours(rng, folder, has_so_many):
+    scene = rng.choice([s for s in dense_scenes()
+                        if has_so_many(int(truths()[s.name]["contacts"]))])
     want = truths()[scene.name]
     by_load = rng.random() < 0.5
     loading = {"control": "load", "value": float(want["normal_load"])} if by_load else None
@@ -137,6 +148,81 @@ def adhesion(rng, folder):
     return scene, errors
 
 
+def cycle(rng, folder):
+    """Adhesion on a way down and up again, by the branch that holds on; some beyond the snap."""
+    work = 10 ** rng.uniform(-6, -4)
+    distance = (work ** 2 / 10 ** rng.uniform(3 * 0.8, 3 * 1.5)) ** (1 / 3)  # Tabor's above 5
+    depth = (2 * np.pi * work) ** (2 / 3)  # closings of JKR: depth (t**4 - t)
+    snap = -0.75 * 0.25 ** (1 / 3) * depth
+    last = rng.choice((rng.uniform(0.01, 3) * depth, rng.uniform(0.05, 0.95) * snap, 1.2 * snap))
+    scene = balls(folder, "ball", {"adhesion": "on", "work_of_adhesion": work,
+                                   "equilibrium_distance": distance},
+                  path([rng.uniform(3, 30) * depth, last]))
+
+    def errors(rows):
+        row, = rows
+        if last < snap:
+            yield abs(float(row["load"])) / work, 0.0
+            yield abs(float(row["area"])), 0.0
+            return
+        want = jkr(mpf(1), mpf(1), mpf(work), mpf(last))
+        # A load may be next to nothing: then over the pull.
+        scale = max(abs(want.load), 1.5 * np.pi * work)
+        yield float(abs(float(row["load"]) - want.load) / scale), 1e-12
+        yield float(abs(float(row["area"]) / (np.pi * want.contact_radius ** 2) - 1)), 1e-12
+    return scene, errors
+
+
+def friction(rng, folder):
+    """A pair aside, under friction: normal and vertical load at an approach."""
+    radii = [round(rng.uniform(0.5, 2), 6) for _ in range(2)]
+    distance = round(rng.uniform(0.05, 0.6) * sum(radii), 6)
+    depth = 10 ** rng.uniform(-4, -2) * min(radii)
+    coefficient = round(rng.uniform(0.02, 0.8), 6)
+    with workdps(30):
+        touch = sqrt((mpf(radii[0]) + mpf(radii[1])) ** 2 - mpf(distance) ** 2) \
+            + 2 * mpf(0.1) - mpf(radii[0]) - mpf(radii[1])
+        approach = float(touch - depth)
+        want = closed_form(mpf(radii[0]), mpf(radii[1]), mpf(distance), touch - mpf(approach),
+                           *(mpf(repr(v)) for v in (2.0e5, 0.3, 1.0e5, 0.25)), mpf(coefficient),
+                           digits=30)
+    scene = write_csv_scene(folder, [(distance, 0.0, 0.1, radii[0])], [(0.0, 0.0, 0.1, radii[1])],
+                            loading={"control": "approach", "value": approach},
+                            effects={"friction": "on", "friction_coefficient": coefficient})
+
+    def errors(rows):
+        yield float(abs(float(rows[0]["load"]) / want.normal - 1)), 1e-12
+        yield float(abs(float(rows[0]["vertical_load"]) / want.vertical - 1)), 1e-12
+        yield float(abs(float(rows[0]["area"]) / (np.pi * want.contact_radius ** 2) - 1)), 1e-12
+    return scene, errors
+
+
+def creep(rng, folder):
+    """A held ball: Lee and Radok's a**3 = 3/4 P R J(t)/E under a load, else the load relaxes as
+    the modulus (the standard solid)."""
+    ratio, tau = round(rng.uniform(0.05, 0.95), 4), round(10 ** rng.uniform(0, 3), 3)
+    time = round(tau * 10 ** rng.uniform(-1, 1.5), 3)
+    by_load = rng.random() < 0.5
+    value = 10 ** rng.uniform(-3, -1.5)
+    scene = balls(folder, "ball", {"creep": "on", "relaxed_modulus_ratio": ratio,
+                                   "relaxation_time": tau, "hold_time": time, "hold_points": 5,
+                                   "hold": "load" if by_load else "approach"},
+                  {"control": "load", "value": value ** 1.5} if by_load else path([value]))
+
+    def errors(rows):
+        row, = rows
+        if by_load:
+            compliance = 1 / ratio - (1 / ratio - 1) * np.exp(-ratio * time / tau)
+            square = (0.75 * value ** 1.5 * compliance) ** (2 / 3)
+            yield abs(-float(row["approach"]) / square - 1), 1e-12
+            yield abs(float(row["area"]) / (np.pi * square) - 1), 1e-12
+        else:
+            relaxed = ratio + (1 - ratio) * np.exp(-time / tau)
+            yield abs(float(row["load"]) / (4 / 3 * value ** 1.5 * relaxed) - 1), 1e-12
+            yield abs(float(row["area"]) / (np.pi * value) - 1), 1e-12
+    return scene, errors
+
+
 def measured(rng, folder):
     """A map's samples: the level of the flat at a load."""
     n = rng.choice((32, 48))
@@ -157,8 +243,9 @@ def measured(rng, folder):
     return scene, errors
 
 
-KINDS = {"alone": alone, "dense": dense, "flow": flow, "adhesion": adhesion, "map": measured}
-SHARES = (40, 35, 10, 10, 5)
+KINDS = {"alone": alone, "dense": dense, "many": many, "flow": flow, "adhesion": adhesion,
+         "cycle": cycle, "friction": friction, "creep": creep, "map": measured}
+SHARES = (30, 30, 5, 7, 6, 6, 6, 6, 4)
 
 
 def judge(exe, kind, number, asked, timeout=300):
