@@ -4,8 +4,9 @@
 
 Kinds: contacts without effects (50 digits), dense neighbours, up to 100 contacts or more (the
 archived solutions on grids), flow, adhesion, cycles of adhesion, friction and creep on one pair
-(laws evaluated apart), maps (conjugate gradients in numpy). Each is asked for 1e-2, 1e-4 and 1e-8. A promise is kept when loads, areas and approaches (over the closing
-where effects are on) are within it and the truth's own error, or when it is refused.
+(laws evaluated apart), maps (conjugate gradients in numpy). Each is asked for 1e-2, 1e-4 and 1e-8.
+A promise is kept when loads, areas and approaches (over the closing where effects are on) are
+within it and the truth's own error, or when it is refused.
 """
 
 import argparse
