@@ -1,6 +1,6 @@
 !> What `asperity solve` prints of a map: how its summits compare with the map itself.
 module asperity_map_table
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: map_record
   use asperity_text_buffer, only: text_buffer
@@ -25,7 +25,7 @@ contains
       call buffer%line('                     give or take ' // signed(record%uncertain))
     if (record%coarser == 1) &
       call buffer%line('  contact area       ' // signed(100 * record%area_difference) // ' % off')
-    if (record%stiffness > 0.0_real64) &
+    if (record%stiffness_difference > not_computed) &
       call buffer%line('  contact stiffness  ' // signed(100 * record%stiffness_difference) // &
                        ' % off')
     call buffer%line('  load of the map on the edge ' // share(record%shares%on_edge) // &

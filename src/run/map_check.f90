@@ -74,16 +74,11 @@ contains
     character(len=4) :: digits
 
     seen%periodic = periodic
-    if (size(map%height, kind=int64) <= full_samples) then
-      seen%map = map
-    else
-      seen%map = half_map(map)
-      seen%coarser = 2
-      do while (size(seen%map%height, kind=int64) > full_samples)
-        seen%map = half_map(seen%map)
-        seen%coarser = 2 * seen%coarser
-      end do
-    end if
+    seen%map = map
+    do while (size(seen%map%height, kind=int64) > full_samples)
+      seen%map = half_map(seen%map)
+      seen%coarser = 2 * seen%coarser
+    end do
     last = loading%values(size(loading%values))
     if (.not. loading%by_load) then
       seen%answer%level = last
@@ -123,12 +118,8 @@ contains
         call look_beyond(seen, modulus, state%vertical_load, beyond, check%uncertain)
       check%uncertain = check%uncertain / check%rms_height
       level = answer%level + beyond
-      check%level = level
       check%difference = (state%approach - level) / check%rms_height
-      if (check%coarser == 1) then
-        check%area = answer%area
-        check%area_difference = state%area / answer%area - 1.0_real64
-      end if
+      if (check%coarser == 1) check%area_difference = state%area / answer%area - 1.0_real64
       check%closing = maxval(map%height) - level
       if (.not. allocated(answer%failure)) then
         call share_out(map, seen, summits, check)
@@ -149,8 +140,8 @@ contains
       if (.not. allocated(answer%failure) .and. stiffness > 0.0_real64) then
         call press_map(seen%map, seen%periodic, modulus, answer, &
                        (1.0_real64 + stiffness_step) * state%vertical_load)
-        check%stiffness = stiffness_step * state%vertical_load / (level - beyond - answer%level)
-        check%stiffness_difference = stiffness / check%stiffness - 1.0_real64
+        check%stiffness_difference = stiffness * (level - beyond - answer%level) / &
+                                     (stiffness_step * state%vertical_load) - 1.0_real64
       end if
       if (allocated(answer%failure)) failure = 'beside its summits: ' // answer%failure
     end associate

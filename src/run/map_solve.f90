@@ -146,10 +146,13 @@ contains
     if (scene_in%loading%control == control_approach) then
       results%positions(1)%error_estimate = abs(results%map%load_difference) + &
                                             results%map%load_uncertain
-    else
+    else if (results%map%closing > 0.0_real64) then
       results%positions(1)%error_estimate = &
         (abs(results%map%difference) + results%map%uncertain) * results%map%rms_height / &
         results%map%closing
+    else
+      ! The closing is lost in the digits of the heights: nothing is known of it.
+      results%positions(1)%error_estimate = 1.0_real64
     end if
   end subroutine check_summits
 

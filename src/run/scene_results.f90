@@ -28,16 +28,13 @@ module asperity_scene_results
     integer :: summits = 0                              !! how many
     integer :: coarser = 1                              !! samples in one of those pressed, a side
     real(real64) :: rms_height = 0.0_real64             !! of the map
-    real(real64) :: level = 0.0_real64                  !! separation of the map
     real(real64) :: closing = 0.0_real64                !! of the map, from its highest sample
     real(real64) :: difference = 0.0_real64             !! separation less that, in rms heights
     real(real64) :: uncertain = 0.0_real64              !! of that, for the coarser map
-    real(real64) :: area = not_computed                 !! of the map
-    real(real64) :: area_difference = not_computed      !! share of it
+    real(real64) :: area_difference = not_computed      !! share of that of the map
     real(real64) :: load_difference = huge(1.0_real64)  !! at the same separation, share
     real(real64) :: load_uncertain = 0.0_real64         !! of that, for the coarser map
-    real(real64) :: stiffness = not_computed            !! of the map: load over approach
-    real(real64) :: stiffness_difference = not_computed !! share of it
+    real(real64) :: stiffness_difference = not_computed !! share of that of the map
     type(map_shares) :: shares                          !! of the load, where it is
   end type map_record
 

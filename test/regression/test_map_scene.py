@@ -278,3 +278,13 @@ def test_next_to_no_load(asperity, tmp_path, control, value, said):
     found = solve(asperity, scene)
     assert found.status == 0, found.stderr
     assert sum(float(row["load"]) for row in found.contacts) == pytest.approx(smallest, rel=1e-6)
+
+
+def test_a_closing_lost_in_the_digits_of_the_heights(asperity, tmp_path):
+    """Of a closing that is 0 in a double the error is all of it, and no Infinity."""
+    height, side = rough(16, shortest=4), 1e-6
+    scene = map_scene(tmp_path, height, (side, side), interaction="off", loading={
+        "control": "load", "value": 1e-15 * load_for(height, (side, side), 1e-3)})
+    found = solve(asperity, scene)
+    assert found.status == 0, found.stderr
+    assert float(found.positions[0]["error_estimate"]) == 1.0
