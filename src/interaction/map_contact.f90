@@ -31,9 +31,9 @@ module asperity_map_contact
     character(len=:), allocatable :: failure      !! why there is none
   end type map_answer
 
-  ! Gaps are closed to that share of the range of heights under the flat; coarser maps, which are
-  ! only a start, to that one.
-  real(real64), parameter :: closed = 1.0e-9_real64, closed_start = 1.0e-4_real64
+  !> Gaps are closed to that share of the range of heights under the flat; coarser maps, which are
+  !> only a start, to that one. The pressures are then those of heights that are off by no more.
+  real(real64), parameter, public :: closed_fully = 1.0e-9_real64, closed_start = 1.0e-4_real64
 
   ! What a load may be missed by, a share of it.
   real(real64), parameter :: load_met = 1.0e-6_real64
@@ -88,7 +88,7 @@ contains
       answer%failure = 'no memory for the samples of the map'
       return
     end if
-    allowed = closed
+    allowed = closed_fully
     if (present(tolerance)) allowed = tolerance
     top = maxval(map%height)
     range = top - minval(map%height, mask=is_measured(map%height))

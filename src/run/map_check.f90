@@ -1,14 +1,14 @@
 !> What the summits of a map cost: they are held against the map itself at the same load.
 !>
-!> The map is pressed at its full resolution when it has few enough samples, else at a half, a
-!> quarter and so on of it, and twice more, coarser each time: what its separation changes by says
-!> what that of all samples is, and how sure. It is pressed before they are: where it is one contact
-!> with holes in it, summits are no contacts of their own.
+!> The map is pressed at its full resolution when it has few enough samples, else at a half of it,
+!> or what memory and patience allow, and twice more, coarser each time: what its separation changes
+!> by says what that of all samples is, and how sure. It is pressed before they are: where it is one
+!> contact with holes in it, summits are no contacts of their own.
 module asperity_map_check
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_map_contact, only: half_map, map_answer, press_map
+  use asperity_map_contact, only: closed_fully, closed_start, half_map, map_answer, press_map
   use asperity_map_despiking, only: limit_of_spikes
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: area_of_map, map_loading
@@ -27,11 +27,17 @@ module asperity_map_check
     type(height_map) :: map        !! it, or coarser
     integer :: coarser = 1         !! samples in one of those, a side
     logical :: periodic = .false.  !! it repeats itself
+    logical :: by_load = .true.    !! the scene gives loads, else levels
+    real(real64) :: closed = closed_fully  !! what gaps are closed to, of the range of heights
     type(map_answer) :: answer     !! how it was pressed last
   end type map_seen
 
   !> Samples up to which the map is pressed as it is: some seconds.
-  integer(int64), parameter, public :: full_samples = 600000_int64
+  integer(int64), parameter :: full_samples = 600000_int64
+
+  ! Samples up to which a larger one is pressed at half its resolution: half a minute. From a quarter
+  ! on what is claimed is 4 times too much in the middle, from an eighth on 7 times (measured).
+  integer(int64), parameter :: half_samples = 4500000_int64
 
   ! Share of the load by which a stiffness is measured.
   real(real64), parameter :: stiffness_step = 0.01_real64
@@ -74,17 +80,20 @@ contains
     character(len=4) :: digits
 
     seen%periodic = periodic
+    seen%by_load = loading%by_load
     seen%map = map
-    do while (size(seen%map%height, kind=int64) > full_samples)
+    do while (size(seen%map%height, kind=int64) > merge(full_samples, half_samples, &
+                                                        seen%coarser == 1))
       seen%map = half_map(seen%map)
       seen%coarser = 2 * seen%coarser
+      seen%closed = closed_start
     end do
     last = loading%values(size(loading%values))
-    if (.not. loading%by_load) then
+    if (.not. seen%by_load) then
       seen%answer%level = last
-      call press_map(seen%map, periodic, loading%modulus, seen%answer)
+      call press_map(seen%map, periodic, loading%modulus, seen%answer, tolerance=seen%closed)
     else if (last > 0.0_real64) then
-      call press_map(seen%map, periodic, loading%modulus, seen%answer, last)
+      call press_map(seen%map, periodic, loading%modulus, seen%answer, last, seen%closed)
     end if
     if (allocated(seen%answer%failure)) then
       failure = 'the map beside its summits: ' // seen%answer%failure
@@ -106,45 +115,54 @@ contains
     type(map_record), intent(out) :: check      !! how they compare
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(map_answer) :: at_level
-    real(real64) :: beyond, level
+    real(real64) :: beyond, bears, level
 
     check%summits = size(summits%x)
     check%coarser = seen%coarser
     check%rms_height = rms_of(map)
     associate (answer => seen%answer)
-      call press_map(seen%map, seen%periodic, modulus, answer, state%vertical_load)
+      call press_map(seen%map, seen%periodic, modulus, answer, state%vertical_load, seen%closed)
       beyond = 0.0_real64
-      if (.not. allocated(answer%failure) .and. check%coarser > 1) &
+      if (.not. allocated(answer%failure) .and. seen%coarser > 1) &
         call look_beyond(seen, modulus, state%vertical_load, beyond, check%uncertain)
-      check%uncertain = check%uncertain / check%rms_height
+      if (allocated(answer%failure)) then
+        failure = 'beside its summits: ' // answer%failure
+        return
+      end if
       level = answer%level + beyond
       check%difference = (state%approach - level) / check%rms_height
-      if (check%coarser == 1) check%area_difference = state%area / answer%area - 1.0_real64
       check%closing = maxval(map%height) - level
-      if (.not. allocated(answer%failure)) then
-        call share_out(map, seen, summits, check)
-        at_level%level = state%approach - beyond
+      if (seen%coarser == 1) check%area_difference = state%area / answer%area - 1.0_real64
+      call share_out(map, seen, summits, check)
+      if (.not. seen%by_load) then
         at_level%pressure = answer%pressure
         at_level%interrupt = answer%interrupt
-        call press_map(seen%map, seen%periodic, modulus, at_level)
+        bears = load_at(state%approach - beyond)
+        if (bears > 0.0_real64) check%load_difference = state%vertical_load / bears - 1.0_real64
+        if (bears > 0.0_real64 .and. seen%coarser > 1) &
+          check%load_uncertain = load_at(state%approach - beyond - check%uncertain) / bears - &
+                                 1.0_real64
       end if
-      if (at_level%load > 0.0_real64) then
-        check%load_difference = state%vertical_load / at_level%load - 1.0_real64
-        if (check%coarser > 1) then
-          check%load_uncertain = at_level%load
-          at_level%level = at_level%level - check%uncertain * check%rms_height
-          call press_map(seen%map, seen%periodic, modulus, at_level)
-          check%load_uncertain = at_level%load / check%load_uncertain - 1.0_real64
-        end if
-      end if
-      if (.not. allocated(answer%failure) .and. stiffness > 0.0_real64) then
-        call press_map(seen%map, seen%periodic, modulus, answer, &
-                       (1.0_real64 + stiffness_step) * state%vertical_load)
-        check%stiffness_difference = stiffness * (level - beyond - answer%level) / &
-                                     (stiffness_step * state%vertical_load) - 1.0_real64
-      end if
+      check%uncertain = check%uncertain / check%rms_height
+      if (.not. stiffness > 0.0_real64) return
+      call press_map(seen%map, seen%periodic, modulus, answer, &
+                     (1.0_real64 + stiffness_step) * state%vertical_load, seen%closed)
       if (allocated(answer%failure)) failure = 'beside its summits: ' // answer%failure
+      check%stiffness_difference = stiffness * (level - beyond - answer%level) / &
+                                   (stiffness_step * state%vertical_load) - 1.0_real64
     end associate
+
+  contains
+
+    ! What the map as it is pressed bears at a level.
+    real(real64) function load_at(level) result(load)
+      real(real64), intent(in) :: level
+
+      at_level%level = level
+      call press_map(seen%map, seen%periodic, modulus, at_level, tolerance=seen%closed)
+      load = at_level%load
+    end function load_at
+
   end subroutine hold_against_map
 
   ! What the separation of all samples is above that of squares of them, by how it changes with the
@@ -168,7 +186,7 @@ contains
     do i = 2, 3
       map = half_map(map)
       if (allocated(coarse%pressure)) deallocate (coarse%pressure)
-      call press_map(map, seen%periodic, modulus, coarse, load)
+      call press_map(map, seen%periodic, modulus, coarse, load, seen%closed)
       if (allocated(coarse%failure)) seen%answer%failure = coarse%failure
       level(i) = coarse%level
     end do
