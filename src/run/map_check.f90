@@ -32,11 +32,11 @@ module asperity_map_check
     type(map_answer) :: answer     !! how it was pressed last
   end type map_seen
 
-  !> Samples up to which the map is pressed as it is: some seconds.
+  ! Samples up to which the map is pressed as it is: some seconds.
   integer(int64), parameter :: full_samples = 600000_int64
 
-  ! Samples up to which a larger one is pressed at half its resolution: half a minute. From a quarter
-  ! on what is claimed is 4 times too much in the middle, from an eighth on 7 times (measured).
+  ! Samples up to which a larger one is pressed at half its resolution: half a minute. At a quarter
+  ! what is claimed is 3 times too much in the middle, at an eighth 7 times (measured).
   integer(int64), parameter :: half_samples = 4500000_int64
 
   ! Share of the load by which a stiffness is measured.
