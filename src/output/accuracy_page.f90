@@ -54,8 +54,9 @@ contains
     call end_section(buffer)
     call begin_section('own', 'What each way leaves out by itself', buffer)
     call buffer%line('<p>Arithmetic against real128, steps against exact events, effects ' // &
-                     'against the scene as it asks, neighbours against the reference. The ' // &
-                     'line is what the digits of the input mean.</p>')
+                     'against the scene as it asks, neighbours against the reference. A ' // &
+                     'line is what the digits of the input mean; of a map one is of its ' // &
+                     'summits, one of its samples.</p>')
     call put_plot('its own error', 'own-plot', table, is_run .and. &
                   table%rows%own%largest > not_computed, own, buffer)
     call end_section(buffer)

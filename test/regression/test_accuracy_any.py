@@ -383,3 +383,34 @@ def test_peers_on_the_page(asperity, root, tmp_path):
     peers = tree.findall(".//section[@aria-labelledby='peers']//tbody/tr")
     assert [row[0].text for row in peers] == ["it & more", "absent: cannot be installed"]
     assert float(peers[0][2].text) == pytest.approx(float(error), rel=0.06)
+
+
+def cells_of(asperity, folder, name, *options, **effects):
+    """The position of a dense scene."""
+    scene = next(s for s in dense_scenes() if s.name == name)
+    file = folder / "positions.csv"
+    done = subprocess.run([asperity, "solve", scene.write(folder, **effects), "--quiet",
+                           "--positions", file, *options], capture_output=True, text=True,
+                          timeout=60)
+    assert done.returncode == 0, done.stderr
+    return records(file)[0]
+
+
+def test_cells_are_no_finer_than_asked(asperity, tmp_path):
+    """Where circles do not have it: about as many cells as the promise takes, not those of half."""
+    asked = cells_of(asperity, tmp_path, "steep_015", "--accuracy", "1e-2", interaction="auto")
+    half = cells_of(asperity, tmp_path, "steep_015", interaction="auto", tolerance=0.005)
+    assert 0 < float(asked["cells"]) < 0.8 * float(half["cells"])
+    assert 1.5 * float(asked["area_error_estimate"]) < 0.01
+
+
+def test_a_tolerance_of_areas(asperity, tmp_path):
+    """Areas on cells as good as `area_tolerance`, where the load takes no finer ones."""
+    usual, fine = (cells_of(asperity, tmp_path, "triples_008", interaction="boundary",
+                            boundary_tolerance=0.001, **more)
+                   for more in ({"area_tolerance": 0.01}, {"area_tolerance": 0.004}))
+    want = float(truths()["triples_008"]["area"])
+    for row in (usual, fine):
+        assert abs(float(row["area"]) / want - 1) < 0.01
+    assert float(fine["cells"]) > 2 * float(usual["cells"])
+    assert float(fine["area_error_estimate"]) < 0.7 * float(usual["area_error_estimate"])
