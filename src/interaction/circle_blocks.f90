@@ -108,12 +108,9 @@ contains
     own = [(h(j, j), j=1, m)]
     do j = 1, m
       if (.not. h(j, j) > least_pivot * alone(j)) then
-        ! Not positive definite: as if each were alone.
-        h = 0.0_real64
-        do i = 1, m
-          h(i, i) = max(own(i), alone(i))
-        end do
-        return
+        ! Not positive definite: as if this were alone.
+        h(j, j) = max(own(j), alone(j))
+        h(j + 1:, j) = 0.0_real64
       end if
       do i = j + 1, m
         h(i:, i) = h(i:, i) - h(i:, j) * (h(i, j) / h(j, j))

@@ -25,26 +25,30 @@ module asperity_coupled_contacts
 
   public :: adopt, coupled_solution, resolved_contacts, solve_coupled
 
-  ! Residuals: asked for; accepted where rounding allows no less.
+  ! Residuals: asked for; accepted where rounding allows no less; asked of many, sums over whom are
+  ! good to 1e-8 only.
   real(real64), parameter :: asked = 1.0e-11_real64, accepted = 1.0e-9_real64
-  integer, parameter :: most_iterations = 400, most_trials = 12
-  ! A step is taken when the slope of the potential has fallen to this share in size.
-  real(real64), parameter :: slope_left = 0.8_real64, share_cut = 0.1_real64
+  real(real64), parameter :: asked_of_many = 1.0e-10_real64
+  ! Of a group what all are off by, and steps: one that takes more is left to the others.
+  real(real64), parameter :: group_left = 0.01_real64
+  integer, parameter :: most_of_group = 40, most_iterations = 400, most_trials = 12
+  ! A step is taken when the slope of the potential has fallen to this share in size. Of many it
+  ! may grow: what made it grow is solved by itself.
+  real(real64), parameter :: slope_left = 0.8_real64, slope_of_many = 4.0_real64
+  real(real64), parameter :: share_cut = 0.1_real64
   ! Shares of the gradient that a step may leave. Of many contacts less would cost more products
   ! than it saves steps; of few the last step is as good as rounding lets it be.
-  real(real64), parameter :: most_left = 0.1_real64, least_left = 0.01_real64
-  ! Open contacts are looked at again when the residual has fallen to this share.
-  real(real64), parameter :: look_again = 0.1_real64
-  ! From here on Newton's steps find the rest by themselves.
+  real(real64), parameter :: most_left = 0.1_real64, least_left = 0.02_real64
+  ! Open contacts are looked at first from this residual on; again when it has fallen to a share.
+  real(real64), parameter :: look_first = 0.5_real64, look_again = 0.1_real64
+  ! And once more at this one.
   real(real64), parameter :: nearly_there = 1.0e-6_real64
-  ! Groups are solved once more when that has halved the residual, so often at most.
-  integer, parameter :: most_rounds = 4
 
 contains
 
   !> Solves at a given closing, or, where `target` is present, at a sum of the normal loads, or of
   !> the vertical ones, as the pairs have it.
-  recursive subroutine solve_coupled(pairs, law, solution, target, resolved)
+  recursive subroutine solve_coupled(pairs, law, solution, target, resolved, share)
     type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
     class(contact_law), intent(in), target :: law      !! of each contact
     !> closing: given, or found where there is a target; penetrations and shifts: a start when
@@ -52,8 +56,9 @@ contains
     type(coupled_solution), intent(inout) :: solution
     real(real64), intent(in), optional :: target       !! more than 0
     type(resolved_contacts), intent(in), optional :: resolved
+    real(real64), intent(in), optional :: share        !! of a group: residual that will do
     type(solve_state) :: state
-    real(real64) :: looked, before
+    real(real64) :: looked, before, enough
     integer :: iteration, joined
     logical :: done, everywhere
 
@@ -65,19 +70,22 @@ contains
     before = huge(before)
     ! None has been looked at yet.
     joined = -1
-    do iteration = 0, most_iterations
+    do iteration = 0, merge(most_of_group, most_iterations, present(share))
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
       ! Or as small as rounding lets it be: it falls no more.
-      done = state%residual <= asked .or. &
+      enough = merge(asked_of_many, asked, size(solution%set%x) > many)
+      if (present(share)) enough = max(enough, share)
+      done = state%residual <= enough .or. &
              (state%residual <= accepted .and. state%residual > 0.5_real64 * before)
-      before = state%residual
       ! Pairs that were not listed may touch: whoever asked must come again with all.
       if (solution%closing > pairs%complete_to .and. state%residual < look_again) exit
-      ! At the end, at first, and when nearly there: who joins later brings many back.
-      everywhere = done .or. (joined < 0 .and. state%residual <= look_again) .or. &
+      ! At the end, at first, and when nearly there: who joins later brings many back. Of many those
+      ! that are nearly in touch each time.
+      everywhere = done .or. (joined < 0 .and. state%residual <= look_first) .or. &
         (size(state%gap) > many .and. state%residual <= nearly_there .and. looked > nearly_there)
-      if (everywhere .or. (state%residual <= look_again * looked .and. joined > 0)) then
+      if (everywhere .or. (joined > 0 .and. state%residual <= look_again * looked) .or. &
+          (joined >= 0 .and. size(state%gap) > many)) then
         call look(pairs, law, asked, everywhere, solution, state, resolved, joined)
         looked = state%residual
         if (allocated(solution%failure)) return
@@ -87,13 +95,13 @@ contains
           call open_hidden(pairs, law, solution, state, resolved)
         end if
       end if
+      if (state%residual > look_again * before) call relax(pairs, law, solution, state, resolved)
+      before = state%residual
       call take_step(pairs, law, solution, state, resolved)
-      if (state%residual > max(look_again * before, nearly_there)) &
-        call relax(pairs, law, solution, state, resolved)
       solution%ending%iterations = iteration + 1
     end do
     solution%ending%residual = state%residual
-    solution%ending%converged = state%residual <= accepted .and. joined == 0
+    solution%ending%converged = state%residual <= max(accepted, enough) .and. joined == 0
     if (solution%closing > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
     before = load_borne(pairs, law, solution)
@@ -149,33 +157,28 @@ contains
     real(real64), allocatable :: p(:), x(:), y(:)
     integer, allocatable :: member(:), first(:)
     real(real64) :: before
-    integer :: k, round
+    integer :: k
 
-    do round = 1, most_rounds
-      if (allocated(solution%failure)) return
-      call find_groups(solution%set, state%miss, member, first)
-      ! Many are no few.
-      if (size(member) == 0 .or. 4 * size(member) > size(state%miss)) return
-      before = state%residual
-      p = solution%penetration
-      x = solution%move_x
-      y = solution%move_y
-      !$omp parallel do schedule(dynamic)
-      do k = 1, size(first) - 1
-        call solve_group(pairs, law, state, member(first(k):first(k + 1) - 1), solution)
-      end do
-      !$omp end parallel do
-      if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
-      call evaluate(pairs, law, solution, state, resolved)
-      if (allocated(solution%failure)) return
-      if (.not. state%residual < before) then
-        solution%penetration = p
-        solution%move_x = x
-        solution%move_y = y
-        call evaluate(pairs, law, solution, state, resolved)
-      end if
-      if (state%residual > 0.5_real64 * before) return
+    if (allocated(solution%failure)) return
+    call find_groups(solution%set, state%miss, member, first)
+    ! Many are no few.
+    if (size(member) == 0 .or. 4 * size(member) > size(state%miss)) return
+    before = state%residual
+    allocate (p, source=solution%penetration)
+    allocate (x, source=solution%move_x)
+    allocate (y, source=solution%move_y)
+    !$omp parallel do schedule(dynamic)
+    do k = 1, size(first) - 1
+      call solve_group(pairs, law, state, member(first(k):first(k + 1) - 1), solution)
     end do
+    !$omp end parallel do
+    if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
+    call evaluate(pairs, law, solution, state, resolved)
+    if (allocated(solution%failure) .or. state%residual < before) return
+    solution%penetration = p
+    solution%move_x = x
+    solution%move_y = y
+    call evaluate(pairs, law, solution, state, resolved)
   end subroutine relax
 
   ! Solves some contacts under the field of all others; those of other groups stay as they are.
@@ -190,7 +193,7 @@ contains
     type(coupled_solution) :: part
 
     call lift_out(pairs, law, solution, state, member, alone, alone_law, part)
-    call solve_coupled(alone, alone_law, part)
+    call solve_coupled(alone, alone_law, part, share=group_left * state%residual)
     if (part%ending%converged .and. .not. allocated(part%failure)) &
       call put_back(pairs, member, alone, alone_law, part, solution)
   end subroutine solve_group
@@ -247,7 +250,7 @@ contains
       call evaluate(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       now = slopes()
-      if (sum(now) <= slope_left * abs(sum(first))) exit
+      if (sum(now) <= merge(slope_of_many, slope_left, n > many) * abs(sum(first))) exit
       where (now > share_cut * maxval(now)) &
         part = part * max(0.1_real64, min(abs(first) / (abs(first) + now), 0.5_real64))
     end do

@@ -29,8 +29,10 @@ module asperity_coupled_groups
     procedure :: respond
   end type group_law
 
-  ! Equations are much off from this times the mean on.
-  real(real64), parameter :: much_off = 10.0_real64
+  ! Equations are much off from this times the mean on, and this share of the most.
+  real(real64), parameter :: much_off = 5.0_real64, share_off = 0.05_real64
+  ! Groups of more would take longer than they save.
+  integer, parameter :: most_in_group = 100
   ! Sums of radii up to which circles are in one group: farther off a field bends little.
   real(real64), parameter :: close_by = 2.0_real64
   ! No contact becomes so soft that its penetration falls with its load.
@@ -61,7 +63,8 @@ contains
     logical :: is_off(size(miss)), is_one(size(miss)), joins(size(set%one))
     integer :: k
 
-    is_off = miss > much_off * (sum(miss) / size(miss)) .and. .not. set%still
+    is_off = miss > max(much_off * (sum(miss) / size(miss)), share_off * maxval(miss)) .and. &
+             .not. set%still
     is_one = is_off
     do k = 1, size(joins)
       associate (a => set%one(k), b => set%other(k))
@@ -74,7 +77,7 @@ contains
       end associate
     end do
     joins = joins .and. is_one(set%one) .and. is_one(set%other)
-    call gather_groups(set%one, set%other, joins, is_one, size(miss), member, first)
+    call gather_groups(set%one, set%other, joins, is_one, most_in_group, member, first)
   end subroutine find_groups
 
   !> A group as a scene of its own, in the field of all others as it is now.

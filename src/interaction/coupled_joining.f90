@@ -1,5 +1,6 @@
 !> Open contacts that touch on the surface which the loaded ones leave, and join them.
 module asperity_coupled_joining
+  use asperity_circle_field, only: many
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_open, only: look_around, open_places, stands_out
@@ -12,8 +13,13 @@ module asperity_coupled_joining
   public :: look, open_hidden
 
   integer, parameter :: most_looks = 4
+  ! Of the closing: what sums over many are off by. Who touches by less stays open, as another sum
+  ! would open it again.
+  real(real64), parameter :: sum_error = 1.0e-7_real64
   ! Of the deepest penetration, how far from touch an open contact is nearly in touch.
   real(real64), parameter :: nearly = 0.25_real64
+  ! Where open contacts are one in so many of the loaded, all are looked at.
+  integer, parameter :: few_open = 10
   ! A contact that joins once more begins with this share of its penetration.
   real(real64), parameter :: share_of_rejoined = 0.25_real64
   ! Of two that begin together the one that stands out of the other by less than this share of its
@@ -39,7 +45,7 @@ contains
     logical, allocatable :: is_open(:)
     integer, allocatable :: number(:)
     integer :: i, k, pass
-    real(real64) :: least, most, load
+    real(real64) :: deepest, least, most, load
 
     joined = 0
     if (size(solution%set%x) == 0) then
@@ -61,12 +67,14 @@ contains
       joined = 1
       return
     end if
-    least = accuracy * maxval(solution%penetration(solution%set%number))
+    deepest = maxval(solution%penetration(solution%set%number))
+    least = accuracy * deepest
+    if (size(solution%set%x) > many) least = max(least, sum_error * solution%closing)
     allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%number) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_one
-    if (.not. everywhere) is_open = is_open .and. &
-      solution%penetration > -nearly * maxval(solution%penetration)
+    if (.not. everywhere .and. few_open * count(is_open) > size(solution%set%x)) &
+      is_open = is_open .and. solution%penetration > -nearly * deepest
     number = pack([(i, i=1, size(is_open))], is_open)
     do i = 1, size(number)
       ! From farther than it can be it starts at home.
@@ -90,7 +98,7 @@ contains
                        places, 0.1_real64 * least, solution%failure)
       if (allocated(solution%failure)) return
       solution%penetration(number) = max(solution%closing - state%gap(number) - places%lift, &
-                                         -out_of_reach * least / accuracy)
+                                         -out_of_reach * deepest)
       solution%move_x(number) = places%move_x
       solution%move_y(number) = places%move_y
       ! Those that would join are looked at from where they would: the far field bends.

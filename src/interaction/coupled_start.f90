@@ -7,6 +7,7 @@ module asperity_coupled_start
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, coupled_solution, raise, resolved_contacts, &
                                     solve_state
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -28,6 +29,7 @@ contains
     type(solve_state), intent(out) :: state                !! ready for the first residual
     real(real64), intent(in), optional :: target           !! normal load
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
+    type(coarse_circles) :: coarse
     logical :: fresh
     integer :: n
 
@@ -36,6 +38,12 @@ contains
     state%gap = pairs%list%gap
     if (present(resolved)) state%gap = resolved%gap
     allocate (state%joins(n), source=0)
+    if (n > many) then
+      ! Square by square: neighbours are near in memory, too.
+      call gather_squares(pairs%list%x, pairs%list%y, coarse)
+      allocate (state%order(n))
+      call sort_keys(real(coarse%square, real64), state%order)
+    end if
     fresh = .not. allocated(solution%penetration)
     allocate (state%is_new(n), source=fresh)
     if (fresh) then

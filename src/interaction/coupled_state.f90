@@ -40,6 +40,7 @@ module asperity_coupled_state
     real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
+    integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
     integer, allocatable :: joins(:)                !! how often a pair has joined
     logical, allocatable :: is_new(:)               !! joined since the last look, or at the start
   end type solve_state
@@ -201,11 +202,12 @@ contains
     !$omp end parallel do
     n = 0
     do k = 1, size(state%gap)
+      i = k
+      if (allocated(state%order)) i = state%order(k)
       ! What underflows over the modulus is no load.
-      if (.not. answer(k)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64) cycle
+      if (.not. answer(i)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64) cycle
       n = n + 1
-      number(n) = k
-      answer(n) = answer(k)
+      number(n) = i
     end do
     associate (set => solution%set)
       same = .false.
@@ -235,10 +237,10 @@ contains
         if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) same = .false.
         set%x(k) = place(1)
         set%y(k) = place(2)
-        inclined = inclination(answer(k)%cosine) / pairs%modulus
-        set%load(k) = answer(k)%vertical_load * inclined
-        set%stiffness(k) = answer(k)%stiffness * inclined
-        set%circle(k) = answer(k)%contact_radius
+        inclined = inclination(answer(i)%cosine) / pairs%modulus
+        set%load(k) = answer(i)%vertical_load * inclined
+        set%stiffness(k) = answer(i)%stiffness * inclined
+        set%circle(k) = answer(i)%contact_radius
       end do
     end associate
   end subroutine gather
