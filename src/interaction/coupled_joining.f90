@@ -42,8 +42,10 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     integer, intent(out) :: joined                         !! how many
     type(open_places) :: places
-    logical, allocatable :: is_open(:)
+    logical, allocatable :: is_open(:), touches(:)
     integer, allocatable :: number(:)
+    ! Of those looked at: the deepest they were found at, and there.
+    real(real64), allocatable :: found(:), x(:), y(:), depth(:)
     integer :: i, k, pass
     real(real64) :: deepest, least, most, load
 
@@ -85,6 +87,7 @@ contains
         y = 0.0_real64
       end associate
     end do
+    allocate (found(size(number)), x(size(number)), y(size(number)), source=0.0_real64)
     do pass = 1, most_looks
       if (size(number) == 0) exit
       places%x = pairs%list(number)%x
@@ -97,13 +100,27 @@ contains
       call look_around(solution%set, solution%closing, state%gap(solution%set%number), &
                        places, 0.1_real64 * least, solution%failure)
       if (allocated(solution%failure)) return
-      solution%penetration(number) = max(solution%closing - state%gap(number) - places%lift, &
-                                         -out_of_reach * deepest)
+      ! The far field bends: what is told of a place from another one is so only near by.
+      depth = solution%closing - places%gap - places%start
+      x = merge(solution%move_x(number), x, depth > found)
+      y = merge(solution%move_y(number), y, depth > found)
+      found = max(found, depth)
+      depth = solution%closing - places%gap - places%lift
+      solution%penetration(number) = max(depth, -out_of_reach * deepest)
       solution%move_x(number) = places%move_x
       solution%move_y(number) = places%move_y
-      ! Those that would join are looked at from where they would: the far field bends.
-      number = pack(number, solution%penetration(number) > least)
+      ! Those that would join are looked at from where they would.
+      touches = depth > least
+      number = pack(number, touches)
+      found = pack(found, touches)
+      x = pack(x, touches)
+      y = pack(y, touches)
     end do
+    touches = found > least
+    solution%penetration(number) = found
+    solution%move_x(number) = merge(x, solution%move_x(number), touches)
+    solution%move_y(number) = merge(y, solution%move_y(number), touches)
+    number = pack(number, touches)
     where (is_open .and. .not. solution%penetration > least) &
       solution%penetration = min(solution%penetration, 0.0_real64)
     do k = 1, size(number)

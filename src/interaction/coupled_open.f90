@@ -18,6 +18,7 @@ module asperity_coupled_open
     real(real64), allocatable :: gap(:)                !! without load
     real(real64), allocatable :: move_x(:), move_y(:)  !! the shifts: a guess, then the best
     real(real64), allocatable :: lift(:)               !! least of s**2/(2 R) + u(x + s)
+    real(real64), allocatable :: start(:)              !! the same at the guess, if looked at
   end type open_places
 
   ! The field near one of them: value, slope, second derivatives.
@@ -80,6 +81,8 @@ contains
     n = size(places%x)
     allocate (potential(n), slope_x(n), slope_y(n), lap(n))
     allocate (none(n), source=0.0_real64)
+    if (allocated(places%start)) deallocate (places%start)
+    allocate (places%start(n), source=0.5_real64 * huge(1.0_real64))
     ! Near where they are: far off a tilted surface moves them past many a circle.
     call plant_tree(tree, set%x, set%y, set%circle, near_factor, places%x + places%move_x, &
                     places%y + places%move_y, none)
@@ -143,6 +146,7 @@ contains
               here)
     associate (r => places%radius(i))
       least = here%lift + dot_product(s, s) / (2 * r)
+      places%start(i) = least
       do step = 1, most_steps
         slope = s / r + here%slope
         if (.not. r * dot_product(slope, slope) > accuracy) exit

@@ -1,0 +1,24 @@
+"""Some of the random scenes that `coupled` must solve (everything_solved.py), by fixed seeds."""
+
+import everything_solved
+import pytest
+
+SAMPLE = 24
+
+
+def test_sample(asperity, tally):
+    for seed in range(1, SAMPLE + 1):
+        outcome = everything_solved.run_seed(asperity, "coupled", 60, seed)
+        assert outcome.status == 0, (seed, outcome.message)
+    tally.add("random scenes solved", SAMPLE, SAMPLE)
+
+
+@pytest.mark.parametrize("seed, was", [
+    (12709, "one near pair far from its solution kept the steps of all contacts short"),
+    (30977, "a pair of overlapping circles: 400 steps with a residual of 1e-6"),
+    (704345, "a cap went to and fro between two places, each told from the other as one of touch"),
+    (708618, "the same, 4023 caps"),
+])
+def test_found_seed(seed, was, asperity):
+    outcome = everything_solved.run_seed(asperity, "coupled", 60, seed)
+    assert outcome.status == 0, (was, outcome.message)
