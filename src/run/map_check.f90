@@ -36,7 +36,7 @@ module asperity_map_check
   integer(int64), parameter :: full_samples = 600000_int64
 
   ! Samples up to which a larger one is pressed at half its resolution: half a minute. At a quarter
-  ! what is claimed is 3.2 times the error in the middle, at an eighth 8 times (measured).
+  ! what is claimed is 3.2 times the error in the middle, at an eighth 7 times (measured).
   integer(int64), parameter :: half_samples = 4500000_int64
 
   ! Share of the load by which a stiffness is measured.
