@@ -32,13 +32,11 @@ module asperity_cells_answer
     real(real64), allocatable :: alone_area(:)        !! the same of each alone
     real(real64), allocatable :: maximum_pressure(:)  !! mean over a cell
     real(real64), allocatable :: alone_pressure(:)    !! the same of each alone
-    real(real64), allocatable :: alone_depth(:)       !! penetration for that; 0: not solved
     real(real64), allocatable :: centre_x(:)          !! of its pressure; unloaded: first touch
     real(real64), allocatable :: centre_y(:)          !! of its pressure; unloaded: first touch
     integer :: cells = 0                              !! of the finest lattice
     integer :: halvings = 0                           !! of the cells, from the coarsest
-    !> of the pressure, mean of xx, xy, yy about its centre (quantity, member)
-    real(real64), allocatable :: spread(:, :)
+    real(real64), allocatable :: beside(:)            !! displacement at each circle of the field
     real(real64) :: error = 0.0_real64                !! of the load by the cells, root mean square
     real(real64) :: area_error = 0.0_real64           !! of the area, relative, root mean square
     real(real64) :: change = huge(1.0_real64)         !! relative, of the load by the last halving
@@ -58,9 +56,8 @@ contains
 
     zero = 0.0_real64
     allocate (answer%vertical_load, answer%alone_load, answer%area, answer%alone_area, &
-              answer%maximum_pressure, answer%alone_pressure, answer%alone_depth, &
+              answer%maximum_pressure, answer%alone_pressure, &
               answer%centre_x, answer%centre_y, source=zero)
-    allocate (answer%spread(3, members), source=0.0_real64)
   end subroutine make_room
 
   !> What the forces of a lattice mean for every contact.
@@ -70,8 +67,8 @@ contains
     type(gap_shape), intent(in) :: shapes(:)        !! the contacts that penetrate
     type(cell_lattice), intent(in) :: lattice       !! solved
     type(cells_answer), intent(inout) :: answer     !! gets what is of these contacts
-    ! Of force: means of x, y, xx, xy, yy, places in cells from first touch; sums of its powers.
-    real(real64) :: moment(5, size(shapes)), sums(3, size(shapes)), highest(size(shapes)), radius
+    ! Of force: means of x, y, places in cells from first touch; sums of its powers.
+    real(real64) :: moment(2, size(shapes)), sums(3, size(shapes)), highest(size(shapes)), radius
     real(real64) :: x, y
     integer :: free(size(shapes))   ! sides on the rim
     integer :: i, j, k, columns, rows
@@ -91,7 +88,7 @@ contains
               (frame%x - shapes(k)%x + lattice%origin_x) / lattice%cell
           y = lattice%bottom + j - 0.5_real64 + &
               (frame%y - shapes(k)%y + lattice%origin_y) / lattice%cell
-          moment(:, k) = moment(:, k) + force * [x, y, x * x, x * y, y * y]
+          moment(:, k) = moment(:, k) + force * [x, y]
           sums(:, k) = sums(:, k) + [sqrt(force), force, force**2]
           highest(k) = max(highest(k), force)
           free(k) = free(k) + count([ &
@@ -105,17 +102,11 @@ contains
     do k = 1, size(shapes)
       if (.not. highest(k) > 0.0_real64) cycle
       associate (m => shapes(k)%pair, load => sums(2, k), h => lattice%cell)
-        moment(:, k) = moment(:, k) / load
-        x = moment(1, k)
-        y = moment(2, k)
         answer%vertical_load(m) = modulus * frame%scale * h * load
         answer%maximum_pressure(m) = modulus * (frame%scale / h) * highest(k)
         answer%area(m) = h**2 * product(((1 + power / 2) * sums(:, k))**weight)
-        answer%centre_x(m) = shapes(k)%x + h * x
-        answer%centre_y(m) = shapes(k)%y + h * y
-        ! A cell has its own spread.
-        answer%spread(:, m) = h**2 * (moment(3:, k) - [x * x, x * y, y * y] + &
-                                      [1.0_real64, 0.0_real64, 1.0_real64] / 12)
+        answer%centre_x(m) = shapes(k)%x + h * moment(1, k) / load
+        answer%centre_y(m) = shapes(k)%y + h * moment(2, k) / load
         ! A circle has 8 sides a radius on its rim; where it lies in another it has none.
         radius = max(1.0_real64, sqrt(answer%area(m) / pi) / h)
         answer%error = hypot(answer%error, answer%vertical_load(m) * load_error / &

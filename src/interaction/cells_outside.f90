@@ -7,7 +7,7 @@ module asperity_cells_outside
   implicit none
   private
 
-  public :: outside_field, add_outside, beside_circle
+  public :: outside_field, add_outside, beside_circle, field_of_cells
 
   !> The field of the contacts outside. Lengths and loads in the units of the pairs.
   type :: outside_field
@@ -21,6 +21,7 @@ module asperity_cells_outside
     real(real64), allocatable :: y(:)             !! centre
     real(real64), allocatable :: circle(:)        !! radius; 0: a force at a point
     real(real64), allocatable :: load(:)          !! under the pressure of Hertz
+    integer, allocatable :: pair(:)               !! place in the list of pairs
   end type outside_field
 
 contains
@@ -75,6 +76,26 @@ contains
     end subroutine at_line
 
   end subroutine add_outside
+
+  !> Displacement by the cells at a place at which there are none.
+  pure real(real64) function field_of_cells(frame, lattice, x, y) result(field)
+    type(cell_frame), intent(in) :: frame           !! of the cluster
+    type(cell_lattice), intent(in) :: lattice       !! solved
+    real(real64), intent(in) :: x, y                !! the place, in plan
+    real(real64) :: across, along
+    integer :: i, j
+
+    field = 0.0_real64
+    along = (y - frame%y - lattice%origin_y) / lattice%cell - lattice%bottom
+    across = (x - frame%x - lattice%origin_x) / lattice%cell - lattice%left
+    do j = 1, size(lattice%force, 2)
+      do i = 1, size(lattice%force, 1)
+        if (lattice%force(i, j) > 0.0_real64) field = field + lattice%force(i, j) / &
+          hypot(across - i + 0.5_real64, along - j + 0.5_real64)
+      end do
+    end do
+    field = frame%scale * field / pi
+  end function field_of_cells
 
   !> Displacement times modulus over load at a distance from the centre of a circle under the
   !> pressure of Hertz (Johnson, Contact Mechanics, 1985, eq. 3.41a and 3.42a).

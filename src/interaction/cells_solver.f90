@@ -10,7 +10,7 @@ module asperity_cells_solver
   use asperity_cells_influence, only: influence_table
   use asperity_cells_lattice, only: box_of, cell_frame, cell_lattice, cells_expected, frame_of, &
                                     lay_cells, refine_forces, start_forces
-  use asperity_cells_outside, only: add_outside, outside_field
+  use asperity_cells_outside, only: add_outside, field_of_cells, outside_field
   use asperity_cells_relax, only: relax
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
@@ -47,10 +47,6 @@ module asperity_cells_solver
   ! A load is told as exactly as if it were at least that of the largest contact alone, times this.
   real(real64), parameter :: least_share = 1.0e-3_real64
 
-  ! Share of a penetration by which it may differ from the one that was solved alone: what a sphere
-  ! differs from a paraboloid then changes by 5e-5, where a contact is as deep as .01 of its radius.
-  real(real64), parameter :: as_before = 0.05_real64
-
 contains
 
   !> The rectangle in plan in which the cells of a cluster will lie; a point when nothing touches.
@@ -82,18 +78,15 @@ contains
     real(real64), intent(in) :: closing            !! past first touch
     type(outside_field), intent(in) :: outside     !! of the contacts that are no members
     real(real64), intent(in) :: tolerance          !! relative change by the last halving
-    type(cells_answer), intent(inout) :: answer    !! the answer; before that, one to begin with
+    type(cells_answer), intent(out) :: answer      !! the answer
     !> load, area: what is less is told as exactly as if it were this
     real(real64), intent(in), optional :: worth(2)
     real(real64), intent(in), optional :: area_tolerance  !! share; absent: `usual_area`
     type(gap_shape), allocatable :: shapes(:)
-    type(cells_answer) :: last, none
     real(real64) :: least_area
 
     least_area = usual_area
     if (present(area_tolerance)) least_area = area_tolerance
-    last = answer
-    answer = none
     call make_room(answer, size(members))
     answer%centre_x = pairs%list(members)%x
     answer%centre_y = pairs%list(members)%y
@@ -107,7 +100,7 @@ contains
       answer%failure = 'contacts too shallow for cells'
     else
       call halve_until_settled(pairs%modulus, shapes, outside, tolerance, least_area, &
-                               pairs%interrupt, last, answer, worth)
+                               pairs%interrupt, answer, worth)
     end if
     if (.not. allocated(answer%failure)) return
     answer%ending%converged = .false.
@@ -142,12 +135,11 @@ contains
   end subroutine find_shapes
 
   subroutine halve_until_settled(modulus, shapes, outside, tolerance, least_area, interrupt, &
-                                 last, answer, least_worth)
+                                 answer, least_worth)
     real(real64), intent(in) :: modulus, tolerance, least_area
     type(gap_shape), intent(in) :: shapes(:)
     type(outside_field), intent(in) :: outside
     type(interruption), intent(in) :: interrupt
-    type(cells_answer), intent(in) :: last
     type(cells_answer), intent(inout) :: answer
     real(real64), intent(in), optional :: least_worth(2)
     type(cell_frame) :: frame
@@ -199,6 +191,8 @@ contains
       answer%halvings = answer%halvings + 1
       coarse = lattice
     end do
+    if (allocated(outside%x)) answer%beside = [(field_of_cells(frame, lattice, outside%x(i), &
+                                                               outside%y(i)), i=1, size(outside%x))]
     if (size(shapes) == 1 .and. .not. (allocated(outside%at_nodes) .or. allocated(outside%x))) then
       answer%alone_load = answer%vertical_load
       answer%alone_area = answer%area
@@ -206,37 +200,24 @@ contains
       return
     end if
     do i = 1, size(shapes)
-      call solve_alone(modulus, frame, shapes(i:i), tolerance, interrupt, last, influence, answer)
+      call solve_alone(modulus, frame, shapes(i:i), tolerance, interrupt, influence, answer)
       if (allocated(answer%failure)) return
     end do
   end subroutine halve_until_settled
 
-  ! A contact by itself, on the same lattice, so that the cells' errors cancel in the ratio. One
-  ! that was solved at nearly the same penetration p is as that, by the powers of p in Hertz' law.
-  subroutine solve_alone(modulus, frame, shape, tolerance, interrupt, last, influence, answer)
+  ! A contact by itself, on the same lattice, so that the cells' errors cancel in the ratio.
+  subroutine solve_alone(modulus, frame, shape, tolerance, interrupt, influence, answer)
     real(real64), intent(in) :: modulus, tolerance
     type(cell_frame), intent(in) :: frame
     type(gap_shape), intent(in) :: shape(1)
     type(interruption), intent(in) :: interrupt
-    type(cells_answer), intent(in) :: last
     type(cell_convolution), allocatable, intent(inout) :: influence
     type(cells_answer), intent(inout) :: answer
     type(cell_frame) :: own
     type(cell_lattice) :: lattice
     type(cells_answer) :: alone
-    real(real64) :: ratio
 
     associate (m => shape(1)%pair)
-      answer%alone_depth(m) = shape(1)%penetration
-      if (allocated(last%alone_depth)) then
-        ratio = shape(1)%penetration / max(last%alone_depth(m), tiny(ratio))
-        if (abs(ratio - 1.0_real64) < as_before) then
-          answer%alone_load(m) = last%alone_load(m) * ratio * sqrt(ratio)
-          answer%alone_area(m) = last%alone_area(m) * ratio
-          answer%alone_pressure(m) = last%alone_pressure(m) * sqrt(ratio)
-          return
-        end if
-      end if
       own = frame
       own%scale = shape(1)%penetration
       call lay_cells(own, shape, answer%halvings, lattice)

@@ -7,7 +7,7 @@
 !> large circle B is 2/3 a**2 times what its field bends more along than across, if more. Where
 !> circles overlap, one of the two takes from the other at most a share of the smaller load.
 module asperity_circle_error
-  use asperity_circle_field, only: bend, many
+  use asperity_circle_field, only: are_close, bend, many
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
@@ -109,9 +109,7 @@ contains
         ! Circles that overlap are one contact.
         do l = set%tree%first(k), set%tree%first(k + 1) - 1
           associate (j => set%tree%near(l))
-            if (hypot(set%x(j) + set%move_x(j) - set%x(k) - set%move_x(k), &
-                      set%y(j) + set%move_y(j) - set%y(k) - set%move_y(k)) < &
-                set%circle(k) + set%circle(j)) weight(k) = weight(k) + step(1, j)
+            if (are_close(set, k, j, 1.0_real64)) weight(k) = weight(k) + step(1, j)
           end associate
         end do
       end do

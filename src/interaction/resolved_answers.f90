@@ -1,7 +1,7 @@
 !> What the cells of clusters answer, told to the circles.
 module asperity_resolved_answers
-  use asperity_circle_field, only: circle_set, hertz_spread
-  use asperity_constants, only: pi
+  use asperity_circle_field, only: circle_set
+  use asperity_cells_outside, only: beside_circle
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt, coupled_solution, resolved_contacts
@@ -28,6 +28,7 @@ contains
     type(contact_response) :: free
     type(circle_set) :: old
     integer, dimension(size(pairs%list)) :: before, now
+    real(real64), allocatable :: circle(:)
     real(real64) :: share
     integer :: i, k, m
 
@@ -62,33 +63,30 @@ contains
     where (.not. resolved%is_one) resolved%gap = pairs%list%gap
     do k = 1, size(clusters)
       call lift_by_others(old, coupled, before, now, clusters(k)%members, resolved%gap)
-      do m = 1, size(clusters(k)%members)
+      allocate (circle(size(clusters(k)%members)), source=0.0_real64)
+      do m = 1, size(circle)
         i = now(clusters(k)%members(m))
-        if (i > 0) call lift_others(coupled%set, i, clusters(k)%answer%spread(:, m), resolved)
+        if (i > 0) circle(m) = coupled%set%circle(i)
       end do
+      call lift_others(pairs%modulus, clusters(k), circle, resolved)
+      deallocate (circle)
     end do
   end subroutine answer_with
 
-  ! What a pressure on cells does to circles beside it, and a circle there does not: by its second
-  ! moments. V/(2 pi) M_ab d2/dx_a dx_b (1/r), with M = a**2/5 along both axes for a circle.
-  subroutine lift_others(set, k, spread, resolved)
-    type(circle_set), intent(in) :: set
-    integer, intent(in) :: k                 ! circle
-    real(real64), intent(in) :: spread(3)    ! xx, xy, yy
+  ! What the pressures on cells do to circles beside them, and circles in their places do not.
+  subroutine lift_others(modulus, one, circle, resolved)
+    real(real64), intent(in) :: modulus
+    type(cluster), intent(in) :: one
+    real(real64), intent(in) :: circle(:)    ! radii of the members
     type(resolved_contacts), intent(inout) :: resolved
-    real(real64) :: moment(3), x, y, r
     integer :: l
 
-    moment = spread - 2 * hertz_spread * set%circle(k)**2 * [1.0_real64, 0.0_real64, 1.0_real64]
-    do l = set%tree%first(k), set%tree%first(k + 1) - 1
-      associate (j => set%tree%near(l), n => set%number(set%tree%near(l)))
-        if (resolved%is_one(n)) cycle
-        x = set%x(j) + set%move_x(j) - set%x(k)
-        y = set%y(j) + set%move_y(j) - set%y(k)
-        r = hypot(x, y)
-        resolved%gap(n) = resolved%gap(n) + set%load(k) / (2 * pi * r**3) * &
-          (3 * (moment(1) * x * x + 2 * moment(2) * x * y + moment(3) * y * y) / r**2 - &
-           moment(1) - moment(3))
+    if (.not. allocated(one%answer%beside)) return
+    do l = 1, size(one%answer%beside)
+      associate (n => one%outside%pair(l), answer => one%answer)
+        if (.not. resolved%is_one(n)) resolved%gap(n) = resolved%gap(n) + answer%beside(l) - &
+          sum(answer%vertical_load * beside_circle(circle, hypot( &
+            answer%centre_x - one%outside%x(l), answer%centre_y - one%outside%y(l)))) / modulus
       end associate
     end do
   end subroutine lift_others

@@ -1,8 +1,10 @@
 !> Which contacts go on cells: those whose indicated error is too large, with all that is close.
 module asperity_resolved_choice
   use asperity_circle_error, only: open_about
+  use asperity_circle_field, only: are_close
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
+  use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
   use asperity_source_tree, only: source_tree
@@ -13,8 +15,8 @@ module asperity_resolved_choice
 
   ! Radii from a circle within which an open contact shares its cells.
   real(real64), parameter :: about_member = 1.3_real64
-  ! Sums of radii: a circle nearer to a member than that goes along. Just beside a large circle the
-  ! errors indicated for a small one were a third of the true ones.
+  ! Sums of radii: circles nearer to each other than that go together. Just beside a large circle
+  ! the errors indicated for a small one were a third of the true ones.
   real(real64), parameter :: along = 1.1_real64
 
 contains
@@ -27,14 +29,17 @@ contains
     integer, intent(in) :: hosts(:)                 !! circle that hides an open pair, else 0
     logical, intent(inout) :: is_one(:)             !! by pair: resolved
     type(source_tree) :: tree
-    integer, allocatable :: number(:)
+    integer, allocatable :: number(:), member(:), first(:)
     integer :: order(size(error)), i, k, l, next
     real(real64) :: over, gone
-    logical :: more
 
-    call sort_keys(-error, order)
-    next = 1
     associate (set => coupled%set)
+      call gather_groups(set%one, set%other, &
+                         [(are_close(set, set%one(k), set%other(k), along), k=1, size(set%one))], &
+                         spread(.true., 1, size(set%number)), size(set%number), member, first)
+      call open_about(pairs, coupled, about_member, tree, number)
+      call sort_keys(-error, order)
+      next = 1
       do
         over = sum(error, mask=.not. is_one) - 1.0_real64
         if (.not. over > 0.0_real64) exit
@@ -48,26 +53,11 @@ contains
           if (hosts(i) > 0) is_one(hosts(i)) = .true.
           gone = gone + error(i)
         end do
-        ! Circles that overlap a member, or all but.
-        do
-          more = .false.
-          do k = 1, size(set%number)
-            if (.not. is_one(set%number(k))) cycle
-            do l = set%tree%first(k), set%tree%first(k + 1) - 1
-              associate (j => set%tree%near(l))
-                if (is_one(set%number(j))) cycle
-                if (hypot(set%x(k) + set%move_x(k) - set%x(j) - set%move_x(j), &
-                          set%y(k) + set%move_y(k) - set%y(j) - set%move_y(j)) < &
-                    along * (set%circle(k) + set%circle(j))) then
-                  is_one(set%number(j)) = .true.
-                  more = .true.
-                end if
-              end associate
-            end do
-          end do
-          if (.not. more) exit
+        do k = 1, size(first) - 1
+          associate (group => set%number(member(first(k):first(k + 1) - 1)))
+            is_one(group) = any(is_one(group))
+          end associate
         end do
-        call open_about(pairs, coupled, about_member, tree, number)
         do i = 1, size(number)
           do l = tree%first(i), tree%first(i + 1) - 1
             if (is_one(set%number(tree%near(l)))) is_one(number(i)) = .true.

@@ -8,6 +8,7 @@ module asperity_resolved_clusters
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
+  use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
   use asperity_source_tree, only: plant_tree, source_tree, sum_sources
   implicit none
@@ -20,7 +21,7 @@ module asperity_resolved_clusters
     integer, allocatable :: members(:)              !! places in the list of pairs
     type(cells_answer) :: answer                    !! of its cells
     real(real64) :: lowered = 0.0_real64            !! of the closing, for its cells
-    type(outside_field), private :: outside
+    type(outside_field) :: outside                  !! of the others, at its cells
   end type cluster
 
   ! Sums of radii between members of two clusters, at least: what a contact's being oval changes at
@@ -43,55 +44,26 @@ contains
     logical, intent(in) :: is_one(:)                         !! by pair: resolved
     type(cluster), allocatable, intent(out) :: clusters(:)   !! not solved
     type(source_tree) :: tree
-    integer, allocatable :: number(:), parent(:), row(:), of(:)
+    integer, allocatable :: number(:), row(:), member(:), first(:)
     real(real64), allocatable :: reach(:)
-    integer :: i, k, l, n
+    integer :: i, k, l
 
     number = pack([(i, i=1, size(pairs%list))], is_one)
-    n = size(number)
-    allocate (reach(n), of(n))
-    parent = [(i, i=1, n)]
     allocate (row(size(pairs%list)), source=0)
     row(coupled%set%number) = [(i, i=1, size(coupled%set%number))]
-    do i = 1, n
-      reach(i) = 1.0e-3_real64 * sqrt(pairs%list(number(i))%radius * &
-                                      (coupled%closing - pairs%list(number(i))%gap))
+    reach = 1.0e-3_real64 * sqrt(pairs%list(number)%radius * &
+                                 (coupled%closing - pairs%list(number)%gap))
+    do i = 1, size(number)
       if (row(number(i)) > 0) reach(i) = coupled%set%circle(row(number(i)))
     end do
     call plant_tree(tree, pairs%list(number)%x, pairs%list(number)%y, reach, between)
-    do i = 1, n
-      do l = tree%first(i), tree%first(i + 1) - 1
-        k = root_of(tree%near(l))
-        parent(max(k, root_of(i))) = min(k, root_of(i))
-      end do
+    call gather_groups([((i, l=tree%first(i), tree%first(i + 1) - 1), i=1, size(number))], &
+                       tree%near, spread(.true., 1, size(tree%near)), &
+                       spread(.true., 1, size(number)), size(number), member, first)
+    allocate (clusters(size(first) - 1))
+    do k = 1, size(clusters)
+      clusters(k)%members = number(member(first(k):first(k + 1) - 1))
     end do
-    k = 0
-    of = 0
-    do i = 1, n
-      if (root_of(i) == i) then
-        k = k + 1
-        of(i) = k
-      end if
-    end do
-    allocate (clusters(k))
-    do i = 1, n
-      of(i) = of(root_of(i))
-    end do
-    do i = 1, k
-      clusters(i)%members = pack(number, of == i)
-    end do
-
-  contains
-
-    integer function root_of(one)
-      integer, intent(in) :: one
-
-      root_of = one
-      do while (parent(root_of) /= root_of)
-        root_of = parent(root_of)
-      end do
-    end function root_of
-
   end subroutine form_clusters
 
   !> Solves all clusters, each under the field of the circles that are no members.
@@ -193,6 +165,7 @@ contains
                        far_off * half + set%circle(beside))
           o%x = u(beside)
           o%y = v(beside)
+          o%pair = set%number(beside)
           o%circle = set%circle(beside)
           o%load = set%load(beside) * pairs%modulus
           do i = n + 1, n + nodes**2
