@@ -32,6 +32,8 @@ module asperity_coupled_contacts
   ! Of a group what all are off by, and steps: one that takes more is left to the others.
   real(real64), parameter :: group_left = 0.01_real64
   integer, parameter :: most_of_group = 40, most_iterations = 400, most_trials = 12
+  ! Residuals that are so near to each other are those of one place.
+  real(real64), parameter :: taken_back = 0.01_real64
   ! A step is taken when the slope of the potential has fallen to this share in size. Of many it
   ! may grow: what made it grow is solved by itself.
   real(real64), parameter :: slope_left = 0.8_real64, slope_of_many = 4.0_real64
@@ -59,7 +61,7 @@ contains
     real(real64), intent(in), optional :: share        !! of a group: residual that will do
     type(solve_state) :: state
     real(real64) :: looked, before, enough
-    integer :: iteration, joined
+    integer :: iteration, joined, waits, pause
     logical :: done, everywhere
 
     call prepare(pairs, law, solution, state, target, resolved)
@@ -70,6 +72,8 @@ contains
     before = huge(before)
     ! None has been looked at yet.
     joined = -1
+    waits = 0
+    pause = 0
     do iteration = 0, merge(most_of_group, most_iterations, present(share))
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
@@ -95,7 +99,16 @@ contains
           call open_hidden(pairs, law, solution, state, resolved)
         end if
       end if
-      if (state%residual > look_again * before) call relax(pairs, law, solution, state, resolved)
+      if (waits > 0) then
+        waits = waits - 1
+      else if (state%residual > look_again * before) then
+        call relax(pairs, law, solution, state, resolved)
+        ! Groups that take back what the step did: it goes on without them, each time longer.
+        if (abs(state%residual - before) <= taken_back * before) then
+          pause = 2 * pause + 1
+          waits = pause
+        end if
+      end if
       before = state%residual
       call take_step(pairs, law, solution, state, resolved)
       solution%ending%iterations = iteration + 1
@@ -207,11 +220,12 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
     real(real64), allocatable :: first(:), now(:), part(:)
-    real(real64) :: left, deepest
+    real(real64) :: before, left, deepest
     integer :: k, n, trial
 
     n = size(solution%set%x)
     if (n == 0) return
+    before = state%residual
     left = merge(least_left, 0.0_real64, n > many)
     allocate (gradient(3, n), step(3, n))
     gradient(1, :) = state%off
@@ -249,6 +263,8 @@ contains
       end if
       call evaluate(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
+      ! A step that was cut to the own circles need not go down; then what is left over has to.
+      if (sum(first) >= 0.0_real64 .and. state%residual < before) exit
       now = slopes()
       if (sum(now) <= merge(slope_of_many, slope_left, n > many) * abs(sum(first))) exit
       where (now > share_cut * maxval(now)) &
