@@ -18,7 +18,7 @@ def test_sample(asperity, tally):
     (30977, "a pair of overlapping circles: 400 steps with a residual of 1e-6"),
     (704345, "a cap went to and fro between two places, each told from the other as one of touch"),
     (708618, "the same, 4023 caps"),
-    (809716, "a step cut to a small circle at the rim of a large one did not go down, and was cut on"),
+    (809716, "a step cut to a small circle at a large one's rim did not go down, and was cut on"),
     (807001, "the same, among 2115 caps"),
 ])
 def test_found_seed(seed, was, asperity):
