@@ -61,7 +61,7 @@ contains
     real(real64), intent(in), optional :: share        !! of a group: residual that will do
     type(solve_state) :: state
     real(real64) :: looked, before, enough
-    integer :: iteration, joined, waits, pause
+    integer :: iteration, joined, waits, skipped
     logical :: done, everywhere
 
     call prepare(pairs, law, solution, state, target, resolved)
@@ -73,7 +73,7 @@ contains
     ! None has been looked at yet.
     joined = -1
     waits = 0
-    pause = 0
+    skipped = 0
     do iteration = 0, merge(most_of_group, most_iterations, present(share))
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
@@ -105,8 +105,8 @@ contains
         call relax(pairs, law, solution, state, resolved)
         ! Groups that take back what the step did: it goes on without them, each time longer.
         if (abs(state%residual - before) <= taken_back * before) then
-          pause = 2 * pause + 1
-          waits = pause
+          skipped = 2 * skipped + 1
+          waits = skipped
         end if
       end if
       before = state%residual
