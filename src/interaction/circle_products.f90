@@ -11,9 +11,6 @@ module asperity_circle_products
 
   public :: hold_bent, multiply, shift_down
 
-  ! Least share of its curvature by which a shift is stiffened.
-  real(real64), parameter :: least_stiffer = 1.0_real64 / 16
-
 contains
 
   !> The shift that takes a slope away, downwards in any case: the lesser second derivative is kept
@@ -36,7 +33,8 @@ contains
   end function shift_down
 
   !> Stiffens the shifts of near pairs along whose loads and shifts the potential curves down, so
-  !> that it does not; where the curvature alone does not do, they are held.
+  !> that it does not, by no more than twice what that takes: a contact that may slide around another
+  !> must not creep. Where the curvature alone does not do, they are held.
   subroutine hold_bent(set, margin)
     type(circle_set), intent(inout) :: set  !! its field is known; gets who is stiffer or held
     real(real64), intent(in) :: margin      !! share of the second derivatives
@@ -49,7 +47,7 @@ contains
     do k = 1, size(stiffer)
       stiffer(k) = 0.0_real64
       do while (curves_down(set, k, margin, stiffer(k)))
-        stiffer(k) = max(least_stiffer, 2 * stiffer(k))
+        stiffer(k) = max(margin, 2 * stiffer(k))
         if (stiffer(k) > 1.0_real64) exit
       end do
     end do

@@ -20,6 +20,7 @@ def test_sample(asperity, tally):
     (708618, "the same, 4023 caps"),
     (809716, "a step cut to a small circle at a large one's rim did not go down, and was cut on"),
     (807001, "the same, among 2115 caps"),
+    (905849, "a small circle crept around a large one, as its shift was stiffened too much"),
 ])
 def test_found_seed(seed, was, asperity):
     outcome = everything_solved.run_seed(asperity, "coupled", 60, seed)
