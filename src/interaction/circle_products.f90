@@ -33,8 +33,8 @@ contains
   end function shift_down
 
   !> Stiffens the shifts of near pairs along whose loads and shifts the potential curves down, so
-  !> that it does not, by no more than twice what that takes: a contact that may slide around another
-  !> must not creep. Where the curvature alone does not do, they are held.
+  !> that it does not, by no more than twice what that takes: a contact that may slide around one
+  !> other must not creep. Where the curvature alone does not do, they are held.
   subroutine hold_bent(set, margin)
     type(circle_set), intent(inout) :: set  !! its field is known; gets who is stiffer or held
     real(real64), intent(in) :: margin      !! share of the second derivatives
