@@ -185,3 +185,13 @@ def test_waiting_threads_sleep(asperity, tmp_path, tally):
                  {"OMP_NUM_THREADS": "1"}):
         assert len(rounds("solve", "-", **more)) == 1
     tally.add("ways to wait", 5, 5)
+
+
+@pytest.mark.parametrize("size, good", [("16M", True), ("16384 k", True), ("16384", True),
+                                        ("much", True), ("100k", False)])
+def test_stack_of_a_thread(asperity, size, good):
+    """What the environment gives a thread is read as OpenMP reads it, and has to do."""
+    done = subprocess.run([asperity, "--version"], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, "OMP_STACKSIZE": size})
+    assert done.returncode == (0 if good else 1)
+    assert ("found 100 kB, expected at least 512 kB: OMP_STACKSIZE=8M" in done.stderr) != good
