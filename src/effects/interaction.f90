@@ -20,10 +20,6 @@ module asperity_interaction
 
   public :: new_interaction
 
-  ! The relative error of the closing at a load, over that of the load at a closing: 2/3 where the
-  ! load grows with its power 3/2, less where it grows faster; .5 to .75 were measured.
-  real(real64), parameter :: of_closing = 0.75_real64
-
   !> Interaction of neighbouring contacts.
   type, extends(contact_effect) :: interaction_effect
     real(real64) :: boundary_tolerance = 0.0_real64  !! what the last halving of cells may change
@@ -164,7 +160,6 @@ contains
       return
     end if
     closing = solution%coupled%closing
-    solution%error = of_closing * solution%error
     call pack_solution(solution, found)
   end subroutine closing_at_load
 

@@ -47,23 +47,27 @@ contains
 
   !> Loads that the contacts may be off by, over the modulus: a bound observed, not proved. Zero
   !> where open and with nothing to tell. Elastic contacts.
-  subroutine find_errors(pairs, solution, hosts, error, emitted, shape)
+  subroutine find_errors(pairs, solution, hosts, error, emitted, shape, of_closing)
     type(contact_pairs), intent(in) :: pairs           !! the position
     type(coupled_solution), intent(inout) :: solution  !! solved; stays
     integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
     real(real64), intent(out) :: error(:)              !! of each by itself, by pair
     real(real64), intent(out) :: emitted(:)            !! what it changes by it at its neighbours
     real(real64), intent(out) :: shape(:)              !! as a sphere is no paraboloid
+    !> relative error of the closing at a load over that of the load L at a closing c:
+    !! L/(c dL/dc), 2/3 for a Hertz contact alone
+    real(real64), intent(out) :: of_closing
     type(source_tree) :: tree
     integer, allocatable :: number(:)
-    real(real64) :: weight(size(solution%set%number))
+    real(real64) :: weight(size(solution%set%number)), tangent
     integer :: i, j, k, l
 
     error = 0.0_real64
     emitted = 0.0_real64
     shape = 0.0_real64
     hosts = 0
-    call weigh(solution, weight)
+    call weigh(solution, weight, tangent)
+    of_closing = sum(solution%set%load) / (solution%closing * tangent)
     associate (set => solution%set)
       !$omp parallel do private(i) schedule(static) if(size(set%number) > many)
       do k = 1, size(set%number)
@@ -93,9 +97,9 @@ contains
   ! What the total gains over what a contact would alone: as it bears more, its neighbours bear
   ! less. To first order the total changes with the gap of contact i by x_i, where all gaps together
   ! change the loads by x.
-  subroutine weigh(solution, weight)
+  subroutine weigh(solution, weight, tangent)
     type(coupled_solution), intent(inout) :: solution
-    real(real64), intent(out) :: weight(:)
+    real(real64), intent(out) :: weight(:), tangent
     real(real64), dimension(3, size(weight)) :: gradient, step
     integer :: products, k, l
 
@@ -103,6 +107,8 @@ contains
     gradient(1, :) = -1.0_real64
     products = 0
     call newton_step(solution%set, gradient, .false., weight_left, weight_left, step, products)
+    ! Conjugate gradients come to it from below.
+    tangent = sum(step(1, :))
     associate (set => solution%set)
       do k = 1, size(weight)
         weight(k) = step(1, k)

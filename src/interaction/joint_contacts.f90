@@ -30,7 +30,7 @@ module asperity_joint_contacts
     logical, allocatable :: is_resolved(:)          !! by pair
     integer :: clusters = 0, cells = 0              !! of those resolved
     integer :: rounds = 0                           !! of circles and cells
-    real(real64) :: error = 0.0_real64              !! estimate, a share of the total load
+    real(real64) :: error = 0.0_real64              !! estimate, a share of load or closing
     real(real64) :: area_error = 0.0_real64         !! estimate, a share of the area
     character(len=:), allocatable :: failure        !! why there is none
   end type joint_solution
@@ -74,7 +74,7 @@ contains
     type(cluster), allocatable :: clusters(:)
     real(real64), dimension(size(pairs%list)) :: error, emitted, shape, area_error
     integer :: hosts(size(pairs%list)), k
-    real(real64) :: before, least_area, now, total
+    real(real64) :: before, least_area, now, of_closing, total
 
     least_area = usual_area
     if (present(area_tolerance)) least_area = area_tolerance
@@ -87,7 +87,8 @@ contains
       shape = 0.0_real64
       total = sum(coupled%set%load)
       ! Else nothing touches.
-      if (total > 0.0_real64) call find_errors(pairs, coupled, hosts, error, emitted, shape)
+      if (total > 0.0_real64) &
+        call find_errors(pairs, coupled, hosts, error, emitted, shape, of_closing)
       if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
       area_error = 0.0_real64
       associate (set => coupled%set)
@@ -136,16 +137,19 @@ contains
       if (.not. total > 0.0_real64) return
       total = sum(coupled%set%load)
       solution%error = sum(error + emitted + shape, mask=.not. is_one) / total
-      if (.not. allocated(clusters)) return
-      ! Neighbours turn the line of centres of an inclined contact, and its load along it.
-      associate (set => coupled%set, pair => pairs%list(coupled%set%number))
-        if (present(target)) solution%error = solution%error + &
-          sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
-              coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
-      end associate
-      solution%error = solution%error + round_left * abs(now - before) / now + &
-        (scatter_told * norm2(clusters%answer%error) + sum([(clusters(k)%answer%ending%residual * &
-        sum(clusters(k)%answer%vertical_load), k=1, size(clusters))])) / (pairs%modulus * total)
+      if (allocated(clusters)) then
+        ! Neighbours turn the line of centres of an inclined contact, and its load along it.
+        associate (set => coupled%set, pair => pairs%list(coupled%set%number))
+          if (present(target)) solution%error = solution%error + &
+            sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
+                coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
+        end associate
+        solution%error = solution%error + (scatter_told * norm2(clusters%answer%error) + &
+          sum([(clusters(k)%answer%ending%residual * sum(clusters(k)%answer%vertical_load), &
+                k=1, size(clusters))])) / (pairs%modulus * total)
+      end if
+      if (present(target)) solution%error = of_closing * solution%error
+      solution%error = solution%error + round_left * abs(now - before) / now
     end associate
 
   contains

@@ -35,13 +35,14 @@ contains
       new_unittest('cells: the loads are those known', cells), &
       new_unittest('a tolerance is kept, with cells where it calls for them', called_for), &
       new_unittest('a load asked for is met', load_met), &
+      new_unittest('an error of load, told of the closing, by the tangent', told_of_closing), &
       new_unittest('clusters far apart are as all on one lattice', clusters), &
       new_unittest('contacts in one place bear what one bears', in_one_place), &
       new_unittest('one thread and two give the same bytes', same_bytes)]
   end subroutine collect_joint
 
   ! Solves at one depth, or at a load; tells what went wrong.
-  subroutine solve(error, pairs, law, which, tolerance, solution, what, target)
+  subroutine solve(error, pairs, law, which, tolerance, solution, what, target, closing)
     type(error_type), allocatable, intent(inout) :: error
     type(contact_pairs), intent(in) :: pairs
     type(hertz_law), intent(in) :: law
@@ -49,9 +50,10 @@ contains
     real(real64), intent(in) :: tolerance
     type(joint_solution), intent(out) :: solution
     character(*), intent(in) :: what
-    real(real64), intent(in), optional :: target
+    real(real64), intent(in), optional :: target, closing
 
     solution%coupled%closing = depth
+    if (present(closing)) solution%coupled%closing = closing
     call solve_joint(pairs, law, which, tolerance, 0.2_real64 * tolerance, solution, target)
     call check(error, .not. allocated(solution%failure), trim(what) // ': failed')
   end subroutine solve
@@ -156,6 +158,37 @@ contains
       end do
     end do
   end subroutine load_met
+
+  ! L/(c dL/dc) by differences: the share told is within a tenth above, and not below by more than
+  ! its conjugate gradients leave.
+  subroutine told_of_closing(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: aside = 1.0e-4_real64
+    type(known_scene) :: scenes(18)
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(joint_solution) :: here, at_load, nearby(2)
+    real(real64) :: load, share, tangent
+    integer :: i, k
+
+    scenes = known_scenes()
+    do i = 1, size(scenes)
+      call lay_known(scenes(i), pairs, law)
+      call solve(error, pairs, law, resolve_none, 0.01_real64, here, scenes(i)%name)
+      ! One contact has none.
+      if (.not. here%error > 0.0_real64) cycle
+      do k = 1, 2
+        call solve(error, pairs, law, resolve_none, 0.01_real64, nearby(k), scenes(i)%name, &
+                   closing=depth * (1 + (2 * k - 3) * aside))
+      end do
+      load = law%modulus * sum(here%coupled%set%load)
+      tangent = law%modulus * (sum(nearby(2)%coupled%set%load) - &
+                sum(nearby(1)%coupled%set%load)) / (2 * aside)
+      call solve(error, pairs, law, resolve_none, 0.01_real64, at_load, scenes(i)%name, load)
+      share = at_load%error / here%error * tangent / load
+      call check(error, share, 1.045_real64, 0.055_real64, scenes(i)%name)
+    end do
+  end subroutine told_of_closing
 
   subroutine clusters(error)
     type(error_type), allocatable, intent(out) :: error
