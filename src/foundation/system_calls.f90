@@ -8,7 +8,7 @@ module asperity_system_calls
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
   public :: posix_isatty, posix_getpid, posix_exit, posix_getrlimit
-  public :: posix_execv, posix_mmap, posix_munmap, posix_setenv
+  public :: posix_execv, posix_madvise, posix_mmap, posix_munmap, posix_setenv
   public :: system_error, system_reason, canonical_path
 
   interface
@@ -167,6 +167,15 @@ module asperity_system_calls
       type(c_ptr), value :: place
       integer(c_size_t), value :: bytes
     end function posix_munmap
+
+    !> Tells the system how memory will be used; -1 where it cannot make use of that.
+    integer(c_int) function posix_madvise(place, bytes, advice) bind(c, name='madvise')
+      import :: c_int, c_ptr, c_size_t
+      implicit none
+      type(c_ptr), value :: place
+      integer(c_size_t), value :: bytes
+      integer(c_int), value :: advice
+    end function posix_madvise
 
     !> Gives memory back.
     subroutine posix_free(memory) bind(c, name='free')

@@ -1,7 +1,7 @@
 #define ITEM type(keyed)
 !> The order of some numbers, in time proportional to their count unless they pile up.
 !>
-!> Buckets of equal width hold one number or none as a rule; a bucket that holds more is sorted by
+!> Buckets of equal width hold one number or none as a rule; a bucket that holds many is sorted by
 !> merging. Equal numbers keep their order.
 module asperity_key_sort
   use asperity_kinds, only: int32, real64
@@ -26,6 +26,7 @@ contains
     real(real64), contiguous, intent(in) :: key(:)        !! one at least; finite, below 1e300
     integer(int32), contiguous, intent(out) :: order(:)   !! as many: the least is key(order(1))
     type(keyed), allocatable :: list(:)
+    type(keyed) :: moving
     integer, allocatable :: ends(:)
     real(real64) :: low, high, scale
     integer :: i, k, b, begin, buckets
@@ -61,8 +62,19 @@ contains
     end do
     begin = 0
     do b = 1, buckets
-      if (ends(b) - begin > 1) call merge_sort(list(begin + 1:ends(b)))
+      if (ends(b) - begin > few) call merge_sort(list(begin + 1:ends(b)))
       begin = ends(b)
+    end do
+    ! No number leaves its bucket.
+    do i = 2, size(list)
+      moving = list(i)
+      k = i - 1
+      do while (k >= 1)
+        if (.not. before(moving, list(k))) exit
+        list(k + 1) = list(k)
+        k = k - 1
+      end do
+      list(k + 1) = moving
     end do
     order(:) = list%place
   end subroutine sort_keys

@@ -7,19 +7,18 @@
 !> them. The order does not change when the whole surface is displaced: built once, it serves
 !> every position.
 module asperity_cell_grid
-  use asperity_cell_layer, only: build_layer, grid_layer
+  use asperity_cell_layer, only: build_layer, grid_layer, take_high_points
   use asperity_kinds, only: int32, real64
   use asperity_number_span, only: number_span, span_of
   implicit none
   private
 
   public :: cell_grid
-  public :: build_grid
+  public :: build_grid, take_high_part
 
   !> A surface, ready to be searched.
   type :: cell_grid
     type(grid_layer), allocatable :: layers(:)  !! ascending radius
-    real(real64), allocatable :: radius(:)      !! of each asperity, by index; one: of all
   end type cell_grid
 
 contains
@@ -38,12 +37,6 @@ contains
     integer :: power, i, begin, layers
 
     radii = span_of(radius)
-    if (radii%least < radii%largest) then
-      allocate (grid%radius(size(radius)))
-    else
-      allocate (grid%radius(1))
-    end if
-    grid%radius(:) = radius(:size(grid%radius))
     if (exponent(radii%least) == exponent(radii%largest)) then
       allocate (grid%layers(1), members(0))
       call build_layer(grid%layers(1), x, y, height, radius, members, reach)
@@ -67,6 +60,22 @@ contains
       begin = ends(power)
     end do
   end subroutine build_grid
+
+  !> The asperities of a surface in order that are not lower than a level, in order.
+  subroutine take_high_part(grid, least, part)
+    type(cell_grid), intent(in) :: grid   !! the surface in order
+    real(real64), intent(in) :: least     !! level of the lowest summits
+    type(cell_grid), intent(out) :: part  !! with the indices of the surface
+    integer :: i, k
+
+    allocate (part%layers(count(grid%layers%highest >= least)))
+    k = 0
+    do i = 1, size(grid%layers)
+      if (grid%layers(i)%highest < least) cycle
+      k = k + 1
+      call take_high_points(grid%layers(i), least, part%layers(k))
+    end do
+  end subroutine take_high_part
 
   ! Indices by ascending power of two of the radius; each power's end among them.
   subroutine part_by_power(radius, first, last, members, ends)

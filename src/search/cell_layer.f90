@@ -1,13 +1,15 @@
 !> One layer of a surface in order: strips along x, each in the order of x.
 module asperity_cell_layer
+  use, intrinsic :: iso_c_binding, only: c_loc
   use asperity_cell_reach, only: squared_reach
   use asperity_key_sort, only: sort_keys
-  use asperity_kinds, only: int32, real64
+  use asperity_kinds, only: int32, int64, real64
+  use asperity_large_pages, only: ask_for_large_pages, bounds_for_large_pages
   implicit none
   private
 
   public :: grid_layer, grid_point
-  public :: build_layer, spare_points
+  public :: build_layer, spare_points, take_high_points
 
   !> Points after the last one of a layer, so that a search may test some together.
   integer, parameter :: spare_points = 4
@@ -22,7 +24,8 @@ module asperity_cell_layer
 
   !> Asperities whose radii have one power of two.
   type :: grid_layer
-    type(grid_point), allocatable :: points(:)  !! strip after strip, by x; then the spare ones
+    type(grid_point), allocatable :: points(:)  !! from 1: strip after strip, by x; the spare ones
+    real(real64), allocatable :: radius(:)      !! of each point; where radii differ
     integer :: strips = 0                       !! number of strips, each with an asperity at least
     integer(int32), allocatable :: first(:)     !! first point of each strip; one more: the end
     real(real64), allocatable :: low(:)         !! least y of each strip, ascending
@@ -63,18 +66,67 @@ contains
       bottom = min(bottom, y(m))
       top = max(top, y(m))
     end do
-    allocate (layer%points(n + spare_points))
+    call allocate_points(layer, n)
     tall = strip_height(layer%largest, reach)
     ! Both surfaces are cut at multiples of one height: undisplaced, a strip then meets three.
     if (abs(bottom) < 1.0e9_real64 * tall) bottom = tall * real(floor(bottom / tall), real64)
     if (top - bottom < tall * (4.0_real64 * real(n, real64) + 1000.0_real64)) then
-      call fill_rows(layer%points(:n), x, y, height, members, bottom, top, tall, ends)
+      call fill_rows(layer%points(1:n), x, y, height, members, bottom, top, tall, ends)
     else
-      call fill_sorted(layer%points(:n), x, y, height, members, tall, ends)
+      call fill_sorted(layer%points(1:n), x, y, height, members, tall, ends)
     end if
-    layer%points(n + 1:) = layer%points(n)
+    layer%points(n + 1:n + spare_points) = layer%points(n)
     call finish_strips(layer, ends)
+    if (layer%smallest < layer%largest) layer%radius = radius(layer%points(1:n)%index)
   end subroutine build_layer
+
+  !> The points of a layer that are not lower than a level, in the same order.
+  subroutine take_high_points(layer, least, part)
+    type(grid_layer), intent(in) :: layer  !! in order
+    real(real64), intent(in) :: least      !! level, `highest` at most
+    type(grid_layer), intent(out) :: part  !! in order, with the bounds of the whole layer
+    logical, allocatable :: high(:)
+    integer :: n, i, k, strip
+
+    n = layer%first(layer%strips + 1) - 1
+    high = layer%points(1:n)%height >= least
+    n = count(high)
+    call allocate_points(part, n)
+    part%smallest = layer%smallest
+    part%largest = layer%largest
+    part%highest = layer%highest
+    if (allocated(layer%radius)) part%radius = pack(layer%radius, high)
+    k = min(layer%strips, n)
+    allocate (part%first(k + 1), part%low(k), part%high(k))
+    part%first(1) = 1_int32
+    n = 0
+    do strip = 1, layer%strips
+      k = n
+      do i = layer%first(strip), layer%first(strip + 1) - 1
+        if (.not. high(i)) cycle
+        n = n + 1
+        part%points(n) = layer%points(i)
+      end do
+      if (n == k) cycle
+      part%strips = part%strips + 1
+      part%low(part%strips) = minval(part%points(k + 1:n)%y)
+      part%high(part%strips) = maxval(part%points(k + 1:n)%y)
+      part%first(part%strips + 1) = int(n + 1, int32)
+    end do
+    part%points(n + 1:n + spare_points) = part%points(n)
+  end subroutine take_high_points
+
+  ! Room for `n` points and the spare ones.
+  subroutine allocate_points(layer, n)
+    type(grid_layer), intent(inout), target :: layer
+    integer, intent(in) :: n
+    integer :: bytes, first, last
+
+    bytes = storage_size(layer%points) / 8
+    call bounds_for_large_pages(n + spare_points, bytes, first, last)
+    allocate (layer%points(first:last))
+    call ask_for_large_pages(c_loc(layer%points(1)%x), int(last, int64) * bytes)
+  end subroutine allocate_points
 
   ! How far apart two asperities of a layer can be, and a little more.
   pure function strip_height(largest, reach) result(tall)

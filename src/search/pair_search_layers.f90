@@ -64,10 +64,10 @@ contains
           ! The upper surface is displaced, whichever it is. Adding zero changes nothing.
           if (task%upper_sought) then
             task%offset = [0.0_real64, 0.0_real64, dx, dy]
-            call sweep_layers(lower, upper, below, above, 1, below%strips, task, found, failed)
+            call sweep_layers(below, above, task, found, failed)
           else
             task%offset = [dx, dy, 0.0_real64, 0.0_real64]
-            call sweep_layers(upper, lower, above, below, 1, above%strips, task, found, failed)
+            call sweep_layers(above, below, task, found, failed)
           end if
         end associate
         if (failed) return
@@ -75,12 +75,9 @@ contains
     end do
   end subroutine search_pairs
 
-  ! Strips of the one layer against the strips in reach of the other. Ranges of strips are
-  ! independent: threads can share them when each has its own list.
-  subroutine sweep_layers(seeking, sought, seekers, points, from, to, task, found, failed)
-    type(cell_grid), intent(in) :: seeking, sought
+  ! Strips of the one layer against the strips in reach of the other.
+  subroutine sweep_layers(seekers, points, task, found, failed)
     type(grid_layer), intent(in) :: seekers, points
-    integer, intent(in) :: from, to
     type(search_task), intent(in) :: task
     type(found_pairs), intent(inout) :: found
     logical, intent(out) :: failed
@@ -91,7 +88,7 @@ contains
 
     failed = .false.
     begin = 1
-    do strip = from, to
+    do strip = 1, seekers%strips
       low = seekers%low(strip) + task%offset(2)
       high = seekers%high(strip) + task%offset(2)
       do while (begin <= points%strips)
@@ -108,20 +105,20 @@ contains
         if (lanes == 0) exit
         call begin_sweep(seekers, points, strip, other, lanes, task%offset, task%distance, place)
         do while (place%seeker <= place%last_seeker)
-          call sweep_strips(seekers%points, points%points, task%offset, task%distance, place, near)
+          call sweep_strips(seekers%points(1:), points%points(1:), task%offset, task%distance, &
+                            place, near)
           if (near%used < batch_size) cycle
-          call keep_batch(seeking, sought, seekers, points, task, near, found, failed)
+          call keep_batch(seekers, points, task, near, found, failed)
           if (failed) return
         end do
         other = other + lanes
       end do
     end do
-    call keep_batch(seeking, sought, seekers, points, task, near, found, failed)
+    call keep_batch(seekers, points, task, near, found, failed)
   end subroutine sweep_layers
 
   ! Keeps the pairs of a batch that are within reach and touch above the floor.
-  subroutine keep_batch(seeking, sought, seekers, points, task, near, found, failed)
-    type(cell_grid), intent(in) :: seeking, sought
+  subroutine keep_batch(seekers, points, task, near, found, failed)
     type(grid_layer), intent(in) :: seekers, points
     type(search_task), intent(in) :: task
     type(near_batch), intent(inout) :: near
@@ -134,6 +131,18 @@ contains
     n = near%used
     near%used = 0
     if (n == 0) return
+    s(:n) = seekers%largest
+    if (allocated(seekers%radius)) s(:n) = seekers%radius(near%seeker(:n))
+    if (allocated(points%radius)) then
+      s(:n) = s(:n) + points%radius(near%sought(:n))
+    else
+      s(:n) = s(:n) + points%largest
+    end if
+    if (allocated(seekers%radius) .or. allocated(points%radius)) then
+      bound(:n) = reach_with_margin(task, s(:n))
+    else
+      bound(:n) = reach_with_margin(task, s(1))
+    end if
     do i = 1, n
       associate (one => seekers%points(near%seeker(i)), other => points%points(near%sought(i)))
         touch(i) = one%height + other%height
@@ -141,16 +150,6 @@ contains
         near%sought(i) = other%index
       end associate
     end do
-    if (seekers%smallest < seekers%largest .or. points%smallest < points%largest) then
-      do i = 1, n
-        s(i) = seeking%radius(min(int(near%seeker(i)), size(seeking%radius))) + &
-               sought%radius(min(int(near%sought(i)), size(sought%radius)))
-      end do
-      bound(:n) = reach_with_margin(task, s(:n))
-    else
-      s(:n) = seekers%largest + points%largest
-      bound(:n) = reach_with_margin(task, s(1))
-    end if
     do i = 1, n
       d = min(max(sqrt(near%squared(i)) - task%margin, 0.0_real64), s(i))
       touch(i) = touch(i) - d * d / (s(i) + sqrt((s(i) - d) * (s(i) + d)))

@@ -5,7 +5,7 @@
 !> touches above a known approach is in it. A position asks the least level that is enough: it
 !> costs its own contacts, not the surfaces.
 module asperity_pair_search_levels
-  use asperity_cell_grid, only: build_grid, cell_grid
+  use asperity_cell_grid, only: build_grid, cell_grid, take_high_part
   use asperity_cell_reach, only: any_height, margin_of_arithmetic, squared_reach
   use asperity_kinds, only: int32, real64
   use asperity_number_span, only: number_span, span_of
@@ -36,7 +36,6 @@ module asperity_pair_search_levels
   ! The high asperities of both surfaces.
   type :: pair_level
     type(cell_grid) :: upper, lower
-    integer(int32), allocatable :: upper_index(:), lower_index(:)  ! in the surface; none: all
   end type pair_level
 
   !> Both surfaces at all levels.
@@ -77,19 +76,17 @@ contains
     call choose_drops(upper, lower, above, below, drops)
     n = size(drops)
     allocate (levels%level(n + 1), levels%complete_from(n + 1))
+    levels%complete_from(n + 1) = -huge(top)
+    call build_grid(levels%level(n + 1)%upper, upper%x, upper%y, upper%height, upper%radius, height)
+    call build_grid(levels%level(n + 1)%lower, lower%x, lower%y, lower%height, lower%radius, height)
     ! Every level is part of the next.
     do k = n, 1, -1
       levels%complete_from(k) = top - drops(k)
       associate (level => levels%level(k), next => levels%level(k + 1))
-        call build_part(upper, above%largest - drops(k), next%upper_index, height, level%upper, &
-                        level%upper_index)
-        call build_part(lower, below%largest - drops(k), next%lower_index, height, level%lower, &
-                        level%lower_index)
+        call take_high_part(next%upper, above%largest - drops(k), level%upper)
+        call take_high_part(next%lower, below%largest - drops(k), level%lower)
       end associate
     end do
-    levels%complete_from(n + 1) = -huge(top)
-    call build_grid(levels%level(n + 1)%upper, upper%x, upper%y, upper%height, upper%radius, height)
-    call build_grid(levels%level(n + 1)%lower, lower%x, lower%y, lower%height, lower%radius, height)
   end subroutine build_levels
 
   !> The level that holds all asperities.
@@ -124,24 +121,8 @@ contains
       else
         call search_pairs(level%upper, level%lower, dx, dy, height, margin, floor, found, failed)
       end if
-      if (failed .or. .not. allocated(level%upper_index)) return
-      call use_own_indices(level, found)
     end associate
   end subroutine search_level
-
-  ! From the indices in a level to those in the surfaces.
-  pure subroutine use_own_indices(level, found)
-    type(pair_level), intent(in) :: level
-    type(found_pairs), intent(inout) :: found
-    integer :: k
-
-    do k = 1, found%blocks
-      associate (block => found%block(k))
-        block%upper(:block%used) = level%upper_index(block%upper(:block%used))
-        block%lower(:block%used) = level%lower_index(block%lower(:block%used))
-      end associate
-    end do
-  end subroutine use_own_indices
 
   ! Drops below the highest summits that leave some of the asperities, then `growth` times as many,
   ! and so on. Drops that leave no fewer than half are none: equal heights have no levels.
@@ -191,59 +172,38 @@ contains
     end do
   end subroutine count_drops
 
-  ! The asperities not lower than `least` in order, and their indices. All of them are among some,
-  ! if those are known.
-  subroutine build_part(surface, least, among, height, grid, index)
-    type(surface_points), intent(in) :: surface
-    real(real64), intent(in) :: least, height
-    integer(int32), allocatable, intent(in) :: among(:)
-    type(cell_grid), intent(out) :: grid
-    integer(int32), allocatable, intent(out) :: index(:)
-    type(surface_points) :: part
-    integer :: i, n
-
-    if (allocated(among)) then
-      index = pack(among, surface%height(among) >= least)
-    else
-      allocate (index(count(surface%height >= least)))
-      n = 0
-      do i = 1, size(surface%height)
-        if (.not. surface%height(i) >= least) cycle
-        n = n + 1
-        index(n) = int(i, int32)
-      end do
-    end if
-    part%x = surface%x(index)
-    part%y = surface%y(index)
-    part%height = surface%height(index)
-    part%radius = surface%radius(index)
-    call build_grid(grid, part%x, part%y, part%height, part%radius, height)
-  end subroutine build_part
-
   ! A surface in order for all pairs whose spheres can touch.
   subroutine build_again(from, grid)
     type(cell_grid), intent(in) :: from
     type(cell_grid), intent(out) :: grid
     real(real64), allocatable :: x(:), y(:), height(:), radius(:)
-    integer :: i, k, n
+    integer(int32), allocatable :: index(:)
+    integer :: i, k
 
-    n = 0
-    do k = 1, size(from%layers)
-      n = n + from%layers(k)%first(from%layers(k)%strips + 1) - 1
-    end do
-    allocate (x(n), y(n), height(n), radius(n))
-    radius(:) = from%radius(1)
-    if (size(from%radius) == n) radius(:) = from%radius
+    allocate (x(0), y(0), height(0), radius(0), index(0))
     do k = 1, size(from%layers)
       associate (layer => from%layers(k))
-        do i = 1, layer%first(layer%strips + 1) - 1
-          x(layer%points(i)%index) = layer%points(i)%x
-          y(layer%points(i)%index) = layer%points(i)%y
-          height(layer%points(i)%index) = layer%points(i)%height
-        end do
+        associate (points => layer%points(1:layer%first(layer%strips + 1) - 1))
+          x = [x, points%x]
+          y = [y, points%y]
+          height = [height, points%height]
+          index = [index, points%index]
+          if (allocated(layer%radius)) then
+            radius = [radius, layer%radius]
+          else
+            radius = [radius, spread(layer%largest, 1, size(points))]
+          end if
+        end associate
       end associate
     end do
     call build_grid(grid, x, y, height, radius, any_height)
+    do k = 1, size(grid%layers)
+      associate (layer => grid%layers(k))
+        do i = 1, layer%first(layer%strips + 1) - 1
+          layer%points(i)%index = index(layer%points(i)%index)
+        end do
+      end associate
+    end do
   end subroutine build_again
 
   ! The largest |x| + |y|, at least.

@@ -65,14 +65,14 @@ contains
       left = min(left, points%points(place%start(lane))%x + offset(3))
       right = max(right, points%points(place%last(lane))%x + offset(3))
     end do
-    place%seeker = first_reached(seekers%points, first, last, left, offset(1), distance)
-    place%last_seeker = last_reaching(seekers%points, place%seeker, last, right, offset(1), &
+    place%seeker = first_reached(seekers%points(1:), first, last, left, offset(1), distance)
+    place%last_seeker = last_reaching(seekers%points(1:), place%seeker, last, right, offset(1), &
                                       distance)
     if (place%seeker > place%last_seeker) return
     left = seekers%points(place%seeker)%x + offset(1)
     do lane = 1, lanes
-      place%start(lane) = first_reached(points%points, place%start(lane), place%last(lane), left, &
-                                        offset(3), distance)
+      place%start(lane) = first_reached(points%points(1:), place%start(lane), place%last(lane), &
+                                        left, offset(3), distance)
     end do
     place%next = place%start(1)
   end subroutine begin_sweep
