@@ -1,6 +1,7 @@
 !> What the threads of OpenMP do while they wait for each other.
 module asperity_waiting_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+  use asperity_files, only: read_whole_file
   use asperity_images, only: image_count
   use asperity_system_calls, only: canonical_path, posix_execv, posix_setenv
   !$ use omp_lib, only: omp_get_max_threads
@@ -22,9 +23,8 @@ contains
   !> anew, once, with the same words.
   subroutine let_waiting_threads_sleep()
     character(kind=c_char), allocatable, target :: letters(:)
-    character(len=:), allocatable :: word, words
+    character(len=:), allocatable :: words, failure
     type(c_ptr), allocatable :: address(:)
-    integer, allocatable :: first(:)
     integer(c_int) :: status
     integer :: i, length, threads
 
@@ -37,22 +37,15 @@ contains
       if (length /= 1) return
     end do
 
-    words = ''
-    allocate (first(0:command_argument_count()))
-    do i = 0, command_argument_count()
-      call get_command_argument(i, length=length)
-      allocate (character(len=length) :: word)
-      call get_command_argument(i, value=word)
-      first(i) = len(words) + 1
-      words = words // word // c_null_char
-      deallocate (word)
+    ! Each word ends with a null character; here each begins after one, too.
+    call read_whole_file('/proc/self/cmdline', words, failure)
+    if (allocated(failure)) return
+    letters = transfer(c_null_char // words, letters)
+    allocate (address(0))
+    do i = 1, size(letters) - 1
+      if (letters(i) == c_null_char) address = [address, c_loc(letters(i + 1))]
     end do
-    letters = transfer(words, letters)
-    allocate (address(size(first) + 1))
-    address = c_null_ptr
-    do i = 0, size(first) - 1
-      address(i + 1) = c_loc(letters(first(i)))
-    end do
+    address = [address, c_null_ptr]
     if (posix_setenv(trim(policies(1)) // c_null_char, 'passive' // c_null_char, 1_c_int) /= 0) &
       return
     ! It comes back only where the system does not begin the program; then threads spin.

@@ -7,6 +7,7 @@ import os
 import pty
 import re
 import select
+import shutil
 import signal
 import subprocess
 import time
@@ -185,6 +186,24 @@ def test_waiting_threads_sleep(asperity, tmp_path, tally):
                  {"OMP_NUM_THREADS": "1"}):
         assert len(rounds("solve", "-", **more)) == 1
     tally.add("ways to wait", 5, 5)
+
+
+def test_threads_that_cannot_sleep(asperity, root, tmp_path):
+    """A program whose file is gone cannot begin anew: it goes on as it began."""
+    file = shutil.copy(asperity, tmp_path)
+    descriptor = os.open(file, os.O_RDONLY)
+    os.unlink(file)
+    said = {name: os.environ[name] for name in os.environ
+            if name not in ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT")} | {"OMP_NUM_THREADS": "2"}
+
+    def run(**how):
+        done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck"], env=said,
+                              capture_output=True, timeout=60, **how)
+        return done.returncode, done.stdout, done.stderr
+
+    gone = run(executable=f"/proc/self/fd/{descriptor}", pass_fds=[descriptor])
+    os.close(descriptor)
+    assert gone[0] == 0 and gone == run()
 
 
 @pytest.mark.parametrize("size, good", [("16M", True), ("16384 k", True), ("16384", True),
