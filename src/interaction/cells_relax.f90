@@ -59,12 +59,15 @@ contains
       next = force - rest / influence%norm
       call project(next)
       sure = 0.5_real64 * sum(rest * (force - next))
+      ! Cells come and go at nearly every step: what the last slope has in common with this one is
+      ! taken off (Polak and Ribiere), so that the search need not start anew each time.
       next = merge(rest, 0.0_real64, force > 0.0_real64)
-      call influence%apply_inverse(next, steepest)
-      call centre(force, steepest)
-      slope = sum(next * steepest)
+      call influence%apply_inverse(next, after)
+      slope = sum(next * after)
       step = 0.0_real64
-      if (slope_before > 0.0_real64) step = slope / slope_before
+      if (slope_before > 0.0_real64) &
+        step = max(0.0_real64, (slope - sum(next * steepest)) / slope_before)
+      steepest = after
       where (force > 0.0_real64)
         direction = steepest + step * direction
       else where
@@ -81,7 +84,7 @@ contains
       same = .true.
       if (step > 0.0_real64 .and. curvature > 0.0_real64) then
         step = step / curvature
-        call move(force, rest, direction, step, next, same, slope_before)
+        call move(force, rest, direction, step, next, same)
         if (same) then
           after = rest - step * change
           call centre(next, after)
@@ -134,7 +137,7 @@ contains
       real(real64) :: level, before
 
       if (present(load)) then
-        level = (sum(force) - load) / size(force)
+        level = (sum(force, mask=force > 0.0_real64) - load) / count(force > 0.0_real64)
         do
           before = level
           level = (sum(force, mask=force > before) - load) / count(force > before)
@@ -148,11 +151,10 @@ contains
   end subroutine relax
 
   ! One step. After cells were taken in the search starts anew.
-  pure subroutine move(force, rest, direction, step, next, same, slope_before)
+  pure subroutine move(force, rest, direction, step, next, same)
     real(real64), intent(in) :: force(:, :), rest(:, :), direction(:, :), step
     real(real64), intent(out) :: next(:, :)
     logical, intent(inout) :: same
-    real(real64), intent(inout) :: slope_before
     integer :: i, j
 
     do j = 1, size(force, 2)
@@ -165,7 +167,6 @@ contains
         else if (rest(i, j) < 0.0_real64) then
           next(i, j) = -step * rest(i, j)
           same = .false.
-          slope_before = 0.0_real64
         else
           next(i, j) = 0.0_real64
         end if

@@ -26,6 +26,7 @@ module asperity_map_contact
     real(real64) :: area = 0.0_real64             !! of the samples under pressure, corrected
     real(real64) :: sample_area = 0.0_real64      !! of the samples under pressure, as they are
     real(real64), allocatable :: pressure(:, :)   !! on every sample; given: a start
+    real(real64) :: coarser(2) = 0.0_real64       !! levels of it at half and a quarter, its start
     type(solve_ending) :: ending                  !! residual: largest gap violated over the heights
     type(interruption) :: interrupt               !! given: who can end the solve, which fails
     character(len=:), allocatable :: failure      !! why there is none
@@ -38,8 +39,8 @@ module asperity_map_contact
   ! What a load may be missed by, a share of it.
   real(real64), parameter :: load_met = 1.0e-6_real64
 
-  ! Samples along a side from which on a coarser map saves more than it costs.
-  integer, parameter :: worth_halving = 64
+  ! Samples from which on a coarser map saves more than it costs.
+  integer, parameter :: worth_halving = 64 * 64
 
   ! Offset from which on the series of Love's rectangle has more digits than its closed form: there
   ! both have 10.
@@ -50,9 +51,10 @@ module asperity_map_contact
   real(real64), parameter, public :: rim_of_samples = &
     (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
 
-  ! Bytes of a padded sample (heights, transform, spectrum) and of a plain one (pressures, gaps and
-  ! the vectors of the method).
-  real(real64), parameter :: bytes_padded = 20.0_real64, bytes_plain = 96.0_real64
+  ! Bytes of the spectrum for a padded sample, of the transform for one in the rows that are there,
+  ! and of a plain one (pressures, gaps and the vectors of the method).
+  real(real64), parameter :: bytes_padded = 2.0_real64, bytes_across = 8.0_real64, &
+                             bytes_plain = 96.0_real64
 
 contains
 
@@ -60,13 +62,13 @@ contains
   pure real(real64) function bytes_of_map(map, periodic) result(bytes)
     type(height_map), intent(in) :: map   !! the heights
     logical, intent(in) :: periodic       !! it repeats itself
-    real(real64) :: cells, padded
+    real(real64) :: padded(2)
 
-    cells = size(map%height, kind=int64)
-    padded = cells
-    if (.not. periodic) padded = real(padded_length(2 * size(map%height, 1) - 1), real64) * &
-                                     padded_length(2 * size(map%height, 2) - 1)
-    bytes = bytes_padded * padded + bytes_plain * cells
+    padded = shape(map%height)
+    if (.not. periodic) padded = [padded_length(2 * size(map%height, 1) - 1), &
+                                  padded_length(2 * size(map%height, 2) - 1)]
+    bytes = bytes_padded * product(padded) + bytes_across * padded(1) * size(map%height, 2) + &
+            bytes_plain * size(map%height, kind=int64)
   end function bytes_of_map
 
   !> Presses a map, to a level of the flat or to a load.
@@ -117,7 +119,7 @@ contains
     if (.not. present(load)) gap = gap - (top - answer%level) / range
     if (.not. allocated(answer%pressure)) then
       allocate (answer%pressure, mold=gap)
-      if (minval(shape(gap)) >= worth_halving) then
+      if (size(gap) >= worth_halving) then
         half = half_map(map)
         start%level = answer%level
         start%interrupt = answer%interrupt
@@ -132,6 +134,7 @@ contains
           end do
         end do
         where (.not. is_measured(map%height)) answer%pressure = 0.0_real64
+        answer%coarser = [start%level, start%coarser(1)]
         deallocate (start%pressure, half%height)
       else
         answer%pressure = merge(unit, 0.0_real64, gap < 0.5_real64)
@@ -177,13 +180,13 @@ contains
   !> The map at half its resolution: of four samples the mean of their mean and the highest, which
   !> presses most nearly as they do (measured; the mean alone is too low, the highest too high).
   pure type(height_map) function half_map(map) result(half)
-    type(height_map), intent(in) :: map  !! two samples a side at least
+    type(height_map), intent(in) :: map  !! any; a single row stays one
     real(real64) :: highest, total
     integer :: i, j, k, l, n
 
     half%columns = (map%columns + 1) / 2
     half%rows = (map%rows + 1) / 2
-    half%spacing = 2 * map%spacing
+    half%spacing = merge(2, 1, shape(map%height) > 1) * map%spacing
     allocate (half%height(half%columns, half%rows))
     do j = 1, size(half%height, 2)
       do i = 1, size(half%height, 1)

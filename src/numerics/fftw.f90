@@ -1,40 +1,53 @@
 !> The few procedures of FFTW 3 that are called here (Frigo and Johnson, Proc. IEEE 93, 2005).
 !>
-!> Arrays are handed over as addresses. FFTW counts their dimensions as C does, the slowest first.
-!> Executing is safe in threads, making and destroying plans is not: that is done within
-!> `critical (fftw_plans)`.
+!> Arrays are handed over as addresses. Executing is safe in threads, making and destroying plans
+!> is not: that is done within `critical (fftw_plans)`. A plan may be executed on any arrays that
+!> `allocate` gives, whose addresses are multiples of 16 bytes: FFTW asks for no more.
 module asperity_fftw
   use, intrinsic :: iso_c_binding, only: c_int, c_ptr
   implicit none
   private
 
-  public :: fftw_estimate, fftw_plan_real_to_complex, fftw_plan_complex_to_real
-  public :: fftw_real_to_complex, fftw_complex_to_real, fftw_destroy
+  public :: fftw_estimate, fftw_forward, fftw_backward
+  public :: fftw_plan_real_to_complex, fftw_plan_complex_to_real, fftw_plan_complex
+  public :: fftw_real_to_complex, fftw_complex_to_real, fftw_complex, fftw_destroy
 
-  !> A plan made without measuring, for arrays that lie anywhere (FFTW_ESTIMATE, FFTW_UNALIGNED):
-  !> the same lengths give the same plan, and so the same bytes.
-  integer(c_int), parameter :: fftw_estimate = 64_c_int + 2_c_int
+  !> A plan made without measuring: the same length gives the same plan, and so the same bytes.
+  integer(c_int), parameter :: fftw_estimate = 64_c_int
+
+  !> Signs of the exponent.
+  integer(c_int), parameter :: fftw_forward = -1_c_int, fftw_backward = 1_c_int
 
   interface
-    !> Plans a transform of `slow` rows of `fast` doubles to `slow` rows of `fast/2 + 1` numbers.
-    type(c_ptr) function fftw_plan_real_to_complex(slow, fast, values, transform, flags) &
-      bind(c, name='fftw_plan_dft_r2c_2d')
+    !> Plans a transform of `length` doubles to `length/2 + 1` numbers.
+    type(c_ptr) function fftw_plan_real_to_complex(length, values, transform, flags) &
+      bind(c, name='fftw_plan_dft_r2c_1d')
       import :: c_int, c_ptr
       implicit none
-      integer(c_int), value :: slow, fast
+      integer(c_int), value :: length
       type(c_ptr), value :: values, transform
       integer(c_int), value :: flags
     end function fftw_plan_real_to_complex
 
-    !> Plans the way back. It overwrites the transform, and multiplies by `slow * fast`.
-    type(c_ptr) function fftw_plan_complex_to_real(slow, fast, transform, values, flags) &
-      bind(c, name='fftw_plan_dft_c2r_2d')
+    !> Plans the way back. It overwrites the transform, and multiplies by `length`.
+    type(c_ptr) function fftw_plan_complex_to_real(length, transform, values, flags) &
+      bind(c, name='fftw_plan_dft_c2r_1d')
       import :: c_int, c_ptr
       implicit none
-      integer(c_int), value :: slow, fast
+      integer(c_int), value :: length
       type(c_ptr), value :: transform, values
       integer(c_int), value :: flags
     end function fftw_plan_complex_to_real
+
+    !> Plans a transform of `length` complex numbers; where `from` is `to`, in their place.
+    type(c_ptr) function fftw_plan_complex(length, from, to, sign, flags) &
+      bind(c, name='fftw_plan_dft_1d')
+      import :: c_int, c_ptr
+      implicit none
+      integer(c_int), value :: length
+      type(c_ptr), value :: from, to
+      integer(c_int), value :: sign, flags
+    end function fftw_plan_complex
 
     !> Transforms as planned.
     subroutine fftw_real_to_complex(plan, values, transform) bind(c, name='fftw_execute_dft_r2c')
@@ -49,6 +62,13 @@ module asperity_fftw
       implicit none
       type(c_ptr), value :: plan, transform, values
     end subroutine fftw_complex_to_real
+
+    !> Transforms as planned.
+    subroutine fftw_complex(plan, from, to) bind(c, name='fftw_execute_dft')
+      import :: c_ptr
+      implicit none
+      type(c_ptr), value :: plan, from, to
+    end subroutine fftw_complex
 
     !> Frees a plan.
     subroutine fftw_destroy(plan) bind(c, name='fftw_destroy_plan')

@@ -1,9 +1,9 @@
 !> What the summits of a map cost: they are held against the map itself at the same load.
 !>
 !> The map is pressed at its full resolution when it has few enough samples, else at a half of it,
-!> or what memory and patience allow, and twice more, coarser each time: what its separation changes
-!> by says what that of all samples is, and how sure. It is pressed before they are: where it is one
-!> contact with holes in it, summits are no contacts of their own.
+!> or what memory and patience allow: what its separation changes by from still coarser ones, which
+!> it starts from, says what that of all samples is, and how sure. It is pressed before they are:
+!> where it is one contact with holes in it, summits are no contacts of their own.
 module asperity_map_check
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured
@@ -30,14 +30,12 @@ module asperity_map_check
     logical :: by_load = .true.    !! the scene gives loads, else levels
     real(real64) :: closed = closed_fully  !! what gaps are closed to, of the range of heights
     type(map_answer) :: answer     !! how it was pressed last
+    !> Samples up to which it is pressed as it is: some seconds.
+    integer(int64) :: most = 600000_int64
+    !> Samples up to which a coarser one is: half a minute. At a quarter of the resolution what is
+    !> claimed is 3.2 times the error in the middle, at an eighth 7 times (measured).
+    integer(int64) :: most_coarser = 4500000_int64
   end type map_seen
-
-  ! Samples up to which the map is pressed as it is: some seconds.
-  integer(int64), parameter :: full_samples = 600000_int64
-
-  ! Samples up to which a larger one is pressed at half its resolution: half a minute. At a quarter
-  ! what is claimed is 3.2 times the error in the middle, at an eighth 7 times (measured).
-  integer(int64), parameter :: half_samples = 4500000_int64
 
   ! Share of the load by which a stiffness is measured.
   real(real64), parameter :: stiffness_step = 0.01_real64
@@ -82,7 +80,7 @@ contains
     seen%periodic = periodic
     seen%by_load = loading%by_load
     seen%map = map
-    do while (size(seen%map%height, kind=int64) > merge(full_samples, half_samples, &
+    do while (size(seen%map%height, kind=int64) > merge(seen%most, seen%most_coarser, &
                                                         seen%coarser == 1))
       seen%map = half_map(seen%map)
       seen%coarser = 2 * seen%coarser
@@ -121,14 +119,17 @@ contains
     check%coarser = seen%coarser
     check%rms_height = rms_of(map)
     associate (answer => seen%answer)
-      call press_map(seen%map, seen%periodic, modulus, answer, state%vertical_load, seen%closed)
-      beyond = 0.0_real64
-      if (.not. allocated(answer%failure) .and. seen%coarser > 1) &
-        call look_beyond(seen, modulus, state%vertical_load, beyond, check%uncertain)
+      ! By load it was pressed as far. Else from its coarser ones again: what they come to tells.
+      if (.not. seen%by_load) then
+        if (allocated(answer%pressure)) deallocate (answer%pressure)
+        call press_map(seen%map, seen%periodic, modulus, answer, state%vertical_load, seen%closed)
+      end if
       if (allocated(answer%failure)) then
         failure = 'beside its summits: ' // answer%failure
         return
       end if
+      beyond = 0.0_real64
+      if (seen%coarser > 1) call look_beyond(seen, beyond, check%uncertain)
       level = answer%level + beyond
       check%difference = (state%approach - level) / check%rms_height
       check%closing = maxval(map%height) - level
@@ -171,26 +172,12 @@ contains
   ! every size; or as the changes themselves change. The mean of the three, give or take half their
   ! range: on 36 made maps of 512 x 512 pressed at half resolution, 0.3 to 10 % contact, 0.002 rms
   ! heights off in the middle, 0.009 at most, and within what is given or taken in 34.
-  subroutine look_beyond(seen, modulus, load, beyond, uncertain)
-    type(map_seen), intent(inout) :: seen     ! pressed by the load; gets a failure
-    real(real64), intent(in) :: modulus, load
+  pure subroutine look_beyond(seen, beyond, uncertain)
+    type(map_seen), intent(in) :: seen            ! pressed by the load
     real(real64), intent(out) :: beyond, uncertain
-    type(height_map) :: map
-    type(map_answer) :: coarse
-    real(real64) :: level(3), change(2), may_be(3), halvings
-    integer :: i
+    real(real64) :: change(2), may_be(3), halvings
 
-    level(1) = seen%answer%level
-    coarse%interrupt = seen%answer%interrupt
-    map = seen%map
-    do i = 2, 3
-      map = half_map(map)
-      if (allocated(coarse%pressure)) deallocate (coarse%pressure)
-      call press_map(map, seen%periodic, modulus, coarse, load, seen%closed)
-      if (allocated(coarse%failure)) seen%answer%failure = coarse%failure
-      level(i) = coarse%level
-    end do
-    change = level(:2) - level(2:)
+    change = [seen%answer%level, seen%answer%coarser(1)] - seen%answer%coarser
     halvings = log(real(seen%coarser, real64)) / log(2.0_real64)
     may_be(1) = change(1) * (1.0_real64 - 1.0_real64 / seen%coarser)
     may_be(2) = change(1) * halvings

@@ -2,12 +2,15 @@
 !>
 !> The influence depends on the offset of two cells alone. On a lattice padded with zeros to twice
 !> its size the periodic images do not reach it: the sum is exact but for rounding. On a periodic
-!> lattice the influence is known by its transform.
+!> lattice the influence is known by its transform. Rows are transformed one by one, those of zeros
+!> not at all, then columns, which go forward and back at once: bytes do not depend on the number of
+!> threads.
 module asperity_cell_convolution
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_int, c_loc, &
                                          c_null_ptr, c_ptr
   use asperity_constants, only: pi
-  use asperity_fftw, only: fftw_complex_to_real, fftw_destroy, fftw_estimate, &
+  use asperity_fftw, only: fftw_backward, fftw_complex, fftw_complex_to_real, fftw_destroy, &
+                           fftw_estimate, fftw_forward, fftw_plan_complex, &
                            fftw_plan_complex_to_real, fftw_plan_real_to_complex, &
                            fftw_real_to_complex
   use asperity_kinds, only: real64
@@ -20,13 +23,14 @@ module asperity_cell_convolution
   type :: cell_convolution
     private
     real(real64), public :: norm = 0.0_real64  !! the matrix of the sum has no larger eigenvalue
+    integer :: wide = 0  ! padded
+    integer :: high = 0
+    ! By wave number along and across, half of them: it is the same at the mirror images.
     real(c_double), allocatable :: spectrum(:, :)
-    real(c_double), allocatable :: values(:, :)
-    complex(c_double_complex), allocatable :: transform(:, :)
+    complex(c_double_complex), allocatable :: transform(:, :)  ! by wave number across and row
     real(c_double), allocatable :: wave_across(:)
     real(c_double), allocatable :: wave_along(:)
-    type(c_ptr) :: forward = c_null_ptr
-    type(c_ptr) :: backward = c_null_ptr
+    type(c_ptr) :: plans(4) = c_null_ptr
   contains
     procedure :: prepare
     procedure :: serves
@@ -36,31 +40,44 @@ module asperity_cell_convolution
     final :: destroy
   end type cell_convolution
 
+  ! The plans: of a row, of a column, of a column back, of a row back.
+  integer, parameter :: of_row = 1, of_column = 2, column_back = 3, row_back = 4
+
+  ! Columns that are gathered at once, which share lines of the cache; numbers of a transform from
+  ! which on threads are worth it.
+  integer, parameter :: at_once = 8, many = 30000
+
 contains
 
   !> Prepares the sum for an influence that is the same at an offset and at its mirror images.
   subroutine prepare(sum, influence)
     class(cell_convolution), intent(inout), target :: sum  !! not prepared before
     real(real64), intent(in) :: influence(0:, 0:)          !! by offset, of the lattice's size
-    integer :: i, j, wide, high
+    real(c_double), allocatable, target :: row(:)
+    complex(c_double_complex), allocatable, target :: column(:)
+    integer :: i, j, n
 
-    wide = padded_length(2 * size(influence, 1) - 1)
-    high = padded_length(2 * size(influence, 2) - 1)
-    call make_plans(sum, wide, high)
-    sum%values = 0.0_c_double
+    call make_plans(sum, padded_length(2 * size(influence, 1) - 1), &
+                    padded_length(2 * size(influence, 2) - 1), size(influence, 2))
+    allocate (row(0:sum%wide - 1), column(0:sum%high - 1))
+    n = size(influence, 1)
+    row = 0.0_c_double
     do j = 0, ubound(influence, 2)
-      do i = 0, ubound(influence, 1)
-        sum%values(i, j) = influence(i, j)
-        sum%values(modulo(-i, wide), j) = influence(i, j)
-        sum%values(i, modulo(-j, high)) = influence(i, j)
-        sum%values(modulo(-i, wide), modulo(-j, high)) = influence(i, j)
-      end do
+      row(:n - 1) = influence(:, j)
+      row(sum%wide - n + 1:) = influence(n - 1:1:-1, j)
+      call fftw_real_to_complex(sum%plans(of_row), c_loc(row), c_loc(sum%transform(0, j)))
     end do
-    call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
-    sum%spectrum = real(sum%transform, c_double)
+    n = size(influence, 2)
+    do i = 0, ubound(sum%transform, 1)
+      column = (0.0_c_double, 0.0_c_double)
+      column(:n - 1) = real(sum%transform(i, :), c_double)
+      column(sum%high - n + 1:) = column(n - 1:1:-1)
+      call fftw_complex(sum%plans(of_column), c_loc(column), c_loc(column))
+      sum%spectrum(:, i) = real(column(:sum%high / 2), c_double)
+    end do
     ! The lattice's matrix is a part of the padded one, whose eigenvalues these are.
     sum%norm = maxval(abs(sum%spectrum))
-    sum%spectrum = sum%spectrum / (real(wide, c_double) * high)
+    sum%spectrum = sum%spectrum / (real(sum%wide, c_double) * sum%high)
   end subroutine prepare
 
   !> Prepares the sum for displacements by pressures on a periodic half-space, over the modulus: a
@@ -71,34 +88,43 @@ contains
     real(real64), intent(in) :: side_x, side_y             !! of a cell
     integer :: i, j
 
-    call make_plans(sum, columns, rows)
-    do j = 0, rows - 1
-      do i = 0, columns / 2
-        sum%spectrum(i + 1, j + 1) = 0.0_real64
-        if (i + j > 0) sum%spectrum(i + 1, j + 1) = 1.0_real64 / &
-          (pi * hypot(i / (columns * side_x), min(j, rows - j) / (rows * side_y)))
+    call make_plans(sum, columns, rows, rows)
+    do i = 0, columns / 2
+      do j = 0, rows / 2
+        sum%spectrum(j, i) = 0.0_real64
+        if (i + j > 0) sum%spectrum(j, i) = 1.0_real64 / &
+          (pi * hypot(i / (columns * side_x), j / (rows * side_y)))
       end do
     end do
     sum%norm = maxval(sum%spectrum)
     sum%spectrum = sum%spectrum / (real(columns, c_double) * rows)
   end subroutine prepare_periodic
 
-  ! Room and plans for a lattice that is padded to `wide` by `high`.
-  subroutine make_plans(sum, wide, high)
+  ! Room and plans for a lattice of so many rows that is padded to `wide` by `high`.
+  subroutine make_plans(sum, wide, high, rows)
     class(cell_convolution), intent(inout), target :: sum
-    integer, intent(in) :: wide, high
+    integer, intent(in) :: wide, high, rows
+    real(c_double), allocatable, target :: row(:)
+    complex(c_double_complex), allocatable, target :: column(:)
     integer :: i, j
 
-    allocate (sum%values(0:wide - 1, 0:high - 1), sum%transform(wide / 2 + 1, high))
-    allocate (sum%spectrum(wide / 2 + 1, high))
+    sum%wide = wide
+    sum%high = high
+    allocate (sum%transform(0:wide / 2, 0:rows - 1), sum%spectrum(0:high / 2, 0:wide / 2))
+    allocate (row(wide), column(high))
     !$omp critical (fftw_plans)
-    sum%forward = fftw_plan_real_to_complex(int(high, c_int), int(wide, c_int), &
-                                            c_loc(sum%values), c_loc(sum%transform), fftw_estimate)
-    sum%backward = fftw_plan_complex_to_real(int(high, c_int), int(wide, c_int), &
-                                             c_loc(sum%transform), c_loc(sum%values), fftw_estimate)
+    sum%plans = [ &
+      fftw_plan_real_to_complex(int(wide, c_int), c_loc(row), c_loc(sum%transform), &
+                                fftw_estimate), &
+      fftw_plan_complex(int(high, c_int), c_loc(column), c_loc(column), fftw_forward, &
+                        fftw_estimate), &
+      fftw_plan_complex(int(high, c_int), c_loc(column), c_loc(column), fftw_backward, &
+                        fftw_estimate), &
+      fftw_plan_complex_to_real(int(wide, c_int), c_loc(sum%transform), c_loc(row), &
+                                fftw_estimate)]
     !$omp end critical (fftw_plans)
     sum%wave_across = [(sin(i * pi / wide)**2, i=0, wide / 2)]
-    sum%wave_along = [(sin(j * pi / high)**2, j=0, high - 1)]
+    sum%wave_along = [(sin(j * pi / high)**2, j=0, high / 2)]
   end subroutine make_plans
 
   !> Whether what was prepared suits a lattice: holds it, in at most one and a half times its size.
@@ -106,22 +132,17 @@ contains
     class(cell_convolution), intent(in) :: sum  !! prepared by an influence
     integer, intent(in) :: cells(2)             !! of the lattice
 
-    serves = all(2 * cells - 1 <= shape(sum%values)) .and. &
-             real(size(sum%values), real64) <= 1.5_real64 * product(2.0_real64 * cells)
+    serves = all(2 * cells - 1 <= [sum%wide, sum%high]) .and. cells(2) <= size(sum%transform, 2) &
+             .and. real(sum%wide, real64) * sum%high <= 1.5_real64 * product(2.0_real64 * cells)
   end function serves
 
   !> Sums influence times force, on the lattice that it was prepared for or a smaller one.
   subroutine apply(sum, force, displacement)
-    class(cell_convolution), intent(inout), target :: sum  !! prepared
-    real(real64), intent(in) :: force(:, :)                !! on every cell
-    real(real64), intent(out) :: displacement(:, :)        !! at every cell
+    class(cell_convolution), intent(inout) :: sum    !! prepared
+    real(real64), intent(in) :: force(:, :)          !! on every cell
+    real(real64), intent(out) :: displacement(:, :)  !! at every cell
 
-    sum%values = 0.0_c_double
-    sum%values(:size(force, 1) - 1, :size(force, 2) - 1) = force
-    call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
-    sum%transform = sum%transform * sum%spectrum
-    call fftw_complex_to_real(sum%backward, c_loc(sum%transform), c_loc(sum%values))
-    displacement = sum%values(:size(force, 1) - 1, :size(force, 2) - 1)
+    call weigh_waves(sum, force, displacement, .false.)
   end subroutine apply
 
   !> Nearly the forces, but for a factor, that cause a displacement, for an influence like 1/r.
@@ -130,36 +151,84 @@ contains
   !> the squares of sin(pi i/n), as for the second difference. The lowest k on the lattice is added:
   !> none is 0. So this is symmetric and positive definite, also on a part of the cells.
   subroutine apply_inverse(sum, displacement, force)
-    class(cell_convolution), intent(inout), target :: sum  !! prepared
-    real(real64), intent(in) :: displacement(:, :)         !! at every cell
-    real(real64), intent(out) :: force(:, :)               !! on every cell
-    real(real64) :: least, scale
-    integer :: i, j
+    class(cell_convolution), intent(inout) :: sum   !! prepared
+    real(real64), intent(in) :: displacement(:, :)  !! at every cell
+    real(real64), intent(out) :: force(:, :)        !! on every cell
 
-    sum%values = 0.0_c_double
-    sum%values(:size(force, 1) - 1, :size(force, 2) - 1) = displacement
-    call fftw_real_to_complex(sum%forward, c_loc(sum%values), c_loc(sum%transform))
-    least = sin(pi / size(sum%values, 1))**2 + sin(pi / size(sum%values, 2))**2
-    scale = 1.0_real64 / size(sum%values)
-    do j = 1, size(sum%transform, 2)
-      do i = 1, size(sum%transform, 1)
-        sum%transform(i, j) = sum%transform(i, j) * &
-          (scale * sqrt(sum%wave_across(i) + sum%wave_along(j) + least))
+    call weigh_waves(sum, displacement, force, .true.)
+  end subroutine apply_inverse
+
+  ! From values on the lattice to waves, each times its weight, and back.
+  subroutine weigh_waves(sum, from, to, inverse)
+    class(cell_convolution), intent(inout), target :: sum
+    real(real64), intent(in) :: from(:, :)
+    real(real64), intent(out) :: to(:, :)
+    logical, intent(in) :: inverse  ! weights of the rough inverse, else of the influence
+    real(c_double), allocatable, target :: row(:), weight(:)
+    complex(c_double_complex), allocatable, target :: column(:, :)
+    real(real64) :: least, scale
+    integer :: i, j, k, m, n
+
+    m = size(from, 1)
+    n = size(from, 2)
+    least = sin(pi / sum%wide)**2 + sin(pi / sum%high)**2
+    scale = 1.0_real64 / (real(sum%wide, real64) * sum%high)
+    !$omp parallel private(row, weight, column, k) if(size(sum%transform) > many)
+    allocate (row(sum%wide), column(0:sum%high - 1, at_once), weight(0:sum%high / 2))
+    !$omp do schedule(static)
+    do j = 1, n
+      row(:m) = from(:, j)
+      row(m + 1:) = 0.0_c_double
+      call fftw_real_to_complex(sum%plans(of_row), c_loc(row), c_loc(sum%transform(0, j - 1)))
+    end do
+    !$omp end do
+    !$omp do schedule(static)
+    do i = 0, ubound(sum%transform, 1), at_once
+      do j = 0, n - 1
+        do k = 1, min(at_once, ubound(sum%transform, 1) - i + 1)
+          column(j, k) = sum%transform(i + k - 1, j)
+        end do
+      end do
+      do k = 1, min(at_once, ubound(sum%transform, 1) - i + 1)
+        column(n:, k) = (0.0_c_double, 0.0_c_double)
+        call fftw_complex(sum%plans(of_column), c_loc(column(0, k)), c_loc(column(0, k)))
+        if (inverse) then
+          weight = scale * sqrt(sum%wave_across(i + k) + sum%wave_along + least)
+        else
+          weight = sum%spectrum(:, i + k - 1)
+        end if
+        column(:sum%high / 2, k) = column(:sum%high / 2, k) * weight
+        column(sum%high / 2 + 1:, k) = column(sum%high / 2 + 1:, k) * &
+                                       weight((sum%high - 1) / 2:1:-1)
+        call fftw_complex(sum%plans(column_back), c_loc(column(0, k)), c_loc(column(0, k)))
+      end do
+      do j = 0, n - 1
+        do k = 1, min(at_once, ubound(sum%transform, 1) - i + 1)
+          sum%transform(i + k - 1, j) = column(j, k)
+        end do
       end do
     end do
-    call fftw_complex_to_real(sum%backward, c_loc(sum%transform), c_loc(sum%values))
-    force = sum%values(:size(force, 1) - 1, :size(force, 2) - 1)
-  end subroutine apply_inverse
+    !$omp end do
+    !$omp do schedule(static)
+    do j = 1, n
+      call fftw_complex_to_real(sum%plans(row_back), c_loc(sum%transform(0, j - 1)), c_loc(row))
+      to(:, j) = row(:m)
+    end do
+    !$omp end do
+    !$omp end parallel
+  end subroutine weigh_waves
 
   subroutine destroy(sum)
     type(cell_convolution), intent(inout) :: sum
+    integer :: i
 
-    if (.not. c_associated(sum%forward)) return
+    if (.not. c_associated(sum%plans(1))) return
     !$omp critical (fftw_plans)
-    call fftw_destroy(sum%forward)
-    call fftw_destroy(sum%backward)
+    do i = 1, size(sum%plans)
+      call fftw_destroy(sum%plans(i))
+    end do
     !$omp end critical (fftw_plans)
-    sum%forward = c_null_ptr
+    sum%plans = c_null_ptr
   end subroutine destroy
 
   !> The least length from n on without other factors than 2, 3 and 5: FFTW is quick with those.

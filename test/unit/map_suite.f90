@@ -1,10 +1,15 @@
 !> Tests of a map of heights under a rigid flat, against closed forms: Hertz' ball (1882) and
 !> Westergaard's wave (1939).
 module asperity_map_suite
+  use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, no_height
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, not_computed, real64
+  use asperity_map_check, only: hold_against_map, map_seen, see_map
   use asperity_map_contact, only: half_map, map_answer, press_map
   use asperity_map_patches, only: find_patches, map_patch
+  use asperity_map_scene, only: map_loading
+  use asperity_map_summits, only: map_summits
+  use asperity_scene_results, only: map_record
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -30,6 +35,7 @@ contains
       new_unittest('load and level give each other back', there_and_back), &
       new_unittest('unequal sides, missing samples, one sample alone', odd_maps), &
       new_unittest('two balls far apart are two spots, also across the end', two_spots), &
+      new_unittest('a coarser map says what all samples do', coarser_map), &
       new_unittest('nothing touches; a flat below the mean height is refused', refused), &
       new_unittest('units of length and load scale by powers of two', scaled)]
   end subroutine collect_maps
@@ -175,6 +181,53 @@ contains
                3.0_real64 / (pi * ball_modulus * 0.1_real64)) - 1.0_real64) < 1.0e-12_real64, &
                'one sample is Love''s square')
   end subroutine odd_maps
+
+  ! Pressed at half its resolution, by a load and at a level, what is claimed of summits is what
+  ! the samples themselves say, within what is given or taken.
+  subroutine coarser_map(error)
+    !> failure
+    type(error_type), allocatable, intent(out) :: error
+    type(height_map) :: map
+    type(map_answer) :: truth, there
+    type(map_seen) :: seen
+    type(map_summits) :: summits
+    type(map_record) :: told
+    type(state_row) :: state
+    character(len=:), allocatable :: failure
+    real(real64), parameter :: load = 300.0_real64
+    integer :: i, j
+
+    map = ball(256, 256)
+    do j = 1, 256
+      do i = 1, 256
+        map%height(i, j) = 0.02_real64 * (sin(0.3_real64 * i) * cos(0.25_real64 * j) + &
+                                          sin(0.023_real64 * i + 0.041_real64 * j))
+      end do
+    end do
+    call press_map(map, .false., ball_modulus, truth, load, 1.0e-4_real64)
+    summits%x = [1.1_real64]
+    summits%y = summits%x
+    state%vertical_load = load
+    state%approach = truth%level + 0.001_real64
+    there%level = state%approach
+    there%pressure = truth%pressure
+    call press_map(map, .false., ball_modulus, there, tolerance=1.0e-4_real64)
+    do i = 1, 2
+      seen = map_seen(most=60000_int64)
+      call see_map(map, .false., map_loading(modulus=ball_modulus, by_load=i == 1, &
+                   values=[merge(load, state%approach, i == 1)]), seen, failure)
+      call check(error, .not. allocated(failure), 'seen')
+      call check(error, seen%coarser, 2, 'at half its resolution')
+      call hold_against_map(map, seen, ball_modulus, summits, state, not_computed, told, failure)
+      call check(error, .not. allocated(failure), 'held against it')
+      call check(error, abs(told%difference * told%rms_height - 0.001_real64) < &
+                 (told%uncertain + 1.0e-3_real64) * told%rms_height, 'what is claimed is true')
+      call check(error, told%uncertain < 0.05_real64, 'and sure')
+    end do
+    call check(error, abs(told%load_difference - (load / there%load - 1.0_real64)) < &
+               told%load_uncertain + 1.0e-3_real64, 'the load at the level')
+    call check(error, told%load_uncertain < 0.05_real64, 'and sure')
+  end subroutine coarser_map
 
   ! Of a square that repeats itself, so that one ball may lie across its corner.
   subroutine two_spots(error)
