@@ -68,7 +68,6 @@ module asperity_circle_field
     real(real64), allocatable :: bowl(:, :)
     real(real64) :: energy = 0.0_real64          !! 1/2 sum V V G
     type(source_tree) :: tree                    !! of the places
-    type(source_tree) :: rough_tree              !! the same, for products
     real(real64), allocatable :: planted(:)      !! radii at planting
     integer, allocatable :: pair(:)              !! of each near neighbour
     integer, allocatable :: one(:), other(:)     !! circles of each near pair
@@ -121,9 +120,6 @@ contains
 
     set%planted = set%circle
     call plant_tree(set%tree, set%x, set%y, set%circle, near_factor)
-    if (.not. allocated(set%tree%failure)) call plant_tree(set%rough_tree, set%x, set%y, &
-      set%circle, near_factor, rough=.true.)
-    if (allocated(set%rough_tree%failure)) set%tree%failure = set%rough_tree%failure
     if (allocated(set%tree%failure)) return
     pairs = size(set%tree%near) / 2
     if (allocated(set%pair)) deallocate (set%pair, set%one, set%other, set%terms)

@@ -17,7 +17,7 @@ module asperity_box_tree
   integer, parameter :: deepest = 24
   ! Pairs of places above which boxes that touch are split, over those that take the time of one
   ! translation: 27 translations a box save 3/4 of 9 * pairs.
-  real(real64), parameter :: worth_a_split = 16.0_real64
+  real(real64), parameter :: worth_a_split = 32.0_real64
   ! Pairs of places up to which all are summed place by place: 600 places, where trees of any depth
   ! took as long (measured) and expansions need not be prepared.
   real(real64), parameter :: few_pairs = 3.6e5_real64
@@ -66,7 +66,7 @@ contains
 
   !> Sorts circles into boxes and settles which boxes act on which.
   pure subroutine plant_boxes(source, target, same, worth, tree)
-    real(real64), intent(in) :: source(:, :)  !! x, y and reach of sources, one at least
+    real(real64), intent(in) :: source(:, :)  !! x, y and reach of sources, rows, one at least
     real(real64), intent(in) :: target(:, :)  !! of targets, one at least
     logical, intent(in) :: same               !! targets are the sources
     real(real64), intent(in) :: worth         !! pairs of places that take a translation's time
@@ -75,9 +75,9 @@ contains
     real(real64) :: width
     integer :: l, i
 
-    tree%corner = [(min(minval(source(i, :)), minval(target(i, :))), i=1, 2)]
+    tree%corner = [(min(minval(source(:, i)), minval(target(:, i))), i=1, 2)]
     ! A little more, so that the last place is inside; anything when all places are one.
-    width = 1.0001_real64 * maxval([(max(maxval(source(i, :)), maxval(target(i, :))) &
+    width = 1.0001_real64 * maxval([(max(maxval(source(:, i)), maxval(target(:, i))) &
                                      - tree%corner(i), i=1, 2)])
     if (.not. width > 0.0_real64) width = 1.0_real64
     call order_places(source, tree%corner, width, source_key, tree%source_order)
@@ -95,8 +95,8 @@ contains
     call make_level(tree%level(0), 1)
     tree%level(0)%cell(:, 1) = 0
     tree%level(0)%parent(1) = 1
-    tree%level(0)%source(:, 1) = [1, size(source, 2), size(source, 2)]
-    tree%level(0)%target(:, 1) = [1, size(target, 2), size(target, 2)]
+    tree%level(0)%source(:, 1) = [1, size(source, 1), size(source, 1)]
+    tree%level(0)%target(:, 1) = [1, size(target, 1), size(target, 1)]
     tree%top = deepest + 1
     do l = 0, deepest
       tree%last = l
@@ -115,23 +115,36 @@ contains
     real(real64), intent(in) :: place(:, :), corner(2), width
     integer(int64), allocatable, intent(out) :: key(:)  ! 32 times Morton's, and the circle's level
     integer, allocatable, intent(out) :: order(:)
-    integer :: i, stop_level, bit, cell(2)
+    real(real64) :: fine
+    integer :: i, stop_level
 
-    allocate (key(size(place, 2)), order(size(place, 2)))
+    allocate (key(size(place, 1)), order(size(place, 1)))
+    fine = scale(1.0_real64, deepest)
     do i = 1, size(key)
       stop_level = deepest
-      if (place(3, i) > 0.0_real64) &
-        stop_level = max(0, min(deepest, exponent(0.5_real64 * width / place(3, i)) - 1))
-      cell = int(scale((place(:2, i) - corner) / width, deepest))
-      key(i) = stop_level
-      do bit = deepest - stop_level, deepest - 1
-        call mvbits(int(ibits(cell(1), bit, 1) + 2 * ibits(cell(2), bit, 1), int64), 0, 2, &
-                    key(i), 5 + 2 * bit)
-      end do
+      if (place(i, 3) > 0.0_real64) &
+        stop_level = max(0, min(deepest, exponent(0.5_real64 * width / place(i, 3)) - 1))
+      key(i) = spread_out(int(fine * ((place(i, 1) - corner(1)) / width), int64)) + &
+               2 * spread_out(int(fine * ((place(i, 2) - corner(2)) / width), int64))
+      key(i) = 32 * ishft(ishft(key(i), 2 * (stop_level - deepest)), 2 * (deepest - stop_level)) &
+               + stop_level
     end do
     call sort_keys(real(key, real64), order)
     key = key(order)
   end subroutine order_places
+
+  ! Moves the bits of a number below 2**24 to even places.
+  elemental integer(int64) function spread_out(number) result(bits)
+    integer(int64), intent(in) :: number
+    integer :: i
+    integer(int64), parameter :: mask(0:4) = [281470681808895_int64, 71777214294589695_int64, &
+      1085102592571150095_int64, 3689348814741910323_int64, 6148914691236517205_int64]
+
+    bits = number
+    do i = 0, 4
+      bits = iand(ior(bits, ishft(bits, 16 / 2**i)), mask(i))
+    end do
+  end function spread_out
 
   pure subroutine make_level(level, boxes)
     type(box_level), intent(inout) :: level

@@ -17,8 +17,8 @@ contains
     type(box_tree), intent(in) :: boxes                      !! all
     integer, intent(in) :: depth                             !! level of the box
     integer, intent(in) :: box                               !! its place in the level
-    real(real64), intent(in) :: source(:, :)                 !! columns, in the order of the boxes
-    real(real64), allocatable, intent(inout) :: about(:, :)  !! the same as rows; grows
+    real(real64), intent(in) :: source(:, :)                 !! rows, in the order of the boxes
+    real(real64), allocatable, intent(inout) :: about(:, :)  !! those of them; grows
     integer, intent(out) :: n                                !! how many rows count
     real(real64), allocatable :: more(:, :)
     integer :: l, a, b, k, j, last
@@ -32,30 +32,38 @@ contains
           last = this%source(3, b)
           ! What children of both boxes do was settled in the levels below.
           if (l < depth .and. this%near(k) < 0) last = this%source(2, b)
-          j = n + last - this%source(1, b) + 1
-          if (j > size(about, 1)) then
-            allocate (more(2 * j, 7))
-            more(:n, :) = about(:n, :)
-            call move_alloc(more, about)
-          end if
-          do j = this%source(1, b), last
-            n = n + 1
-            about(n, :) = source(:, j)
-          end do
+          associate (rows => source(this%source(1, b):last, :))
+            if (n + size(rows, 1) + lanes > size(about, 1)) then
+              allocate (more(2 * (n + size(rows, 1) + lanes), size(source, 2)))
+              more(:n, :) = about(:n, :)
+              call move_alloc(more, about)
+            end if
+            do j = 1, size(source, 2)
+              about(n + 1:n + size(rows, 1), j) = rows(:, j)
+            end do
+            n = n + size(rows, 1)
+          end associate
         end do
         a = this%parent(a)
       end associate
+    end do
+    ! Whole lanes: what is more has no charge.
+    if (n == 0 .or. size(about, 2) < 7) return
+    do j = 1, 7
+      about(n + 1:n + lanes, j) = merge(0.0_real64, about(n, j), j > 5)
     end do
   end subroutine gather_sources
 
   !> Adds what sources do at a target. What is near was told by the same sums when the tree was
   !> planted; nothing acts on its own place.
-  pure subroutine add_direct(about, n, target, value)
+  pure subroutine add_direct(about, n, target, rough, value)
     real(real64), contiguous, intent(in) :: about(:, :)  !! planted x, y and limit; x, y, charges
     integer, intent(in) :: n                             !! rows that count
     real(real64), intent(in) :: target(5)                !! planted x, y and limit; x, y
+    logical, intent(in) :: rough                         !! only the potential, of charges alone
     real(real64), intent(inout) :: value(4)              !! potential, Laplacian, slopes
-    real(real64), dimension(lanes) :: phi, lap, gx, gy
+    real(real64), dimension(lanes) :: phi, lap, gx, gy, counts, dx, dy, square
+    real(real64) :: charge, limit, spread, third
     integer :: k, l
 
     phi = 0.0_real64
@@ -63,47 +71,40 @@ contains
     gx = 0.0_real64
     gy = 0.0_real64
     ! Side by side in lanes that are added at the end: the same bytes however it is compiled.
-    do k = 0, n - lanes, lanes
+    do k = 0, n - 1, lanes
+      !$omp simd private(limit)
       do l = 1, lanes
-        call add_one(about(k + l, 1), about(k + l, 2), about(k + l, 3), about(k + l, 4), &
-                     about(k + l, 5), about(k + l, 6), about(k + l, 7), phi(l), lap(l), gx(l), &
-                     gy(l))
+        ! 1, or 0 when they are near or, without reaches, coincide.
+        limit = about(k + l, 3) + target(3)
+        counts(l) = 0.5_real64 + sign(0.5_real64, (about(k + l, 1) - target(1))**2 + &
+          (about(k + l, 2) - target(2))**2 - (limit * limit + tiny(limit)))
+        dx(l) = target(4) - about(k + l, 4)
+        dy(l) = target(5) - about(k + l, 5)
+        square(l) = 1.0_real64 / ((dx(l)**2 + dy(l)**2) * counts(l) + (1.0_real64 - counts(l)))
       end do
-    end do
-    do k = n - modulo(n, lanes) + 1, n
-      call add_one(about(k, 1), about(k, 2), about(k, 3), about(k, 4), about(k, 5), about(k, 6), &
-                   about(k, 7), phi(1), lap(1), gx(1), gy(1))
+      if (rough) then
+        !$omp simd private(charge, spread, third)
+        do l = 1, lanes
+          phi(l) = phi(l) + about(k + l, 6) * counts(l) * sqrt(square(l))
+        end do
+      else
+        !$omp simd private(charge, spread, third)
+        do l = 1, lanes
+          charge = about(k + l, 6) * counts(l)
+          spread = about(k + l, 7) * counts(l) * square(l)
+          third = sqrt(square(l))
+          phi(l) = phi(l) + (charge + spread) * third
+          third = third * square(l)
+          lap(l) = lap(l) + (charge + 9.0_real64 * spread) * third
+          third = (charge + 3.0_real64 * spread) * third
+          gx(l) = gx(l) - third * dx(l)
+          gy(l) = gy(l) - third * dy(l)
+        end do
+      end if
     end do
     value = value + [((phi(1) + phi(2)) + (phi(3) + phi(4))), &
                      ((lap(1) + lap(2)) + (lap(3) + lap(4))), &
                      ((gx(1) + gx(2)) + (gx(3) + gx(4))), ((gy(1) + gy(2)) + (gy(3) + gy(4)))]
-
-  contains
-
-    pure subroutine add_one(x, y, limit_there, moved_x, moved_y, charge_there, spread_there, phi, &
-                            lap, gx, gy)
-      real(real64), intent(in) :: x, y, limit_there, moved_x, moved_y, charge_there, spread_there
-      real(real64), intent(inout) :: phi, lap, gx, gy
-      real(real64) :: dx, dy, counts, limit, inverse, first, third, charge, spread
-
-      limit = limit_there + target(3)
-      ! 1, or 0 when they are near or, without reaches, coincide.
-      counts = 0.5_real64 + sign(0.5_real64, (x - target(1))**2 + (y - target(2))**2 - &
-                                 (limit * limit + tiny(limit)))
-      dx = target(4) - moved_x
-      dy = target(5) - moved_y
-      inverse = 1.0_real64 / ((dx * dx + dy * dy) * counts + (1.0_real64 - counts))
-      charge = charge_there * counts
-      spread = spread_there * counts
-      first = sqrt(inverse)
-      third = first * inverse
-      phi = phi + (charge * first + spread * third)
-      lap = lap + (charge + 9.0_real64 * spread * inverse) * third
-      third = (charge + 3.0_real64 * spread * inverse) * third
-      gx = gx - third * dx
-      gy = gy - third * dy
-    end subroutine add_one
-
   end subroutine add_direct
 
 end module asperity_direct_sums

@@ -5,8 +5,8 @@
 !> are listed and left to the caller. All others are summed: those in boxes that touch place by
 !> place, those in other boxes by expansions (asperity_box_expansions).
 module asperity_source_tree
-  use asperity_box_expansions, only: add_field, add_moments, full_order, multiply, prepare, &
-                                     rough_order, translations
+  use asperity_box_expansions, only: add_field, add_moments, down, go, lanes, prepare, &
+                                     translations, up
   use asperity_box_tree, only: box_tree, plant_boxes
   use asperity_direct_sums, only: add_direct, gather_sources
   use asperity_key_sort, only: sort_keys
@@ -17,11 +17,10 @@ module asperity_source_tree
 
   public :: source_tree, plant_tree, sum_sources
 
-  ! Boxes whose translations are made together, and fewest places for which threads are started.
-  integer, parameter :: batch = 64, many = 512
-  ! Pairs of places that take the time of one translation (measured: 100 to 200 do as well); rough
-  ! ones have a twelfth of the terms squared.
-  real(real64), parameter :: worth = 100.0_real64, rough_worth = worth / 8
+  ! Fewest places for which threads are started.
+  integer, parameter :: many = 512
+  ! Pairs of places that take the time of one translation (measured).
+  real(real64), parameter :: worth = 50.0_real64
   ! Bytes of a source or target without near ones. A million circles that are both took 210 each
   ! all over a square, 200 in clusters (measured); the rest is for worse.
   integer(int64), parameter :: bytes_per_place = 200_int64
@@ -47,7 +46,7 @@ contains
 
   !> Plants sources and targets at their places and finds which are near each other.
   subroutine plant_tree(tree, x_source, y_source, reach_source, near_factor, x_target, y_target, &
-                        reach_target, rough)
+                        reach_target)
     type(source_tree), intent(out) :: tree           !! the tree
     real(real64), intent(in) :: x_source(:)          !! places
     real(real64), intent(in) :: y_source(:)          !! places
@@ -58,40 +57,34 @@ contains
     real(real64), intent(in), optional :: x_target(:)
     real(real64), intent(in), optional :: y_target(:)      !! places of targets
     real(real64), intent(in), optional :: reach_target(:)  !! reaches of targets
-    !> errors of 1e-4 or so will do, and what is near is not listed
-    logical, intent(in), optional :: rough
-    logical :: is_rough
     integer :: n
 
     tree%same = .not. present(x_target)
     n = size(x_source)
     if (.not. tree%same) n = size(x_target)
     tree%first = spread(1, 1, n + 1)
-    allocate (tree%near(0), tree%source(7, size(x_source)), tree%target(5, n))
+    allocate (tree%near(0), tree%source(size(x_source), 7), tree%target(n, 5))
     if (size(x_source) == 0 .or. n == 0) return
     if (.not. has_memory(bytes_per_place * (n + size(x_source)))) then
       tree%failure = no_memory
       return
     end if
-    tree%source(1, :) = x_source
-    tree%source(2, :) = y_source
-    tree%source(3, :) = near_factor * reach_source
+    tree%source(:, 1) = x_source
+    tree%source(:, 2) = y_source
+    tree%source(:, 3) = near_factor * reach_source
     if (tree%same) then
-      tree%target(:3, :) = tree%source(:3, :)
+      tree%target(:, :3) = tree%source(:, :3)
     else
-      tree%target(1, :) = x_target
-      tree%target(2, :) = y_target
-      tree%target(3, :) = near_factor * reach_target
+      tree%target(:, 1) = x_target
+      tree%target(:, 2) = y_target
+      tree%target(:, 3) = near_factor * reach_target
     end if
-    is_rough = .false.
-    if (present(rough)) is_rough = rough
-    call plant_boxes(tree%source, tree%target, tree%same, merge(rough_worth, worth, is_rough), &
-                     tree%boxes)
-    tree%source(:, :) = tree%source(:, tree%boxes%source_order)
-    tree%target(:, :) = tree%target(:, tree%boxes%target_order)
-    if (.not. is_rough) call list_near(tree)
+    call plant_boxes(tree%source, tree%target, tree%same, worth, tree%boxes)
+    tree%source(:, :) = tree%source(tree%boxes%source_order, :)
+    tree%target(:, :) = tree%target(tree%boxes%target_order, :)
+    call list_near(tree)
     if (tree%boxes%top > tree%boxes%last .or. allocated(tree%failure)) return
-    call prepare(merge(rough_order, full_order, is_rough), tree%ways)
+    call prepare(tree%ways)
     do n = tree%boxes%top, tree%boxes%last
       associate (level => tree%boxes%level(n))
         allocate (level%moment(tree%ways%terms, level%boxes), &
@@ -103,41 +96,51 @@ contains
   ! Counts the near sources of every target, then lists them.
   subroutine list_near(tree)
     type(source_tree), intent(inout) :: tree
-    real(real64), allocatable :: about(:, :), found(:)
-    integer, allocatable :: order(:)
-    logical, allocatable :: close_by(:)
-    integer :: l, a, i, n, name
+    real(real64), allocatable :: about(:, :)
+    integer, allocatable :: name(:), found(:), order(:)
+    integer :: l, a, i, k, n, own, near
     integer(int64) :: pairs
     logical :: listing
 
     ! Every source carries its name.
-    tree%source(4, :) = tree%boxes%source_order
+    tree%source(:, 4) = tree%boxes%source_order
     listing = .false.
     do
-      !$omp parallel private(about, found, order, close_by, l, a, i, n, name) &
-      !$omp if(size(tree%target, 2) > many)
-      allocate (about(0, 7))
+      !$omp parallel private(about, name, found, order, l, a, i, k, n, own, near) &
+      !$omp if(size(tree%target, 1) > many)
+      allocate (about(0, 4))
       do l = 0, tree%boxes%last
         !$omp do schedule(dynamic, 16)
         do a = 1, tree%boxes%level(l)%boxes
           associate (run => tree%boxes%level(l)%target(:, a))
             if (run(2) < run(1)) cycle
-            call gather_sources(tree%boxes, l, a, tree%source, about, n)
+            call gather_sources(tree%boxes, l, a, tree%source(:, :4), about, n)
+            if (n == 0) cycle
+            if (listing) then
+              order = [(k, k=1, n)]
+              call sort_keys(about(:n, 4), order)
+              about(:n, :) = about(order, :)
+            end if
+            name = nint(about(:n, 4))
+            found = spread(0, 1, n + 1)
             do i = run(1), run(2)
-              close_by = (about(:n, 1) - tree%target(1, i))**2 &
-                         + (about(:n, 2) - tree%target(2, i))**2 &
-                         < (about(:n, 3) + tree%target(3, i))**2
-              name = tree%boxes%target_order(i)
-              if (tree%same) close_by = close_by .and. nint(about(:n, 4)) /= name
-              if (listing) then
-                found = pack(about(:n, 4), close_by)
-                if (size(found) == 0) cycle
-                order = nint(found)
-                call sort_keys(found, order)
-                tree%near(tree%first(name):tree%first(name + 1) - 1) = nint(found(order))
-              else
-                tree%first(name + 1) = count(close_by)
-              end if
+              own = 0
+              if (tree%same) own = tree%boxes%target_order(i)
+              near = 0
+              ! Without a branch, which would be mispredicted.
+              do k = 1, n
+                found(near + 1) = name(k)
+                near = near + merge(1, 0, (about(k, 1) - tree%target(i, 1))**2 &
+                                    + (about(k, 2) - tree%target(i, 2))**2 &
+                                    < (about(k, 3) + tree%target(i, 3))**2 .and. name(k) /= own)
+              end do
+              associate (first => tree%first(tree%boxes%target_order(i):))
+                if (listing) then
+                  tree%near(first(1):first(2) - 1) = found(:near)
+                else
+                  first(2) = near
+                end if
+              end associate
             end do
           end associate
         end do
@@ -168,7 +171,8 @@ contains
                          target_move_x, target_move_y)
     type(source_tree), intent(inout) :: tree                  !! the tree
     real(real64), intent(in) :: charge(:)                     !! of sources
-    real(real64), intent(in) :: spread(:)                     !! of sources, at most reach**2
+    !> of sources, at most reach**2; absent: the potential of charges alone, to 1e-4 or so
+    real(real64), intent(in), optional :: spread(:)
     real(real64), intent(inout) :: potential(:)               !! at targets
     real(real64), intent(inout), optional :: lap(:)           !! its Laplacian in the plane
     real(real64), intent(inout), optional :: slope_x(:)       !! its slope; both or none
@@ -179,30 +183,32 @@ contains
     real(real64), intent(in), optional :: target_move_y(:)    !! of targets
     real(real64), allocatable :: about(:, :)
     real(real64) :: value(4), place(2)
-    integer :: l, a, i, n, at
+    integer :: l, a, i, n, at, terms
 
     potential(:) = 0.0_real64
     if (present(lap)) lap(:) = 0.0_real64
     if (present(slope_x)) slope_x(:) = 0.0_real64
     if (present(slope_y)) slope_y(:) = 0.0_real64
     if (.not. allocated(tree%boxes%level)) return
+    terms = merge(tree%ways%terms, tree%ways%rough_terms, present(spread))
     associate (s => tree%boxes%source_order, t => tree%boxes%target_order)
-      tree%source(4:5, :) = tree%source(:2, :)
-      tree%target(4:5, :) = tree%target(:2, :)
-      if (present(move_x)) tree%source(4, :) = tree%source(1, :) + move_x(s)
-      if (present(move_y)) tree%source(5, :) = tree%source(2, :) + move_y(s)
-      if (present(target_move_x)) tree%target(4, :) = tree%target(1, :) + target_move_x(t)
-      if (present(target_move_y)) tree%target(5, :) = tree%target(2, :) + target_move_y(t)
-      tree%source(6, :) = charge(s)
-      tree%source(7, :) = charge(s) * spread(s)
+      tree%source(:, 4:5) = tree%source(:, :2)
+      tree%target(:, 4:5) = tree%target(:, :2)
+      if (present(move_x)) tree%source(:, 4) = tree%source(:, 1) + move_x(s)
+      if (present(move_y)) tree%source(:, 5) = tree%source(:, 2) + move_y(s)
+      if (present(target_move_x)) tree%target(:, 4) = tree%target(:, 1) + target_move_x(t)
+      if (present(target_move_y)) tree%target(:, 5) = tree%target(:, 2) + target_move_y(t)
+      tree%source(:, 6) = charge(s)
+      tree%source(:, 7) = 0.0_real64
+      if (present(spread)) tree%source(:, 7) = charge(s) * spread(s)
     end associate
+    !$omp parallel private(about, value, place, l, a, i, n, at) if(size(tree%target, 1) > many)
     do l = tree%boxes%last, tree%boxes%top, -1
-      call rise(tree, l)
+      call rise(tree, l, terms)
     end do
     do l = tree%boxes%top, tree%boxes%last
-      call fall(tree, l)
+      call fall(tree, l, terms)
     end do
-    !$omp parallel private(about, value, place, l, a, i, n, at) if(size(tree%target, 2) > many)
     allocate (about(0, 7))
     do l = 0, tree%boxes%last
       !$omp do schedule(dynamic, 16)
@@ -212,10 +218,10 @@ contains
           call gather_sources(tree%boxes, l, a, tree%source, about, n)
           do i = this%target(1, a), this%target(2, a)
             value = 0.0_real64
-            call add_direct(about, n, tree%target(:, i), value)
-            place = tree%target(4:5, i) - middle_of(tree%boxes, l, a)
-            if (l >= tree%boxes%top) &
-              call add_field(tree%ways, place(1), place(2), this%half, this%field(:, a), value)
+            call add_direct(about, n, tree%target(i, :), .not. present(spread), value)
+            place = (tree%target(i, 4:5) - middle_of(tree%boxes, l, a)) / this%half
+            if (l >= tree%boxes%top) call add_field(tree%ways, place(1), place(2), this%half, &
+                                                    this%field(:terms, a), value)
             at = tree%boxes%target_order(i)
             potential(at) = value(1)
             if (present(lap)) lap(at) = value(2)
@@ -229,67 +235,79 @@ contains
     !$omp end parallel
   end subroutine sum_sources
 
-  ! Moments of the boxes of a level, from their children and from what is in none.
-  subroutine rise(tree, l)
+  ! Moments of the boxes of a level, from their children and from what is in none. All threads come
+  ! here together.
+  subroutine rise(tree, l, terms)
     type(source_tree), intent(inout) :: tree
-    integer, intent(in) :: l
-    real(real64) :: place(2), part(tree%ways%terms, 1)
-    integer :: a, b, j
+    integer, intent(in) :: l, terms
+    real(real64) :: sums(lanes, terms), place(2)
+    integer :: a, b, begin, box(0:3, lanes), j
 
-    associate (this => tree%boxes%level(l), terms => tree%ways%terms)
-      !$omp parallel do schedule(static, 16) private(place, part, b, j) if(this%boxes > batch)
-      do a = 1, this%boxes
-        this%moment(:, a) = 0.0_real64
-        do j = this%source(1, a), this%source(2, a)
-          place = tree%source(4:5, j) - middle_of(tree%boxes, l, a)
-          call add_moments(tree%ways, place(1), place(2), this%half, tree%source(6, j), &
-                           tree%source(7, j), this%moment(:, a))
+    associate (this => tree%boxes%level(l))
+      !$omp do schedule(dynamic)
+      do begin = 1, this%boxes, lanes
+        box = 0
+        do a = begin, min(begin + lanes - 1, this%boxes)
+          do b = this%child(a), this%child(a + 1) - 1
+            box(tree%boxes%level(l + 1)%quarter(b), a - begin + 1) = b
+          end do
         end do
-        do b = this%child(a), this%child(a + 1) - 1
-          associate (below => tree%boxes%level(l + 1))
-            call multiply(tree%ways%up(:, :, below%quarter(b)), below%moment(:, b:b), terms, 1, &
-                          part)
-          end associate
-          this%moment(:, a) = this%moment(:, a) + part(:, 1)
+        sums = 0.0_real64
+        if (any(box > 0)) call go(tree%ways, up, tree%boxes%level(l + 1)%moment, box, sums)
+        do a = begin, min(begin + lanes - 1, this%boxes)
+          this%moment(:terms, a) = sums(a - begin + 1, :)
+          do j = this%source(1, a), this%source(2, a)
+            place = (tree%source(j, 4:5) - middle_of(tree%boxes, l, a)) / this%half
+            call add_moments(tree%ways, place(1), place(2), tree%source(j, 6), &
+                             tree%source(j, 7) / this%half**2, this%moment(:terms, a))
+          end do
         end do
       end do
-      !$omp end parallel do
+      !$omp end do
     end associate
   end subroutine rise
 
-  ! Fields in the boxes of a level: from the box around, and from boxes that act as a whole.
-  subroutine fall(tree, l)
+  ! Fields in the boxes of a level: from the box around, and from boxes that act as a whole. All
+  ! threads come here together.
+  subroutine fall(tree, l, terms)
     type(source_tree), intent(inout) :: tree
-    integer, intent(in) :: l
-    real(real64), dimension(tree%ways%terms, batch) :: panel, part
-    integer :: begin, a, b, n, shift, into(batch)
+    integer, intent(in) :: l, terms
+    real(real64) :: sums(lanes, terms)
+    integer :: a, begin, box(0:3, lanes), column, n, row
 
-    associate (this => tree%boxes%level(l), terms => tree%ways%terms)
-      !$omp parallel do schedule(static, 1) private(panel, part, a, b, n, shift, into) &
-      !$omp if(this%boxes > batch)
-      do begin = 1, this%boxes, batch
-        do a = begin, min(begin + batch - 1, this%boxes)
-          this%field(:, a) = 0.0_real64
-          if (l > tree%boxes%top) call multiply(tree%ways%down(:, :, this%quarter(a)), &
-                                                tree%boxes%level(l - 1)%field(:, this%parent(a): &
-                                                this%parent(a)), terms, 1, this%field(:, a:a))
-        end do
-        do shift = -24, 24
-          n = 0
-          do a = begin, min(begin + batch - 1, this%boxes)
-            b = this%partner(shift, a)
-            if (b == 0) cycle
-            n = n + 1
-            into(n) = a
-            panel(:, n) = this%moment(:terms, b)
-          end do
-          call multiply(tree%ways%across(:, :, shift), panel, terms, n, part)
-          do b = 1, n
-            this%field(:, into(b)) = this%field(:, into(b)) + part(:, b) / this%half
+    associate (this => tree%boxes%level(l))
+      !$omp do schedule(dynamic)
+      do begin = 1, this%boxes, lanes
+        n = min(lanes, this%boxes - begin + 1)
+        box = 0
+        sums = 0.0_real64
+        do row = 0, 3
+          do column = 0, 3
+            if (max(row, column) < 2) cycle
+            do a = 1, n
+              associate (b => this%partner(:, begin + a - 1))
+                ! Partners count from -24.
+                box(:, a) = [b(25 + 7 * row + column), b(25 + 7 * row - column), &
+                             b(25 - 7 * row + column), b(25 - 7 * row - column)]
+                if (column == 0) box(1::2, a) = 0
+                if (row == 0) box(2:, a) = 0
+              end associate
+            end do
+            if (any(box > 0)) &
+              call go(tree%ways, 4 * row + column, this%moment, box, sums)
           end do
         end do
+        sums = sums / this%half
+        if (l > tree%boxes%top) then
+          box = 0
+          do a = 1, n
+            box(this%quarter(begin + a - 1), a) = this%parent(begin + a - 1)
+          end do
+          call go(tree%ways, down, tree%boxes%level(l - 1)%field, box, sums)
+        end if
+        this%field(:terms, begin:begin + n - 1) = transpose(sums(:n, :))
       end do
-      !$omp end parallel do
+      !$omp end do
     end associate
   end subroutine fall
 
