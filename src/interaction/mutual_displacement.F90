@@ -95,57 +95,43 @@ contains
   pure subroutine by_series(r, first, second, terms)
     real(real64), intent(in) :: r, first, second
     type(mutual_terms), intent(out) :: terms
-    real(real64), dimension(0:terms_kept) :: a, b
-    real(real64) :: unit, mean, grown, bent
-    integer :: k
+    real(real64) :: a(2, 0:terms_kept), b(2, 0:terms_kept), power(2), mean(2, 2), grown(2, 2)
+    real(real64) :: part(2, 2), unit
+    integer :: k, m
 
+    ! Powers of the radii over the distance, with the means of a flat punch and of Hertz.
+    power = 1.0_real64
+    do k = 0, terms_kept
+      a(:, k) = power(1) * [flat_means(k), hertz_means(k)]
+      b(:, k) = power(2) * [flat_means(k), hertz_means(k)]
+      power = power * ([first, second] / r)**2
+    end do
     unit = 1.0_real64 / (pi * r)
-    a(0) = 1.0_real64
-    b(0) = 1.0_real64
-    do k = 1, terms_kept
-      a(k) = a(k - 1) * (first / r)**2
-      b(k) = b(k - 1) * (second / r)**2
-    end do
-    terms%bend = 0.0_real64
     do k = terms_kept, 0, -1
-      call average(k, flat_means, hertz_means, mean, grown)
-      terms%on_first = terms%on_first + unit * mean
-      terms%first_growth = terms%first_growth + unit * grown
-      terms%first_slope = terms%first_slope - unit * (2 * k + 1) * mean / r
-      call average(k, hertz_means, flat_means, mean, grown)
-      terms%on_second = terms%on_second + unit * mean
-      terms%second_slope = terms%second_slope - unit * (2 * k + 1) * mean / r
-      ! By its own radius: what is left of the degree 2 k.
-      terms%second_growth = terms%second_growth + unit * (2 * k * mean - grown)
-      call average(k, flat_means, flat_means, mean, grown)
-      terms%compliance = terms%compliance + unit * mean
-      call average(k, hertz_means, hertz_means, mean, grown)
-      terms%mean = terms%mean + unit * mean
-      terms%slope = terms%slope - unit * (2 * k + 1) * mean / r
-      bent = unit * (2 * k + 1) * (2 * k + 2) * mean / r**2
-      terms%bend = terms%bend + bent
-    end do
-
-  contains
-
-    ! Mean of the k-th term over two rows, and its derivative by the log of the first radius.
-    pure subroutine average(k, first_means, second_means, mean, grown)
-      integer, intent(in) :: k
-      real(real64), intent(in) :: first_means(0:), second_means(0:)
-      real(real64), intent(out) :: mean, grown
-      real(real64) :: part
-      integer :: m
-
+      ! The k-th term, by what acts on the first and on the second circle, and its derivative by the
+      ! log of the first radius.
       mean = 0.0_real64
       grown = 0.0_real64
       do m = 0, k
-        part = root_terms(k) * binomial(m, k) * (a(m) * first_means(m)) * &
-               (b(k - m) * second_means(k - m))
+        part(:, 1) = binomial(m, k) * b(1, k - m) * a(:, m)
+        part(:, 2) = binomial(m, k) * b(2, k - m) * a(:, m)
         mean = mean + part
         grown = grown + 2 * m * part
       end do
-    end subroutine average
-
+      mean = unit * root_terms(k) * mean
+      grown = unit * root_terms(k) * grown
+      terms%on_first = terms%on_first + mean(1, 2)
+      terms%first_growth = terms%first_growth + grown(1, 2)
+      terms%first_slope = terms%first_slope - (2 * k + 1) * mean(1, 2) / r
+      terms%on_second = terms%on_second + mean(2, 1)
+      terms%second_slope = terms%second_slope - (2 * k + 1) * mean(2, 1) / r
+      ! By its own radius: what is left of the degree 2 k.
+      terms%second_growth = terms%second_growth + (2 * k * mean(2, 1) - grown(2, 1))
+      terms%compliance = terms%compliance + mean(1, 1)
+      terms%mean = terms%mean + mean(2, 2)
+      terms%slope = terms%slope - (2 * k + 1) * mean(2, 2) / r
+      terms%bend = terms%bend + (2 * k + 1) * (2 * k + 2) * mean(2, 2) / r**2
+    end do
   end subroutine by_series
 
   ! One circle is a point: the fields of the other at it (Johnson 1985, eq. 3.41 and 3.42).

@@ -43,7 +43,7 @@ module asperity_box_expansions
 contains
 
   !> Prepares the ways between boxes.
-  pure subroutine prepare(ways)
+  subroutine prepare(ways)
     type(translations), intent(out) :: ways  !! the ways
     integer, parameter :: n = order + 1
     real(real64) :: node(n), basis(n, 0:order), half(0:order, 0:order), t(0:order)
@@ -86,6 +86,7 @@ contains
       ways%way(:, i, down) = half(ways%in_x, ways%in_x(i)) * half(ways%in_y, ways%in_y(i))
       ways%way(i, :, up) = ways%way(:, i, down)
     end do
+    !$omp parallel do private(kernel, a, b, i, k, row)
     do column = 2, 3
       do row = 0, column
         do a = 1, n
@@ -109,6 +110,7 @@ contains
         end do
       end do
     end do
+    !$omp end parallel do
   end subroutine prepare
 
   ! Coefficients of the last of four variables, which becomes the first.

@@ -191,18 +191,25 @@ contains
     if (present(slope_y)) slope_y(:) = 0.0_real64
     if (.not. allocated(tree%boxes%level)) return
     terms = merge(tree%ways%terms, tree%ways%rough_terms, present(spread))
-    associate (s => tree%boxes%source_order, t => tree%boxes%target_order)
-      tree%source(:, 4:5) = tree%source(:, :2)
-      tree%target(:, 4:5) = tree%target(:, :2)
-      if (present(move_x)) tree%source(:, 4) = tree%source(:, 1) + move_x(s)
-      if (present(move_y)) tree%source(:, 5) = tree%source(:, 2) + move_y(s)
-      if (present(target_move_x)) tree%target(:, 4) = tree%target(:, 1) + target_move_x(t)
-      if (present(target_move_y)) tree%target(:, 5) = tree%target(:, 2) + target_move_y(t)
-      tree%source(:, 6) = charge(s)
-      tree%source(:, 7) = 0.0_real64
-      if (present(spread)) tree%source(:, 7) = charge(s) * spread(s)
-    end associate
     !$omp parallel private(about, value, place, l, a, i, n, at) if(size(tree%target, 1) > many)
+    !$omp do
+    do i = 1, size(tree%source, 1)
+      at = tree%boxes%source_order(i)
+      tree%source(i, 4:5) = tree%source(i, :2)
+      if (present(move_x)) tree%source(i, 4) = tree%source(i, 4) + move_x(at)
+      if (present(move_y)) tree%source(i, 5) = tree%source(i, 5) + move_y(at)
+      tree%source(i, 6:7) = [charge(at), 0.0_real64]
+      if (present(spread)) tree%source(i, 7) = charge(at) * spread(at)
+    end do
+    !$omp end do
+    !$omp do
+    do i = 1, size(tree%target, 1)
+      at = tree%boxes%target_order(i)
+      tree%target(i, 4:5) = tree%target(i, :2)
+      if (present(target_move_x)) tree%target(i, 4) = tree%target(i, 4) + target_move_x(at)
+      if (present(target_move_y)) tree%target(i, 5) = tree%target(i, 5) + target_move_y(at)
+    end do
+    !$omp end do
     do l = tree%boxes%last, tree%boxes%top, -1
       call rise(tree, l, terms)
     end do
