@@ -51,9 +51,9 @@ module asperity_map_contact
   real(real64), parameter, public :: rim_of_samples = &
     (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
 
-  ! Bytes of the spectrum for a padded sample, of the transform for one in the rows that are there,
-  ! and of a plain one (pressures, gaps and the vectors of the method).
-  real(real64), parameter :: bytes_padded = 2.0_real64, bytes_across = 8.0_real64, &
+  ! Bytes of the two spectra for a padded sample, of the transform for one in the rows that are
+  ! there, and of a plain one (pressures, gaps and the vectors of the method).
+  real(real64), parameter :: bytes_padded = 4.0_real64, bytes_across = 8.0_real64, &
                              bytes_plain = 96.0_real64
 
 contains

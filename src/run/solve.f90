@@ -10,6 +10,7 @@ module asperity_solve
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_off, scene
   use asperity_surface_solve, only: needs_doubles, solve_surfaces
+  !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private
 
@@ -25,8 +26,12 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(run_options), intent(in), optional :: options     !! absent: those of `run_options()`
     type(run_options) :: chosen
+    !$ integer :: usual
 
     if (present(options)) chosen = options
+    ! A position by itself, or a map, may use the threads within.
+    !$ usual = omp_get_max_threads()
+    !$ if (chosen%threads > 0) call omp_set_num_threads(chosen%threads)
     if (chosen%accuracy > 0 .and. (needs_doubles(scene_in) .or. allocated(scene_in%map))) then
       call solve_model_to_accuracy(scene_in, chosen, results, failure)
     else if (allocated(scene_in%map)) then
@@ -34,6 +39,7 @@ contains
     else
       call solve_surfaces(scene_in, chosen, results, failure)
     end if
+    !$ call omp_set_num_threads(usual)
     if (.not. results%nominal_area > 0.0_real64) &
       results%nominal_area = decimal_to_real64(scene_in%nominal_area)
   end subroutine solve

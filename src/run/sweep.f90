@@ -19,7 +19,7 @@ module asperity_sweep
   use asperity_run_options, only: run_options
   use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
                                   gather_round, is_own, shared_work
-  !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+  !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
 
@@ -53,7 +53,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(sweep_watch) :: watch
     integer(int64) :: states
-    integer :: m, number, threads, usual
+    integer :: m, number, threads
     logical :: going_on
 
     number = solver%positions
@@ -71,10 +71,6 @@ contains
     end if
     allocate (positions(number))
     threads = threads_for(solver, options)
-    ! A position by itself may use the threads within.
-    usual = 1
-    !$ usual = omp_get_max_threads()
-    !$ if (options%threads > 0) call omp_set_num_threads(options%threads)
     watch%last = number
     watch%interrupt = options%interrupt
     call begin_work(watch%work, number, options%all_images, kept)
@@ -104,7 +100,6 @@ contains
       call end_round(watch%work)
       call watch%progress%reach(watch%work%done)
     end do
-    !$ call omp_set_num_threads(usual)
     call watch%progress%finish()
     if (allocated(watch%work%ending)) failure = watch%work%ending
     if (watch%interrupt%is_asked()) failure = 'interrupted'

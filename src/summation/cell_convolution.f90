@@ -25,11 +25,10 @@ module asperity_cell_convolution
     real(real64), public :: norm = 0.0_real64  !! the matrix of the sum has no larger eigenvalue
     integer :: wide = 0  ! padded
     integer :: high = 0
-    ! By wave number along and across, half of them: it is the same at the mirror images.
-    real(c_double), allocatable :: spectrum(:, :)
+    ! By wave number along and across, half of them: it is the same at the mirror images. Of the
+    ! influence and of its rough inverse.
+    real(c_double), allocatable :: spectrum(:, :, :)
     complex(c_double_complex), allocatable :: transform(:, :)  ! by wave number across and row
-    real(c_double), allocatable :: wave_across(:)
-    real(c_double), allocatable :: wave_along(:)
     type(c_ptr) :: plans(4) = c_null_ptr
   contains
     procedure :: prepare
@@ -73,11 +72,9 @@ contains
       column(:n - 1) = real(sum%transform(i, :), c_double)
       column(sum%high - n + 1:) = column(n - 1:1:-1)
       call fftw_complex(sum%plans(of_column), c_loc(column), c_loc(column))
-      sum%spectrum(:, i) = real(column(:sum%high / 2), c_double)
+      sum%spectrum(:, i, 1) = real(column(:sum%high / 2), c_double)
     end do
-    ! The lattice's matrix is a part of the padded one, whose eigenvalues these are.
-    sum%norm = maxval(abs(sum%spectrum))
-    sum%spectrum = sum%spectrum / (real(sum%wide, c_double) * sum%high)
+    call scale_spectrum(sum)
   end subroutine prepare
 
   !> Prepares the sum for displacements by pressures on a periodic half-space, over the modulus: a
@@ -91,14 +88,30 @@ contains
     call make_plans(sum, columns, rows, rows)
     do i = 0, columns / 2
       do j = 0, rows / 2
-        sum%spectrum(j, i) = 0.0_real64
-        if (i + j > 0) sum%spectrum(j, i) = 1.0_real64 / &
+        sum%spectrum(j, i, 1) = 0.0_real64
+        if (i + j > 0) sum%spectrum(j, i, 1) = 1.0_real64 / &
           (pi * hypot(i / (columns * side_x), j / (rows * side_y)))
       end do
     end do
-    sum%norm = maxval(sum%spectrum)
-    sum%spectrum = sum%spectrum / (real(columns, c_double) * rows)
+    call scale_spectrum(sum)
   end subroutine prepare_periodic
+
+  ! There and back the transforms multiply by the size.
+  subroutine scale_spectrum(sum)
+    class(cell_convolution), intent(inout) :: sum
+    real(c_double) :: across(0:sum%wide / 2), along(0:sum%high / 2)
+    integer :: i
+
+    ! The lattice's matrix is a part of the padded one, whose eigenvalues these are.
+    sum%norm = maxval(abs(sum%spectrum(:, :, 1)))
+    across = [(sin(i * pi / sum%wide)**2, i=0, sum%wide / 2)]
+    along = [(sin(i * pi / sum%high)**2 + sin(pi / sum%wide)**2 + sin(pi / sum%high)**2, &
+              i=0, sum%high / 2)]
+    do i = 0, sum%wide / 2
+      sum%spectrum(:, i, 2) = sqrt(across(i) + along)
+    end do
+    sum%spectrum = sum%spectrum / (real(sum%wide, c_double) * sum%high)
+  end subroutine scale_spectrum
 
   ! Room and plans for a lattice of so many rows that is padded to `wide` by `high`.
   subroutine make_plans(sum, wide, high, rows)
@@ -106,11 +119,10 @@ contains
     integer, intent(in) :: wide, high, rows
     real(c_double), allocatable, target :: row(:)
     complex(c_double_complex), allocatable, target :: column(:)
-    integer :: i, j
 
     sum%wide = wide
     sum%high = high
-    allocate (sum%transform(0:wide / 2, 0:rows - 1), sum%spectrum(0:high / 2, 0:wide / 2))
+    allocate (sum%transform(0:wide / 2, 0:rows - 1), sum%spectrum(0:high / 2, 0:wide / 2, 2))
     allocate (row(wide), column(high))
     !$omp critical (fftw_plans)
     sum%plans = [ &
@@ -123,8 +135,6 @@ contains
       fftw_plan_complex_to_real(int(wide, c_int), c_loc(sum%transform), c_loc(row), &
                                 fftw_estimate)]
     !$omp end critical (fftw_plans)
-    sum%wave_across = [(sin(i * pi / wide)**2, i=0, wide / 2)]
-    sum%wave_along = [(sin(j * pi / high)**2, j=0, high / 2)]
   end subroutine make_plans
 
   !> Whether what was prepared suits a lattice: holds it, in at most one and a half times its size.
@@ -142,7 +152,7 @@ contains
     real(real64), intent(in) :: force(:, :)          !! on every cell
     real(real64), intent(out) :: displacement(:, :)  !! at every cell
 
-    call weigh_waves(sum, force, displacement, .false.)
+    call weigh_waves(sum, 1, force, displacement)
   end subroutine apply
 
   !> Nearly the forces, but for a factor, that cause a displacement, for an influence like 1/r.
@@ -155,26 +165,23 @@ contains
     real(real64), intent(in) :: displacement(:, :)  !! at every cell
     real(real64), intent(out) :: force(:, :)        !! on every cell
 
-    call weigh_waves(sum, displacement, force, .true.)
+    call weigh_waves(sum, 2, displacement, force)
   end subroutine apply_inverse
 
-  ! From values on the lattice to waves, each times its weight, and back.
-  subroutine weigh_waves(sum, from, to, inverse)
+  ! From values on the lattice to waves, each times its weight in a spectrum, and back.
+  subroutine weigh_waves(sum, which, from, to)
     class(cell_convolution), intent(inout), target :: sum
+    integer, intent(in) :: which
     real(real64), intent(in) :: from(:, :)
     real(real64), intent(out) :: to(:, :)
-    logical, intent(in) :: inverse  ! weights of the rough inverse, else of the influence
-    real(c_double), allocatable, target :: row(:), weight(:)
+    real(c_double), allocatable, target :: row(:)
     complex(c_double_complex), allocatable, target :: column(:, :)
-    real(real64) :: least, scale
-    integer :: i, j, k, m, n
+    integer :: i, j, k, m, n, last
 
     m = size(from, 1)
     n = size(from, 2)
-    least = sin(pi / sum%wide)**2 + sin(pi / sum%high)**2
-    scale = 1.0_real64 / (real(sum%wide, real64) * sum%high)
-    !$omp parallel private(row, weight, column, k) if(size(sum%transform) > many)
-    allocate (row(sum%wide), column(0:sum%high - 1, at_once), weight(0:sum%high / 2))
+    !$omp parallel private(row, column, k, last) if(size(sum%transform) > many)
+    allocate (row(sum%wide), column(0:sum%high - 1, 0:at_once - 1))
     !$omp do schedule(static)
     do j = 1, n
       row(:m) = from(:, j)
@@ -183,30 +190,18 @@ contains
     end do
     !$omp end do
     !$omp do schedule(static)
-    do i = 0, ubound(sum%transform, 1), at_once
-      do j = 0, n - 1
-        do k = 1, min(at_once, ubound(sum%transform, 1) - i + 1)
-          column(j, k) = sum%transform(i + k - 1, j)
-        end do
-      end do
-      do k = 1, min(at_once, ubound(sum%transform, 1) - i + 1)
+    do i = 0, sum%wide / 2, at_once
+      last = min(at_once - 1, sum%wide / 2 - i)
+      column(:n - 1, :last) = transpose(sum%transform(i:i + last, :n - 1))
+      do k = 0, last
         column(n:, k) = (0.0_c_double, 0.0_c_double)
         call fftw_complex(sum%plans(of_column), c_loc(column(0, k)), c_loc(column(0, k)))
-        if (inverse) then
-          weight = scale * sqrt(sum%wave_across(i + k) + sum%wave_along + least)
-        else
-          weight = sum%spectrum(:, i + k - 1)
-        end if
-        column(:sum%high / 2, k) = column(:sum%high / 2, k) * weight
+        column(:sum%high / 2, k) = column(:sum%high / 2, k) * sum%spectrum(:, i + k, which)
         column(sum%high / 2 + 1:, k) = column(sum%high / 2 + 1:, k) * &
-                                       weight((sum%high - 1) / 2:1:-1)
+                                       sum%spectrum((sum%high - 1) / 2:1:-1, i + k, which)
         call fftw_complex(sum%plans(column_back), c_loc(column(0, k)), c_loc(column(0, k)))
       end do
-      do j = 0, n - 1
-        do k = 1, min(at_once, ubound(sum%transform, 1) - i + 1)
-          sum%transform(i + k - 1, j) = column(j, k)
-        end do
-      end do
+      sum%transform(i:i + last, :n - 1) = transpose(column(:n - 1, :last))
     end do
     !$omp end do
     !$omp do schedule(static)

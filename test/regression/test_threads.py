@@ -15,6 +15,7 @@ import time
 import numpy as np
 import pytest
 
+import made_maps
 from surfaces_csv import write_csv_scene, write_scene
 
 OUTPUTS = ("contacts", "positions", "curve")
@@ -77,6 +78,20 @@ def test_effects(asperity, root, tmp_path, tally):
     status, _, err, files = compare_threads(asperity, scene, tmp_path, tally)
     assert status == 0, err
     assert files["curve.csv"].count(b"\n") >= 90
+
+
+@pytest.mark.parametrize("way", ["boundary", "coupled"])
+def test_a_map(asperity, tmp_path, tally, way):
+    """So large that threads share its transforms."""
+    height = made_maps.self_affine((160, 160), 21, shortest=4)[0]
+    made_maps.write_bytes(tmp_path / "map.sdf", 1e-7 * height, 1e-6, 1e-6)
+    scene = write_scene(
+        tmp_path / "map.scene", surfaces={"upper": "plane", "lower": str(tmp_path / "map.sdf")},
+        material={"contact_modulus": 1e5}, effects={"interaction": way},
+        loading={"control": "pressure", "value": 500.0})
+    status, out, err, _ = compare_threads(asperity, scene, tmp_path, tally)
+    assert status == 0, err
+    assert b"area fraction" in out
 
 
 def test_first_failure_is_told(asperity, tmp_path, tally):
