@@ -85,17 +85,16 @@ contains
     type(grid_layer), intent(in) :: layer  !! in order
     real(real64), intent(in) :: least      !! level, `highest` at most
     type(grid_layer), intent(out) :: part  !! in order, with the bounds of the whole layer
-    logical, allocatable :: high(:)
     integer :: n, i, k, strip
 
     n = layer%first(layer%strips + 1) - 1
-    high = layer%points(1:n)%height >= least
-    n = count(high)
+    if (allocated(layer%radius)) &
+      part%radius = pack(layer%radius, layer%points(1:n)%height >= least)
+    n = count(layer%points(1:n)%height >= least)
     call allocate_points(part, n)
     part%smallest = layer%smallest
     part%largest = layer%largest
     part%highest = layer%highest
-    if (allocated(layer%radius)) part%radius = pack(layer%radius, high)
     k = min(layer%strips, n)
     allocate (part%first(k + 1), part%low(k), part%high(k))
     part%first(1) = 1_int32
@@ -103,7 +102,7 @@ contains
     do strip = 1, layer%strips
       k = n
       do i = layer%first(strip), layer%first(strip + 1) - 1
-        if (.not. high(i)) cycle
+        if (.not. layer%points(i)%height >= least) cycle
         n = n + 1
         part%points(n) = layer%points(i)
       end do
