@@ -77,7 +77,11 @@ contains
     end if
     layer%points(n + 1:n + spare_points) = layer%points(n)
     call finish_strips(layer, ends)
-    if (layer%smallest < layer%largest) layer%radius = radius(layer%points(1:n)%index)
+    if (.not. layer%smallest < layer%largest) return
+    allocate (layer%radius(n))
+    do i = 1, n
+      layer%radius(i) = radius(layer%points(i)%index)
+    end do
   end subroutine build_layer
 
   !> The points of a layer that are not lower than a level, in the same order.
