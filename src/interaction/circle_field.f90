@@ -155,7 +155,7 @@ contains
     n = size(set%x)
     allocate (potential(n), lap(n), batch(min(a_batch, size(set%one))))
     call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, potential, lap, &
-                     set%tilt_x, set%tilt_y, set%move_x, set%move_y, set%move_x, set%move_y)
+                     set%tilt_x, set%tilt_y, set%move_x, set%move_y)
     set%energy = sum(set%load * (potential + hertz_spread * set%circle**2 * lap)) / (2 * pi)
     set%lift = (potential + flat_spread * set%circle**2 * lap) / pi
     set%growth = 2 * flat_spread * set%circle**2 * lap / pi

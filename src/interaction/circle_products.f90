@@ -133,7 +133,7 @@ contains
     lap = 0.0_real64
     if (n <= many) spread = flat_spread * set%circle**2
     call sum_sources(set%tree, change(1, :), spread, potential, lap, move_x=set%move_x, &
-                     move_y=set%move_y, target_move_x=set%move_x, target_move_y=set%move_y)
+                     move_y=set%move_y)
     !$omp parallel do schedule(static) if(n > many) &
     !$omp   private(grows, i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
     !$omp   slope_here, slope_there, x, y)

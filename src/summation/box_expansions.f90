@@ -46,8 +46,8 @@ contains
   subroutine prepare(ways)
     type(translations), intent(out) :: ways  !! the ways
     integer, parameter :: n = order + 1
-    real(real64) :: node(n), basis(n, 0:order), half(0:order, 0:order), t(0:order)
-    real(real64) :: kernel(n, n, n, n)
+    real(real64) :: node(n), basis(n, 0:order), half(0:order, 0:order)
+    real(real64) :: kernel(n, n, n, n), t(0:order), d(0:order), dd(0:order)
     integer, dimension(n * n) :: in_x, in_y
     integer :: a, b, i, k, row, column
 
@@ -71,13 +71,13 @@ contains
     allocate (ways%way(k, k, 0:15), source=0.0_real64)
     ! A sum over Chebyshev's nodes of a function times this is its coefficient.
     do i = 1, n
-      call polynomials(node(i), t)
+      call polynomials(node(i), t, d, dd)
       basis(i, :) = 2 * t / n
     end do
     basis(:, 0) = 0.5_real64 * basis(:, 0)
     half = 0.0_real64
     do i = 1, n
-      call polynomials(0.5_real64 * (node(i) - 1.0_real64), t)
+      call polynomials(0.5_real64 * (node(i) - 1.0_real64), t, d, dd)
       do a = 0, order
         half(:, a) = half(:, a) + basis(i, a) * t
       end do
@@ -133,24 +133,20 @@ contains
   ! Chebyshev's polynomials, their slopes and second derivatives.
   pure subroutine polynomials(z, t, d, dd)
     real(real64), intent(in) :: z
-    real(real64), intent(out) :: t(0:order)
-    real(real64), intent(out), optional :: d(0:order), dd(0:order)
+    real(real64), dimension(0:order), intent(out) :: t, d, dd
     integer :: l
 
     t(:1) = [1.0_real64, z]
-    do l = 2, order
-      t(l) = 2.0_real64 * z * t(l - 1) - t(l - 2)
-    end do
-    if (.not. present(d)) return
     d(:1) = [0.0_real64, 1.0_real64]
     dd(:1) = 0.0_real64
     do l = 2, order
+      t(l) = 2.0_real64 * z * t(l - 1) - t(l - 2)
       d(l) = 2.0_real64 * (t(l - 1) + z * d(l - 1)) - d(l - 2)
       dd(l) = 4.0_real64 * d(l - 1) + 2.0_real64 * z * dd(l - 1) - dd(l - 2)
     end do
   end subroutine polynomials
 
-  !> Adds the moments of a source and, but for rough sums, of its Laplacian.
+  !> Adds the moments of a source and of its Laplacian.
   pure subroutine add_moments(ways, x, y, charge, spread, moment)
     type(translations), intent(in) :: ways    !! their degrees
     real(real64), intent(in) :: x             !! place from the middle of the box, over its half
@@ -161,14 +157,6 @@ contains
     real(real64), dimension(0:order) :: tx, ty, dx, dy, ddx, ddy
     integer :: k
 
-    if (size(moment) < ways%terms) then
-      call polynomials(x, tx)
-      call polynomials(y, ty)
-      do k = 1, size(moment)
-        moment(k) = moment(k) + charge * tx(ways%in_x(k)) * ty(ways%in_y(k))
-      end do
-      return
-    end if
     call polynomials(x, tx, dx, ddx)
     call polynomials(y, ty, dy, ddy)
     ddy = charge * ty + spread * ddy
@@ -180,7 +168,7 @@ contains
     end do
   end subroutine add_moments
 
-  !> Adds the field of a box at a place; but for the potential not in rough sums.
+  !> Adds the field of a box at a place.
   pure subroutine add_field(ways, x, y, half, field, value)
     type(translations), intent(in) :: ways    !! their degrees
     real(real64), intent(in) :: x             !! place from the middle of the box, over its half
@@ -189,28 +177,25 @@ contains
     real(real64), intent(in) :: field(:)      !! of the box, as many as the sums take
     real(real64), intent(inout) :: value(4)   !! potential, Laplacian, slopes in x and y
     real(real64), dimension(0:order) :: tx, ty, dx, dy, ddx, ddy
+    real(real64) :: here(4)
+    logical :: rough
     integer :: k
 
-    if (size(field) < ways%terms) then
-      call polynomials(x, tx)
-      call polynomials(y, ty)
-      do k = 1, size(field)
-        value(1) = value(1) + field(k) * tx(ways%in_x(k)) * ty(ways%in_y(k))
-      end do
-      return
-    end if
+    rough = size(field) < ways%terms
+
     call polynomials(x, tx, dx, ddx)
     call polynomials(y, ty, dy, ddy)
-    dx = dx / half
-    dy = dy / half
-    ddx = ddx / (half * half)
-    ddy = ddy / (half * half)
+    here = 0.0_real64
     do k = 1, size(field)
       associate (a => ways%in_x(k), b => ways%in_y(k))
-        value = value + field(k) * [tx(a) * ty(b), ddx(a) * ty(b) + tx(a) * ddy(b), &
-                                    dx(a) * ty(b), tx(a) * dy(b)]
+        here(1) = here(1) + field(k) * tx(a) * ty(b)
+        if (rough) cycle
+        here(2) = here(2) + field(k) * (ddx(a) * ty(b) + tx(a) * ddy(b))
+        here(3) = here(3) + field(k) * dx(a) * ty(b)
+        here(4) = here(4) + field(k) * tx(a) * dy(b)
       end associate
     end do
+    value = value + here / [1.0_real64, half * half, half, half]
   end subroutine add_field
 
   !> Adds what goes a way from boxes, in an order that neither library nor processor decides.

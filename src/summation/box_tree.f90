@@ -136,13 +136,14 @@ contains
   ! Moves the bits of a number below 2**24 to even places.
   elemental integer(int64) function spread_out(number) result(bits)
     integer(int64), intent(in) :: number
+    integer(int64) :: mask
     integer :: i
-    integer(int64), parameter :: mask(0:4) = [281470681808895_int64, 71777214294589695_int64, &
-      1085102592571150095_int64, 3689348814741910323_int64, 6148914691236517205_int64]
 
     bits = number
-    do i = 0, 4
-      bits = iand(ior(bits, ishft(bits, 16 / 2**i)), mask(i))
+    mask = 2_int64**32 - 1
+    do i = 4, 0, -1
+      mask = ieor(mask, ishft(mask, 2**i))
+      bits = iand(ior(bits, ishft(bits, 2**i)), mask)
     end do
   end function spread_out
 

@@ -80,8 +80,9 @@ contains
       tree%target(:, 3) = near_factor * reach_target
     end if
     call plant_boxes(tree%source, tree%target, tree%same, worth, tree%boxes)
-    tree%source(:, :) = tree%source(tree%boxes%source_order, :)
-    tree%target(:, :) = tree%target(tree%boxes%target_order, :)
+    tree%source(:, :3) = tree%source(tree%boxes%source_order, :3)
+    tree%target(:, :3) = tree%target(tree%boxes%target_order, :3)
+    tree%target(:, 4:5) = tree%target(:, :2)
     call list_near(tree)
     if (tree%boxes%top > tree%boxes%last .or. allocated(tree%failure)) return
     call prepare(tree%ways)
@@ -165,10 +166,9 @@ contains
   !> Sums over all sources that are not near.
   !>
   !> Moves shift places without a change of what is near and of what is summed how: all sums are
-  !> smooth functions of charges and moves. Moves must be small against the reaches. Laplacian and
-  !> slopes are those of the potential with its spread.
-  subroutine sum_sources(tree, charge, spread, potential, lap, slope_x, slope_y, move_x, move_y, &
-                         target_move_x, target_move_y)
+  !> smooth functions of charges and moves. Moves must be small against the reaches. Targets that
+  !> are the sources move with them. Laplacian and slopes are those of the potential with its spread.
+  subroutine sum_sources(tree, charge, spread, potential, lap, slope_x, slope_y, move_x, move_y)
     type(source_tree), intent(inout) :: tree                  !! the tree
     real(real64), intent(in) :: charge(:)                     !! of sources
     !> of sources, at most reach**2; absent: the potential of charges alone, to 1e-4 or so
@@ -179,8 +179,6 @@ contains
     real(real64), intent(inout), optional :: slope_y(:)       !! its slope
     real(real64), intent(in), optional :: move_x(:)           !! of sources
     real(real64), intent(in), optional :: move_y(:)           !! of sources
-    real(real64), intent(in), optional :: target_move_x(:)    !! of targets
-    real(real64), intent(in), optional :: target_move_y(:)    !! of targets
     real(real64), allocatable :: about(:, :)
     real(real64) :: value(4), place(2)
     integer :: l, a, i, n, at, terms
@@ -200,14 +198,7 @@ contains
       if (present(move_y)) tree%source(i, 5) = tree%source(i, 5) + move_y(at)
       tree%source(i, 6:7) = [charge(at), 0.0_real64]
       if (present(spread)) tree%source(i, 7) = charge(at) * spread(at)
-    end do
-    !$omp end do
-    !$omp do
-    do i = 1, size(tree%target, 1)
-      at = tree%boxes%target_order(i)
-      tree%target(i, 4:5) = tree%target(i, :2)
-      if (present(target_move_x)) tree%target(i, 4) = tree%target(i, 4) + target_move_x(at)
-      if (present(target_move_y)) tree%target(i, 5) = tree%target(i, 5) + target_move_y(at)
+      if (tree%same) tree%target(i, 4:5) = tree%source(i, 4:5)
     end do
     !$omp end do
     do l = tree%boxes%last, tree%boxes%top, -1

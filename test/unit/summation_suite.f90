@@ -195,16 +195,17 @@ contains
     integer :: way
 
     some = spread_out(2000, 13)
-    call plant_tree(tree, some%x, some%y, some%reach, factor)
+    ! Targets stand still: sources go the other way.
+    call plant_tree(tree, some%x, some%y, some%reach, factor, some%x, some%y, some%reach)
     here = sum_over(tree, some, some, .true.)
     do way = 1, 2
       moved = some
-      if (way == 1) moved%move_x = moved%move_x + step
-      if (way == 2) moved%move_y = moved%move_y + step
-      right = sum_over(tree, some, moved, .true.)
-      if (way == 1) moved%move_x = moved%move_x - 2 * step
-      if (way == 2) moved%move_y = moved%move_y - 2 * step
-      left = sum_over(tree, some, moved, .true.)
+      if (way == 1) moved%move_x = moved%move_x - step
+      if (way == 2) moved%move_y = moved%move_y - step
+      right = sum_over(tree, moved, some, .true.)
+      if (way == 1) moved%move_x = moved%move_x + 2 * step
+      if (way == 2) moved%move_y = moved%move_y + 2 * step
+      left = sum_over(tree, moved, some, .true.)
       if (way == 2) here%slope_x = here%slope_y
       ! Rounding: 1e-16 of a potential of 1e4 over the step.
       call check(error, maxval(abs((right%potential - left%potential) / (2 * step) &
@@ -261,6 +262,8 @@ contains
       goal = targets
       call plant_tree(tree, sources%x, sources%y, sources%reach, near_factor, goal%x, goal%y, &
                       goal%reach)
+      goal%move_x = 0.0_real64
+      goal%move_y = 0.0_real64
     end if
     call check(error, .not. allocated(tree%failure), 'not planted')
     call check_near(error, tree, sources, goal, near_factor, same)
@@ -369,13 +372,12 @@ contains
               of%slope_x(size(targets%x)), of%slope_y(size(targets%x)))
     if (slopes) then
       call sum_sources(tree, sources%charge, sources%spread, of%potential, of%lap, of%slope_x, &
-                       of%slope_y, sources%move_x, sources%move_y, targets%move_x, targets%move_y)
+                       of%slope_y, sources%move_x, sources%move_y)
     else
       of%slope_x = 0.0_real64
       of%slope_y = 0.0_real64
       call sum_sources(tree, sources%charge, sources%spread, of%potential, of%lap, &
-                       move_x=sources%move_x, move_y=sources%move_y, &
-                       target_move_x=targets%move_x, target_move_y=targets%move_y)
+                       move_x=sources%move_x, move_y=sources%move_y)
     end if
   end function sum_over
 
