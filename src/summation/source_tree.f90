@@ -167,7 +167,7 @@ contains
   !>
   !> Moves shift places without a change of what is near and of what is summed how: all sums are
   !> smooth functions of charges and moves. Moves must be small against the reaches. Targets that
-  !> are the sources move with them. Laplacian and slopes are those of the potential with its spread.
+  !> are the sources move with them. Laplacian and slopes are those of the potential with spread.
   subroutine sum_sources(tree, charge, spread, potential, lap, slope_x, slope_y, move_x, move_y)
     type(source_tree), intent(inout) :: tree                  !! the tree
     real(real64), intent(in) :: charge(:)                     !! of sources

@@ -188,29 +188,28 @@ contains
   ! per far source, 2e-4 by near ones.
   subroutine differences(error)
     type(error_type), allocatable, intent(out) :: error
-    type(circles) :: some, moved
-    type(sums) :: here, left, right
+    integer, parameter :: n = 2000
+    type(circles) :: some, goal
+    type(sums) :: found
     type(source_tree) :: tree
     real(real64), parameter :: step = 1.0e-7_real64
     integer :: way
 
-    some = spread_out(2000, 13)
-    ! Targets stand still: sources go the other way.
-    call plant_tree(tree, some%x, some%y, some%reach, factor, some%x, some%y, some%reach)
-    here = sum_over(tree, some, some, .true.)
+    some = spread_out(n, 13)
     do way = 1, 2
-      moved = some
-      if (way == 1) moved%move_x = moved%move_x - step
-      if (way == 2) moved%move_y = moved%move_y - step
-      right = sum_over(tree, moved, some, .true.)
-      if (way == 1) moved%move_x = moved%move_x + 2 * step
-      if (way == 2) moved%move_y = moved%move_y + 2 * step
-      left = sum_over(tree, moved, some, .true.)
-      if (way == 2) here%slope_x = here%slope_y
+      goal = some
+      goal%x = [some%x, some%x + merge(step, 0.0_real64, way == 1), &
+                some%x - merge(step, 0.0_real64, way == 1)]
+      goal%y = [some%y, some%y + merge(step, 0.0_real64, way == 2), &
+                some%y - merge(step, 0.0_real64, way == 2)]
+      call plant_tree(tree, some%x, some%y, some%reach, factor, goal%x, goal%y, &
+                      [some%reach, some%reach, some%reach])
+      found = sum_over(tree, some, goal, .true.)
+      if (way == 2) found%slope_x = found%slope_y
       ! Rounding: 1e-16 of a potential of 1e4 over the step.
-      call check(error, maxval(abs((right%potential - left%potential) / (2 * step) &
-                                   - here%slope_x)), 0.0_real64, &
-                 1.0e-6_real64 * maxval(abs(here%slope_x)), 'slope')
+      call check(error, maxval(abs((found%potential(n + 1:2 * n) - found%potential(2 * n + 1:)) &
+                                   / (2 * step) - found%slope_x(:n))), 0.0_real64, &
+                 1.0e-6_real64 * maxval(abs(found%slope_x)), 'slope')
     end do
   end subroutine differences
 
