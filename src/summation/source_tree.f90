@@ -116,8 +116,7 @@ contains
           associate (run => tree%boxes%level(l)%target(:, a))
             if (run(2) < run(1)) cycle
             call gather_sources(tree%boxes, l, a, tree%source(:, :4), about, n)
-            if (n == 0) cycle
-            if (listing) then
+            if (listing .and. n > 0) then
               order = [(k, k=1, n)]
               call sort_keys(about(:n, 4), order)
               about(:n, :) = about(order, :)
