@@ -106,9 +106,9 @@ contains
     do strip = 1, layer%strips
       k = n
       do i = layer%first(strip), layer%first(strip + 1) - 1
-        if (.not. layer%points(i)%height >= least) cycle
-        n = n + 1
-        part%points(n) = layer%points(i)
+        ! Without a branch: which are high cannot be foretold. The next one takes a low one's place.
+        part%points(n + 1) = layer%points(i)
+        n = n + merge(1, 0, layer%points(i)%height >= least)
       end do
       if (n == k) cycle
       part%strips = part%strips + 1
