@@ -84,10 +84,8 @@ contains
         associate (force => lattice%force(i, j))
           if (.not. force > 0.0_real64) cycle
           k = lattice%owner(i, j)
-          x = lattice%left + i - 0.5_real64 + &
-              (frame%x - shapes(k)%x + lattice%origin_x) / lattice%cell
-          y = lattice%bottom + j - 0.5_real64 + &
-              (frame%y - shapes(k)%y + lattice%origin_y) / lattice%cell
+          x = lattice%left + i - 0.5_real64 + (frame%x - shapes(k)%x) / lattice%cell
+          y = lattice%bottom + j - 0.5_real64 + (frame%y - shapes(k)%y) / lattice%cell
           moment(:, k) = moment(:, k) + force * [x, y]
           sums(:, k) = sums(:, k) + [sqrt(force), force, force**2]
           highest(k) = max(highest(k), force)

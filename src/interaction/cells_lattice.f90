@@ -22,8 +22,8 @@ module asperity_cells_lattice
 
   !> What all lattices of a cluster have in common. Lengths in the unit of the pairs.
   type :: cell_frame
-    real(real64) :: x = 0.0_real64       !! first touch of the largest contact
-    real(real64) :: y = 0.0_real64       !! first touch of the largest contact
+    real(real64) :: x = 0.0_real64       !! origin, beside first touch of the largest contact
+    real(real64) :: y = 0.0_real64       !! origin, beside first touch of the largest contact
     real(real64) :: coarse = 0.0_real64  !! side of a cell before any halving
     real(real64) :: scale = 0.0_real64   !! deepest penetration: gaps on cells are over it
   end type cell_frame
@@ -32,8 +32,6 @@ module asperity_cells_lattice
   !> origin.
   type :: cell_lattice
     real(real64) :: cell = 0.0_real64      !! side of a cell
-    real(real64) :: origin_x = 0.0_real64  !! of the lattice, in plan, from the frame's place
-    real(real64) :: origin_y = 0.0_real64  !! of the lattice, in plan, from the frame's place
     integer :: left = 0                    !! columns between the origin and the first
     integer :: bottom = 0                  !! rows between the origin and the first
     real(real64), allocatable :: gap(:, :) !! mean over the cell, over the scale
@@ -63,11 +61,11 @@ contains
 
     ! A load alone is 4/3 of the modulus times that.
     k = maxloc(shapes%contact_radius * shapes%penetration * shapes%cosine, 1)
-    frame_of%x = shapes(k)%x
-    frame_of%y = shapes(k)%y
     ! A sphere's slope curves it more, by 1/cosine across and by its third power along: the radius
     ! of a circle as large as the ellipse.
     frame_of%coarse = shapes(k)%contact_radius * shapes(k)%cosine / cells_per_radius
+    frame_of%x = shapes(k)%x - lattice_x * frame_of%coarse
+    frame_of%y = shapes(k)%y - lattice_y * frame_of%coarse
     frame_of%scale = maxval(shapes%penetration)
   end function frame_of
 
@@ -94,12 +92,10 @@ contains
 
     call box_of(shapes, frame%x, frame%y, low, high)
     lattice%cell = frame%coarse * 0.5_real64**halvings
-    lattice%origin_x = -lattice_x * frame%coarse
-    lattice%origin_y = -lattice_y * frame%coarse
-    lattice%left = line_of(low(1) - lattice%origin_x)
-    lattice%bottom = line_of(low(2) - lattice%origin_y)
-    columns = line_of(high(1) - lattice%origin_x) - lattice%left + 1
-    rows = line_of(high(2) - lattice%origin_y) - lattice%bottom + 1
+    lattice%left = floor(low(1) / lattice%cell)
+    lattice%bottom = floor(low(2) / lattice%cell)
+    columns = floor(high(1) / lattice%cell) - lattice%left + 1
+    rows = floor(high(2) / lattice%cell) - lattice%bottom + 1
     allocate (lattice%gap(columns, rows), lattice%owner(columns, rows))
     allocate (lattice%force(columns, rows), least(4, columns))
     lattice%gap = gap_nowhere
@@ -110,9 +106,9 @@ contains
       least = gap_nowhere
       do k = 1, size(shapes)
         associate (s => shapes(k))
-          y = frame%y - s%y + lattice%origin_y + (lattice%bottom + j - 0.5_real64) * lattice%cell
+          y = frame%y - s%y + (lattice%bottom + j - 0.5_real64) * lattice%cell
           if (abs(y) > s%reach + lattice%cell) cycle
-          x = frame%x - s%x + lattice%origin_x + lattice%left * lattice%cell
+          x = frame%x - s%x + lattice%left * lattice%cell
           first = max(1, floor((-s%reach - x) / lattice%cell) + 1)
           last = min(columns, floor((s%reach - x) / lattice%cell) + 1)
           do i = first, last
@@ -134,16 +130,6 @@ contains
         lattice%owner(i, j) = 0
       end do
     end do
-
-  contains
-
-    ! Cells from the origin to the one in which a place lies.
-    pure integer function line_of(place)
-      real(real64), intent(in) :: place
-
-      line_of = floor(place / lattice%cell)
-    end function line_of
-
   end subroutine lay_cells
 
   !> Begins with the pressure of Hertz under every contact as if alone: 2/pi E (a/R) sqrt(1 -

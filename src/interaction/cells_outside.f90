@@ -32,49 +32,35 @@ contains
     type(cell_frame), intent(in) :: frame           !! of the cluster
     real(real64), intent(in) :: modulus             !! combined
     type(cell_lattice), intent(inout) :: lattice    !! gets its gaps changed
-    real(real64), allocatable :: across(:), along(:)
+    real(real64), allocatable :: across(:, :), along(:, :)
     real(real64) :: x, y, field
-    integer :: i, j, k, n, m
+    integer :: i, j
 
-    x = frame%x + lattice%origin_x + lattice%left * lattice%cell
-    y = frame%y + lattice%origin_y + lattice%bottom * lattice%cell
-    n = 0
-    m = 0
+    x = frame%x + lattice%left * lattice%cell
+    y = frame%y + lattice%bottom * lattice%cell
     if (allocated(outside%at_nodes)) then
-      n = size(outside%at_nodes, 1)
-      m = size(outside%at_nodes, 2)
-      allocate (across(n * size(lattice%gap, 1)), along(m * size(lattice%gap, 2)))
-      call at_line(n, size(lattice%gap, 1), x, outside%x0, outside%x1, across)
-      call at_line(m, size(lattice%gap, 2), y, outside%y0, outside%y1, along)
+      associate (wide => 0.5_real64 * (outside%x1 - outside%x0), &
+                 high => 0.5_real64 * (outside%y1 - outside%y0))
+        allocate (across, source=lagrange_at_cells( &
+                  size(outside%at_nodes, 1), size(lattice%gap, 1), &
+                  (x - outside%x0) / wide - 1.0_real64, lattice%cell / wide))
+        allocate (along, source=lagrange_at_cells( &
+                  size(outside%at_nodes, 2), size(lattice%gap, 2), &
+                  (y - outside%y0) / high - 1.0_real64, lattice%cell / high))
+      end associate
     end if
     do j = 1, size(lattice%gap, 2)
       do i = 1, size(lattice%gap, 1)
         if (lattice%owner(i, j) == 0) cycle
         field = 0.0_real64
-        if (n > 0) field = dot_product(across((i - 1) * n + 1:i * n), &
-                                       matmul(outside%at_nodes, along((j - 1) * m + 1:j * m)))
-        if (allocated(outside%x)) then
-          do k = 1, size(outside%x)
-            field = field + outside%load(k) / modulus * beside_circle(outside%circle(k), &
-                    hypot(x + (i - 0.5_real64) * lattice%cell - outside%x(k), &
-                          y + (j - 0.5_real64) * lattice%cell - outside%y(k)))
-          end do
-        end if
+        if (allocated(across)) &
+          field = dot_product(across(:, i), matmul(outside%at_nodes, along(:, j)))
+        if (allocated(outside%x)) field = field + sum(outside%load * beside_circle(outside%circle, &
+          hypot(x + (i - 0.5_real64) * lattice%cell - outside%x, &
+                y + (j - 0.5_real64) * lattice%cell - outside%y))) / modulus
         lattice%gap(i, j) = lattice%gap(i, j) + field / frame%scale
       end do
     end do
-
-  contains
-
-    pure subroutine at_line(n, cells, begin, low, high, values)
-      integer, intent(in) :: n, cells
-      real(real64), intent(in) :: begin, low, high
-      real(real64), intent(inout) :: values(:)
-
-      call lagrange_at_cells(n, cells, (2.0_real64 * begin - low - high) / (high - low), &
-                             2.0_real64 * lattice%cell / (high - low), values)
-    end subroutine at_line
-
   end subroutine add_outside
 
   !> Displacement by the cells at a place at which there are none.
@@ -86,8 +72,8 @@ contains
     integer :: i, j
 
     field = 0.0_real64
-    along = (y - frame%y - lattice%origin_y) / lattice%cell - lattice%bottom
-    across = (x - frame%x - lattice%origin_x) / lattice%cell - lattice%left
+    along = (y - frame%y) / lattice%cell - lattice%bottom
+    across = (x - frame%x) / lattice%cell - lattice%left
     do j = 1, size(lattice%force, 2)
       do i = 1, size(lattice%force, 1)
         if (lattice%force(i, j) > 0.0_real64) field = field + lattice%force(i, j) / &

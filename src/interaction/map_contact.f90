@@ -82,7 +82,7 @@ contains
     type(cell_convolution) :: influence
     type(height_map) :: half
     type(map_answer) :: start
-    real(real64), allocatable :: gap(:, :), table(:, :)
+    real(real64), allocatable :: gap(:, :)
     real(real64) :: top, range, unit, closing, allowed
     integer :: i, j
 
@@ -145,10 +145,8 @@ contains
         call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
                                         map%spacing(2) / map%spacing(1))
       else
-        allocate (table, mold=gap)
-        call love_table(map%spacing(2) / map%spacing(1), table)
-        call influence%prepare(table)
-        deallocate (table)
+        call influence%prepare(love_table(size(gap, 1), size(gap, 2), &
+                                          map%spacing(2) / map%spacing(1)))
       end if
       force = force / unit
       if (present(load)) then
@@ -209,12 +207,14 @@ contains
 
   ! Love's displacements at the centres of rectangles with the sides 1 and `other`, by unit
   ! pressure on one, over pi and the modulus: the integral of 1/r (Johnson, eq. 3.25).
-  pure subroutine love_table(other, table)
+  pure function love_table(columns, rows, other) result(table)
+    integer, intent(in) :: columns, rows
     real(real64), intent(in) :: other
-    real(real64), intent(out) :: table(0:, 0:)
+    real(real64), allocatable :: table(:, :)
     real(real64) :: r2, x, y
     integer :: i, j
 
+    allocate (table(0:columns - 1, 0:rows - 1))
     do j = 0, ubound(table, 2)
       do i = 0, ubound(table, 1)
         x = i
@@ -232,7 +232,7 @@ contains
       end do
     end do
     table = table / pi
-  end subroutine love_table
+  end function love_table
 
   ! Double integral of 1/r.
   pure real(real64) function corner(x, y)
@@ -245,23 +245,20 @@ contains
   pure integer function sides_on_rim(force, periodic) result(sides)
     real(real64), intent(in) :: force(:, :)
     logical, intent(in) :: periodic
-    logical, dimension(size(force, 2)) :: before, now
-    integer :: i
+    logical, allocatable :: loaded(:, :)
+    integer :: n, m
 
-    sides = 0
-    before = .false.
-    if (periodic) before = force(size(force, 1), :) > 0.0_real64
-    do i = 1, size(force, 1)
-      now = force(i, :) > 0.0_real64
-      sides = sides + count(now .neqv. before) + count(now(2:) .neqv. now(:size(now) - 1))
-      if (periodic) then
-        sides = sides + merge(1, 0, now(1) .neqv. now(size(now)))
-      else
-        sides = sides + count([now(1), now(size(now))])
-      end if
-      before = now
-    end do
-    if (.not. periodic) sides = sides + count(before)
+    allocate (loaded(size(force, 1), size(force, 2)), source=force > 0.0_real64)
+    n = size(force, 1)
+    m = size(force, 2)
+    sides = count(loaded(2:, :) .neqv. loaded(:n - 1, :)) + &
+            count(loaded(:, 2:) .neqv. loaded(:, :m - 1))
+    if (periodic) then
+      sides = sides + count(loaded(1, :) .neqv. loaded(n, :)) + &
+              count(loaded(:, 1) .neqv. loaded(:, m))
+    else
+      sides = sides + count(loaded([1, n], :)) + count(loaded(:, [1, m]))
+    end if
   end function sides_on_rim
 
 end module asperity_map_contact

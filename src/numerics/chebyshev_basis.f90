@@ -24,12 +24,12 @@ contains
   end function chebyshev_nodes
 
   !> Lagrange's polynomials at the centres of a line of cells, written as sums of Chebyshev's.
-  pure subroutine lagrange_at_cells(n, cells, edge, step, values)
+  pure function lagrange_at_cells(n, cells, edge, step) result(values)
     integer, intent(in) :: n                  !! number of nodes
     integer, intent(in) :: cells              !! number of cells
     real(real64), intent(in) :: edge          !! where the line begins, over the patch's radius
     real(real64), intent(in) :: step          !! length of a cell, over the patch's radius
-    real(real64), intent(inout) :: values(:)  !! the first n * cells: n of the first cell, ...
+    real(real64) :: values(n, cells)          !! of each cell
     real(real64) :: node(n), z, t(0:n), s(0:n)
     integer :: i, k, l
 
@@ -39,13 +39,13 @@ contains
       t = chebyshev(n, z)
       do k = 1, n
         s = chebyshev(n, node(k))
-        values((i - 1) * n + k) = 1.0_real64 / n
+        values(k, i) = 1.0_real64 / n
         do l = 1, n - 1
-          values((i - 1) * n + k) = values((i - 1) * n + k) + 2.0_real64 / n * s(l) * t(l)
+          values(k, i) = values(k, i) + 2.0_real64 / n * s(l) * t(l)
         end do
       end do
     end do
-  end subroutine lagrange_at_cells
+  end function lagrange_at_cells
 
   ! Chebyshev's polynomials of degree 0 to n.
   pure function chebyshev(n, z) result(t)

@@ -117,7 +117,8 @@ contains
 
     check%summits = size(summits%x)
     check%coarser = seen%coarser
-    check%rms_height = rms_of(map)
+    check%rms_height = sqrt(sum(map%height**2, mask=is_measured(map%height)) / &
+                            count(is_measured(map%height), kind=int64))
     associate (answer => seen%answer)
       ! By load it was pressed as far. Else from its coarser ones again: what they come to tells.
       if (.not. seen%by_load) then
@@ -211,16 +212,5 @@ contains
                      limit_of_spikes(map, seen%coarser), check%shares)
     check%shares%without_summit = sum(patches%load, mask=.not. has_summit(1:)) / sum(patches%load)
   end subroutine share_out
-
-  ! Root of the mean square of the heights about their mean.
-  pure real(real64) function rms_of(map) result(rms)
-    type(height_map), intent(in) :: map
-    real(real64) :: mean
-    integer(int64) :: n
-
-    n = count(is_measured(map%height), kind=int64)
-    mean = sum(map%height, mask=is_measured(map%height)) / n
-    rms = sqrt(sum((map%height - mean)**2, mask=is_measured(map%height)) / n)
-  end function rms_of
 
 end module asperity_map_check
