@@ -11,59 +11,107 @@ module asperity_circle_blocks
   implicit none
   private
 
-  public :: circle_blocks, find_blocks, solve_blocks
+  public :: circle_blocks, factor_blocks, find_blocks, solve_blocks
 
   !> Factors of the blocks.
   type :: circle_blocks
     integer, allocatable :: member(:), first(:)     !! circles of each block
+    integer, allocatable :: slot(:)                 !! block of each circle
     integer, allocatable :: start(:)                !! where its factor begins
     real(real64), allocatable :: factor(:)          !! L of L D L', its diagonal D
   end type circle_blocks
 
   ! Circles in a block at most: factors take the third power of it.
   integer, parameter :: most_in_block = 12
+  real(real64), parameter :: close_by = 1.5_real64
   ! Least share of what a circle has alone that may be left of it in a block.
   real(real64), parameter :: least_pivot = 0.05_real64
 
 contains
 
-  !> Finds and factors the blocks.
+  !> Finds the blocks.
   subroutine find_blocks(set, blocks)
-    type(circle_set), intent(in) :: set          !! its field is known, and who is held
-    type(circle_blocks), intent(out) :: blocks   !! of all circles
-    logical :: joins(size(set%one))
-    integer :: slot(size(set%x)), k, m
+    type(circle_set), intent(in) :: set          !! places and near pairs are known
+    type(circle_blocks), intent(out) :: blocks   !! of all circles, not factored
+    logical :: overlap(size(set%one)), near(size(set%one))
+    integer :: k, m
 
-    !$omp parallel do schedule(static) if(size(joins) > many)
-    do k = 1, size(joins)
-      joins(k) = are_close(set, set%one(k), set%other(k), 1.0_real64)
+    !$omp parallel do schedule(static) if(size(near) > many)
+    do k = 1, size(near)
+      overlap(k) = are_close(set, set%one(k), set%other(k), 1.0_real64)
+      near(k) = are_close(set, set%one(k), set%other(k), close_by) .and. .not. overlap(k)
     end do
     !$omp end parallel do
-    call gather_groups(set%one, set%other, joins, spread(.true., 1, size(slot)), most_in_block, &
-                       blocks%member, blocks%first)
+    ! Those that overlap come first.
+    allocate (blocks%slot(size(set%x)))
+    call gather_groups([pack(set%one, overlap), pack(set%one, near)], &
+                       [pack(set%other, overlap), pack(set%other, near)], &
+                       spread(.true., 1, count(overlap) + count(near)), &
+                       spread(.true., 1, size(set%x)), most_in_block, blocks%member, blocks%first)
     allocate (blocks%start(size(blocks%first)))
     blocks%start(1) = 1
     do k = 1, size(blocks%first) - 1
       m = blocks%first(k + 1) - blocks%first(k)
       blocks%start(k + 1) = blocks%start(k) + (3 * m)**2
-      slot(blocks%member(blocks%first(k):blocks%first(k + 1) - 1)) = k
+      blocks%slot(blocks%member(blocks%first(k):blocks%first(k + 1) - 1)) = k
     end do
     allocate (blocks%factor(blocks%start(size(blocks%start)) - 1))
-    !$omp parallel do schedule(static) private(m) if(size(slot) > many)
+  end subroutine find_blocks
+
+  !> Factors the blocks. Where the potential curves down along the loads and shifts of one, its
+  !> shifts are stiffened so that it does not, by no more than twice what that takes: a contact that
+  !> may slide around another must not creep. Where the curvature alone does not do, they are held.
+  subroutine factor_blocks(set, margin, blocks)
+    type(circle_set), intent(inout) :: set        !! its field is known; gets who is stiffer or held
+    real(real64), intent(in) :: margin            !! share of the second derivatives that is left
+    type(circle_blocks), intent(inout) :: blocks  !! found
+    integer :: k
+
+    !$omp parallel do schedule(dynamic, 64) if(size(set%x) > many)
     do k = 1, size(blocks%first) - 1
-      m = 3 * (blocks%first(k + 1) - blocks%first(k))
-      call factor_block(set, blocks%member(blocks%first(k):blocks%first(k + 1) - 1), slot, m, &
+      call factor_block(set, blocks%member(blocks%first(k):blocks%first(k + 1) - 1), blocks%slot, &
+                        3 * (blocks%first(k + 1) - blocks%first(k)), margin, &
                         blocks%factor(blocks%start(k):blocks%start(k + 1) - 1))
     end do
     !$omp end parallel do
-  end subroutine find_blocks
+  end subroutine factor_blocks
 
-  ! Second derivatives of a block as `multiply` has them, factored.
-  subroutine factor_block(set, member, slot, m, h)
+  subroutine factor_block(set, member, slot, m, margin, h)
+    type(circle_set), intent(inout) :: set
+    integer, intent(in) :: member(:), slot(:), m
+    real(real64), intent(in) :: margin
+    real(real64), intent(out) :: h(m, m)
+    real(real64) :: alone(m), least
+    integer :: i, j
+
+    do
+      call fill_block(set, member, slot, m, h, alone)
+      least = margin
+      if (all(set%held(member))) least = least_pivot
+      do j = 1, m
+        if (.not. h(j, j) > least * alone(j)) then
+          if (.not. all(set%held(member))) exit
+          ! Loads of circles nearly in one place: as if this were alone.
+          h(j, j) = alone(j)
+          h(j + 1:, j) = 0.0_real64
+        end if
+        do i = j + 1, m
+          h(i:, i) = h(i:, i) - h(i:, j) * (h(i, j) / h(j, j))
+        end do
+        h(j + 1:, j) = h(j + 1:, j) / h(j, j)
+      end do
+      if (j > m) exit
+      set%stiffer(member) = max(margin, epsilon(margin), 2 * set%stiffer(member(1)))
+      if (set%stiffer(member(1)) > 1.0_real64) set%held(member) = .true.
+    end do
+  end subroutine factor_block
+
+  ! Second derivatives of a block as `multiply` has them, and what each circle has of them alone.
+  subroutine fill_block(set, member, slot, m, h, alone)
     type(circle_set), intent(in) :: set
     integer, intent(in) :: member(:), slot(:), m
-    real(real64), intent(out) :: h(m, m)
-    real(real64) :: alone(m), own(m), both(3), x, y
+    real(real64), intent(out) :: h(m, m), alone(m)
+    real(real64) :: both(3), x, y
     integer :: a, b, i, j, k, l
 
     h = 0.0_real64
@@ -105,19 +153,7 @@ contains
         end do
       end associate
     end do
-    own = [(h(j, j), j=1, m)]
-    do j = 1, m
-      if (.not. h(j, j) > least_pivot * alone(j)) then
-        ! Not positive definite: as if this were alone.
-        h(j, j) = max(own(j), alone(j))
-        h(j + 1:, j) = 0.0_real64
-      end if
-      do i = j + 1, m
-        h(i:, i) = h(i:, i) - h(i:, j) * (h(i, j) / h(j, j))
-      end do
-      h(j + 1:, j) = h(j + 1:, j) / h(j, j)
-    end do
-  end subroutine factor_block
+  end subroutine fill_block
 
   !> Changes that take away what the equations leave over, were there nothing but the blocks.
   subroutine solve_blocks(set, blocks, left, change)

@@ -9,7 +9,7 @@ module asperity_circle_products
   implicit none
   private
 
-  public :: hold_bent, multiply, shift_down
+  public :: multiply, shift_down
 
 contains
 
@@ -31,91 +31,6 @@ contains
     b([1, 3]) = b([1, 3]) + more
     shift = -[b(3) * s(1) - b(2) * s(2), b(1) * s(2) - b(2) * s(1)] / (b(1) * b(3) - b(2)**2)
   end function shift_down
-
-  !> Stiffens the shifts of near pairs along whose loads and shifts the potential curves down, so
-  !> that it does not, by no more than twice what that takes: a contact that may slide around one
-  !> other must not creep. Where the curvature alone does not do, they are held.
-  subroutine hold_bent(set, margin)
-    type(circle_set), intent(inout) :: set  !! its field is known; gets who is stiffer or held
-    real(real64), intent(in) :: margin      !! share of the second derivatives
-    real(real64) :: stiffer(size(set%one))
-    integer :: k
-
-    set%stiffer = 0.0_real64
-    if (all(set%held)) return
-    !$omp parallel do schedule(static) if(size(stiffer) > many)
-    do k = 1, size(stiffer)
-      stiffer(k) = 0.0_real64
-      do while (curves_down(set, k, margin, stiffer(k)))
-        stiffer(k) = max(margin, 2 * stiffer(k))
-        if (stiffer(k) > 1.0_real64) exit
-      end do
-    end do
-    !$omp end parallel do
-    do k = 1, size(stiffer)
-      if (.not. stiffer(k) > 0.0_real64) cycle
-      associate (two => [set%one(k), set%other(k)])
-        set%stiffer(two) = max(set%stiffer(two), stiffer(k))
-        if (stiffer(k) > 1.0_real64) set%held(two) = .true.
-      end associate
-    end do
-  end subroutine hold_bent
-
-  ! Whether the second derivatives by the loads and shifts of a near pair are not positive definite.
-  pure logical function curves_down(set, k, margin, stiffer)
-    type(circle_set), intent(in) :: set
-    real(real64), intent(in) :: margin, stiffer
-    integer, intent(in) :: k
-    real(real64) :: h(6, 6), both(3), alone(6)
-    integer :: i, j
-
-    i = set%one(k)
-    j = set%other(k)
-    h(1:3, 1:3) = own(i)
-    h(4:6, 4:6) = own(j)
-    both = -set%load(i) * set%load(j) * between(set, k)
-    h(4, 1) = set%terms(comply, k)
-    h(5:6, 1) = -set%terms(steer_one, k) * set%load(j) * set%terms(east:north, k)
-    h(4, 2:3) = set%terms(steer_other, k) * set%load(i) * set%terms(east:north, k)
-    h(5:6, 2) = both(1:2)
-    h(5:6, 3) = both(2:3)
-    if (set%held(i)) h(4:6, 2:3) = 0.0_real64
-    if (set%held(j)) h(5:6, 1:3) = 0.0_real64
-    alone = [1 / set%stiffness(i), set%load(i) * set%curvature(i) * [1, 1], &
-             1 / set%stiffness(j), set%load(j) * set%curvature(j) * [1, 1]]
-    curves_down = .true.
-    do j = 1, 6
-      if (mod(j, 3) /= 1) h(j, j) = h(j, j) + stiffer * alone(j)
-    end do
-    do j = 1, 6
-      if (.not. h(j, j) > margin * alone(j)) return
-      do i = j + 1, 6
-        h(i:, i) = h(i:, i) - h(i:, j) * (h(i, j) / h(j, j))
-      end do
-    end do
-    curves_down = .false.
-
-  contains
-
-    pure function own(i)
-      integer, intent(in) :: i
-      real(real64) :: own(3, 3)
-
-      own = 0.0_real64
-      own(1, 1) = 1.0_real64 / set%stiffness(i) + set%growth(i) / (3 * set%load(i))
-      own(2, 1) = set%move_x(i) * set%curvature(i) + set%steer_x(i)
-      own(3, 1) = set%move_y(i) * set%curvature(i) + set%steer_y(i)
-      own(2:3, 2) = set%bends(:2, i)
-      own(3, 3) = set%bends(3, i)
-      if (.not. set%held(i)) return
-      own(1, 1) = max(own(1, 1), 1.0_real64 / set%stiffness(i))
-      own(2:3, 1) = 0.0_real64
-      own(2, 2) = 1.0_real64
-      own(3, 2) = 0.0_real64
-      own(3, 3) = 1.0_real64
-    end function own
-
-  end function curves_down
 
   !> The second derivatives of Phi times changes of loads and shifts. Those of far pairs by shifts
   !> are left out: they are of the order (circle/distance)**3.

@@ -1,8 +1,8 @@
 !> One Newton step of coupled contacts, by conjugate gradients.
 module asperity_coupled_step
-  use asperity_circle_blocks, only: circle_blocks, find_blocks, solve_blocks
+  use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
   use asperity_circle_field, only: circle_set, many
-  use asperity_circle_products, only: hold_bent, multiply, shift_down
+  use asperity_circle_products, only: multiply, shift_down
   use asperity_coarse_circles, only: coarse_circles, gather_squares, shared_change, sum_of_squares
   use asperity_kinds, only: real64
   implicit none
@@ -17,8 +17,6 @@ module asperity_coupled_step
   ! Along a direction that the potential curves down along, those circles are held that have more
   ! than this share of the most.
   real(real64), parameter :: share_held = 0.1_real64
-  ! What is there is worth a step when the gradient's square has fallen to this share.
-  real(real64), parameter :: worth_a_step = 0.5_real64
   ! Shifts wait for loads where no less than this share of the gradient is asked for.
   real(real64), parameter :: far_off = 0.1_real64
   ! Near pairs are stiffened where the potential is nearly flat, by how far off all is times this.
@@ -47,6 +45,7 @@ contains
     type(circle_blocks) :: blocks
     type(coarse_circles) :: coarse
     real(real64) :: size_now, size_first, curvature, part
+    logical, allocatable :: more(:)
     integer :: i, round
 
     allocate (scaled, direction, image, mold=gradient)
@@ -57,13 +56,15 @@ contains
     allocate (even, mold=gradient)
     even = 0.0_real64
     set%stiffer = 0.0_real64
-    if (accuracy >= far_off) then
-      call prepare_blocks()
-      call precondition(set, blocks, coarse, even, left, scaled)
-      if (sum(left(2:, :) * scaled(2:, :)) < sum(left(1, :) * scaled(1, :))) set%held = .true.
-    end if
-    call hold_bent(set, flat * off)
+    call find_blocks(set, blocks)
     call prepare_blocks()
+    if (accuracy >= far_off) then
+      call precondition(set, blocks, coarse, even, left, scaled)
+      if (sum(left(2:, :) * scaled(2:, :)) < sum(left(1, :) * scaled(1, :))) then
+        set%held = .true.
+        call prepare_blocks()
+      end if
+    end if
     size_first = -1.0_real64
     do
       call precondition(set, blocks, coarse, even, left, scaled)
@@ -86,11 +87,13 @@ contains
         size_now = sum(left * scaled)
       end do
       if (curvature > 0.0_real64 .or. all(set%held)) exit
+      ! It curves down all the same: without the shifts of those who make it so, or of all.
       bent = sum(direction * image, dim=1)
-      set%held = set%held .or. bent < share_held * minval(bent) .or. &
-                 size_now > worth_a_step * size_first
-      if (.not. all(set%held)) exit
-      step(2:, :) = 0.0_real64
+      more = .not. set%held .and. bent < share_held * minval(bent)
+      set%held = set%held .or. more .or. .not. any(more)
+      do i = 1, size(set%x)
+        if (set%held(i)) step(2:, i) = 0.0_real64
+      end do
       call multiply(set, step, image)
       rounds = rounds + 1
       left = -gradient - image
@@ -107,7 +110,7 @@ contains
     subroutine prepare_blocks()
       real(real64) :: ones(3, size(set%x))
 
-      call find_blocks(set, blocks)
+      call factor_blocks(set, flat * off, blocks)
       ones = 0.0_real64
       ones(1, :) = 1.0_real64
       even = 0.0_real64
