@@ -239,10 +239,11 @@ contains
     allocate (y, source=solution%move_y)
     allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
     allocate (part(size(p)), source=1.0_real64)
-    deepest = maxval(p(solution%set%number))
-    ! No farther than the field is known: the deepest penetration, and the own circle.
+    ! No farther than the field is known: the deepest penetration near by, and the own circle.
     do k = 1, n
-      associate (i => solution%set%number(k), circle => solution%set%circle(k))
+      associate (set => solution%set, i => solution%set%number(k), circle => solution%set%circle(k))
+        deepest = max(p(i), maxval(p(set%number(set%tree%near(set%tree%first(k): &
+                                                              set%tree%first(k + 1) - 1)))))
         dp(i) = max(-deepest, min(step(1, k) / solution%set%stiffness(k), deepest))
         dx(i) = step(2, k) * min(1.0_real64, circle / max(norm2(step(2:, k)), tiny(circle)))
         dy(i) = step(3, k) * min(1.0_real64, circle / max(norm2(step(2:, k)), tiny(circle)))
