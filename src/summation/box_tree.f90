@@ -15,9 +15,9 @@ module asperity_box_tree
 
   ! Levels below the root: Morton's key and a level, together, stay exact in a double.
   integer, parameter :: deepest = 24
-  ! Pairs of places above which boxes that touch are split, over those that take the time of one
-  ! translation: 27 translations a box save 3/4 of 9 * pairs.
-  real(real64), parameter :: worth_a_split = 32.0_real64
+  ! Pairs of places that take the time of one translation, and above which boxes that touch are
+  ! split: 12 translations of each of four boxes save 3/4 of 9 * pairs (measured).
+  real(real64), parameter :: worth = 50.0_real64, worth_a_split = 32 * worth
   ! Pairs of places up to which all are summed place by place: 600 places, where trees of any depth
   ! took as long (measured) and expansions need not be prepared.
   real(real64), parameter :: few_pairs = 3.6e5_real64
@@ -65,11 +65,10 @@ module asperity_box_tree
 contains
 
   !> Sorts circles into boxes and settles which boxes act on which.
-  pure subroutine plant_boxes(source, target, same, worth, tree)
+  pure subroutine plant_boxes(source, target, same, tree)
     real(real64), intent(in) :: source(:, :)  !! x, y and reach of sources, rows, one at least
     real(real64), intent(in) :: target(:, :)  !! of targets, one at least
     logical, intent(in) :: same               !! targets are the sources
-    real(real64), intent(in) :: worth         !! pairs of places that take a translation's time
     type(box_tree), intent(out) :: tree       !! the boxes
     integer(int64), allocatable :: source_key(:), target_key(:)
     real(real64) :: width
@@ -101,8 +100,7 @@ contains
     do l = 0, deepest
       tree%last = l
       tree%level(l)%half = scale(0.5_real64 * width, -l)
-      call meet(tree%level(l - 1), tree%level(l), worth, &
-                merge(few_pairs, worth_a_split * worth, l == 0))
+      call meet(tree%level(l - 1), tree%level(l), merge(few_pairs, worth_a_split, l == 0))
       if (any(tree%level(l)%partner > 0)) tree%top = min(tree%top, l)
       if (l == deepest) exit
       call divide(tree%level(l), tree%level(l + 1), source_key, target_key, deepest - l - 1)
@@ -160,10 +158,9 @@ contains
   end subroutine make_level
 
   ! Settles, for every box, how the boxes act whose parents touch its own.
-  pure subroutine meet(above, this, worth, enough)
+  pure subroutine meet(above, this, enough)
     type(box_level), intent(in) :: above
     type(box_level), intent(inout) :: this
-    real(real64), intent(in) :: worth   ! pairs of places that take a translation's time
     real(real64), intent(in) :: enough  ! pairs of places, above which boxes that touch are split
     real(real64) :: pairs
     integer :: a, b, k, n, shift(2)

@@ -19,8 +19,6 @@ module asperity_source_tree
 
   ! Fewest places for which threads are started.
   integer, parameter :: many = 512
-  ! Pairs of places that take the time of one translation (measured).
-  real(real64), parameter :: worth = 50.0_real64
   ! Bytes of a source or target without near ones. A million circles that are both took 210 each
   ! all over a square, 200 in clusters (measured); the rest is for worse.
   integer(int64), parameter :: bytes_per_place = 200_int64
@@ -79,7 +77,7 @@ contains
       tree%target(:, 2) = y_target
       tree%target(:, 3) = near_factor * reach_target
     end if
-    call plant_boxes(tree%source, tree%target, tree%same, worth, tree%boxes)
+    call plant_boxes(tree%source, tree%target, tree%same, tree%boxes)
     tree%source(:, :3) = tree%source(tree%boxes%source_order, :3)
     tree%target(:, :3) = tree%target(tree%boxes%target_order, :3)
     tree%target(:, 4:5) = tree%target(:, :2)
@@ -124,8 +122,7 @@ contains
             name = nint(about(:n, 4))
             found = spread(0, 1, n + 1)
             do i = run(1), run(2)
-              own = 0
-              if (tree%same) own = tree%boxes%target_order(i)
+              own = merge(tree%boxes%target_order(i), 0, tree%same)
               near = 0
               ! Without a branch, which would be mispredicted.
               do k = 1, n
