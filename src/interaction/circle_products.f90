@@ -38,17 +38,14 @@ contains
     type(circle_set), intent(inout) :: set      !! its field is known; stays
     real(real64), intent(in) :: change(:, :)    !! (3, circle): of load, of shift along x and y
     real(real64), intent(out) :: image(:, :)    !! (3, circle)
-    real(real64), allocatable :: lap(:), potential(:), spread(:)
+    real(real64), allocatable :: lap(:), potential(:)
     real(real64) :: along, grows, mine(3), moved_x, moved_y, sign_of, slope_here, slope_there, x, y
     integer :: i, j, k, l, n
 
     n = size(set%x)
     allocate (lap(n), potential(n))
-    ! Of many those far off act as points: what that leaves out is below 1/150 of it.
-    lap = 0.0_real64
-    if (n <= many) spread = flat_spread * set%circle**2
-    call sum_sources(set%tree, change(1, :), spread, potential, lap, move_x=set%move_x, &
-                     move_y=set%move_y)
+    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, potential, lap, &
+                     move_x=set%move_x, move_y=set%move_y, rough=n > many)
     !$omp parallel do schedule(static) if(n > many) &
     !$omp   private(grows, i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
     !$omp   slope_here, slope_there, x, y)

@@ -59,8 +59,8 @@ contains
   pure subroutine add_direct(about, n, target, rough, value)
     real(real64), contiguous, intent(in) :: about(:, :)  !! planted x, y and limit; x, y, charges
     integer, intent(in) :: n                             !! rows that count
-    real(real64), intent(in) :: target(5)                !! planted x, y and limit; x, y
-    logical, intent(in) :: rough                         !! only the potential, of charges alone
+    real(real64), intent(in) :: target(6)                !! planted x, y and limit; x, y, spread
+    logical, intent(in) :: rough                         !! only the potential; spreads twice
     real(real64), intent(inout) :: value(4)              !! potential, Laplacian, slopes
     real(real64), dimension(lanes) :: phi, lap, gx, gy, counts, dx, dy, square
     real(real64) :: charge, limit, spread, third
@@ -80,16 +80,19 @@ contains
           (about(k + l, 2) - target(2))**2 - (limit * limit + tiny(limit)))
         dx(l) = target(4) - about(k + l, 4)
         dy(l) = target(5) - about(k + l, 5)
-        square(l) = 1.0_real64 / ((dx(l)**2 + dy(l)**2) * counts(l) + (1.0_real64 - counts(l)))
+        square(l) = (dx(l)**2 + dy(l)**2) * counts(l) + (1.0_real64 - counts(l))
       end do
       if (rough) then
         !$omp simd private(charge, spread, third)
         do l = 1, lanes
-          phi(l) = phi(l) + about(k + l, 6) * counts(l) * sqrt(square(l))
+          ! 1/r + spread/r**3, but for terms in 1/r**5; a move may have made r small.
+          phi(l) = phi(l) + about(k + l, 6) * counts(l) / &
+                   sqrt(max(square(l) - (about(k + l, 7) + target(6)), 0.5_real64 * square(l)))
         end do
       else
         !$omp simd private(charge, spread, third)
         do l = 1, lanes
+          square(l) = 1.0_real64 / square(l)
           charge = about(k + l, 6) * counts(l)
           spread = about(k + l, 7) * counts(l) * square(l)
           third = sqrt(square(l))

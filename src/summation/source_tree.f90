@@ -61,7 +61,7 @@ contains
     n = size(x_source)
     if (.not. tree%same) n = size(x_target)
     tree%first = spread(1, 1, n + 1)
-    allocate (tree%near(0), tree%source(size(x_source), 7), tree%target(n, 5))
+    allocate (tree%near(0), tree%source(size(x_source), 7), tree%target(n, 6))
     if (size(x_source) == 0 .or. n == 0) return
     if (.not. has_memory(bytes_per_place * (n + size(x_source)))) then
       tree%failure = no_memory
@@ -81,6 +81,7 @@ contains
     tree%source(:, :3) = tree%source(tree%boxes%source_order, :3)
     tree%target(:, :3) = tree%target(tree%boxes%target_order, :3)
     tree%target(:, 4:5) = tree%target(:, :2)
+    tree%target(:, 6) = 0.0_real64
     call list_near(tree)
     if (tree%boxes%top > tree%boxes%last .or. allocated(tree%failure)) return
     call prepare(tree%ways)
@@ -164,27 +165,32 @@ contains
   !> Moves shift places without a change of what is near and of what is summed how: all sums are
   !> smooth functions of charges and moves. Moves must be small against the reaches. Targets that
   !> are the sources move with them. Laplacian and slopes are those of the potential with spread.
-  subroutine sum_sources(tree, charge, spread, potential, lap, slope_x, slope_y, move_x, move_y)
+  subroutine sum_sources(tree, charge, spread, potential, lap, slope_x, slope_y, move_x, move_y, &
+                         rough)
     type(source_tree), intent(inout) :: tree                  !! the tree
     real(real64), intent(in) :: charge(:)                     !! of sources
-    !> of sources, at most reach**2; absent: the potential of charges alone, to 1e-4 or so
-    real(real64), intent(in), optional :: spread(:)
+    real(real64), intent(in) :: spread(:)                     !! of sources, at most reach**2
     real(real64), intent(inout) :: potential(:)               !! at targets
     real(real64), intent(inout), optional :: lap(:)           !! its Laplacian in the plane
     real(real64), intent(inout), optional :: slope_x(:)       !! its slope; both or none
     real(real64), intent(inout), optional :: slope_y(:)       !! its slope
     real(real64), intent(in), optional :: move_x(:)           !! of sources
     real(real64), intent(in), optional :: move_y(:)           !! of sources
+    !> only the potential, and of boxes without spread, to 1e-4 or so; mean by the target's spread
+    logical, intent(in), optional :: rough
     real(real64), allocatable :: about(:, :)
     real(real64) :: value(4), place(2)
     integer :: l, a, i, n, at, terms
+    logical :: is_rough
 
+    is_rough = .false.
+    if (present(rough)) is_rough = rough
     potential(:) = 0.0_real64
     if (present(lap)) lap(:) = 0.0_real64
     if (present(slope_x)) slope_x(:) = 0.0_real64
     if (present(slope_y)) slope_y(:) = 0.0_real64
     if (.not. allocated(tree%boxes%level)) return
-    terms = merge(tree%ways%terms, tree%ways%rough_terms, present(spread))
+    terms = merge(tree%ways%rough_terms, tree%ways%terms, is_rough)
     !$omp parallel private(about, value, place, l, a, i, n, at) if(size(tree%target, 1) > many)
     !$omp do
     do i = 1, size(tree%source, 1)
@@ -192,9 +198,8 @@ contains
       tree%source(i, 4:5) = tree%source(i, :2)
       if (present(move_x)) tree%source(i, 4) = tree%source(i, 4) + move_x(at)
       if (present(move_y)) tree%source(i, 5) = tree%source(i, 5) + move_y(at)
-      tree%source(i, 6:7) = [charge(at), 0.0_real64]
-      if (present(spread)) tree%source(i, 7) = charge(at) * spread(at)
-      if (tree%same) tree%target(i, 4:5) = tree%source(i, 4:5)
+      tree%source(i, 6:7) = [charge(at), merge(2.0_real64, charge(at), is_rough) * spread(at)]
+      if (tree%same) tree%target(i, 4:6) = tree%source(i, [4, 5, 7])
     end do
     !$omp end do
     do l = tree%boxes%last, tree%boxes%top, -1
@@ -212,7 +217,7 @@ contains
           call gather_sources(tree%boxes, l, a, tree%source, about, n)
           do i = this%target(1, a), this%target(2, a)
             value = 0.0_real64
-            call add_direct(about, n, tree%target(i, :), .not. present(spread), value)
+            call add_direct(about, n, tree%target(i, :), is_rough, value)
             place = (tree%target(i, 4:5) - middle_of(tree%boxes, l, a)) / this%half
             if (l >= tree%boxes%top) call add_field(tree%ways, place(1), place(2), this%half, &
                                                     this%field(:terms, a), value)
@@ -253,7 +258,8 @@ contains
           do j = this%source(1, a), this%source(2, a)
             place = (tree%source(j, 4:5) - middle_of(tree%boxes, l, a)) / this%half
             call add_moments(tree%ways, place(1), place(2), tree%source(j, 6), &
-                             tree%source(j, 7) / this%half**2, this%moment(:terms, a))
+                             merge(tree%source(j, 7) / this%half**2, 0.0_real64, &
+                                   terms == tree%ways%terms), this%moment(:terms, a))
           end do
         end do
       end do
