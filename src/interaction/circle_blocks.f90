@@ -21,7 +21,8 @@ module asperity_circle_blocks
     real(real64), allocatable :: factor(:)          !! L of L D L', its diagonal D
   end type circle_blocks
 
-  ! Circles in a block at most: factors take the third power of it.
+  ! Circles in a block at most: factors take the third power of it. Sums of radii up to which they
+  ! may be in one: those farther off curve down together only far from the solution.
   integer, parameter :: most_in_block = 12
   real(real64), parameter :: close_by = 1.5_real64
   ! Least share of what a circle has alone that may be left of it in a block.

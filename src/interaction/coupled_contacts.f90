@@ -38,6 +38,8 @@ module asperity_coupled_contacts
   ! may grow: what made it grow is solved by itself.
   real(real64), parameter :: slope_left = 0.8_real64, slope_of_many = 4.0_real64
   real(real64), parameter :: share_cut = 0.1_real64
+  ! From this residual on what a step leaves is due to its second derivatives.
+  real(real64), parameter :: linear = 1.0e-3_real64
   ! Shares of the gradient that a step may leave. Of many contacts less would cost more products
   ! than it saves steps; of few the last step is as good as rounding lets it be.
   real(real64), parameter :: most_left = 0.1_real64, least_left = 0.02_real64
@@ -219,7 +221,7 @@ contains
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
-    real(real64), allocatable :: first(:), now(:), part(:)
+    real(real64), allocatable :: first(:), now(:), part(:), was(:, :)
     real(real64) :: before, left, deepest
     integer :: k, n, trial
 
@@ -239,14 +241,17 @@ contains
     allocate (y, source=solution%move_y)
     allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
     allocate (part(size(p)), source=1.0_real64)
+    allocate (was(2, size(p)), source=0.0_real64)
     ! No farther than the field is known: the deepest penetration near by, and the own circle.
     do k = 1, n
       associate (set => solution%set, i => solution%set%number(k), circle => solution%set%circle(k))
         deepest = max(p(i), maxval(p(set%number(set%tree%near(set%tree%first(k): &
                                                               set%tree%first(k + 1) - 1)))))
         dp(i) = max(-deepest, min(step(1, k) / solution%set%stiffness(k), deepest))
-        dx(i) = step(2, k) * min(1.0_real64, circle / max(norm2(step(2:, k)), tiny(circle)))
-        dy(i) = step(3, k) * min(1.0_real64, circle / max(norm2(step(2:, k)), tiny(circle)))
+        state%onward(i) = min(state%onward(i), circle / max(norm2(step(2:, k)), tiny(circle)))
+        dx(i) = state%onward(i) * step(2, k)
+        dy(i) = state%onward(i) * step(3, k)
+        was(:, i) = [state%off_x(k), state%off_y(k)]
       end associate
     end do
     first = slopes()
@@ -271,8 +276,31 @@ contains
       where (now > share_cut * maxval(now)) &
         part = part * max(0.1_real64, min(abs(first) / (abs(first) + now), 0.5_real64))
     end do
+    call learn()
 
   contains
+
+    ! Near the solution a step that leaves more than half of what all are off by tells that second
+    ! derivatives are off where most is left: they know the far field's bend only as its mean, and a
+    ! shift around another circle may hang on little more. From then on such a shift goes as much
+    ! farther, or less far, as that tells: a secant.
+    subroutine learn()
+      real(real64) :: most, share
+      integer :: j
+
+      if (before > linear) return
+      most = share_cut * maxval(state%miss)
+      do j = 1, size(solution%set%x)
+        associate (onward => state%onward(solution%set%number(j)), &
+                   g => was(:, solution%set%number(j)))
+          if (part(solution%set%number(j)) < 1.0_real64 .or. state%miss(j) < most) cycle
+          if (state%residual <= 0.5_real64 * before .and. &
+              abs(onward - 1.0_real64) <= epsilon(onward)) cycle
+          share = dot_product(g, [state%off_x(j), state%off_y(j)]) / max(tiny(share), sum(g**2))
+          onward = onward / max(1.0_real64 - share, share_cut)
+        end associate
+      end do
+    end subroutine learn
 
     ! Change of the potential by going on, by pair.
     function slopes()

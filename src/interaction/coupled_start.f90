@@ -38,6 +38,7 @@ contains
     state%gap = pairs%list%gap
     if (present(resolved)) state%gap = resolved%gap
     allocate (state%joins(n), source=0)
+    allocate (state%onward(n), source=1.0_real64)
     if (n > many) then
       ! Square by square: neighbours are near in memory, too.
       call gather_squares(pairs%list%x, pairs%list%y, coarse)

@@ -38,6 +38,7 @@ module asperity_coupled_state
     real(real64), allocatable :: off(:)             !! gradient by load, by circle
     real(real64), allocatable :: off_x(:), off_y(:) !! gradient by shift over load, by circle
     real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
+    real(real64), allocatable :: onward(:)          !! by how much shifts go beyond a step, by pair
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any

@@ -27,11 +27,11 @@ contains
   !> The step that makes the gradient of the potential zero to first order, to an accuracy, or goes
   !> down at least.
   !>
-  !> Loads alone, with growth of 0 at least, have positive definite second derivatives. So a shift
-  !> is held out of the equations, and goes down by itself, where the potential curves down along
-  !> the loads and shifts of a near pair; far from the solution all are, as long as the loads have
-  !> more to do than they. Where it curves down all the same, the steps before it are kept (Nocedal
-  !> and Wright, Numerical Optimization, 2006, algorithm 7.1), or all shifts are held.
+  !> Loads alone, with growth of 0 at least, have positive definite second derivatives. So shifts
+  !> are stiffened or held out of the equations, and go down by themselves, where the potential
+  !> curves down along the loads and shifts of a block; far from the solution all are, as long as
+  !> the loads have more to do than they. Where it curves down all the same, those who make it so
+  !> are held, too.
   subroutine newton_step(set, gradient, keep_sum, accuracy, off, step, rounds)
     type(circle_set), intent(inout) :: set      !! its field is known; stays
     real(real64), intent(in) :: gradient(:, :)  !! (3, circle): by load, by shift along x and y
