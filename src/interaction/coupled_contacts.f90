@@ -221,7 +221,7 @@ contains
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
-    real(real64), allocatable :: first(:), now(:), part(:), was(:, :)
+    real(real64), allocatable :: first(:), now(:), part(:), reach(:), was(:, :)
     real(real64) :: before, left, deepest
     integer :: k, n, trial
 
@@ -241,16 +241,16 @@ contains
     allocate (y, source=solution%move_y)
     allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
     allocate (part(size(p)), source=1.0_real64)
-    allocate (was(2, size(p)), source=0.0_real64)
+    allocate (reach(size(p)), was(2, size(p)), source=0.0_real64)
     ! No farther than the field is known: the deepest penetration near by, and the own circle.
     do k = 1, n
       associate (set => solution%set, i => solution%set%number(k), circle => solution%set%circle(k))
         deepest = max(p(i), maxval(p(set%number(set%tree%near(set%tree%first(k): &
                                                               set%tree%first(k + 1) - 1)))))
         dp(i) = max(-deepest, min(step(1, k) / solution%set%stiffness(k), deepest))
-        state%onward(i) = min(state%onward(i), circle / max(norm2(step(2:, k)), tiny(circle)))
-        dx(i) = state%onward(i) * step(2, k)
-        dy(i) = state%onward(i) * step(3, k)
+        reach(i) = min(state%onward(i), circle / max(norm2(step(2:, k)), tiny(circle)))
+        dx(i) = reach(i) * step(2, k)
+        dy(i) = reach(i) * step(3, k)
         was(:, i) = [state%off_x(k), state%off_y(k)]
       end associate
     end do
@@ -283,12 +283,12 @@ contains
     ! Near the solution a step that leaves more than half of what all are off by tells that second
     ! derivatives are off where most is left: they know the far field's bend only as its mean, and a
     ! shift around another circle may hang on little more. From then on such a shift goes as much
-    ! farther, or less far, as that tells: a secant.
+    ! farther, or less far, as that tells: a secant. Among few nothing hangs on the far field.
     subroutine learn()
       real(real64) :: most, share
       integer :: j
 
-      if (before > linear) return
+      if (n <= many .or. before > linear) return
       most = share_cut * maxval(state%miss)
       do j = 1, size(solution%set%x)
         associate (onward => state%onward(solution%set%number(j)), &
@@ -297,7 +297,7 @@ contains
           if (state%residual <= 0.5_real64 * before .and. &
               abs(onward - 1.0_real64) <= epsilon(onward)) cycle
           share = dot_product(g, [state%off_x(j), state%off_y(j)]) / max(tiny(share), sum(g**2))
-          onward = onward / max(1.0_real64 - share, share_cut)
+          onward = reach(solution%set%number(j)) / max(1.0_real64 - share, share_cut)
         end associate
       end do
     end subroutine learn
