@@ -1,4 +1,4 @@
-!> What the threads of OpenMP do while they wait for each other.
+!> What the threads of OpenMP do while they wait for each other, and memory that is given back.
 module asperity_waiting_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use asperity_files, only: read_whole_file
@@ -13,6 +13,11 @@ module asperity_waiting_threads
   ! What the environment may say of it; the second is libgomp's own.
   character(len=*), parameter :: policies(2) = [character(len=15) :: 'OMP_WAIT_POLICY', &
     'GOMP_SPINCOUNT']
+  ! Memory given back is kept for what comes next, large pieces, too: the system would zero each page
+  ! anew. A million coupled contacts take 2 s of the system so, else 11 (the GNU C library's manual,
+  ! Memory Allocation Tunables).
+  character(len=*), parameter :: tunables = 'GLIBC_TUNABLES', &
+    keep_memory = 'glibc.malloc.mmap_threshold=4294967296:glibc.malloc.trim_threshold=4294967296'
 
 contains
 
@@ -48,6 +53,9 @@ contains
     address = [address, c_null_ptr]
     if (posix_setenv(trim(policies(1)) // c_null_char, 'passive' // c_null_char, 1_c_int) /= 0) &
       return
+    call get_environment_variable(tunables, status=length)
+    if (length == 1) &
+      status = posix_setenv(tunables // c_null_char, keep_memory // c_null_char, 1_c_int)
     ! It comes back only where the system does not begin the program; then threads spin.
     status = posix_execv(canonical_path('/proc/self/exe') // c_null_char, address)
   end subroutine let_waiting_threads_sleep

@@ -242,11 +242,10 @@ contains
     allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
     allocate (part(size(p)), source=1.0_real64)
     allocate (reach(size(p)), was(2, size(p)), source=0.0_real64)
-    ! No farther than the field is known: the deepest penetration near by, and the own circle.
+    deepest = maxval(p(solution%set%number))
+    ! No farther than the field is known: the deepest penetration, and the own circle.
     do k = 1, n
       associate (set => solution%set, i => solution%set%number(k), circle => solution%set%circle(k))
-        deepest = max(p(i), maxval(p(set%number(set%tree%near(set%tree%first(k): &
-                                                              set%tree%first(k + 1) - 1)))))
         dp(i) = max(-deepest, min(step(1, k) / solution%set%stiffness(k), deepest))
         reach(i) = min(state%onward(i), circle / max(norm2(step(2:, k)), tiny(circle)))
         dx(i) = reach(i) * step(2, k)
