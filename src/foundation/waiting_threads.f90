@@ -13,9 +13,9 @@ module asperity_waiting_threads
   ! What the environment may say of it; the second is libgomp's own.
   character(len=*), parameter :: policies(2) = [character(len=15) :: 'OMP_WAIT_POLICY', &
     'GOMP_SPINCOUNT']
-  ! Memory given back is kept for what comes next, large pieces, too: the system zeroes a page
-  ! that it hands out. A million coupled contacts take 2 s of the system so, else 11 (the GNU C library's manual,
-  ! Memory Allocation Tunables).
+  ! Memory given back is kept for what comes next, large pieces, too: the system zeroes each page
+  ! that it hands out. A million coupled contacts take 2 s of the system so, else 11 (the GNU C
+  ! library's manual, Memory Allocation Tunables).
   character(len=*), parameter :: tunables = 'GLIBC_TUNABLES', &
     keep_memory = 'glibc.malloc.mmap_threshold=4294967296:glibc.malloc.trim_threshold=4294967296'
 
