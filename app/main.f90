@@ -1,5 +1,6 @@
 !> The program: reads the command line, runs the command, prints what went wrong, stops.
 program asperity_main
+  use asperity_begin_anew, only: begin_anew_with_settings
   use asperity_command_line, only: command_line, is_shared, parse_command_line
   use asperity_command_outcome, only: command_outcome, finish_command
   use asperity_help, only: describe
@@ -15,7 +16,6 @@ program asperity_main
   use asperity_run_solve, only: run_solve_command
   use asperity_run_study, only: run_study_command
   use asperity_run_summits, only: run_summits_command
-  use asperity_waiting_threads, only: let_waiting_threads_sleep
   implicit none
   ! Commands whose work is shared out to threads.
   character(len=*), parameter :: threaded(3) = [character(len=8) :: 'accuracy', 'solve', 'study']
@@ -31,7 +31,7 @@ program asperity_main
   else if (outcome%problems%count() > 0) then
     call outcome%problems%add('Try: asperity --help')
   else if (image_number() == 1 .or. is_shared(line)) then
-    if (line%threads /= 1 .and. any(line%command == threaded)) call let_waiting_threads_sleep()
+    if (line%threads /= 1 .and. any(line%command == threaded)) call begin_anew_with_settings()
     select case (line%command)
     case ('', 'help', 'version')
       call describe(line%command, line%topic, outcome%text)

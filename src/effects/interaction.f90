@@ -22,7 +22,7 @@ module asperity_interaction
 
   !> Interaction of neighbouring contacts.
   type, extends(contact_effect) :: interaction_effect
-    real(real64) :: boundary_tolerance = 0.0_real64  !! what the last halving of cells may change
+    real(real64) :: boundary_tolerance = 0.0_real64  !! what halving the cells may change
     real(real64) :: area_tolerance = 0.0_real64      !! what areas may be off by at least
   contains
     procedure :: estimate

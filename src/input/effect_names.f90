@@ -85,7 +85,7 @@ module asperity_effect_names
     effect_number('tolerance', '', share, decimal_value(1_int64, -2), &
                   meaning='share that ''auto'' may leave out, of all effects together'), &
     effect_number('boundary_tolerance', 'interaction', share, decimal_value(1_int64, -3), &
-                  meaning='share of the load that the last halving of the cells may change'), &
+                  meaning='share of the load that halving the cells may change'), &
     effect_number('area_tolerance', 'interaction', share, decimal_value(5_int64, -3), &
                   meaning='share of the area that may be off where tolerances allow less'), &
     effect_number('friction_coefficient', 'friction', not_negative, needed_with='on', &

@@ -1,14 +1,14 @@
 !> What the pressures on the cells of a cluster mean for its contacts.
 module asperity_cells_answer
   use asperity_cells_gap, only: gap_shape
-  use asperity_cells_lattice, only: cell_frame, cell_lattice
+  use asperity_cells_lattice, only: cell_lattice
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
-  public :: cells_answer, make_room, tell
+  public :: cell_contact, cells_answer, tell
 
   ! The pressure of Hertz has the integrals A p0**k/(1 + k/2) of its powers, whatever the ellipse.
   ! So an area is what they, times (1 + k/2), come to at the power 0: three of them, on a parabola
@@ -24,49 +24,37 @@ module asperity_cells_answer
   ! truth of the harness, together over alone).
   real(real64), parameter, public :: area_error = 0.12_real64
 
-  !> What the cells answer, by member. Loads, lengths and pressures in the units of the pairs.
+  !> A contact on cells. Loads, lengths and pressures in the units of the pairs.
+  type :: cell_contact
+    real(real64) :: load = 0.0_real64      !! vertical
+    real(real64) :: area = 0.0_real64      !! in plan
+    real(real64) :: pressure = 0.0_real64  !! greatest mean over a cell
+    !> centre of the pressure; of a member without any: first touch
+    real(real64) :: x = 0.0_real64, y = 0.0_real64
+    real(real64) :: error = 0.0_real64     !! of the load by the cells, root mean square
+  end type cell_contact
+
+  !> What the cells answer.
   type :: cells_answer
-    real(real64), allocatable :: vertical_load(:)     !! all members together
-    real(real64), allocatable :: alone_load(:)        !! of each alone, nothing outside, same cells
-    real(real64), allocatable :: area(:)              !! in plan
-    real(real64), allocatable :: alone_area(:)        !! the same of each alone
-    real(real64), allocatable :: maximum_pressure(:)  !! mean over a cell
-    real(real64), allocatable :: alone_pressure(:)    !! the same of each alone
-    real(real64), allocatable :: centre_x(:)          !! of its pressure; unloaded: first touch
-    real(real64), allocatable :: centre_y(:)          !! of its pressure; unloaded: first touch
-    integer :: cells = 0                              !! of the finest lattice
-    integer :: halvings = 0                           !! of the cells, from the coarsest
-    real(real64), allocatable :: beside(:)            !! displacement at each circle of the field
-    real(real64) :: error = 0.0_real64                !! of the load by the cells, root mean square
-    real(real64) :: area_error = 0.0_real64           !! of the area, relative, root mean square
-    real(real64) :: change = huge(1.0_real64)         !! relative, of the load by the last halving
-    !> of the solve on the finest lattice; residual: largest violation of the gap over the deepest
-    !> penetration
+    type(cell_contact), allocatable :: together(:)  !! by member
+    type(cell_contact), allocatable :: alone(:)     !! each alone, nothing outside, same cells
+    integer :: cells = 0                            !! of the lattice
+    real(real64), allocatable :: beside(:)          !! displacement at each circle of the field
+    real(real64) :: error = 0.0_real64              !! of the load by the cells, root mean square
+    real(real64) :: area_error = 0.0_real64         !! of the area, relative, root mean square
+    !> of the solve; residual: largest violation of the gap over the deepest penetration
     type(solve_ending) :: ending
-    character(:), allocatable :: failure              !! why it did not converge
+    character(:), allocatable :: failure            !! why it did not converge
   end type cells_answer
 
 contains
 
-  !> Makes room for the members of a cluster.
-  pure subroutine make_room(answer, members)
-    type(cells_answer), intent(inout) :: answer  !! zero for all
-    integer, intent(in) :: members               !! how many
-    real(real64) :: zero(members)
-
-    zero = 0.0_real64
-    allocate (answer%vertical_load, answer%alone_load, answer%area, answer%alone_area, &
-              answer%maximum_pressure, answer%alone_pressure, &
-              answer%centre_x, answer%centre_y, source=zero)
-  end subroutine make_room
-
   !> What the forces of a lattice mean for every contact.
-  subroutine tell(modulus, frame, shapes, lattice, answer)
-    real(real64), intent(in) :: modulus             !! combined
-    type(cell_frame), intent(in) :: frame           !! of the cluster
-    type(gap_shape), intent(in) :: shapes(:)        !! the contacts that penetrate
-    type(cell_lattice), intent(in) :: lattice       !! solved
-    type(cells_answer), intent(inout) :: answer     !! gets what is of these contacts
+  subroutine tell(modulus, shapes, lattice, contacts)
+    real(real64), intent(in) :: modulus               !! combined
+    type(gap_shape), intent(in) :: shapes(:)          !! the contacts that penetrate
+    type(cell_lattice), intent(in) :: lattice         !! solved
+    type(cell_contact), intent(inout) :: contacts(:)  !! by member, those that penetrate are told
     ! Of force: means of x, y, places in cells from first touch; sums of its powers.
     real(real64) :: moment(2, size(shapes)), sums(3, size(shapes)), highest(size(shapes)), radius
     real(real64) :: x, y
@@ -84,8 +72,8 @@ contains
         associate (force => lattice%force(i, j))
           if (.not. force > 0.0_real64) cycle
           k = lattice%owner(i, j)
-          x = lattice%left + i - 0.5_real64 + (frame%x - shapes(k)%x) / lattice%cell
-          y = lattice%bottom + j - 0.5_real64 + (frame%y - shapes(k)%y) / lattice%cell
+          x = lattice%left + i - 0.5_real64 + (lattice%x - shapes(k)%x) / lattice%cell
+          y = lattice%bottom + j - 0.5_real64 + (lattice%y - shapes(k)%y) / lattice%cell
           moment(:, k) = moment(:, k) + force * [x, y]
           sums(:, k) = sums(:, k) + [sqrt(force), force, force**2]
           highest(k) = max(highest(k), force)
@@ -95,24 +83,20 @@ contains
         end associate
       end do
     end do
-    answer%cells = size(lattice%force)
-    answer%error = 0.0_real64
     do k = 1, size(shapes)
       if (.not. highest(k) > 0.0_real64) cycle
-      associate (m => shapes(k)%pair, load => sums(2, k), h => lattice%cell)
-        answer%vertical_load(m) = modulus * frame%scale * h * load
-        answer%maximum_pressure(m) = modulus * (frame%scale / h) * highest(k)
-        answer%area(m) = h**2 * product(((1 + power / 2) * sums(:, k))**weight)
-        answer%centre_x(m) = shapes(k)%x + h * moment(1, k) / load
-        answer%centre_y(m) = shapes(k)%y + h * moment(2, k) / load
+      associate (one => contacts(shapes(k)%pair), load => sums(2, k), h => lattice%cell)
+        one%load = modulus * lattice%scale * h * load
+        one%pressure = modulus * (lattice%scale / h) * highest(k)
+        one%area = h**2 * product(((1 + power / 2) * sums(:, k))**weight)
+        one%x = shapes(k)%x + h * moment(1, k) / load
+        one%y = shapes(k)%y + h * moment(2, k) / load
         ! A circle has 8 sides a radius on its rim; where it lies in another it has none.
-        radius = max(1.0_real64, sqrt(answer%area(m) / pi) / h)
-        answer%error = hypot(answer%error, answer%vertical_load(m) * load_error / &
-                             radius**2.5_real64 * min(1.0_real64, free(k) / (8 * radius)))
+        radius = max(1.0_real64, sqrt(one%area / pi) / h)
+        one%error = one%load * load_error / radius**2.5_real64 * &
+                    min(1.0_real64, free(k) / (8 * radius))
       end associate
     end do
-    if (any(highest > 0.0_real64)) &
-      answer%area_error = area_error * (pi * lattice%cell**2 / maxval(answer%area))**0.75_real64
   end subroutine tell
 
 end module asperity_cells_answer

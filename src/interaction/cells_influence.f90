@@ -1,40 +1,63 @@
-!> How far the pressure on one square cell presses down another: Love's rectangle.
+!> How far the pressure on one cell of a lattice presses down another: Love's rectangle.
 !>
 !> Love (1929) gives the displacement of a half-space at a point under uniform pressure on a
-!> rectangle (Johnson, Contact Mechanics, 1985, section 3.4, eq. 3.25). Here it is averaged over
-!> the receiving cell as well. So the cells' equations are those of the least energy among all
-!> pressures that are uniform on each cell, and the total load comes out an order better than from
-!> displacements at the cells' centres.
+!> rectangle (Johnson, Contact Mechanics, 1985, section 3.4, eq. 3.25). At the centres of cells it
+!> is what heights that are samples call for. Where a surface is known between them it is averaged
+!> over the receiving cell as well: then the equations are those of the least energy among all
+!> pressures that are uniform on each cell, and the total load comes out an order better.
 module asperity_cells_influence
+  use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: influence_table
+  public :: centre_influence, mean_influence
 
   ! From there the expansion is better than the closed form, whose terms cancel.
   integer, parameter :: far_offset = 16
 
 contains
 
-  !> Mean of 1/r over two square cells of side 1 whose centres are (i, j) apart.
-  !>
-  !> Where cells have side h the mean is the entry over h; a force F spread over one cell presses
-  !> the other down by F/(pi E h) times the entry.
-  pure subroutine influence_table(table)
-    real(real64), intent(out) :: table(0:, 0:)  !! the mean at offset i, j; the same at -i and -j
+  !> Displacement times the modulus at the centres of cells with the sides 1 and `other`, by unit
+  !> pressure on one. At an offset of n sides rounding leaves 1e-16 n**2 of it.
+  pure function centre_influence(columns, rows, other) result(table)
+    integer, intent(in) :: columns, rows       !! of the lattice
+    real(real64), intent(in) :: other          !! side of a cell along y, over that along x
+    real(real64), allocatable :: table(:, :)   !! by offset
+    real(real64), allocatable :: corner(:, :)  ! double integral of 1/r
+    real(real64) :: x, y
     integer :: i, j
 
-    do j = 0, ubound(table, 2)
-      do i = 0, ubound(table, 1)
+    allocate (corner(0:columns, 0:rows))
+    do j = 0, rows
+      do i = 0, columns
+        x = i - 0.5_real64
+        y = other * (j - 0.5_real64)
+        corner(i, j) = (x * asinh(y / abs(x)) + y * asinh(x / abs(y))) / pi
+      end do
+    end do
+    table = (corner(1:, 1:) - corner(:columns - 1, 1:)) - &
+            (corner(1:, :rows - 1) - corner(:columns - 1, :rows - 1))
+  end function centre_influence
+
+  !> Mean displacement times the modulus of square cells of side 1 by a unit force on one: the mean
+  !> of 1/r over both, over pi. Where cells have side h it is the entry over h.
+  pure function mean_influence(columns, rows) result(table)
+    integer, intent(in) :: columns, rows      !! of the lattice
+    real(real64), allocatable :: table(:, :)  !! by offset
+    integer :: i, j
+
+    allocate (table(0:columns - 1, 0:rows - 1))
+    do j = 0, rows - 1
+      do i = 0, columns - 1
         if (max(i, j) < far_offset) then
-          table(i, j) = near_mean(max(i, j), min(i, j))
+          table(i, j) = near_mean(max(i, j), min(i, j)) / pi
         else
-          table(i, j) = far_mean(real(i, real64), real(j, real64))
+          table(i, j) = far_mean(real(i, real64), real(j, real64)) / pi
         end if
       end do
     end do
-  end subroutine influence_table
+  end function mean_influence
 
   ! Second differences, in both directions, of a function whose fourth derivative d4/dx2dy2 is 1/r.
   pure function near_mean(i, j) result(mean)

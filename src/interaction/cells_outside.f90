@@ -1,6 +1,6 @@
 !> How far contacts outside a cluster press the cells of the cluster down.
 module asperity_cells_outside
-  use asperity_cells_lattice, only: cell_frame, cell_lattice
+  use asperity_cells_lattice, only: cell_lattice
   use asperity_chebyshev_basis, only: lagrange_at_cells
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
@@ -27,60 +27,55 @@ module asperity_cells_outside
 contains
 
   !> Opens the gaps of a lattice by the displacement at the centres of its cells.
-  subroutine add_outside(outside, frame, modulus, lattice)
+  subroutine add_outside(outside, modulus, lattice)
     type(outside_field), intent(in) :: outside      !! the field
-    type(cell_frame), intent(in) :: frame           !! of the cluster
     real(real64), intent(in) :: modulus             !! combined
     type(cell_lattice), intent(inout) :: lattice    !! gets its gaps changed
-    real(real64), allocatable :: across(:, :), along(:, :)
-    real(real64) :: x, y, field
+    real(real64) :: x, y
     integer :: i, j
 
-    x = frame%x + lattice%left * lattice%cell
-    y = frame%y + lattice%bottom * lattice%cell
+    x = lattice%x + lattice%left * lattice%cell
+    y = lattice%y + lattice%bottom * lattice%cell
     if (allocated(outside%at_nodes)) then
       associate (wide => 0.5_real64 * (outside%x1 - outside%x0), &
-                 high => 0.5_real64 * (outside%y1 - outside%y0))
-        allocate (across, source=lagrange_at_cells( &
-                  size(outside%at_nodes, 1), size(lattice%gap, 1), &
-                  (x - outside%x0) / wide - 1.0_real64, lattice%cell / wide))
-        allocate (along, source=lagrange_at_cells( &
-                  size(outside%at_nodes, 2), size(lattice%gap, 2), &
-                  (y - outside%y0) / high - 1.0_real64, lattice%cell / high))
+                 high => 0.5_real64 * (outside%y1 - outside%y0), &
+                 n => size(outside%at_nodes, 1), m => size(outside%at_nodes, 2))
+        lattice%gap = lattice%gap + matmul( &
+          transpose(lagrange_at_cells(n, size(lattice%gap, 1), (x - outside%x0) / wide - &
+                                      1.0_real64, lattice%cell / wide)), &
+          matmul(outside%at_nodes / lattice%scale, &
+                 lagrange_at_cells(m, size(lattice%gap, 2), (y - outside%y0) / high - &
+                                   1.0_real64, lattice%cell / high)))
       end associate
     end if
+    if (.not. allocated(outside%x)) return
     do j = 1, size(lattice%gap, 2)
       do i = 1, size(lattice%gap, 1)
         if (lattice%owner(i, j) == 0) cycle
-        field = 0.0_real64
-        if (allocated(across)) &
-          field = dot_product(across(:, i), matmul(outside%at_nodes, along(:, j)))
-        if (allocated(outside%x)) field = field + sum(outside%load * beside_circle(outside%circle, &
+        lattice%gap(i, j) = lattice%gap(i, j) + sum(outside%load * beside_circle(outside%circle, &
           hypot(x + (i - 0.5_real64) * lattice%cell - outside%x, &
-                y + (j - 0.5_real64) * lattice%cell - outside%y))) / modulus
-        lattice%gap(i, j) = lattice%gap(i, j) + field / frame%scale
+                y + (j - 0.5_real64) * lattice%cell - outside%y))) / (modulus * lattice%scale)
       end do
     end do
   end subroutine add_outside
 
   !> Displacement by the cells at a place at which there are none.
-  pure real(real64) function field_of_cells(frame, lattice, x, y) result(field)
-    type(cell_frame), intent(in) :: frame           !! of the cluster
+  pure real(real64) function field_of_cells(lattice, x, y) result(field)
     type(cell_lattice), intent(in) :: lattice       !! solved
     real(real64), intent(in) :: x, y                !! the place, in plan
     real(real64) :: across, along
     integer :: i, j
 
     field = 0.0_real64
-    along = (y - frame%y) / lattice%cell - lattice%bottom
-    across = (x - frame%x) / lattice%cell - lattice%left
+    along = (y - lattice%y) / lattice%cell - lattice%bottom
+    across = (x - lattice%x) / lattice%cell - lattice%left
     do j = 1, size(lattice%force, 2)
       do i = 1, size(lattice%force, 1)
         if (lattice%force(i, j) > 0.0_real64) field = field + lattice%force(i, j) / &
           hypot(across - i + 0.5_real64, along - j + 0.5_real64)
       end do
     end do
-    field = frame%scale * field / pi
+    field = lattice%scale * field / pi
   end function field_of_cells
 
   !> Displacement times modulus over load at a distance from the centre of a circle under the

@@ -36,7 +36,7 @@ contains
     real(real64), intent(out), optional :: closing      !! that it takes: less than every gap left
     real(real64), allocatable, dimension(:, :) :: rest, steepest, direction, change, next, after
     real(real64) :: slope, slope_before, curvature, step, fall, sure
-    logical :: same, fresh
+    logical :: fresh
 
     allocate (rest, steepest, direction, change, next, after, mold=gap)
     direction = 0.0_real64
@@ -44,7 +44,7 @@ contains
     call find_rest(force, rest)
     fresh = .true.
     do
-      ending%residual = violation(force, rest)
+      ending%residual = max(maxval(abs(rest), mask=force > 0.0_real64), -minval(rest), 0.0_real64)
       ending%converged = ending%residual <= tolerance
       if (ending%converged .and. fresh) exit
       if (ending%iterations == iterations_allowed .or. interrupt%is_asked()) exit
@@ -56,8 +56,7 @@ contains
         cycle
       end if
       ending%iterations = ending%iterations + 1
-      next = force - rest / influence%norm
-      call project(next)
+      call go_down(next)
       sure = 0.5_real64 * sum(rest * (force - next))
       ! Cells come and go at nearly every step: what the last slope has in common with this one is
       ! taken off (Polak and Ribiere), so that the search need not start anew each time.
@@ -68,11 +67,7 @@ contains
       if (slope_before > 0.0_real64) &
         step = max(0.0_real64, (slope - sum(next * steepest)) / slope_before)
       steepest = after
-      where (force > 0.0_real64)
-        direction = steepest + step * direction
-      else where
-        direction = 0.0_real64
-      end where
+      direction = merge(steepest + step * direction, 0.0_real64, force > 0.0_real64)
       ! A cell let go has left its part to the others.
       if (present(load)) where (force > 0.0_real64) direction = direction - &
         sum(direction) / count(force > 0.0_real64)
@@ -81,27 +76,26 @@ contains
       curvature = sum(change * direction)
       step = sum(rest * direction)
       fall = -1.0_real64
-      same = .true.
       if (step > 0.0_real64 .and. curvature > 0.0_real64) then
         step = step / curvature
-        call move(force, rest, direction, step, next, same)
-        if (same) then
-          after = rest - step * change
-          call centre(next, after)
-        else
+        ! Cells that open end at 0, those that would touch are taken in.
+        next = max(0.0_real64, force - step * merge(direction, rest, force > 0.0_real64))
+        fresh = any(next > 0.0_real64 .neqv. force > 0.0_real64)
+        if (fresh) then
           if (present(load)) next = next * (load / sum(next))
           call find_rest(next, after)
+        else
+          after = rest - step * change
+          call centre(next, after)
         end if
         fall = 0.5_real64 * sum((force - next) * (rest + after))
       end if
       if (.not. fall >= 0.5_real64 * sure) then
-        same = .false.
-        next = force - rest / influence%norm
-        call project(next)
+        call go_down(next)
         call find_rest(next, after)
+        fresh = .true.
         slope_before = 0.0_real64
       end if
-      fresh = .not. same
       force = next
       rest = after
     end do
@@ -130,54 +124,26 @@ contains
         rest = rest - sum(rest, mask=force > 0.0_real64) / count(force > 0.0_real64)
     end subroutine centre
 
-    ! The nearest forces that are allowed: 0 or more, of the sum that is given. All sink alike until
-    ! what is left has that sum; each round is Newton's and none is passed twice (Michelot 1986).
-    subroutine project(force)
-      real(real64), intent(inout) :: force(:, :)
+    ! The step that is sure. It ends at the nearest forces that are allowed: 0 or more, of the sum
+    ! that is given. All sink alike until what is left has that sum; each round is Newton's and none
+    ! is passed twice (Michelot 1986).
+    subroutine go_down(next)
+      real(real64), intent(out) :: next(:, :)
       real(real64) :: level, before
 
+      next = force - rest / influence%norm
       if (present(load)) then
-        level = (sum(force, mask=force > 0.0_real64) - load) / count(force > 0.0_real64)
+        level = (sum(next, mask=next > 0.0_real64) - load) / count(next > 0.0_real64)
         do
           before = level
-          level = (sum(force, mask=force > before) - load) / count(force > before)
+          level = (sum(next, mask=next > before) - load) / count(next > before)
           if (.not. level > before) exit
         end do
-        force = force - level
+        next = next - level
       end if
-      force = max(0.0_real64, force)
-    end subroutine project
+      next = max(0.0_real64, next)
+    end subroutine go_down
 
   end subroutine relax
-
-  ! One step. After cells were taken in the search starts anew.
-  pure subroutine move(force, rest, direction, step, next, same)
-    real(real64), intent(in) :: force(:, :), rest(:, :), direction(:, :), step
-    real(real64), intent(out) :: next(:, :)
-    logical, intent(inout) :: same
-    integer :: i, j
-
-    do j = 1, size(force, 2)
-      do i = 1, size(force, 1)
-        if (force(i, j) > 0.0_real64) then
-          next(i, j) = force(i, j) - step * direction(i, j)
-          if (next(i, j) > 0.0_real64) cycle
-          next(i, j) = 0.0_real64
-          same = .false.
-        else if (rest(i, j) < 0.0_real64) then
-          next(i, j) = -step * rest(i, j)
-          same = .false.
-        else
-          next(i, j) = 0.0_real64
-        end if
-      end do
-    end do
-  end subroutine move
-
-  pure real(real64) function violation(force, rest)
-    real(real64), intent(in) :: force(:, :), rest(:, :)
-
-    violation = max(maxval(abs(rest), mask=force > 0.0_real64), -minval(rest), 0.0_real64)
-  end function violation
 
 end module asperity_cells_relax

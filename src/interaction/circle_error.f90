@@ -11,6 +11,7 @@ module asperity_circle_error
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
+  use asperity_coupled_joining, only: stand_out
   use asperity_coupled_step, only: newton_step
   use asperity_kinds, only: real64
   use asperity_source_tree, only: plant_tree, source_tree
@@ -29,8 +30,6 @@ module asperity_circle_error
   ! Of what a hidden cap bears by the pressure of its host: 1.33 at most in the four scenes where
   ! nothing else is larger.
   real(real64), parameter :: hidden = 4.0_real64 / 3
-  ! Over the radius of its host, a cap that stands out by less is narrow.
-  real(real64), parameter :: narrow = 0.3_real64
   ! A contact on a flank steeper than that, R slope over a, has lost this share of its rise.
   real(real64), parameter :: steep = 0.6_real64, flank = 0.3_real64
   ! Of what neighbours take of the load, over the slope squared: .036 at most on 33 scenes of slopes
@@ -81,9 +80,6 @@ contains
       call open_about(pairs, solution, 1.0_real64, tree, number)
       do l = 1, size(number)
         i = number(l)
-        associate (s2 => solution%move_x(i)**2 + solution%move_y(i)**2, r => pairs%list(i)%radius)
-          error(i) = gained(r, solution%penetration(i), flank * s2 / (2 * r))
-        end associate
         do k = tree%first(l), tree%first(l + 1) - 1
           j = set%number(tree%near(k))
           if (hosts(i) == 0) hosts(i) = j
@@ -131,16 +127,15 @@ contains
     type(source_tree), intent(out) :: tree          !! circles of the solution; targets: open pairs
     integer, allocatable, intent(out) :: number(:)  !! places of the open pairs in the list
     logical :: is_open(size(pairs%list))
-    real(real64), allocatable :: none(:)
     integer :: i
 
     is_open = pairs%list%gap < solution%closing
     is_open(solution%set%number) = .false.
     number = pack([(i, i=1, size(is_open))], is_open)
-    allocate (none(size(number)), source=0.0_real64)
     associate (set => solution%set)
-      call plant_tree(tree, set%x + set%move_x, set%y + set%move_y, set%circle, radii, &
-                      pairs%list(number)%x, pairs%list(number)%y, none)
+      call plant_tree(tree, [set%x + set%move_x, pairs%list(number)%x], &
+                      [set%y + set%move_y, pairs%list(number)%y], &
+                      [set%circle, spread(0.0_real64, 1, size(number))], radii, size(set%x))
     end associate
   end subroutine open_about
 
@@ -266,45 +261,22 @@ contains
   end function gained
 
   ! Mean over a circle, weighed as a flat punch, of how far the surface of an open pair stands above
-  ! that of the circle's own.
+  ! that of the circle's own: of a cap with its top in the circle the volume of its paraboloid, else
+  ! of a plane (along a line all of the weight lies evenly). No more than at the highest place.
   pure real(real64) function higher_by(pairs, solution, i, k) result(mean)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: i, k
-    integer, parameter :: rings = 6, spokes = 12
-    real(real64) :: rho, x, y, sharp, peak
-    integer :: ring, spoke
+    real(real64) :: off, slope, part
 
-    mean = 0.0_real64
-    associate (set => solution%set, own => pairs%list(solution%set%number(k)), &
-               other => pairs%list(i))
-      sharp = 1.0_real64 / other%radius - 1.0_real64 / own%radius
-      if (sharp > 0.0_real64) then
-        ! A narrow cap that stands out is missed by samples: the volume of its paraboloid.
-        peak = own%gap - other%gap + ((own%x - other%x)**2 + (own%y - other%y)**2) / &
-               (2 * own%radius * other%radius * sharp)
-        if (.not. peak > 0.0_real64) return
-        if (2 * peak / sharp < (narrow * set%circle(k))**2) then
-          x = own%x + (other%x - own%x) / (other%radius * sharp) - set%x(k) - set%move_x(k)
-          y = own%y + (other%y - own%y) / (other%radius * sharp) - set%y(k) - set%move_y(k)
-          mean = peak**2 / sharp / (2 * set%circle(k)**2 * &
-                 sqrt(max(narrow**2, 1.0_real64 - (x**2 + y**2) / set%circle(k)**2)))
-          return
-        end if
-      end if
-      do ring = 1, rings
-        ! The weight is even in the root of 1 - (rho/a)**2.
-        rho = set%circle(k) * sqrt(1.0_real64 - ((ring - 0.5_real64) / rings)**2)
-        do spoke = 1, spokes
-          x = set%x(k) + set%move_x(k) + rho * cos(2 * pi * spoke / spokes)
-          y = set%y(k) + set%move_y(k) + rho * sin(2 * pi * spoke / spokes)
-          mean = mean + max(0.0_real64, own%gap - other%gap + &
-                            ((x - own%x)**2 + (y - own%y)**2) / (2 * own%radius) - &
-                            ((x - other%x)**2 + (y - other%y)**2) / (2 * other%radius))
-        end do
-      end do
+    associate (a => solution%set%circle(k), own => pairs%list(solution%set%number(k)))
+      call stand_out(pairs, solution%set, k, i, a, mean, off, slope)
+      mean = max(0.0_real64, mean)
+      part = 4 * slope * a
+      if (off < a) part = 2 * (1.0_real64 / pairs%list(i)%radius - 1.0_real64 / own%radius) * &
+                          a**2 * sqrt(1.0_real64 - (off / a)**2)
+      if (mean < part) mean = mean**2 / part
     end associate
-    mean = mean / (rings * spokes)
   end function higher_by
 
 end module asperity_circle_error

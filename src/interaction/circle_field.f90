@@ -31,9 +31,6 @@ module asperity_circle_field
   real(real64), parameter, public :: hertz_spread = 0.1_real64
   real(real64), parameter, public :: flat_spread = 1.0_real64 / 6
 
-  !> Numbers for a field from outside.
-  integer, parameter, public :: outer_terms = 7
-
   !> Circles or near pairs from which on threads share the work: less takes microseconds.
   integer, parameter, public :: many = 1000
 
@@ -62,7 +59,7 @@ module asperity_circle_field
     real(real64), allocatable :: tilt_x(:), tilt_y(:)    !! slope with Hertz' weight
     real(real64), allocatable :: steer_x(:), steer_y(:)  !! slope of `lift`
     real(real64), allocatable :: bends(:, :)     !! second derivatives by the own shift: xx, xy, yy
-    !> field from outside: second derivatives xx, xy, yy, slopes, and the shift where it is zero
+    !> field from outside: second derivatives xx, xy, yy, and the shift where it is zero
     real(real64), allocatable :: outer(:, :)
     !> second derivatives by the own shift over the load, without near circles: xx, xy, yy
     real(real64), allocatable :: bowl(:, :)
@@ -148,24 +145,24 @@ contains
   !> Finds the field at every circle by all others.
   subroutine find_field(set)
     type(circle_set), intent(inout) :: set  !! planted; loads, radii and shifts are set
-    real(real64), allocatable :: potential(:), lap(:)
+    real(real64), allocatable :: far(:, :)
     type(mutual_terms), allocatable :: batch(:)
     integer :: from, k, n, to
 
     n = size(set%x)
-    allocate (potential(n), lap(n), batch(min(a_batch, size(set%one))))
-    call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, potential, lap, &
-                     set%tilt_x, set%tilt_y, set%move_x, set%move_y)
-    set%energy = sum(set%load * (potential + hertz_spread * set%circle**2 * lap)) / (2 * pi)
-    set%lift = (potential + flat_spread * set%circle**2 * lap) / pi
-    set%growth = 2 * flat_spread * set%circle**2 * lap / pi
-    set%tilt_x = set%tilt_x / pi
-    set%tilt_y = set%tilt_y / pi
+    allocate (far(6, n), batch(min(a_batch, size(set%one))))
+    call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, far, set%move_x, set%move_y)
+    far = far / pi
+    set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%circle**2 * far(2, :)))
+    set%lift = far(1, :) + flat_spread * set%circle**2 * far(2, :)
+    set%growth = 2 * flat_spread * set%circle**2 * far(2, :)
+    set%tilt_x = far(3, :)
+    set%tilt_y = far(4, :)
     set%held = set%still
     set%stiffer = spread(0.0_real64, 1, n)
-    ! Of the far field the mean of both.
-    set%bowl = spread(set%curvature + 0.5_real64 * lap / pi, 1, 3)
-    set%bowl(2, :) = 0.0_real64
+    set%bowl = far([5, 6, 2], :)
+    set%bowl(1, :) = set%curvature + 0.5_real64 * far(2, :) + far(5, :)
+    set%bowl(3, :) = set%curvature + 0.5_real64 * far(2, :) - far(5, :)
     if (allocated(set%outer)) call add_outer(set)
     set%bends = spread(set%load, 1, 3) * set%bowl
     set%steer_x = set%tilt_x
@@ -186,17 +183,18 @@ contains
   ! Adds the field from outside.
   subroutine add_outer(set)
     type(circle_set), intent(inout) :: set
-    real(real64) :: x, y
+    real(real64) :: x, y, tilt_x, tilt_y
     integer :: k
 
     do k = 1, size(set%x)
       associate (b => set%outer(:, k))
-        x = set%move_x(k) - b(6)
-        y = set%move_y(k) - b(7)
-        set%lift(k) = set%lift(k) + (b(4) + 0.5_real64 * (b(1) * x + b(2) * y)) * x + &
-                      (b(5) + 0.5_real64 * (b(2) * x + b(3) * y)) * y
-        set%tilt_x(k) = set%tilt_x(k) + b(4) + b(1) * x + b(2) * y
-        set%tilt_y(k) = set%tilt_y(k) + b(5) + b(2) * x + b(3) * y
+        x = set%move_x(k) - b(4)
+        y = set%move_y(k) - b(5)
+        tilt_x = b(1) * x + b(2) * y
+        tilt_y = b(2) * x + b(3) * y
+        set%lift(k) = set%lift(k) + 0.5_real64 * (tilt_x * x + tilt_y * y)
+        set%tilt_x(k) = set%tilt_x(k) + tilt_x
+        set%tilt_y(k) = set%tilt_y(k) + tilt_y
         set%bowl(:, k) = set%bowl(:, k) + b(:3)
       end associate
     end do

@@ -38,14 +38,14 @@ contains
     type(circle_set), intent(inout) :: set      !! its field is known; stays
     real(real64), intent(in) :: change(:, :)    !! (3, circle): of load, of shift along x and y
     real(real64), intent(out) :: image(:, :)    !! (3, circle)
-    real(real64), allocatable :: lap(:), potential(:)
+    real(real64), allocatable :: far(:, :)
     real(real64) :: along, grows, mine(3), moved_x, moved_y, sign_of, slope_here, slope_there, x, y
     integer :: i, j, k, l, n
 
     n = size(set%x)
-    allocate (lap(n), potential(n))
-    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, potential, lap, &
-                     move_x=set%move_x, move_y=set%move_y, rough=n > many)
+    allocate (far(6, n))
+    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, far, set%move_x, &
+                     set%move_y, rough=n > many)
     !$omp parallel do schedule(static) if(n > many) &
     !$omp   private(grows, i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
     !$omp   slope_here, slope_there, x, y)
@@ -54,7 +54,7 @@ contains
       if (set%held(i)) grows = max(grows, 0.0_real64)
       x = set%move_x(i) * set%curvature(i) + set%steer_x(i)
       y = set%move_y(i) * set%curvature(i) + set%steer_y(i)
-      mine(1) = (potential(i) + flat_spread * set%circle(i)**2 * lap(i)) / pi + &
+      mine(1) = (far(1, i) + flat_spread * set%circle(i)**2 * far(2, i)) / pi + &
                 (1.0_real64 / set%stiffness(i) + grows / (3 * set%load(i))) * &
                 change(1, i) + x * change(2, i) + y * change(3, i)
       associate (b => set%bowl(:, i), more => set%stiffer(i) * set%curvature(i))

@@ -7,8 +7,7 @@
 !> a start: they change how many steps are needed, not the result.
 module asperity_coarse_circles
   use asperity_cell_convolution, only: cell_convolution
-  use asperity_cells_influence, only: influence_table
-  use asperity_constants, only: pi
+  use asperity_cells_influence, only: mean_influence
   use asperity_kinds, only: real64
   implicit none
   private
@@ -36,7 +35,6 @@ contains
   subroutine gather_squares(x, y, coarse)
     real(real64), intent(in) :: x(:), y(:)           !! places, one at least
     type(coarse_circles), intent(out) :: coarse      !! without stiffness
-    real(real64), allocatable :: table(:, :)
     real(real64) :: low(2), extent(2), side
 
     low = [minval(x), minval(y)]
@@ -46,9 +44,7 @@ contains
     coarse%columns = int(extent(1) / side) + 1
     coarse%rows = int(extent(2) / side) + 1
     coarse%square = int((x - low(1)) / side) + coarse%columns * int((y - low(2)) / side) + 1
-    allocate (table(coarse%columns, coarse%rows))
-    call influence_table(table)
-    call coarse%lattice%prepare(table / (pi * side))
+    call coarse%lattice%prepare(mean_influence(coarse%columns, coarse%rows) / side)
   end subroutine gather_squares
 
   !> What squares are lowered by.

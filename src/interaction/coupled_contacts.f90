@@ -10,13 +10,13 @@
 !> it was at the start.
 module asperity_coupled_contacts
   use asperity_circle_field, only: many
-  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back
   use asperity_coupled_joining, only: look, open_hidden
   use asperity_coupled_start, only: prepare
-  use asperity_coupled_state, only: answer_at, coupled_solution, evaluate, raise, &
-                                    resolved_contacts, solve_state
+  use asperity_coupled_state, only: bear, coupled_solution, evaluate, raise, resolved_contacts, &
+                                    solve_state
   use asperity_coupled_step, only: newton_step
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text
@@ -32,21 +32,17 @@ module asperity_coupled_contacts
   ! Of a group what all are off by, and steps: one that takes more is left to the others.
   real(real64), parameter :: group_left = 0.01_real64
   integer, parameter :: most_of_group = 40, most_iterations = 400, most_trials = 12
-  ! Residuals that are so near to each other are those of one place.
-  real(real64), parameter :: taken_back = 0.01_real64
   ! A step is taken when the slope of the potential has fallen to this share in size. Of many it
   ! may grow: what made it grow is solved by itself.
   real(real64), parameter :: slope_left = 0.8_real64, slope_of_many = 4.0_real64
   real(real64), parameter :: share_cut = 0.1_real64
-  ! From this residual on what a step leaves is due to its second derivatives.
-  real(real64), parameter :: linear = 1.0e-3_real64
   ! Shares of the gradient that a step may leave. Of many contacts less would cost more products
   ! than it saves steps; of few the last step is as good as rounding lets it be.
   real(real64), parameter :: most_left = 0.1_real64, least_left = 0.02_real64
-  ! Open contacts are looked at first from this residual on; again when it has fallen to a share.
-  real(real64), parameter :: look_first = 0.5_real64, look_again = 0.1_real64
-  ! And once more at this one.
-  real(real64), parameter :: nearly_there = 1.0e-6_real64
+  ! Open contacts are looked at when the residual has fallen to this share, as long as any joins.
+  real(real64), parameter :: look_again = 0.5_real64
+  ! A residual that has come down well: to this share.
+  real(real64), parameter :: much_less = 0.1_real64
 
 contains
 
@@ -62,20 +58,18 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), intent(in), optional :: share        !! of a group: residual that will do
     type(solve_state) :: state
-    real(real64) :: looked, before, enough
-    integer :: iteration, joined, waits, skipped
-    logical :: done, everywhere
+    real(real64) :: looked, before, enough, borne, slope
+    integer :: iteration, joined
+    logical :: done
 
     call prepare(pairs, law, solution, state, target, resolved)
     if (allocated(solution%failure)) return
     call evaluate(pairs, law, solution, state, resolved)
-    call open_hidden(pairs, law, solution, state, resolved)
+    if (.not. present(share)) call open_hidden(pairs, law, solution, state, resolved)
     looked = 1.0_real64
     before = huge(before)
     ! None has been looked at yet.
     joined = -1
-    waits = 0
-    skipped = 0
     do iteration = 0, merge(most_of_group, most_iterations, present(share))
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
@@ -85,32 +79,16 @@ contains
       done = state%residual <= enough .or. &
              (state%residual <= accepted .and. state%residual > 0.5_real64 * before)
       ! Pairs that were not listed may touch: whoever asked must come again with all.
-      if (solution%closing > pairs%complete_to .and. state%residual < look_again) exit
-      ! At the end, at first, and when nearly there: who joins later brings many back. Of many those
-      ! that are nearly in touch each time.
-      everywhere = done .or. (joined < 0 .and. state%residual <= look_first) .or. &
-        (size(state%gap) > many .and. state%residual <= nearly_there .and. looked > nearly_there)
-      if (everywhere .or. (joined > 0 .and. state%residual <= look_again * looked) .or. &
-          (joined >= 0 .and. size(state%gap) > many)) then
-        call look(pairs, law, asked, everywhere, solution, state, resolved, joined)
+      if (solution%closing > pairs%complete_to .and. state%residual < much_less) exit
+      if (done .or. (joined /= 0 .and. state%residual <= look_again * looked)) then
+        call look(pairs, law, asked, solution, state, resolved, joined)
         looked = state%residual
         if (allocated(solution%failure)) return
         if (done .and. joined == 0) exit
-        if (joined > 0) then
-          call evaluate(pairs, law, solution, state, resolved)
-          call open_hidden(pairs, law, solution, state, resolved)
-        end if
+        if (joined > 0) call evaluate(pairs, law, solution, state, resolved)
       end if
-      if (waits > 0) then
-        waits = waits - 1
-      else if (state%residual > look_again * before) then
+      if (state%residual > much_less * before) &
         call relax(pairs, law, solution, state, resolved)
-        ! Groups that take back what the step did: it goes on without them, each time longer.
-        if (abs(state%residual - before) <= taken_back * before) then
-          skipped = 2 * skipped + 1
-          waits = skipped
-        end if
-      end if
       before = state%residual
       call take_step(pairs, law, solution, state, resolved)
       solution%ending%iterations = iteration + 1
@@ -119,27 +97,11 @@ contains
     solution%ending%converged = state%residual <= max(accepted, enough) .and. joined == 0
     if (solution%closing > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
-    before = load_borne(pairs, law, solution)
-    if (.not. before >= (1.0_real64 - accepted) * target) solution%failure = &
+    call bear(pairs, law, solution%penetration, 0.0_real64, borne, slope)
+    if (.not. borne >= (1.0_real64 - accepted) * state%target) solution%failure = &
       'the load is more than the surfaces can bear before the centres of two asperities are ' // &
-      'level: ' // real_text(in_scene_units(pairs, before, 1, 2)) // ' at most'
+      'level: ' // real_text(in_scene_units(pairs, borne * pairs%modulus, 1, 2)) // ' at most'
   end subroutine solve_coupled
-
-  ! Sum of the loads along the normals, or of the vertical ones.
-  real(real64) function load_borne(pairs, law, solution) result(total)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    type(coupled_solution), intent(in) :: solution
-    type(contact_response) :: answer
-    integer :: k
-
-    total = 0.0_real64
-    do k = 1, size(solution%set%number)
-      answer = answer_at(pairs, law, solution%set%number(k), &
-                         solution%penetration(solution%set%number(k)))
-      total = total + merge(answer%vertical_load, answer%load, pairs%vertical)
-    end do
-  end function load_borne
 
   !> Takes the penetrations as they are: finds their circles and field, and the gaps of resolved
   !> contacts with which the equations hold for them.
@@ -221,8 +183,8 @@ contains
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
-    real(real64), allocatable :: first(:), now(:), part(:), reach(:), was(:, :)
-    real(real64) :: before, left, deepest
+    real(real64), allocatable :: first(:), now(:), part(:)
+    real(real64) :: before, left, deepest, reach
     integer :: k, n, trial
 
     n = size(solution%set%x)
@@ -241,16 +203,14 @@ contains
     allocate (y, source=solution%move_y)
     allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
     allocate (part(size(p)), source=1.0_real64)
-    allocate (reach(size(p)), was(2, size(p)), source=0.0_real64)
     deepest = maxval(p(solution%set%number))
     ! No farther than the field is known: the deepest penetration, and the own circle.
     do k = 1, n
-      associate (set => solution%set, i => solution%set%number(k), circle => solution%set%circle(k))
+      associate (i => solution%set%number(k), circle => solution%set%circle(k))
         dp(i) = max(-deepest, min(step(1, k) / solution%set%stiffness(k), deepest))
-        reach(i) = min(state%onward(i), circle / max(norm2(step(2:, k)), tiny(circle)))
-        dx(i) = reach(i) * step(2, k)
-        dy(i) = reach(i) * step(3, k)
-        was(:, i) = [state%off_x(k), state%off_y(k)]
+        reach = min(1.0_real64, circle / max(norm2(step(2:, k)), tiny(circle)))
+        dx(i) = reach * step(2, k)
+        dy(i) = reach * step(3, k)
       end associate
     end do
     first = slopes()
@@ -258,7 +218,6 @@ contains
       solution%penetration = p + part * dp
       solution%move_x = x + part * dx
       solution%move_y = y + part * dy
-      call hold_shifts(pairs, solution)
       ! Nor does anything penetrate by more than alone; a law with a kink sends steps far off.
       if (state%target > 0.0_real64) then
         call raise(pairs, law, state%target, solution%penetration)
@@ -275,31 +234,8 @@ contains
       where (now > share_cut * maxval(now)) &
         part = part * max(0.1_real64, min(abs(first) / (abs(first) + now), 0.5_real64))
     end do
-    call learn()
 
   contains
-
-    ! Near the solution a step that leaves more than half of what all are off by tells that second
-    ! derivatives are off where most is left: they know the far field's bend only as its mean, and a
-    ! shift around another circle may hang on little more. From then on such a shift goes as much
-    ! farther, or less far, as that tells: a secant. Among few nothing hangs on the far field.
-    subroutine learn()
-      real(real64) :: most, share
-      integer :: j
-
-      if (n <= many .or. before > linear) return
-      most = share_cut * maxval(state%miss)
-      do j = 1, size(solution%set%x)
-        associate (onward => state%onward(solution%set%number(j)), &
-                   g => was(:, solution%set%number(j)))
-          if (part(solution%set%number(j)) < 1.0_real64 .or. state%miss(j) < most) cycle
-          if (state%residual <= 0.5_real64 * before .and. &
-              abs(onward - 1.0_real64) <= epsilon(onward)) cycle
-          share = dot_product(g, [state%off_x(j), state%off_y(j)]) / max(tiny(share), sum(g**2))
-          onward = reach(solution%set%number(j)) / max(1.0_real64 - share, share_cut)
-        end associate
-      end do
-    end subroutine learn
 
     ! Change of the potential by going on, by pair.
     function slopes()
@@ -322,22 +258,5 @@ contains
     end function slopes
 
   end subroutine take_step
-
-  ! Surfaces are only pushed down: who carries load has s**2/(2 R) below the closing. On the way to
-  ! the solution twice the shift is let pass; what is farther off has lost its way.
-  subroutine hold_shifts(pairs, solution)
-    type(contact_pairs), intent(in) :: pairs
-    type(coupled_solution), intent(inout) :: solution
-    real(real64) :: most, moved
-    integer :: i
-
-    do i = 1, size(pairs%list)
-      moved = solution%move_x(i)**2 + solution%move_y(i)**2
-      most = 8 * pairs%list(i)%radius * max(solution%closing, 0.0_real64)
-      if (.not. moved > most) cycle
-      solution%move_x(i) = solution%move_x(i) * sqrt(most / moved)
-      solution%move_y(i) = solution%move_y(i) * sqrt(most / moved)
-    end do
-  end subroutine hold_shifts
 
 end module asperity_coupled_contacts

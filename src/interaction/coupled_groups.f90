@@ -7,7 +7,7 @@
 !> nothing but another place of first touch, s**2/(2 R) + t s = (s + R t)**2/(2 R) - R t**2/2; what
 !> is felt of the square of a radius, nothing but a softer contact.
 module asperity_coupled_groups
-  use asperity_circle_field, only: are_close, circle_set, outer_terms
+  use asperity_circle_field, only: are_close, circle_set
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: coupled_solution, evaluate, solve_state
@@ -91,7 +91,7 @@ contains
     type(group_law), intent(out) :: alone_law         !! of its contacts
     type(coupled_solution), intent(out) :: part       !! a start
     type(solve_state) :: inside
-    real(real64) :: outer(outer_terms, size(member)), x, y
+    real(real64) :: x, y
     integer :: i
 
     associate (number => solution%set%number(member), set => solution%set)
@@ -106,26 +106,17 @@ contains
       part%move_y = solution%move_y(number)
       inside%gap = state%gap(number)
       call evaluate(alone, alone_law, part, inside)
+      allocate (part%outer(5, size(member)))
       do i = 1, size(member)
-        associate (k => member(i), pair => alone%list(i))
+        associate (k => member(i), pair => alone%list(i), p => part%penetration(i))
           x = pair%radius * (set%tilt_x(k) - part%set%tilt_x(i))
           y = pair%radius * (set%tilt_y(k) - part%set%tilt_y(i))
           pair%x = pair%x - x
           pair%y = pair%y - y
           part%move_x(i) = part%move_x(i) + x
           part%move_y(i) = part%move_y(i) + y
-        end associate
-      end do
-      ! Once more where they stand now: other pairs may be near, and the slope a little off.
-      call evaluate(alone, alone_law, part, inside)
-      do i = 1, size(member)
-        associate (k => member(i), pair => alone%list(i), p => part%penetration(i))
-          x = part%move_x(i) - set%move_x(k)
-          y = part%move_y(i) - set%move_y(k)
-          outer(:3, i) = (set%bends(:, k) - part%set%bends(:, i)) / set%load(k)
-          outer(4, i) = set%tilt_x(k) - part%set%tilt_x(i) - set%curvature(k) * x
-          outer(5, i) = set%tilt_y(k) - part%set%tilt_y(i) - set%curvature(k) * y
-          outer(6:, i) = [part%move_x(i), part%move_y(i)]
+          part%outer(:, i) = [(set%bends(:, k) - part%set%bends(:, i)) / set%load(k), &
+                              part%move_x(i), part%move_y(i)]
           ! d(lift)/d(log of the radius) is twice that by the log of the penetration.
           alone_law%deeper(i) = max(least_deeper, 1.0_real64 + 0.5_real64 * &
                                     (set%growth(k) - part%set%growth(i)) / p)
@@ -136,7 +127,6 @@ contains
           p = p * alone_law%deeper(i)
         end associate
       end do
-      part%outer = outer
     end associate
   end subroutine lift_out
 

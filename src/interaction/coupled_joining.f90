@@ -1,135 +1,90 @@
 !> Open contacts that touch on the surface which the loaded ones leave, and join them.
 module asperity_coupled_joining
-  use asperity_circle_field, only: many
+  use asperity_circle_field, only: circle_set, hertz_spread, many, near_factor
+  use asperity_circle_products, only: shift_down
+  use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_open, only: look_around, open_places, stands_out
-  use asperity_coupled_state, only: answer_at, coupled_solution, evaluate, raise, &
+  use asperity_coupled_state, only: answer_at, coupled_solution, evaluate, far_below, raise, &
                                     resolved_contacts, solve_state
   use asperity_kinds, only: real64
+  use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
+  use asperity_source_tree, only: plant_tree, source_tree, sum_sources
   implicit none
   private
 
-  public :: look, open_hidden
+  public :: look, open_hidden, stand_out
 
-  integer, parameter :: most_looks = 4
+  integer, parameter :: most_looks = 4, most_steps = 40, most_cuts = 40
   ! Of the closing: what sums over many are off by. Who touches by less stays open, as another sum
   ! would open it again.
   real(real64), parameter :: sum_error = 1.0e-7_real64
-  ! Of the deepest penetration, how far from touch an open contact is nearly in touch.
-  real(real64), parameter :: nearly = 0.25_real64
-  ! Where open contacts are one in so many of the loaded, all are looked at.
-  integer, parameter :: few_open = 10
   ! A contact that joins once more begins with this share of its penetration.
   real(real64), parameter :: share_of_rejoined = 0.25_real64
-  ! Of two that begin together the one that stands out of the other by less than this share of its
-  ! penetration waits: contacts nearer than that have several solutions, and that with the deepest
-  ! alone in its place has the least potential.
+  ! A cap that stands out of a loaded circle's own surface by no more than this share of the
+  ! penetration is a part of that contact: as one of its own it would bear less than its 3/2th power
+  ! of the load, nearly all of it taken from the circle.
+  real(real64), parameter :: out_of_host = 0.02_real64
+  ! It is so, too, where it stands out by less than this share each time that it has joined, twice
+  ! the penetration at most: that of an equal cap a third of a radius off. Nearer contacts have
+  ! several solutions, and packed ones would join, slide and open without end.
+  real(real64), parameter :: out_of_opened = 11.0_real64 / 18.0_real64, most_out = 2.0_real64
+  ! Of two that begin together the one that stands out of the other by less than this share waits:
+  ! contacts nearer than that have several solutions, and that with the deepest alone in its place
+  ! has the least potential. With the share above 10,000 caps of one level take 13 steps, not 11.
   real(real64), parameter :: out_at_start = 0.2_real64
-  ! Deepest penetrations by which what is hidden stays open: no step raises all by so much.
-  real(real64), parameter :: out_of_reach = 10.0_real64
 
 contains
 
   !> Where open contacts stand, and who of them joins.
-  subroutine look(pairs, law, accuracy, everywhere, solution, state, resolved, joined)
+  subroutine look(pairs, law, accuracy, solution, state, resolved, joined)
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
     real(real64), intent(in) :: accuracy                   !! over the deepest penetration
-    logical, intent(in) :: everywhere                      !! else at those nearly in touch before
     type(coupled_solution), intent(inout) :: solution      !! evaluated; gets who joins
     type(solve_state), intent(inout) :: state              !! counts who joins
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     integer, intent(out) :: joined                         !! how many
-    type(open_places) :: places
     logical, allocatable :: is_open(:), touches(:)
     integer, allocatable :: number(:)
-    ! Of those looked at: the deepest they were found at, and there.
-    real(real64), allocatable :: found(:), x(:), y(:), depth(:)
-    integer :: i, k, pass
-    real(real64) :: deepest, least, most, load
+    real(real64), allocatable :: before(:), x(:), y(:)
+    real(real64) :: deepest, least, p
+    integer :: i, pass
 
     joined = 0
-    if (size(solution%set%x) == 0) then
-      ! A step may have opened all of them: then the one that would bear most begins again.
-      i = 0
-      most = 0.0_real64
-      do k = 1, size(state%gap)
-        if (.not. state%gap(k) < solution%closing) cycle
-        load = load_at(solution%closing - state%gap(k), k)
-        if (.not. load > most) cycle
-        most = load
-        i = k
-      end do
-      if (i == 0) return
-      solution%penetration(i) = start_of_rejoined(solution%closing - state%gap(i), i)
-      solution%move_x(i) = 0.0_real64
-      solution%move_y(i) = 0.0_real64
-      state%joins(i) = state%joins(i) + 1
-      joined = 1
-      return
-    end if
-    deepest = maxval(solution%penetration(solution%set%number))
+    deepest = max(0.0_real64, maxval(solution%penetration(solution%set%number)))
     least = accuracy * deepest
     if (size(solution%set%x) > many) least = max(least, sum_error * solution%closing)
     allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%number) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_one
-    if (.not. everywhere .and. few_open * count(is_open) > size(solution%set%x)) &
-      is_open = is_open .and. solution%penetration > -nearly * deepest
+    allocate (touches(size(is_open)), source=.false.)
     number = pack([(i, i=1, size(is_open))], is_open)
-    do i = 1, size(number)
-      ! From farther than it can be it starts at home.
-      associate (x => solution%move_x(number(i)), y => solution%move_y(number(i)))
-        if (x**2 + y**2 < 2 * pairs%list(number(i))%radius * &
-            (solution%closing - state%gap(number(i)))) cycle
-        x = 0.0_real64
-        y = 0.0_real64
-      end associate
-    end do
-    allocate (found(size(number)), x(size(number)), y(size(number)), source=0.0_real64)
     do pass = 1, most_looks
       if (size(number) == 0) exit
-      places%x = pairs%list(number)%x
-      places%y = pairs%list(number)%y
-      places%radius = pairs%list(number)%radius
-      places%move_x = solution%move_x(number)
-      places%move_y = solution%move_y(number)
-      places%gap = state%gap(number)
-      places%lift = places%x
-      call look_around(solution%set, solution%closing, state%gap(solution%set%number), &
-                       places, 0.1_real64 * least, solution%failure)
+      x = solution%move_x(number)
+      y = solution%move_y(number)
+      call look_around(pairs, number, state%gap, 0.1_real64 * least, solution, &
+                       max(out_of_host, min(out_of_opened * state%joins, most_out)), before)
       if (allocated(solution%failure)) return
-      ! The far field bends: what is told of a place from another one is so only near by.
-      depth = solution%closing - places%gap - places%start
-      x = merge(solution%move_x(number), x, depth > found)
-      y = merge(solution%move_y(number), y, depth > found)
-      found = max(found, depth)
-      depth = solution%closing - places%gap - places%lift
-      solution%penetration(number) = max(depth, -out_of_reach * deepest)
-      solution%move_x(number) = places%move_x
-      solution%move_y(number) = places%move_y
-      ! Those that would join are looked at from where they would.
-      touches = depth > least
-      number = pack(number, touches)
-      found = pack(found, touches)
-      x = pack(x, touches)
-      y = pack(y, touches)
+      ! The far field bends: what is told of a place from another one is so only near by. Who
+      ! touches joins where it was looked at from; who would join elsewhere is looked at from there.
+      touches(number) = before > least
+      solution%move_x(number) = merge(x, solution%move_x(number), touches(number))
+      solution%move_y(number) = merge(y, solution%move_y(number), touches(number))
+      solution%penetration(number) = merge(before, solution%penetration(number), touches(number))
+      number = pack(number, solution%penetration(number) > least .and. .not. touches(number))
     end do
-    touches = found > least
-    solution%penetration(number) = found
-    solution%move_x(number) = merge(x, solution%move_x(number), touches)
-    solution%move_y(number) = merge(y, solution%move_y(number), touches)
-    number = pack(number, touches)
-    where (is_open .and. .not. solution%penetration > least) &
+    where (is_open .and. .not. touches) &
       solution%penetration = min(solution%penetration, 0.0_real64)
-    do k = 1, size(number)
-      i = number(k)
-      if (.not. load_at(solution%penetration(i), i) > 0.0_real64) cycle
+    do i = 1, size(touches)
+      if (.not. touches(i)) cycle
       ! Who has opened again had more than its place can bear.
-      solution%penetration(i) = start_of_rejoined(solution%penetration(i), i)
+      p = share_of_rejoined**state%joins(i) * solution%penetration(i)
+      if (.not. bears(p)) p = solution%penetration(i)
+      if (.not. bears(p)) cycle
+      solution%penetration(i) = p
       state%joins(i) = state%joins(i) + 1
-      state%is_new(i) = .true.
       joined = joined + 1
     end do
     if (joined > 0 .and. state%target > 0.0_real64) &
@@ -137,39 +92,13 @@ contains
 
   contains
 
-    real(real64) function load_at(p, i)
+    logical function bears(p)
       real(real64), intent(in) :: p
-      integer, intent(in) :: i
       type(contact_response) :: answer
 
       answer = answer_at(pairs, law, i, p)
-      load_at = answer%vertical_load
-    end function load_at
-
-    ! A share of what lies between the penetration at which a contact begins to carry, which is more
-    ! than 0 once it has been flattened, and one at which it carries.
-    real(real64) function start_of_rejoined(most, i) result(p)
-      real(real64), intent(in) :: most
-      integer, intent(in) :: i
-      real(real64) :: low, high
-      integer :: step
-
-      associate (share => share_of_rejoined**state%joins(i))
-        p = share * most
-        if (load_at(p, i) > 0.0_real64) return
-        low = p
-        high = most
-        do step = 1, digits(p)
-          p = 0.5_real64 * (low + high)
-          if (load_at(p, i) > 0.0_real64) then
-            high = p
-          else
-            low = p
-          end if
-        end do
-        p = high + share * (most - high)
-      end associate
-    end function start_of_rejoined
+      bears = answer%vertical_load > 0.0_real64
+    end function bears
 
   end subroutine look
 
@@ -179,47 +108,210 @@ contains
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! evaluated; again at the end
-    type(solve_state), intent(inout) :: state              !! knows who is new
+    type(solve_state), intent(inout) :: state              !! all but gaps and target is found
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     logical, allocatable :: opens(:)
     real(real64) :: over, under
     integer :: i, j, k
 
-    if (allocated(solution%failure) .or. .not. any(state%is_new)) return
-    if (size(solution%set%x) == 0) return
-    associate (set => solution%set, p => solution%penetration)
+    if (allocated(solution%failure) .or. size(solution%set%x) == 0) return
+    associate (set => solution%set)
       allocate (opens(size(set%x)), source=.false.)
       do k = 1, size(set%one)
         i = set%one(k)
         j = set%other(k)
         if (opens(i) .or. opens(j) .or. set%still(i) .or. set%still(j)) cycle
-        if (.not. (state%is_new(set%number(i)) .and. state%is_new(set%number(j)))) cycle
-        ! The one that stands out less waits; of equals the one listed last.
-        over = out_of(host=i, one=j)
-        under = out_of(host=j, one=i)
+        ! The one that stands out less; of equals the one listed last.
+        over = standing_share(pairs, set, i, set%number(j))
+        under = standing_share(pairs, set, j, set%number(i))
         opens(j) = over <= out_at_start .and. .not. under < over
         opens(i) = under <= out_at_start .and. .not. opens(j)
       end do
-      state%is_new = .false.
       if (.not. any(opens)) return
-      p(pack(set%number, opens)) = -out_of_reach * maxval(p(set%number))
+      solution%penetration(pack(set%number, opens)) = far_below
     end associate
     if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
     call evaluate(pairs, law, solution, state, resolved)
+  end subroutine open_hidden
+
+  !> How far the surface of a pair stands out of a loaded one's, its host, at most, and how far from
+  !> the middle of the host's circle. Paraboloids.
+  pure subroutine stand_out(pairs, set, host, i, reach, height, off, slope)
+    type(contact_pairs), intent(in) :: pairs    !! the position
+    type(circle_set), intent(in) :: set         !! places and shifts are set
+    integer, intent(in) :: host                 !! circle of the host
+    integer, intent(in) :: i                    !! the pair
+    real(real64), intent(in) :: reach           !! from the middle of the circle, at most
+    real(real64), intent(out) :: height         !! below 0: it stands out nowhere
+    real(real64), intent(out) :: off            !! where
+    real(real64), intent(out) :: slope          !! how fast it rises in the middle of the circle
+    real(real64) :: along(2), sharper
+
+    associate (own => pairs%list(set%number(host)), pair => pairs%list(i), &
+               move => [set%move_x(host), set%move_y(host)])
+      along = move + [own%x - pair%x, own%y - pair%y]
+      ! Along its steepest line it stands out by a parabola: as far as its top, or to the end.
+      sharper = 1.0_real64 / pair%radius - 1.0_real64 / own%radius
+      slope = norm2(along / pair%radius - move / own%radius)
+      off = reach
+      if (sharper * off > slope) off = slope / sharper
+      height = own%gap - pair%gap + off * (slope - 0.5_real64 * sharper * off) + &
+               0.5_real64 * (dot_product(move, move) / own%radius - &
+                             dot_product(along, along) / pair%radius)
+    end associate
+  end subroutine stand_out
+
+  ! The same over the host's penetration, within twice its circle: farther off the surfaces part by
+  ! more than it can stand out. The most where it is much blunter, or touches first beside it.
+  pure real(real64) function standing_share(pairs, set, host, i) result(share)
+    type(contact_pairs), intent(in) :: pairs
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: host, i
+    real(real64) :: off, slope
+
+    share = most_out
+    associate (own => pairs%list(set%number(host)), pair => pairs%list(i), a => set%circle(host))
+      if (pair%radius < 2 * own%radius .and. hypot(set%x(host) + set%move_x(host) - pair%x, &
+                                                   set%y(host) + set%move_y(host) - pair%y) < a) &
+        then
+        call stand_out(pairs, set, host, i, 2 * a, share, off, slope)
+        share = share / a**2 * own%radius
+      end if
+    end associate
+  end function standing_share
+
+  ! For each open contact the shift at which it is lowest, s**2/(2 R) + u(x + s): near neighbours
+  ! act exactly, the others by value and slope. Gives penetrations there, and at the shift before
+  ! where it was looked at. What is hidden in a circle touches nowhere else.
+  subroutine look_around(pairs, number, gap, accuracy, solution, out, before)
+    type(contact_pairs), intent(in) :: pairs
+    integer, intent(in) :: number(:)               ! places of the open ones in the list
+    real(real64), intent(in) :: gap(:)             ! of all pairs, without load
+    real(real64), intent(in) :: accuracy           ! of a penetration
+    type(coupled_solution), intent(inout) :: solution
+    real(real64), intent(in) :: out(:)             ! share below which each pair is a part of a host
+    real(real64), allocatable, intent(out) :: before(:)
+    type(source_tree) :: tree
+    real(real64), allocatable :: field(:, :)
+    real(real64) :: least
+    integer :: i, k, n
+
+    n = size(number)
+    allocate (field(6, n))
+    allocate (before(n), source=far_below)
+    associate (set => solution%set)
+      ! Near where they are: far off a tilted surface moves them past many a circle.
+      call plant_tree(tree, [set%x, pairs%list(number)%x + solution%move_x(number)], &
+                      [set%y, pairs%list(number)%y + solution%move_y(number)], &
+                      [set%circle, spread(0.0_real64, 1, n)], near_factor, size(set%x))
+      if (allocated(tree%failure)) then
+        solution%failure = tree%failure
+        return
+      end if
+      call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field, set%move_x, &
+                       set%move_y)
+      !$omp parallel do schedule(dynamic, 64) private(i, least) if(n > many)
+      do k = 1, n
+        i = number(k)
+        associate (near => tree%near(tree%first(k):tree%first(k + 1) - 1), &
+                   far => field([1, 3, 4], k), p => solution%penetration(i))
+          ! Near circles only push down: without them it would not touch, by a shift's worth.
+          least = far(1) - 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)) - &
+                  far(2) * solution%move_x(i) - far(3) * solution%move_y(i)
+          p = solution%closing - gap(i) - least
+          if (p + 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)) < 0.0_real64) &
+            cycle
+          if (is_hidden(pairs, set, near, i, out(i))) then
+            p = far_below
+          else
+            call settle(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, near, far, &
+                        accuracy, solution%move_x(i), solution%move_y(i), before(k), least)
+            before(k) = solution%closing - gap(i) - before(k)
+            p = solution%closing - gap(i) - least
+          end if
+        end associate
+      end do
+      !$omp end parallel do
+    end associate
+  end subroutine look_around
+
+  ! Whether a pair is a part of one of these loaded contacts.
+  pure logical function is_hidden(pairs, set, near, i, out)
+    type(contact_pairs), intent(in) :: pairs
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: near(:), i
+    real(real64), intent(in) :: out
+    integer :: k
+
+    is_hidden = .true.
+    do k = 1, size(near)
+      if (set%still(near(k))) cycle
+      if (standing_share(pairs, set, near(k), i) < out) return
+    end do
+    is_hidden = .false.
+  end function is_hidden
+
+  ! The lowest place of one contact, by Newton's method that only goes down.
+  pure subroutine settle(x, y, radius, set, near, far, accuracy, move_x, move_y, before, least)
+    real(real64), intent(in) :: x, y, radius
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: near(:)
+    real(real64), intent(in) :: far(3)                ! at the start: field, slopes
+    real(real64), intent(in) :: accuracy
+    real(real64), intent(inout) :: move_x, move_y
+    real(real64), intent(out) :: before, least        ! height at the start, at the end
+    real(real64) :: first(2), s(2), move(2), here(6), there(6)
+    integer :: step, cut
+
+    first = [move_x, move_y]
+    s = first
+    here = height(s)
+    before = here(1)
+    do step = 1, most_steps
+      if (.not. radius * dot_product(here(2:3), here(2:3)) > accuracy) exit
+      move = shift_down(here(4:), 1.0_real64 / radius, here(2:3))
+      do cut = 1, most_cuts
+        there = height(s + move)
+        if (there(1) <= here(1) + 1.0e-4_real64 * dot_product(here(2:3), move)) exit
+        move = move / 2
+      end do
+      if (cut > most_cuts) exit
+      s = s + move
+      here = there
+    end do
+    move_x = s(1)
+    move_y = s(2)
+    least = here(1)
 
   contains
 
-    real(real64) function out_of(host, one)
-      integer, intent(in) :: host, one
+    ! At a shift: value, slopes, second derivatives xx, xy, yy.
+    pure function height(s)
+      real(real64), intent(in) :: s(2)
+      real(real64) :: height(6), dx, dy, r, turn, along
+      type(mutual_terms) :: terms
+      integer :: j, k
 
-      associate (set => solution%set)
-        out_of = stands_out(state%gap(set%number(one)), set%x(one), set%y(one), &
-                            set%curvature(one), state%gap(set%number(host)), set%x(host), &
-                            set%y(host), set%curvature(host), set%circle(host), &
-                            set%move_x(host), set%move_y(host))
-      end associate
-    end function out_of
+      height = [far(1) + dot_product(far(2:), s - first) + dot_product(s, s) / (2 * radius), &
+                far(2:) + s / radius, [1, 0, 1] / radius]
+      do k = 1, size(near)
+        j = near(k)
+        dx = x + s(1) - (set%x(j) + set%move_x(j))
+        dy = y + s(2) - (set%y(j) + set%move_y(j))
+        r = hypot(dx, dy)
+        call mutual_displacement(r, 0.0_real64, set%circle(j), terms)
+        turn = terms%bend
+        along = 0.0_real64
+        if (r > 0.0_real64) then
+          turn = terms%slope / r
+          along = (terms%bend - turn) / r**2
+        end if
+        height = height + set%load(j) * [terms%on_first, turn * dx, turn * dy, &
+                                         turn + along * dx**2, along * dx * dy, &
+                                         turn + along * dy**2]
+      end do
+    end function height
 
-  end subroutine open_hidden
+  end subroutine settle
 
 end module asperity_coupled_joining

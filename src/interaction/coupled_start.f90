@@ -38,7 +38,6 @@ contains
     state%gap = pairs%list%gap
     if (present(resolved)) state%gap = resolved%gap
     allocate (state%joins(n), source=0)
-    allocate (state%onward(n), source=1.0_real64)
     if (n > many) then
       ! Square by square: neighbours are near in memory, too.
       call gather_squares(pairs%list%x, pairs%list%y, coarse)
@@ -46,7 +45,6 @@ contains
       call sort_keys(real(coarse%square, real64), state%order)
     end if
     fresh = .not. allocated(solution%penetration)
-    allocate (state%is_new(n), source=fresh)
     if (fresh) then
       solution%penetration = solution%closing - state%gap
       if (present(target)) solution%penetration = -state%gap

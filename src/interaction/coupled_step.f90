@@ -14,9 +14,6 @@ module asperity_coupled_step
   integer, parameter :: most_rounds = 400
   ! These four choose the way and not its end: the step is cut until it goes down, and what is left
   ! of the gradient tells when the solution is there.
-  ! Along a direction that the potential curves down along, those circles are held that have more
-  ! than this share of the most.
-  real(real64), parameter :: share_held = 0.1_real64
   ! Shifts wait for loads where no less than this share of the gradient is asked for.
   real(real64), parameter :: far_off = 0.1_real64
   ! Near pairs are stiffened where the potential is nearly flat, by how far off all is times this.
@@ -30,8 +27,7 @@ contains
   !> Loads alone, with growth of 0 at least, have positive definite second derivatives. So shifts
   !> are stiffened or held out of the equations, and go down by themselves, where the potential
   !> curves down along the loads and shifts of a block; far from the solution all are, as long as
-  !> the loads have more to do than they. Where it curves down all the same, those who make it so
-  !> are held, too.
+  !> the loads have more to do than they. Where it curves down all the same, all are held.
   subroutine newton_step(set, gradient, keep_sum, accuracy, off, step, rounds)
     type(circle_set), intent(inout) :: set      !! its field is known; stays
     real(real64), intent(in) :: gradient(:, :)  !! (3, circle): by load, by shift along x and y
@@ -41,11 +37,10 @@ contains
     real(real64), intent(out) :: step(:, :)     !! (3, circle)
     integer, intent(inout) :: rounds            !! products, counted on
     real(real64), allocatable, dimension(:, :) :: left, scaled, direction, image
-    real(real64), allocatable :: even(:, :), bent(:)
+    real(real64), allocatable :: even(:, :)
     type(circle_blocks) :: blocks
     type(coarse_circles) :: coarse
     real(real64) :: size_now, size_first, curvature, part
-    logical, allocatable :: more(:)
     integer :: i, round
 
     allocate (scaled, direction, image, mold=gradient)
@@ -87,13 +82,9 @@ contains
         size_now = sum(left * scaled)
       end do
       if (curvature > 0.0_real64 .or. all(set%held)) exit
-      ! It curves down all the same: without the shifts of those who make it so, or of all.
-      bent = sum(direction * image, dim=1)
-      more = .not. set%held .and. bent < share_held * minval(bent)
-      set%held = set%held .or. more .or. .not. any(more)
-      do i = 1, size(set%x)
-        if (set%held(i)) step(2:, i) = 0.0_real64
-      end do
+      ! It curves down all the same: without shifts.
+      set%held = .true.
+      step(2:, :) = 0.0_real64
       call multiply(set, step, image)
       rounds = rounds + 1
       left = -gradient - image

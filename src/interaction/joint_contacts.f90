@@ -14,7 +14,8 @@ module asperity_joint_contacts
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, resolved_contacts, solve_coupled
   use asperity_kinds, only: real64
-  use asperity_resolved_answers, only: answer_with, far_below
+  use asperity_coupled_state, only: far_below
+  use asperity_resolved_answers, only: answer_with, share_out
   use asperity_resolved_choice, only: choose_resolved
   use asperity_resolved_clusters, only: cluster, form_clusters, solve_clusters
   implicit none
@@ -38,7 +39,7 @@ module asperity_joint_contacts
   !> Which contacts are resolved.
   integer, parameter, public :: resolve_none = 0, resolve_all = 1, resolve_called_for = 2
 
-  ! Shares of a tolerance: what circles may leave out, the last halving of cells, the last round.
+  ! Shares of a tolerance: what circles may leave out, halving of cells, the last round.
   real(real64), parameter :: left_share = 0.4_real64, cells_share = 0.25_real64
   real(real64), parameter :: round_share = 0.02_real64
   ! What circles may leave out with the shape of spheres, which is told too high, not too low.
@@ -65,7 +66,7 @@ contains
     class(contact_law), intent(in) :: law              !! of each contact
     integer, intent(in) :: which                       !! `resolve_none` ...
     real(real64), intent(in) :: tolerance              !! share of load and area, where called for
-    real(real64), intent(in) :: cells_tolerance        !! relative change by the last halving
+    real(real64), intent(in) :: cells_tolerance        !! share of the load that halving may change
     type(joint_solution), intent(inout) :: solution    !! closing; then all
     real(real64), intent(in), optional :: target       !! normal load
     !> share of the area that may be off at least; absent: `usual_area`
@@ -102,8 +103,8 @@ contains
                 (area_share * max(tolerance, least_area) * pi * sum(set%circle**2))), &
             hosts, is_one)
       end associate
-      now = measure()
-      before = now
+      now = total
+      before = total
       if (any(is_one)) then
         call form_clusters(pairs, coupled, is_one, clusters)
         resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
@@ -114,11 +115,12 @@ contains
           if (allocated(solution%failure)) return
           call answer_with(pairs, law, clusters, coupled, resolved)
           if (failed(solution)) return
-          ! The cells know nothing of what the coupling changes from here on.
-          before = measure()
+          ! The cells know nothing of what the coupling changes from here on. At a given load it
+          ! changes the load that they bear at the closing that they were solved at.
+          before = sum(coupled%set%load)
           call solve_coupled(pairs, law, coupled, target, resolved)
           if (failed(solution)) return
-          now = measure()
+          now = sum(coupled%set%load)
           if (abs(now - before) <= round_share * merge(cells_tolerance, tolerance, &
                                                        which == resolve_all) * now) exit
           if (solution%rounds == most_rounds) then
@@ -126,12 +128,13 @@ contains
             return
           end if
         end do
-        ! Open: below 0, as 0 is a contact at first touch.
-        where (coupled%penetration < 0.5_real64 * far_below) &
-          coupled%penetration = -tiny(1.0_real64)
+        call share_out(pairs, law, clusters, coupled, resolved)
+        if (failed(solution)) return
         solution%clusters = size(clusters)
         solution%cells = sum(clusters%answer%cells)
       end if
+      ! Open: below 0, as 0 is a contact at first touch.
+      where (coupled%penetration < 0.5_real64 * far_below) coupled%penetration = -tiny(1.0_real64)
       call tell_areas(pairs, law, clusters, solution)
       solution%area_error = area_left(solution, clusters, area_error)
       if (.not. total > 0.0_real64) return
@@ -145,23 +148,12 @@ contains
                 coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
         end associate
         solution%error = solution%error + (scatter_told * norm2(clusters%answer%error) + &
-          sum([(clusters(k)%answer%ending%residual * sum(clusters(k)%answer%vertical_load), &
+          sum([(clusters(k)%answer%ending%residual * sum(clusters(k)%answer%together%load), &
                 k=1, size(clusters))])) / (pairs%modulus * total)
       end if
-      if (present(target)) solution%error = of_closing * solution%error
       solution%error = solution%error + round_left * abs(now - before) / now
+      if (present(target)) solution%error = of_closing * solution%error
     end associate
-
-  contains
-
-    ! What must settle: the load, or the closing at it.
-    real(real64) function measure()
-      if (present(target)) then
-        measure = solution%coupled%closing
-      else
-        measure = sum(solution%coupled%set%load)
-      end if
-    end function measure
 
   end subroutine solve_joint
 
@@ -227,9 +219,9 @@ contains
                            pairs%list(i)%gap, response)
           associate (answer => clusters(k)%answer)
             solution%area(i) = pi * response%contact_radius**2 * &
-                               min(1.0_real64, answer%area(m) / answer%alone_area(m))
+                               min(1.0_real64, answer%together(m)%area / answer%alone(m)%area)
             solution%maximum_pressure(i) = response%maximum_pressure * &
-              min(1.0_real64, answer%maximum_pressure(m) / answer%alone_pressure(m))
+              min(1.0_real64, answer%together(m)%pressure / answer%alone(m)%pressure)
           end associate
         end do
       end do

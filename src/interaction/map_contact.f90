@@ -7,8 +7,8 @@
 !> the next.
 module asperity_map_contact
   use asperity_cell_convolution, only: cell_convolution, padded_length
+  use asperity_cells_influence, only: centre_influence
   use asperity_cells_relax, only: relax
-  use asperity_constants, only: pi
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
@@ -17,14 +17,12 @@ module asperity_map_contact
   implicit none
   private
 
-  public :: bytes_of_map, half_map, map_answer, press_map
+  public :: half_map, map_answer, press_map
 
   !> What a pressed map answers.
   type :: map_answer
     real(real64) :: level = 0.0_real64            !! height of the flat
     real(real64) :: load = 0.0_real64             !! given, or found
-    real(real64) :: area = 0.0_real64             !! of the samples under pressure, corrected
-    real(real64) :: sample_area = 0.0_real64      !! of the samples under pressure, as they are
     real(real64), allocatable :: pressure(:, :)   !! on every sample; given: a start
     real(real64) :: coarser(2) = 0.0_real64       !! levels of it at half and a quarter, its start
     type(solve_ending) :: ending                  !! residual: largest gap violated over the heights
@@ -42,34 +40,12 @@ module asperity_map_contact
   ! Samples from which on a coarser map saves more than it costs.
   integer, parameter :: worth_halving = 64 * 64
 
-  ! Offset from which on the series of Love's rectangle has more digits than its closed form: there
-  ! both have 10.
-  integer, parameter :: far_offset = 200
-
-  !> Samples over-count an area by that times the sides on its rim (Yastrebov, Anciaux and Molinari,
-  !> Tribol. Int. 114 (2017) 161, eq. 2).
-  real(real64), parameter, public :: rim_of_samples = &
-    (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
-
   ! Bytes of the two spectra for a padded sample, of the transform for one in the rows that are
   ! there, and of a plain one (pressures, gaps and the vectors of the method).
   real(real64), parameter :: bytes_padded = 4.0_real64, bytes_across = 8.0_real64, &
                              bytes_plain = 96.0_real64
 
 contains
-
-  !> Memory that pressing a map takes, in bytes.
-  pure real(real64) function bytes_of_map(map, periodic) result(bytes)
-    type(height_map), intent(in) :: map   !! the heights
-    logical, intent(in) :: periodic       !! it repeats itself
-    real(real64) :: padded(2)
-
-    padded = shape(map%height)
-    if (.not. periodic) padded = [padded_length(2 * size(map%height, 1) - 1), &
-                                  padded_length(2 * size(map%height, 2) - 1)]
-    bytes = bytes_padded * product(padded) + bytes_across * padded(1) * size(map%height, 2) + &
-            bytes_plain * size(map%height, kind=int64)
-  end function bytes_of_map
 
   !> Presses a map, to a level of the flat or to a load.
   recursive subroutine press_map(map, periodic, modulus, answer, load, tolerance)
@@ -83,10 +59,14 @@ contains
     type(height_map) :: half
     type(map_answer) :: start
     real(real64), allocatable :: gap(:, :)
-    real(real64) :: top, range, unit, closing, allowed
+    real(real64) :: top, range, unit, closing, allowed, padded(2)
     integer :: i, j
 
-    if (.not. has_memory(nint(bytes_of_map(map, periodic), int64))) then
+    padded = shape(map%height)
+    if (.not. periodic) padded = [padded_length(2 * size(map%height, 1) - 1), &
+                                  padded_length(2 * size(map%height, 2) - 1)]
+    if (.not. has_memory(nint(bytes_padded * product(padded) + bytes_across * padded(1) * &
+                              size(map%height, 2) + bytes_plain * size(map%height), int64))) then
       answer%failure = 'no memory for the samples of the map'
       return
     end if
@@ -145,8 +125,8 @@ contains
         call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
                                         map%spacing(2) / map%spacing(1))
       else
-        call influence%prepare(love_table(size(gap, 1), size(gap, 2), &
-                                          map%spacing(2) / map%spacing(1)))
+        call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), &
+                                                map%spacing(2) / map%spacing(1)))
       end if
       force = force / unit
       if (present(load)) then
@@ -165,9 +145,6 @@ contains
         call relax(influence, gap, allowed, force, answer%ending, answer%interrupt)
         answer%load = sum(force) * unit * product(map%spacing)
       end if
-      answer%sample_area = product(map%spacing) * count(force > 0.0_real64)
-      answer%area = product(map%spacing) * &
-                    (count(force > 0.0_real64) - rim_of_samples * sides_on_rim(force, periodic))
       force = force * unit
     end associate
     if (.not. (answer%ending%converged .or. allocated(answer%failure))) &
@@ -204,61 +181,5 @@ contains
       end do
     end do
   end function half_map
-
-  ! Love's displacements at the centres of rectangles with the sides 1 and `other`, by unit
-  ! pressure on one, over pi and the modulus: the integral of 1/r (Johnson, eq. 3.25).
-  pure function love_table(columns, rows, other) result(table)
-    integer, intent(in) :: columns, rows
-    real(real64), intent(in) :: other
-    real(real64), allocatable :: table(:, :)
-    real(real64) :: r2, x, y
-    integer :: i, j
-
-    allocate (table(0:columns - 1, 0:rows - 1))
-    do j = 0, ubound(table, 2)
-      do i = 0, ubound(table, 1)
-        x = i
-        y = j * other
-        if (max(i, j) < far_offset) then
-          table(i, j) = corner(x + 0.5_real64, y + 0.5_real64 * other) - &
-                        corner(x - 0.5_real64, y + 0.5_real64 * other) - &
-                        corner(x + 0.5_real64, y - 0.5_real64 * other) + &
-                        corner(x - 0.5_real64, y - 0.5_real64 * other)
-        else
-          r2 = x * x + y * y
-          table(i, j) = other / sqrt(r2) * (1.0_real64 + (3 * x * x / r2 - 1.0_real64 + &
-            other**2 * (3 * y * y / r2 - 1.0_real64)) / (24 * r2))
-        end if
-      end do
-    end do
-    table = table / pi
-  end function love_table
-
-  ! Double integral of 1/r.
-  pure real(real64) function corner(x, y)
-    real(real64), intent(in) :: x, y  ! not 0
-
-    corner = x * asinh(y / abs(x)) + y * asinh(x / abs(y))
-  end function corner
-
-  ! Sides between a sample under pressure and one without.
-  pure integer function sides_on_rim(force, periodic) result(sides)
-    real(real64), intent(in) :: force(:, :)
-    logical, intent(in) :: periodic
-    logical, allocatable :: loaded(:, :)
-    integer :: n, m
-
-    allocate (loaded(size(force, 1), size(force, 2)), source=force > 0.0_real64)
-    n = size(force, 1)
-    m = size(force, 2)
-    sides = count(loaded(2:, :) .neqv. loaded(:n - 1, :)) + &
-            count(loaded(:, 2:) .neqv. loaded(:, :m - 1))
-    if (periodic) then
-      sides = sides + count(loaded(1, :) .neqv. loaded(n, :)) + &
-              count(loaded(:, 1) .neqv. loaded(:, m))
-    else
-      sides = sides + count(loaded([1, n], :)) + count(loaded(:, [1, m]))
-    end if
-  end function sides_on_rim
 
 end module asperity_map_contact

@@ -1,8 +1,8 @@
 !> The spots of a pressed map: samples under pressure that share a side.
 module asperity_map_patches
+  use asperity_constants, only: pi
   use asperity_height_map, only: height_map
   use asperity_kinds, only: real64
-  use asperity_map_contact, only: rim_of_samples
   implicit none
   private
 
@@ -20,6 +20,10 @@ module asperity_map_patches
     integer :: across(2) = 0                       !! first and last column; beyond the end where
     integer :: along(2) = 0                        !! it goes on there; first and last row
   end type map_patch
+
+  ! Samples over-count an area by that times the sides on its rim (Yastrebov, Anciaux and Molinari,
+  ! Tribol. Int. 114 (2017) 161, eq. 2).
+  real(real64), parameter :: rim_of_samples = (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
 
 contains
 

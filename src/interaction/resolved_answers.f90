@@ -5,16 +5,15 @@ module asperity_resolved_answers
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: adopt, coupled_solution, resolved_contacts
+  use asperity_coupled_groups, only: group_law
+  use asperity_coupled_state, only: far_below, raise
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
   use asperity_resolved_clusters, only: cluster
   implicit none
   private
 
-  public :: answer_with
-
-  !> Penetration of a resolved contact that the cells leave open: it joins no more.
-  real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
+  public :: answer_with, share_out
 
 contains
 
@@ -22,37 +21,37 @@ contains
   subroutine answer_with(pairs, law, clusters, coupled, resolved)
     type(contact_pairs), intent(in) :: pairs            !! the position
     class(contact_law), intent(in) :: law               !! of each contact
-    type(cluster), intent(in) :: clusters(:)            !! solved
+    type(cluster), intent(inout) :: clusters(:)         !! solved; get loads and hosts
     type(coupled_solution), intent(inout) :: coupled    !! gets their penetrations
     type(resolved_contacts), intent(inout) :: resolved  !! those on cells: all but places and gaps
     type(contact_response) :: free
     type(circle_set) :: old
     integer, dimension(size(pairs%list)) :: before, now
-    real(real64), allocatable :: circle(:)
     real(real64) :: share
     integer :: i, k, m
 
     old = coupled%set
     do k = 1, size(clusters)
-      associate (answer => clusters(k)%answer)
-        do m = 1, size(clusters(k)%members)
-          i = clusters(k)%members(m)
-          resolved%x(i) = answer%centre_x(m)
-          resolved%y(i) = answer%centre_y(m)
-          coupled%penetration(i) = far_below
-          coupled%move_x(i) = 0.0_real64
-          coupled%move_y(i) = 0.0_real64
-          if (.not. (answer%vertical_load(m) > 0.0_real64 .and. &
-                     answer%alone_load(m) > 0.0_real64)) cycle
+      associate (answer => clusters(k)%answer, members => clusters(k)%members)
+        resolved%x(members) = answer%together%x
+        resolved%y(members) = answer%together%y
+        coupled%penetration(members) = far_below
+        coupled%move_x(members) = 0.0_real64
+        coupled%move_y(members) = 0.0_real64
+        clusters(k)%load = 0 * answer%together%load
+        do m = 1, size(members)
+          i = members(m)
+          if (.not. (answer%together(m)%load > 0.0_real64 .and. &
+                     answer%alone(m)%load > 0.0_real64)) cycle
           ! Together over alone: how a pair is inclined counts as it does in its law. Neighbours
           ! never raise a load: more than 1 is what the cells are not solved to.
-          share = min(1.0_real64, answer%vertical_load(m) / answer%alone_load(m))
+          share = min(1.0_real64, answer%together(m)%load / answer%alone(m)%load)
           call law%respond(pairs%list(i), i, &
                            coupled%closing - clusters(k)%lowered - pairs%list(i)%gap, free)
-          coupled%penetration(i) = penetration_at(pairs, law, i, share * free%vertical_load, &
-                                                  coupled%closing - pairs%list(i)%gap)
+          clusters(k)%load(m) = share * free%vertical_load
         end do
       end associate
+      call find_hosts(pairs, law, clusters(k), coupled, resolved)
     end do
     call adopt(pairs, law, coupled, resolved)
     if (allocated(coupled%failure)) return
@@ -62,94 +61,169 @@ contains
     now(coupled%set%number) = [(i, i=1, size(coupled%set%number))]
     where (.not. resolved%is_one) resolved%gap = pairs%list%gap
     do k = 1, size(clusters)
-      call lift_by_others(old, coupled, before, now, clusters(k)%members, resolved%gap)
-      allocate (circle(size(clusters(k)%members)), source=0.0_real64)
-      do m = 1, size(circle)
-        i = now(clusters(k)%members(m))
-        if (i > 0) circle(m) = coupled%set%circle(i)
-      end do
-      call lift_others(pairs%modulus, clusters(k), circle, resolved)
-      deallocate (circle)
+      associate (members => clusters(k)%members, gap => resolved%gap)
+        ! The cells were solved under the others' old loads. With these the equations shall hold, so
+        ! that the coupling lets each cluster respond to what the others have become since: without,
+        ! 6500 contacts with 700 on cells took more than twenty times as long.
+        where (before(members) > 0 .and. now(members) > 0) gap(members) = gap(members) + &
+          by_others(coupled%set, now(members)) - by_others(old, before(members))
+        call lift_others(clusters(k), coupled%set, pack(now(members), now(members) > 0), resolved)
+      end associate
     end do
   end subroutine answer_with
 
-  ! What the pressures on cells do to circles beside them, and circles in their places do not.
-  subroutine lift_others(modulus, one, circle, resolved)
-    real(real64), intent(in) :: modulus
-    type(cluster), intent(in) :: one
-    real(real64), intent(in) :: circle(:)    ! radii of the members
+  ! Members of which one has its centre in the other's circle are one circle for all others, with
+  ! the law of the one that bears most. How they share their load hardly matters there, and the
+  ! equations of circles nearly in one place have several solutions.
+  subroutine find_hosts(pairs, law, one, coupled, resolved)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    type(cluster), intent(inout) :: one
+    type(coupled_solution), intent(inout) :: coupled
     type(resolved_contacts), intent(inout) :: resolved
-    integer :: l
+    real(real64), dimension(size(one%members)) :: load, circle
+    logical :: joined
+    integer :: a, b, m
 
-    if (.not. allocated(one%answer%beside)) return
-    do l = 1, size(one%answer%beside)
-      associate (n => one%outside%pair(l), answer => one%answer)
-        if (.not. resolved%is_one(n)) resolved%gap(n) = resolved%gap(n) + answer%beside(l) - &
-          sum(answer%vertical_load * beside_circle(circle, hypot( &
-            answer%centre_x - one%outside%x(l), answer%centre_y - one%outside%y(l)))) / modulus
-      end associate
+    load = one%load
+    one%host = [(m, m=1, size(load))]
+    do m = 1, size(load)
+      call stand(m)
     end do
-  end subroutine lift_others
-
-  ! The cells were solved under the others' old loads. With these the equations shall hold, so that
-  ! the coupling lets each cluster respond to what the others have become since.
-  subroutine lift_by_others(old, coupled, before, now, members, gap)
-    type(circle_set), intent(in) :: old
-    type(coupled_solution), intent(in) :: coupled
-    integer, intent(in) :: before(:), now(:)  ! circle of a pair, 0: none
-    integer, intent(in) :: members(:)
-    real(real64), intent(inout) :: gap(:)
-    integer :: i, j, m, n
-
-    do m = 1, size(members)
-      i = members(m)
-      if (before(i) == 0 .or. now(i) == 0) cycle
-      ! The field of the others alone: first as it is, then as it was.
-      gap(i) = gap(i) + coupled%set%lift(now(i)) - old%lift(before(i))
-      do n = 1, size(members)
-        j = members(n)
-        if (n == m) cycle
-        if (now(j) > 0) gap(i) = gap(i) - lift(coupled%set, now(i), now(j))
-        if (before(j) > 0) gap(i) = gap(i) + lift(old, before(i), before(j))
+    joined = .true.
+    do while (joined)
+      joined = .false.
+      do a = 1, size(load)
+        do b = 1, size(load)
+          if (a == b .or. load(b) > load(a) .or. .not. load(b) > 0.0_real64) cycle
+          associate (i => one%members(a), j => one%members(b), x => resolved%x, y => resolved%y, &
+                     part => load(b) / (load(a) + load(b)))
+            if (.not. hypot(x(i) - x(j), y(i) - y(j)) < circle(a)) cycle
+            x(i) = x(i) + part * (x(j) - x(i))
+            y(i) = y(i) + part * (y(j) - y(i))
+            coupled%penetration(j) = far_below
+          end associate
+          where (one%host == b) one%host = a
+          load(a) = load(a) + load(b)
+          load(b) = 0.0_real64
+          call stand(a)
+          joined = .true.
+        end do
       end do
     end do
 
   contains
 
-    real(real64) function lift(set, on, by)
-      type(circle_set), intent(in) :: set
-      integer, intent(in) :: on, by
-      type(mutual_terms) :: terms
+    subroutine stand(m)
+      integer, intent(in) :: m
+      type(contact_response) :: response
 
-      call mutual_displacement(hypot(set%x(on) + set%move_x(on) - set%x(by) - set%move_x(by), &
-                                     set%y(on) + set%move_y(on) - set%y(by) - set%move_y(by)), &
-                               set%circle(on), set%circle(by), terms)
-      lift = set%load(by) * terms%on_first
-    end function lift
+      circle(m) = 0.0_real64
+      if (.not. load(m) > 0.0_real64) return
+      associate (i => one%members(m))
+        coupled%penetration(i) = penetration_at(pairs, law, i, load(m), &
+                                                coupled%closing - pairs%list(i)%gap)
+        call law%respond(pairs%list(i), i, coupled%penetration(i), response)
+        circle(m) = response%contact_radius
+      end associate
+    end subroutine stand
 
-  end subroutine lift_by_others
+  end subroutine find_hosts
+
+  !> What hosts bear at the end goes to all for whom they stand, shared as the cells have it.
+  subroutine share_out(pairs, law, clusters, coupled, resolved)
+    type(contact_pairs), intent(in) :: pairs            !! the position
+    class(contact_law), intent(in) :: law               !! of each contact
+    type(cluster), intent(in) :: clusters(:)            !! answered with
+    type(coupled_solution), intent(inout) :: coupled    !! gets penetrations and circles of all
+    type(resolved_contacts), intent(inout) :: resolved  !! gets their places
+    type(contact_response) :: response
+    real(real64) :: borne
+    integer :: host, i, k, m
+
+    do k = 1, size(clusters)
+      associate (one => clusters(k))
+        do host = 1, size(one%members)
+          i = one%members(host)
+          if (count(one%host == host) < 2 .or. .not. coupled%penetration(i) > 0.0_real64) cycle
+          call law%respond(pairs%list(i), i, coupled%penetration(i), response)
+          borne = response%vertical_load / sum(one%load, mask=one%host == host)
+          do m = 1, size(one%members)
+            if (one%host(m) /= host) cycle
+            i = one%members(m)
+            resolved%x(i) = one%answer%together(m)%x
+            resolved%y(i) = one%answer%together(m)%y
+            coupled%penetration(i) = penetration_at(pairs, law, i, borne * one%load(m), &
+                                                    coupled%closing - pairs%list(i)%gap)
+          end do
+        end do
+      end associate
+    end do
+    call adopt(pairs, law, coupled, resolved)
+  end subroutine share_out
+
+  ! What the pressures on cells do to circles beside them, and circles in their places do not.
+  ! Without it estimates would be below the error in 7 % of the dense scenes at a tolerance of .001.
+  subroutine lift_others(one, set, circles, resolved)
+    type(cluster), intent(in) :: one
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: circles(:)        ! in the places of the members
+    type(resolved_contacts), intent(inout) :: resolved
+    integer :: l
+
+    if (.not. allocated(one%answer%beside)) return
+    do l = 1, size(one%answer%beside)
+      associate (n => one%outside%pair(l))
+        if (.not. resolved%is_one(n)) resolved%gap(n) = resolved%gap(n) + one%answer%beside(l) - &
+          sum(set%load(circles) * beside_circle(set%circle(circles), hypot( &
+            set%x(circles) - one%outside%x(l), set%y(circles) - one%outside%y(l))))
+      end associate
+    end do
+  end subroutine lift_others
+
+  ! What all but the members of a cluster press each of them down by.
+  pure function by_others(set, circle) result(lift)
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: circle(:)         ! of each member, 0: none
+    real(real64) :: lift(size(circle))
+    type(mutual_terms) :: terms
+    integer :: m, n
+
+    lift = 0.0_real64
+    do m = 1, size(circle)
+      if (circle(m) == 0) cycle
+      lift(m) = set%lift(circle(m))
+      do n = 1, size(circle)
+        if (n == m .or. circle(n) == 0) cycle
+        associate (i => circle(m), j => circle(n))
+          call mutual_displacement(hypot(set%x(i) + set%move_x(i) - set%x(j) - set%move_x(j), &
+                                         set%y(i) + set%move_y(i) - set%y(j) - set%move_y(j)), &
+                                   set%circle(i), set%circle(j), terms)
+          lift(m) = lift(m) - set%load(j) * terms%on_first
+        end associate
+      end do
+    end do
+  end function by_others
 
   ! Where a law has a vertical load.
   real(real64) function penetration_at(pairs, law, i, load, most) result(p)
     type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
+    class(contact_law), intent(in), target :: law
     integer, intent(in) :: i
     real(real64), intent(in) :: load, most
-    type(contact_response) :: response
-    real(real64) :: before
-    integer :: step
+    type(contact_pairs) :: alone
+    type(group_law) :: alone_law
+    real(real64) :: found(1)
 
-    p = most
-    ! Newton's method on load**(2/3), nearly straight.
-    do step = 1, 50
-      call law%respond(pairs%list(i), i, p, response)
-      if (.not. response%stiffness > 0.0_real64) exit
-      before = p
-      p = p + 1.5_real64 * response%vertical_load / response%stiffness * &
-          ((load / response%vertical_load)**(2.0_real64 / 3.0_real64) - 1.0_real64)
-      p = min(max(p, 0.1_real64 * before), 2 * before)
-      if (abs(p - before) <= 1.0e-14_real64 * p) exit
-    end do
+    alone%modulus = pairs%modulus
+    alone%vertical = .true.
+    alone%list = pairs%list(i:i)
+    alone_law%whole => law
+    alone_law%number = [i]
+    alone_law%deeper = [1.0_real64]
+    found = most
+    call raise(alone, alone_law, load / pairs%modulus, found)
+    p = found(1)
   end function penetration_at
 
 end module asperity_resolved_answers

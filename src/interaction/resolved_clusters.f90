@@ -20,6 +20,8 @@ module asperity_resolved_clusters
   type :: cluster
     integer, allocatable :: members(:)              !! places in the list of pairs
     type(cells_answer) :: answer                    !! of its cells
+    real(real64), allocatable :: load(:)            !! vertical, by its law; 0: open
+    integer, allocatable :: host(:)                 !! member that stands for it among circles
     real(real64) :: lowered = 0.0_real64            !! of the closing, for its cells
     type(outside_field) :: outside                  !! of the others, at its cells
   end type cluster
@@ -70,7 +72,7 @@ contains
   subroutine solve_clusters(pairs, coupled, tolerance, area_tolerance, clusters, failure)
     type(contact_pairs), intent(in) :: pairs              !! the position
     type(coupled_solution), intent(in) :: coupled         !! solved
-    real(real64), intent(in) :: tolerance                 !! relative change by the last halving
+    real(real64), intent(in) :: tolerance              !! share of the load that halving may change
     real(real64), intent(in) :: area_tolerance            !! share of the area, at least
     type(cluster), intent(inout) :: clusters(:)           !! get their answers
     character(len=:), allocatable, intent(inout) :: failure  !! no memory, or cells that do not end
@@ -116,17 +118,17 @@ contains
     type(cluster), intent(inout) :: clusters(:)
     character(len=:), allocatable, intent(inout) :: failure
     type(source_tree) :: tree
-    real(real64), allocatable :: x(:), y(:), reach(:), field(:), u(:), v(:)
+    real(real64), allocatable :: x(:), y(:), reach(:), field(:, :), u(:), v(:)
     real(real64) :: node(nodes), half
     integer, allocatable :: beside(:)
     integer :: i, j, k, l, n
 
     node = chebyshev_nodes(nodes)
     allocate (x(nodes**2 * size(clusters)), y(nodes**2 * size(clusters)))
-    allocate (reach(size(x)), field(size(x)))
+    allocate (reach(size(x)), field(6, size(x)))
     associate (set => coupled%set)
-      u = set%x + set%move_x
-      v = set%y + set%move_y
+      allocate (u, source=set%x + set%move_x)
+      allocate (v, source=set%y + set%move_y)
       n = 0
       do k = 1, size(clusters)
         associate (o => clusters(k)%outside)
@@ -145,12 +147,12 @@ contains
           end do
         end associate
       end do
-      call plant_tree(tree, u, v, near_factor * set%circle, 1.0_real64, x, y, reach)
+      call plant_tree(tree, [u, x], [v, y], [near_factor * set%circle, reach], 1.0_real64, size(u))
       if (allocated(tree%failure)) then
         failure = tree%failure
         return
       end if
-      call sum_sources(tree, set%load, hertz_spread * set%circle**2, field)
+      call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field)
       do k = 1, size(clusters)
         n = nodes**2 * (k - 1)
         associate (o => clusters(k)%outside, middle_x => 0.5_real64 * &
@@ -169,16 +171,15 @@ contains
           o%circle = set%circle(beside)
           o%load = set%load(beside) * pairs%modulus
           do i = n + 1, n + nodes**2
-            field(i) = field(i) / pi
             do l = tree%first(i), tree%first(i + 1) - 1
               j = tree%near(l)
               if (of(j) == k) cycle
               if (hypot(u(j) - middle_x, v(j) - middle_y) < far_off * half + set%circle(j)) cycle
-              field(i) = field(i) + set%load(j) * &
-                         beside_circle(set%circle(j), hypot(x(i) - u(j), y(i) - v(j)))
+              field(1, i) = field(1, i) + set%load(j) * &
+                            beside_circle(set%circle(j), hypot(x(i) - u(j), y(i) - v(j)))
             end do
           end do
-          o%at_nodes = reshape(field(n + 1:n + nodes**2), [nodes, nodes])
+          o%at_nodes = reshape(field(1, n + 1:n + nodes**2), [nodes, nodes])
           ! Between the nodes the field is a little less than at the least of them at most.
           clusters(k)%lowered = 0.98_real64 * minval(o%at_nodes) + sum(set%load(beside) * &
             beside_circle(set%circle(beside), &

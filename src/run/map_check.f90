@@ -74,7 +74,8 @@ contains
     type(map_loading), intent(in) :: loading               !! how far it is pressed
     type(map_seen), intent(inout) :: seen                  !! nothing but who can end it; pressed
     character(len=:), allocatable, intent(out) :: failure  !! why they cannot, or it cannot be
-    real(real64) :: last
+    type(map_patch), allocatable :: patches(:)
+    real(real64) :: last, share
     character(len=4) :: digits
 
     seen%periodic = periodic
@@ -93,10 +94,13 @@ contains
     else if (last > 0.0_real64) then
       call press_map(seen%map, periodic, loading%modulus, seen%answer, last, seen%closed)
     end if
-    if (allocated(seen%answer%failure)) then
+    if (allocated(seen%answer%failure)) &
       failure = 'the map beside its summits: ' // seen%answer%failure
-    else if (seen%answer%area > percolation * area_of_map(seen%map)) then
-      write (digits, '(f4.2)') seen%answer%area / area_of_map(seen%map)
+    if (allocated(failure) .or. .not. allocated(seen%answer%pressure)) return
+    call find_patches(seen%map, periodic, seen%answer%pressure, patches)
+    share = sum(patches%area) / area_of_map(seen%map)
+    if (share > percolation) then
+      write (digits, '(f4.2)') share
       failure = 'the map touches over ' // digits // ' of its area: from 0.42 on it is one ' // &
                 'contact with holes, expected interaction = ''boundary'' or less load'
     end if
@@ -134,8 +138,7 @@ contains
       level = answer%level + beyond
       check%difference = (state%approach - level) / check%rms_height
       check%closing = maxval(map%height) - level
-      if (seen%coarser == 1) check%area_difference = state%area / answer%area - 1.0_real64
-      call share_out(map, seen, summits, check)
+      call share_out(map, seen, summits, state%area, check)
       if (.not. seen%by_load) then
         at_level%pressure = answer%pressure
         at_level%interrupt = answer%interrupt
@@ -187,11 +190,12 @@ contains
     uncertain = 0.5_real64 * (maxval(may_be) - minval(may_be))
   end subroutine look_beyond
 
-  ! Shares of the load that summits cannot stand for.
-  subroutine share_out(map, seen, summits, check)
+  ! Shares of the load that summits cannot stand for, and what their area is off by.
+  subroutine share_out(map, seen, summits, area, check)
     type(height_map), intent(in) :: map
     type(map_seen), intent(in) :: seen
     type(map_summits), intent(in) :: summits
+    real(real64), intent(in) :: area
     type(map_record), intent(inout) :: check
     type(map_patch), allocatable :: patches(:)
     integer, allocatable :: spot(:, :)
@@ -202,6 +206,7 @@ contains
     ! From the first sample to the middle of the first of those that are coarser.
     first = 0.5_real64 * (1.0_real64 - 1.0_real64 / seen%coarser)
     call find_patches(seen%map, seen%periodic, seen%answer%pressure, patches, spot)
+    if (seen%coarser == 1) check%area_difference = area / sum(patches%area) - 1.0_real64
     allocate (has_summit(0:size(patches)), source=.false.)
     do k = 1, size(summits%x)
       i = 1 + nint(summits%x(k) / seen%map%spacing(1) - first)

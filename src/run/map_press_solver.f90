@@ -100,7 +100,8 @@ contains
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])
     end do
-    result%state_values = [real(count(answer%pressure > 0.0_real64), real64), answer%sample_area]
+    result%state_values = count(answer%pressure > 0.0_real64) * &
+                          [1.0_real64, product(self%map%spacing)]
     call move_alloc(values, result%contact_values)
     allocate (result%effects(1))
     result%effects(1)%simulated = 'boundary'
@@ -128,8 +129,8 @@ contains
     state%contacts = size(patches)
     state%load = answer%load
     state%vertical_load = answer%load
-    state%area = answer%area
-    state%projected_area = answer%area
+    state%area = sum(patches%area)
+    state%projected_area = state%area
     state%greatest_pressure = maxval([0.0_real64, patches%highest])
     if (keep_rows) then
       do i = 1, size(patches)

@@ -24,7 +24,7 @@ module asperity_model_rungs
   public :: model_rung, run_model_rungs, number_of_rungs
 
   !> The ladder, and the tolerance of each rung: of `auto` the share of the load that it may leave
-  !> out, of `boundary` what the last halving of the cells may change.
+  !> out, of `boundary` what halving the cells may change.
   integer, parameter :: ladder(6) = [effect_off, effect_coupled, effect_auto, effect_boundary, &
                                      effect_boundary, effect_boundary]
   integer, parameter :: number_of_rungs = size(ladder)  !! all of them

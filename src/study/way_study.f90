@@ -80,13 +80,19 @@ contains
     type(scene_way), allocatable :: ways(:)
     type(way_totals), allocatable :: totals(:)
     type(way_row) :: row
-    real(real64) :: closing
+    type(time_allowance) :: others
+    real(real64) :: closing, most
     integer :: contacts, i
 
+    most = allowance%left()
     row%way = as_the_scene_asks()
     allocate (totals(1))
-    call run_row(scene_in, least_seconds, share_of_scene * allowance%left(), row, totals(1), &
+    call run_row(scene_in, least_seconds, share_of_scene * most, row, totals(1), &
                  results)
+    ! What the scene takes beyond its share, as not all of it can be stopped, is not the others'.
+    others = allowance
+    if (others%left() < (1.0_real64 - share_of_scene) * most) &
+      call others%begin((1.0_real64 - share_of_scene) * most)
     closing = 0.0_real64
     if (allocated(row%left_out)) then
       ! Where summits are no good the samples of a map may be.
@@ -110,9 +116,9 @@ contains
     call progress%step()
     do i = 1, size(ways)
       row = way_row(way=ways(i))
-      call foretell(table%rows(:i), contacts, allowance%left(), row)
+      call foretell(table%rows(:i), contacts, others%left(), row)
       if (.not. allocated(row%left_out)) &
-        call run_row(scene_in, least_seconds, allowance%left(), row, totals(i + 1), results)
+        call run_row(scene_in, least_seconds, others%left(), row, totals(i + 1), results)
       if (contacts == 0 .and. .not. allocated(row%left_out)) contacts = contacts_of(results)
       table%rows(i + 1) = row
       call progress%step()

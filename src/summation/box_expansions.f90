@@ -7,7 +7,8 @@
 !>
 !> A way from a box to another whose place is mirrored is the same but for the signs of what is
 !> odd. So boxes that are images of each other are added and subtracted first, and go their way
-!> together: 12 ways in place of 27 for the boxes that act on one in a full plane.
+!> together: 12 ways in place of 27 for the boxes that act on one in a full plane. One by one a sum
+!> over 1e5 circles takes 1.5 times as long, a rough one 1.15 times (measured).
 module asperity_box_expansions
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_kinds, only: real64
@@ -45,160 +46,142 @@ contains
   !> Prepares the ways between boxes.
   subroutine prepare(ways)
     type(translations), intent(out) :: ways  !! the ways
-    integer, parameter :: n = order + 1
-    real(real64) :: node(n), basis(n, 0:order), half(0:order, 0:order)
-    real(real64) :: kernel(n, n, n, n), t(0:order), d(0:order), dd(0:order)
-    integer, dimension(n * n) :: in_x, in_y
-    integer :: a, b, i, k, row, column
+    integer, parameter :: n = (order + 1)**2
+    real(real64) :: node(2, n), t(0:order, 2, 0:2), kernel(n, n)
+    real(real64), allocatable :: basis(:, :), half(:, :)
+    integer :: number(0:order, 0:order), a, b, column, i, row
 
-    node = chebyshev_nodes(n)
-    k = 0
+    ways%in_x = [integer ::]
+    ways%in_y = [integer ::]
     do i = 0, order**2
       do a = 0, order
         do b = 0, order
           if (a**2 + b**2 /= i) cycle
-          k = k + 1
-          in_x(k) = a
-          in_y(k) = b
+          ways%in_x = [ways%in_x, a]
+          ways%in_y = [ways%in_y, b]
+          number(a, b) = size(ways%in_x)
         end do
       end do
-      if (i == rough_square) ways%rough_terms = k
+      if (i == rough_square) ways%rough_terms = size(ways%in_x)
     end do
-    ways%terms = k
-    ways%in_x = in_x(:k)
-    ways%in_y = in_y(:k)
+    ways%terms = size(ways%in_x)
     ways%odd = mod(ways%in_x, 2) + 2 * mod(ways%in_y, 2)
-    allocate (ways%way(k, k, 0:15), source=0.0_real64)
-    ! A sum over Chebyshev's nodes of a function times this is its coefficient.
+    allocate (ways%way(ways%terms, ways%terms, 0:15), source=0.0_real64)
+    allocate (basis(ways%terms, n), half(ways%terms, n))
+    node(1, :) = [(chebyshev_nodes(order + 1), i=0, order)]
+    node(2, :) = reshape(transpose(reshape(node(1, :), [order + 1, order + 1])), [n])
+    ! A sum over the nodes of a function times `basis` is its coefficient.
     do i = 1, n
-      call polynomials(node(i), t, d, dd)
-      basis(i, :) = 2 * t / n
+      t = polynomials(0.5_real64 * (node(:, i) - 1.0_real64))
+      half(:, i) = t(ways%in_x, 1, 0) * t(ways%in_y, 2, 0)
+      t = polynomials(node(:, i)) * 2.0_real64
+      t(0, :, 0) = 1.0_real64
+      basis(:, i) = t(ways%in_x, 1, 0) * t(ways%in_y, 2, 0) / n
     end do
-    basis(:, 0) = 0.5_real64 * basis(:, 0)
-    half = 0.0_real64
-    do i = 1, n
-      call polynomials(0.5_real64 * (node(i) - 1.0_real64), t, d, dd)
-      do a = 0, order
-        half(:, a) = half(:, a) + basis(i, a) * t
-      end do
-    end do
-    do i = 1, ways%terms
-      ways%way(:, i, down) = half(ways%in_x, ways%in_x(i)) * half(ways%in_y, ways%in_y(i))
-      ways%way(i, :, up) = ways%way(:, i, down)
-    end do
-    !$omp parallel do private(kernel, a, b, i, k, row)
+    ways%way(:, :, down) = product_of(half, basis)
+    ways%way(:, :, up) = transpose(ways%way(:, :, down))
+    !$omp parallel do private(kernel, i, row)
     do column = 2, 3
       do row = 0, column
-        do a = 1, n
-          do b = 1, n
-            do i = 1, n
-              kernel(:, i, a, b) = 1.0_real64 / sqrt((node - node(a) - 2 * column)**2 + &
-                                                     (node(i) - node(b) - 2 * row)**2)
-            end do
-          end do
+        do i = 1, n
+          kernel(:, i) = 1.0_real64 / hypot(node(1, :) - node(1, i) - 2 * column, &
+                                            node(2, :) - node(2, i) - 2 * row)
         end do
-        do i = 1, 4
-          call turn(basis, kernel)
-        end do
-        do i = 1, ways%terms
-          do k = 1, ways%terms
-            associate (x => ways%in_x([i, k]) + 1, y => ways%in_y([i, k]) + 1)
-              ways%way(k, i, 4 * row + column) = kernel(x(1), y(1), x(2), y(2))
-              ways%way(k, i, 4 * column + row) = kernel(y(1), x(1), y(2), x(2))
-            end associate
-          end do
-        end do
+        associate (way => ways%way(:, :, 4 * row + column), &
+                   swap => [(number(ways%in_y(i), ways%in_x(i)), i=1, ways%terms)])
+          way = product_of(product_of(basis, kernel), basis)
+          ways%way(:, :, 4 * column + row) = way(swap, swap)
+        end associate
       end do
     end do
     !$omp end parallel do
   end subroutine prepare
 
-  ! Coefficients of the last of four variables, which becomes the first.
-  pure subroutine turn(basis, kernel)
-    real(real64), intent(in) :: basis(order + 1, order + 1)
-    real(real64), intent(inout) :: kernel((order + 1)**3, order + 1)
-    real(real64) :: found(order + 1, (order + 1)**3), sums((order + 1)**3)
-    integer :: a, k
+  ! One matrix times the other, transposed, in an order that neither library nor processor decides.
+  pure function product_of(one, other) result(image)
+    real(real64), intent(in) :: one(:, :), other(:, :)
+    real(real64) :: image(size(one, 1), size(other, 1))
+    integer :: i, k
 
-    do a = 1, size(basis, 2)
-      sums = 0.0_real64
-      do k = 1, size(basis, 1)
-        sums = sums + basis(k, a) * kernel(:, k)
+    do i = 1, size(image, 2)
+      image(:, i) = 0.0_real64
+      do k = 1, size(one, 2)
+        image(:, i) = image(:, i) + one(:, k) * other(i, k)
       end do
-      found(a, :) = sums
     end do
-    kernel = reshape(found, shape(kernel))
-  end subroutine turn
+  end function product_of
 
-  ! Chebyshev's polynomials, their slopes and second derivatives.
-  pure subroutine polynomials(z, t, d, dd)
-    real(real64), intent(in) :: z
-    real(real64), dimension(0:order), intent(out) :: t, d, dd
+  ! Chebyshev's polynomials of two numbers, their slopes and second derivatives.
+  pure function polynomials(z) result(t)
+    real(real64), intent(in) :: z(2)
+    real(real64) :: t(0:order, 2, 0:2)
     integer :: l
 
-    t(:1) = [1.0_real64, z]
-    d(:1) = [0.0_real64, 1.0_real64]
-    dd(:1) = 0.0_real64
+    t(0, :, :) = 0.0_real64
+    t(0, :, 0) = 1.0_real64
+    t(1, :, 0) = z
+    t(1, :, 1) = 1.0_real64
+    t(1, :, 2) = 0.0_real64
     do l = 2, order
-      t(l) = 2.0_real64 * z * t(l - 1) - t(l - 2)
-      d(l) = 2.0_real64 * (t(l - 1) + z * d(l - 1)) - d(l - 2)
-      dd(l) = 4.0_real64 * d(l - 1) + 2.0_real64 * z * dd(l - 1) - dd(l - 2)
+      t(l, :, 0) = 2 * z * t(l - 1, :, 0) - t(l - 2, :, 0)
+      t(l, :, 1) = 2 * (t(l - 1, :, 0) + z * t(l - 1, :, 1)) - t(l - 2, :, 1)
+      t(l, :, 2) = 4 * t(l - 1, :, 1) + 2 * z * t(l - 1, :, 2) - t(l - 2, :, 2)
     end do
-  end subroutine polynomials
+  end function polynomials
 
   !> Adds the moments of a source and of its Laplacian.
-  pure subroutine add_moments(ways, x, y, charge, spread, moment)
+  pure subroutine add_moments(ways, place, charge, spread, moment)
     type(translations), intent(in) :: ways    !! their degrees
-    real(real64), intent(in) :: x             !! place from the middle of the box, over its half
-    real(real64), intent(in) :: y             !! place from the middle of the box, over its half
+    real(real64), intent(in) :: place(2)      !! from the middle of the box, over its half
     real(real64), intent(in) :: charge        !! of 1/r
-    real(real64), intent(in) :: spread        !! of its Laplacian, over the half squared
+    real(real64), intent(in) :: spread        !! over the half squared
     real(real64), intent(inout) :: moment(:)  !! of the box, as many as the sums take
-    real(real64), dimension(0:order) :: tx, ty, dx, dy, ddx, ddy
+    real(real64) :: t(0:order, 2, 0:2)
     integer :: k
 
-    call polynomials(x, tx, dx, ddx)
-    call polynomials(y, ty, dy, ddy)
-    ddy = charge * ty + spread * ddy
-    ty = spread * ty
+    t = polynomials(place)
+    t(:, 2, :) = charge * t(:, 2, :)
+    t(:, 2, 2) = t(:, 2, 0) + spread * t(:, 2, 2)
+    t(:, 2, 0) = spread * t(:, 2, 0)
     do k = 1, size(moment)
       associate (a => ways%in_x(k), b => ways%in_y(k))
-        moment(k) = moment(k) + (ddy(b) * tx(a) + ty(b) * ddx(a))
+        moment(k) = moment(k) + (t(b, 2, 2) * t(a, 1, 0) + t(b, 2, 0) * t(a, 1, 2))
       end associate
     end do
   end subroutine add_moments
 
   !> Adds the field of a box at a place.
-  pure subroutine add_field(ways, x, y, half, field, value)
+  pure subroutine add_field(ways, place, half, field, value)
     type(translations), intent(in) :: ways    !! their degrees
-    real(real64), intent(in) :: x             !! place from the middle of the box, over its half
-    real(real64), intent(in) :: y             !! place from the middle of the box, over its half
+    real(real64), intent(in) :: place(2)      !! from the middle of the box, over its half
     real(real64), intent(in) :: half          !! half of the box's width
     real(real64), intent(in) :: field(:)      !! of the box, as many as the sums take
-    real(real64), intent(inout) :: value(4)   !! potential, Laplacian, slopes in x and y
-    real(real64), dimension(0:order) :: tx, ty, dx, dy, ddx, ddy
-    real(real64) :: here(4)
-    logical :: rough
+    real(real64), intent(inout) :: value(6)   !! as `sum_sources` tells it
+    real(real64) :: t(0:order, 2, 0:2), here(6), across, along
     integer :: k
 
-    rough = size(field) < ways%terms
-
-    call polynomials(x, tx, dx, ddx)
-    call polynomials(y, ty, dy, ddy)
+    t = polynomials(place)
     here = 0.0_real64
     do k = 1, size(field)
       associate (a => ways%in_x(k), b => ways%in_y(k))
-        here(1) = here(1) + field(k) * tx(a) * ty(b)
-        if (rough) cycle
-        here(2) = here(2) + field(k) * (ddx(a) * ty(b) + tx(a) * ddy(b))
-        here(3) = here(3) + field(k) * dx(a) * ty(b)
-        here(4) = here(4) + field(k) * tx(a) * dy(b)
+        here(1) = here(1) + field(k) * t(a, 1, 0) * t(b, 2, 0)
       end associate
     end do
-    value = value + here / [1.0_real64, half * half, half, half]
+    do k = 1, merge(size(field), 0, size(field) == ways%terms)
+      associate (a => ways%in_x(k), b => ways%in_y(k))
+        across = field(k) * t(a, 1, 2) * t(b, 2, 0)
+        along = field(k) * t(a, 1, 0) * t(b, 2, 2)
+        here(2) = here(2) + across + along
+        here(3) = here(3) + field(k) * t(a, 1, 1) * t(b, 2, 0)
+        here(4) = here(4) + field(k) * t(a, 1, 0) * t(b, 2, 1)
+        here(5) = here(5) + 0.5_real64 * (across - along)
+        here(6) = here(6) + field(k) * t(a, 1, 1) * t(b, 2, 1)
+      end associate
+    end do
+    value = value + here / [1.0_real64, half**2, half, half, half**2, half**2]
   end subroutine add_field
 
-  !> Adds what goes a way from boxes, in an order that neither library nor processor decides.
+  !> Adds what goes a way from boxes.
   pure subroutine go(ways, way, from, box, sums)
     type(translations), intent(in) :: ways             !! all
     integer, intent(in) :: way                         !! which

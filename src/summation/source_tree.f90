@@ -7,8 +7,7 @@
 module asperity_source_tree
   use asperity_box_expansions, only: add_field, add_moments, down, go, lanes, prepare, &
                                      translations, up
-  use asperity_box_tree, only: box_tree, plant_boxes
-  use asperity_direct_sums, only: add_direct, gather_sources
+  use asperity_box_tree, only: plant_boxes, square_box, touching
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
   use asperity_process, only: has_memory
@@ -19,9 +18,9 @@ module asperity_source_tree
 
   ! Fewest places for which threads are started.
   integer, parameter :: many = 512
-  ! Bytes of a source or target without near ones. A million circles that are both took 210 each
+  ! Bytes of a circle without near ones. A million circles that are both took 210 each
   ! all over a square, 200 in clusters (measured); the rest is for worse.
-  integer(int64), parameter :: bytes_per_place = 200_int64
+  integer(int64), parameter :: bytes_per_circle = 200_int64
   character(*), parameter :: no_memory = 'no memory for the sum over all contacts'
 
   !> Sources and targets at their places.
@@ -32,119 +31,101 @@ module asperity_source_tree
     integer, allocatable :: near(:)
     !> why the tree could not be planted; not allocated when all is well
     character(:), allocatable :: failure
-    type(box_tree), private :: boxes
+    ! Circles: which are sources, as the first; of all others the number is less by `before`.
+    integer, private :: sources = 0, before = 0
+    ! In the order of the boxes: their numbers; planted place, near_factor * reach, place, charge,
+    ! spread.
+    integer, allocatable, private :: order(:)
+    real(real64), allocatable, private :: circle(:, :)
+    type(square_box), allocatable, private :: boxes(:)
+    ! The first box of each level.
+    integer, allocatable, private :: level(:)
     type(translations), private :: ways
-    ! In the order of the boxes: planted place, near_factor * reach, place; of sources charge and
-    ! charge times spread, too.
-    real(real64), allocatable, private :: source(:, :), target(:, :)
-    logical, private :: same = .true.
+    ! By box: moments of its sources, and coefficients of the field in it.
+    real(real64), allocatable, private :: moment(:, :), field(:, :)
   end type source_tree
 
 contains
 
-  !> Plants sources and targets at their places and finds which are near each other.
-  subroutine plant_tree(tree, x_source, y_source, reach_source, near_factor, x_target, y_target, &
-                        reach_target)
-    type(source_tree), intent(out) :: tree           !! the tree
-    real(real64), intent(in) :: x_source(:)          !! places
-    real(real64), intent(in) :: y_source(:)          !! places
-    real(real64), intent(in) :: reach_source(:)      !! reaches, none negative
+  !> Plants circles at their places and finds which are near each other.
+  subroutine plant_tree(tree, x, y, reach, near_factor, sources)
+    type(source_tree), intent(out) :: tree   !! the tree
+    real(real64), intent(in) :: x(:)         !! places
+    real(real64), intent(in) :: y(:)         !! places
+    real(real64), intent(in) :: reach(:)     !! reaches, none negative
     !> circles whose places are nearer than this times the sum of their reaches are near
     real(real64), intent(in) :: near_factor
-    !> places of targets; absent: targets are the sources, and none acts on itself
-    real(real64), intent(in), optional :: x_target(:)
-    real(real64), intent(in), optional :: y_target(:)      !! places of targets
-    real(real64), intent(in), optional :: reach_target(:)  !! reaches of targets
-    integer :: n
+    !> so many are the sources, and all others the targets; absent: all are both, and none acts on
+    !> itself
+    integer, intent(in), optional :: sources
 
-    tree%same = .not. present(x_target)
-    n = size(x_source)
-    if (.not. tree%same) n = size(x_target)
-    tree%first = spread(1, 1, n + 1)
-    allocate (tree%near(0), tree%source(size(x_source), 7), tree%target(n, 6))
-    if (size(x_source) == 0 .or. n == 0) return
-    if (.not. has_memory(bytes_per_place * (n + size(x_source)))) then
+    tree%sources = size(x)
+    if (present(sources)) then
+      tree%sources = sources
+      tree%before = sources
+    end if
+    tree%first = [1, spread(0, 1, size(x) - tree%before)]
+    allocate (tree%near(0))
+    if (.not. has_memory(bytes_per_circle * size(x))) then
       tree%failure = no_memory
       return
     end if
-    tree%source(:, 1) = x_source
-    tree%source(:, 2) = y_source
-    tree%source(:, 3) = near_factor * reach_source
-    if (tree%same) then
-      tree%target(:, :3) = tree%source(:, :3)
-    else
-      tree%target(:, 1) = x_target
-      tree%target(:, 2) = y_target
-      tree%target(:, 3) = near_factor * reach_target
-    end if
-    call plant_boxes(tree%source, tree%target, tree%same, tree%boxes)
-    tree%source(:, :3) = tree%source(tree%boxes%source_order, :3)
-    tree%target(:, :3) = tree%target(tree%boxes%target_order, :3)
-    tree%target(:, 4:5) = tree%target(:, :2)
-    tree%target(:, 6) = 0.0_real64
+    allocate (tree%circle(size(x), 7))
+    tree%circle(:, 1) = x
+    tree%circle(:, 2) = y
+    tree%circle(:, 3) = near_factor * reach
+    call plant_boxes(tree%circle(:, :3), tree%sources, size(x) - tree%before, tree%order, &
+                     tree%boxes, tree%level)
     call list_near(tree)
-    if (tree%boxes%top > tree%boxes%last .or. allocated(tree%failure)) return
+    if (size(tree%level) < 4) return
     call prepare(tree%ways)
-    do n = tree%boxes%top, tree%boxes%last
-      associate (level => tree%boxes%level(n))
-        allocate (level%moment(tree%ways%terms, level%boxes), &
-                  level%field(tree%ways%terms, level%boxes))
-      end associate
-    end do
+    allocate (tree%moment(tree%ways%terms, size(tree%boxes)), &
+              tree%field(tree%ways%terms, size(tree%boxes)))
   end subroutine plant_tree
 
   ! Counts the near sources of every target, then lists them.
   subroutine list_near(tree)
     type(source_tree), intent(inout) :: tree
     real(real64), allocatable :: about(:, :)
-    integer, allocatable :: name(:), found(:), order(:)
-    integer :: l, a, i, k, n, own, near
+    real(real64) :: here(3)
+    integer, allocatable :: name(:), order(:), found(:)
+    integer :: a, i, j, k, n
     integer(int64) :: pairs
     logical :: listing
 
-    ! Every source carries its name.
-    tree%source(:, 4) = tree%boxes%source_order
+    tree%circle(:, 4) = tree%order
     listing = .false.
     do
-      !$omp parallel private(about, name, found, order, l, a, i, k, n, own, near) &
-      !$omp if(size(tree%target, 1) > many)
-      allocate (about(0, 4))
-      do l = 0, tree%boxes%last
-        !$omp do schedule(dynamic, 16)
-        do a = 1, tree%boxes%level(l)%boxes
-          associate (run => tree%boxes%level(l)%target(:, a))
-            if (run(2) < run(1)) cycle
-            call gather_sources(tree%boxes, l, a, tree%source(:, :4), about, n)
-            if (listing .and. n > 0) then
-              order = [(k, k=1, n)]
-              call sort_keys(about(:n, 4), order)
-              about(:n, :) = about(order, :)
-            end if
-            name = nint(about(:n, 4))
-            found = spread(0, 1, n + 1)
-            do i = run(1), run(2)
-              own = merge(tree%boxes%target_order(i), 0, tree%same)
-              near = 0
-              ! Without a branch, which would be mispredicted.
-              do k = 1, n
-                found(near + 1) = name(k)
-                near = near + merge(1, 0, (about(k, 1) - tree%target(i, 1))**2 &
-                                    + (about(k, 2) - tree%target(i, 2))**2 &
-                                    < (about(k, 3) + tree%target(i, 3))**2 .and. name(k) /= own)
-              end do
-              associate (first => tree%first(tree%boxes%target_order(i):))
-                if (listing) then
-                  tree%near(first(1):first(2) - 1) = found(:near)
-                else
-                  first(2) = near
-                end if
-              end associate
-            end do
-          end associate
+      !$omp parallel do schedule(dynamic, 16) private(about, here, name, order, found, i, j, k, n) &
+      !$omp   if(size(tree%first) > many)
+      do a = 1, size(tree%boxes)
+        about = sources_about(tree, a, 4)
+        if (size(about) == 0) cycle
+        if (listing) then
+          order = [(i, i=1, size(about, 1))]
+          call sort_keys(about(:, 4), order)
+          about = about(order, :)
+        end if
+        name = nint(about(:, 4))
+        found = [name, 0]
+        do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
+          k = tree%order(i) - tree%before
+          here = tree%circle(i, :3)
+          n = 0
+          ! Without a branch, which would be mispredicted.
+          do j = 1, size(name)
+            found(n + 1) = name(j)
+            n = n + merge(1, 0, (about(j, 1) - here(1))**2 + (about(j, 2) - here(2))**2 &
+                          < (about(j, 3) + here(3))**2 .and. name(j) /= tree%order(i))
+          end do
+          if (listing) then
+            tree%near(tree%first(k):tree%first(k + 1) - 1) = found(:n)
+          else
+            tree%first(k + 1) = n
+          end if
         end do
-        !$omp end do nowait
       end do
-      !$omp end parallel
+      !$omp end parallel do
       if (listing) exit
       pairs = sum(int(tree%first(2:), int64))
       if (pairs > huge(i) - 1 .or. .not. has_memory(4_int64 * pairs + 1_int64)) then
@@ -155,168 +136,233 @@ contains
         tree%first(i) = tree%first(i) + tree%first(i - 1)
       end do
       deallocate (tree%near)
-      allocate (tree%near(tree%first(size(tree%first)) - 1))
+      allocate (tree%near(pairs))
       listing = .true.
     end do
   end subroutine list_near
+
+  ! The sources that act one by one on the targets that rest in a box: none if there are none.
+  pure function sources_about(tree, box, columns) result(about)
+    type(source_tree), intent(in) :: tree
+    integer, intent(in) :: box, columns  ! so many of the circles' numbers
+    real(real64), allocatable :: about(:, :)
+    integer :: run(2, 9 * size(tree%level)), a, i, j, n
+
+    n = 0
+    a = box
+    if (tree%boxes(a)%circles(2, 2) < tree%boxes(a)%circles(1, 2)) a = 0
+    do while (a > 0)
+      associate (near => tree%boxes(touching(tree%boxes(a))))
+        run(1, n + 1:n + size(near)) = near%circles(1, 1)
+        ! Those that rest deeper act in the levels below.
+        run(2, n + 1:n + size(near)) = near%circles(merge(3, 2, a == box), 1)
+        n = n + size(near)
+      end associate
+      a = tree%boxes(a)%parent
+    end do
+    allocate (about(sum(run(2, :n) - run(1, :n) + 1), columns))
+    a = 0
+    do i = 1, n
+      do j = 1, columns
+        about(a + 1:a + 1 + run(2, i) - run(1, i), j) = tree%circle(run(1, i):run(2, i), j)
+      end do
+      a = a + 1 + run(2, i) - run(1, i)
+    end do
+  end function sources_about
 
   !> Sums over all sources that are not near.
   !>
   !> Moves shift places without a change of what is near and of what is summed how: all sums are
   !> smooth functions of charges and moves. Moves must be small against the reaches. Targets that
   !> are the sources move with them. Laplacian and slopes are those of the potential with spread.
-  subroutine sum_sources(tree, charge, spread, potential, lap, slope_x, slope_y, move_x, move_y, &
-                         rough)
-    type(source_tree), intent(inout) :: tree                  !! the tree
-    real(real64), intent(in) :: charge(:)                     !! of sources
-    real(real64), intent(in) :: spread(:)                     !! of sources, at most reach**2
-    real(real64), intent(inout) :: potential(:)               !! at targets
-    real(real64), intent(inout), optional :: lap(:)           !! its Laplacian in the plane
-    real(real64), intent(inout), optional :: slope_x(:)       !! its slope; both or none
-    real(real64), intent(inout), optional :: slope_y(:)       !! its slope
-    real(real64), intent(in), optional :: move_x(:)           !! of sources
-    real(real64), intent(in), optional :: move_y(:)           !! of sources
-    !> only the potential, and of boxes without spread, to 1e-4 or so; mean by the target's spread
+  subroutine sum_sources(tree, charge, spread, value, move_x, move_y, rough)
+    type(source_tree), intent(inout) :: tree           !! the tree
+    real(real64), intent(in) :: charge(:)              !! of sources
+    real(real64), intent(in) :: spread(:)              !! of sources, at most reach**2
+    !> (6, target): potential, its Laplacian in the plane, slopes in x and y, half of what it bends
+    !! more in x than in y, bend in xy
+    real(real64), intent(out) :: value(:, :)
+    real(real64), intent(in), optional :: move_x(:)    !! of sources; both or none
+    real(real64), intent(in), optional :: move_y(:)    !! of sources
+    !> only the potential, and to 1e-4 or so; mean by the target's spread
     logical, intent(in), optional :: rough
     real(real64), allocatable :: about(:, :)
-    real(real64) :: value(4), place(2)
-    integer :: l, a, i, n, at, terms
-    logical :: is_rough
+    integer :: a, i, k, terms
 
-    is_rough = .false.
-    if (present(rough)) is_rough = rough
-    potential(:) = 0.0_real64
-    if (present(lap)) lap(:) = 0.0_real64
-    if (present(slope_x)) slope_x(:) = 0.0_real64
-    if (present(slope_y)) slope_y(:) = 0.0_real64
-    if (.not. allocated(tree%boxes%level)) return
-    terms = merge(tree%ways%rough_terms, tree%ways%terms, is_rough)
-    !$omp parallel private(about, value, place, l, a, i, n, at) if(size(tree%target, 1) > many)
+    terms = tree%ways%terms
+    if (present(rough)) terms = merge(tree%ways%rough_terms, terms, rough)
+    !$omp parallel private(about, a, i, k) if(size(tree%order) > many)
     !$omp do
-    do i = 1, size(tree%source, 1)
-      at = tree%boxes%source_order(i)
-      tree%source(i, 4:5) = tree%source(i, :2)
-      if (present(move_x)) tree%source(i, 4) = tree%source(i, 4) + move_x(at)
-      if (present(move_y)) tree%source(i, 5) = tree%source(i, 5) + move_y(at)
-      tree%source(i, 6:7) = [charge(at), merge(2.0_real64, charge(at), is_rough) * spread(at)]
-      if (tree%same) tree%target(i, 4:6) = tree%source(i, [4, 5, 7])
+    do i = 1, size(tree%order)
+      k = tree%order(i)
+      tree%circle(i, 4:7) = [tree%circle(i, :2), 0.0_real64, 0.0_real64]
+      if (k > tree%sources) cycle
+      tree%circle(i, 6:7) = [charge(k), spread(k)]
+      if (present(move_x)) tree%circle(i, 4:5) = tree%circle(i, 4:5) + [move_x(k), move_y(k)]
     end do
     !$omp end do
-    do l = tree%boxes%last, tree%boxes%top, -1
-      call rise(tree, l, terms)
+    do i = size(tree%level) - 1, 3, -1
+      call rise(tree, i, terms)
     end do
-    do l = tree%boxes%top, tree%boxes%last
-      call fall(tree, l, terms)
+    do i = 3, size(tree%level) - 1
+      call fall(tree, i, terms)
     end do
-    allocate (about(0, 7))
-    do l = 0, tree%boxes%last
-      !$omp do schedule(dynamic, 16)
-      do a = 1, tree%boxes%level(l)%boxes
-        associate (this => tree%boxes%level(l))
-          if (this%target(2, a) < this%target(1, a)) cycle
-          call gather_sources(tree%boxes, l, a, tree%source, about, n)
-          do i = this%target(1, a), this%target(2, a)
-            value = 0.0_real64
-            call add_direct(about, n, tree%target(i, :), is_rough, value)
-            place = (tree%target(i, 4:5) - middle_of(tree%boxes, l, a)) / this%half
-            if (l >= tree%boxes%top) call add_field(tree%ways, place(1), place(2), this%half, &
-                                                    this%field(:terms, a), value)
-            at = tree%boxes%target_order(i)
-            potential(at) = value(1)
-            if (present(lap)) lap(at) = value(2)
-            if (present(slope_x)) slope_x(at) = value(3)
-            if (present(slope_y)) slope_y(at) = value(4)
-          end do
-        end associate
+    !$omp do schedule(dynamic, 16)
+    do a = 1, size(tree%boxes)
+      about = sources_about(tree, a, 7)
+      do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
+        k = tree%order(i) - tree%before
+        if (terms < tree%ways%terms) then
+          value(:, k) = [1, 0, 0, 0, 0, 0] * rough_sum(about, tree%circle(i, :))
+        else
+          value(:, k) = direct_sum(about, tree%circle(i, :))
+        end if
+        ! Boxes of the first two levels touch.
+        if (a >= tree%level(min(3, size(tree%level)))) call add_field(tree%ways, &
+          (tree%circle(i, 4:5) - tree%boxes(a)%middle) / tree%boxes(a)%half, tree%boxes(a)%half, &
+          tree%field(:terms, a), value(:, k))
       end do
-      !$omp end do nowait
     end do
+    !$omp end do
     !$omp end parallel
   end subroutine sum_sources
 
-  ! Moments of the boxes of a level, from their children and from what is in none. All threads come
-  ! here together.
+  ! What sources do at a target, one by one. What is near was told by the same sums when the tree
+  ! was planted; nothing acts on its own place.
+  pure function direct_sum(about, here) result(value)
+    real(real64), contiguous, intent(in) :: about(:, :)
+    real(real64), intent(in) :: here(7)
+    real(real64) :: value(6), phi, lap, gx, gy, more_x, xy, counts, dx, dy, square, charge, spread
+    real(real64) :: third, fifth
+    integer :: k
+
+    phi = 0.0_real64
+    lap = 0.0_real64
+    gx = 0.0_real64
+    gy = 0.0_real64
+    more_x = 0.0_real64
+    xy = 0.0_real64
+    !$omp simd reduction(+:phi, lap, gx, gy, more_x, xy) &
+    !$omp   private(counts, dx, dy, square, charge, spread, third, fifth)
+    do k = 1, size(about, 1)
+      ! 1, or 0 when they are near or, without reaches, coincide.
+      counts = 0.5_real64 + &
+        sign(0.5_real64, (about(k, 1) - here(1))**2 + (about(k, 2) - here(2))**2 - &
+                         ((about(k, 3) + here(3))**2 + tiny(here)))
+      dx = here(4) - about(k, 4)
+      dy = here(5) - about(k, 5)
+      square = 1.0_real64 / ((dx**2 + dy**2) * counts + (1.0_real64 - counts))
+      charge = about(k, 6) * counts
+      spread = charge * about(k, 7) * square
+      third = sqrt(square)
+      phi = phi + (charge + spread) * third
+      third = third * square
+      lap = lap + (charge + 9.0_real64 * spread) * third
+      fifth = (3.0_real64 * charge + 15.0_real64 * spread) * third * square
+      third = (charge + 3.0_real64 * spread) * third
+      gx = gx - third * dx
+      gy = gy - third * dy
+      more_x = more_x + 0.5_real64 * fifth * (dx**2 - dy**2)
+      xy = xy + fifth * dx * dy
+    end do
+    value = [phi, lap, gx, gy, more_x, xy]
+  end function direct_sum
+
+  ! The same, only the potential, and but for terms in 1/r**5; mean by the target's spread.
+  pure function rough_sum(about, here) result(phi)
+    real(real64), contiguous, intent(in) :: about(:, :)
+    real(real64), intent(in) :: here(7)
+    real(real64) :: phi, counts, square
+    integer :: k
+
+    phi = 0.0_real64
+    !$omp simd reduction(+:phi) private(counts, square)
+    do k = 1, size(about, 1)
+      counts = 0.5_real64 + &
+        sign(0.5_real64, (about(k, 1) - here(1))**2 + (about(k, 2) - here(2))**2 - &
+                         ((about(k, 3) + here(3))**2 + tiny(here)))
+      square = ((here(4) - about(k, 4))**2 + (here(5) - about(k, 5))**2) * counts + &
+               (1.0_real64 - counts)
+      ! A move may have made r small.
+      phi = phi + about(k, 6) * counts / &
+            sqrt(max(square - 2.0_real64 * (about(k, 7) + here(7)), 0.5_real64 * square))
+    end do
+  end function rough_sum
+
+  ! Moments of the boxes of a level, from their children and from what rests in them. All threads
+  ! come here together.
   subroutine rise(tree, l, terms)
     type(source_tree), intent(inout) :: tree
     integer, intent(in) :: l, terms
-    real(real64) :: sums(lanes, terms), place(2)
-    integer :: a, b, begin, box(0:3, lanes), j
+    real(real64) :: sums(lanes, terms)
+    integer :: a, b, begin, box(0:3, lanes), i
 
-    associate (this => tree%boxes%level(l))
-      !$omp do schedule(dynamic)
-      do begin = 1, this%boxes, lanes
-        box = 0
-        do a = begin, min(begin + lanes - 1, this%boxes)
-          do b = this%child(a), this%child(a + 1) - 1
-            box(tree%boxes%level(l + 1)%quarter(b), a - begin + 1) = b
-          end do
-        end do
-        sums = 0.0_real64
-        if (any(box > 0)) call go(tree%ways, up, tree%boxes%level(l + 1)%moment, box, sums)
-        do a = begin, min(begin + lanes - 1, this%boxes)
-          this%moment(:terms, a) = sums(a - begin + 1, :)
-          do j = this%source(1, a), this%source(2, a)
-            place = (tree%source(j, 4:5) - middle_of(tree%boxes, l, a)) / this%half
-            call add_moments(tree%ways, place(1), place(2), tree%source(j, 6), &
-                             merge(tree%source(j, 7) / this%half**2, 0.0_real64, &
-                                   terms == tree%ways%terms), this%moment(:terms, a))
-          end do
+    !$omp do schedule(dynamic)
+    do begin = tree%level(l), tree%level(l + 1) - 1, lanes
+      box = 0
+      do a = begin, min(begin + lanes, tree%level(l + 1)) - 1
+        do b = tree%boxes(a)%child(1), tree%boxes(a)%child(2)
+          box(tree%boxes(b)%quarter, a - begin + 1) = b
         end do
       end do
-      !$omp end do
-    end associate
+      sums = 0.0_real64
+      call go(tree%ways, up, tree%moment, box, sums)
+      do a = begin, min(begin + lanes, tree%level(l + 1)) - 1
+        associate (this => tree%boxes(a))
+          tree%moment(:terms, a) = sums(a - begin + 1, :)
+          do i = this%circles(1, 1), this%circles(2, 1)
+            ! Rough fields give no Laplacian: without spread what two circles do stays symmetric.
+            call add_moments(tree%ways, (tree%circle(i, 4:5) - this%middle) / this%half, &
+                             tree%circle(i, 6), &
+                             merge(tree%circle(i, 7) / this%half**2, 0.0_real64, &
+                                   terms == tree%ways%terms), tree%moment(:terms, a))
+          end do
+        end associate
+      end do
+    end do
+    !$omp end do
   end subroutine rise
 
-  ! Fields in the boxes of a level: from the box around, and from boxes that act as a whole. All
-  ! threads come here together.
+  ! Fields in the boxes of a level: from the box around, and from boxes that do not touch while
+  ! those around them do. All threads come here together.
   subroutine fall(tree, l, terms)
     type(source_tree), intent(inout) :: tree
     integer, intent(in) :: l, terms
     real(real64) :: sums(lanes, terms)
     integer :: a, begin, box(0:3, lanes), column, n, row
 
-    associate (this => tree%boxes%level(l))
-      !$omp do schedule(dynamic)
-      do begin = 1, this%boxes, lanes
-        n = min(lanes, this%boxes - begin + 1)
-        box = 0
-        sums = 0.0_real64
-        do row = 0, 3
-          do column = 0, 3
-            if (max(row, column) < 2) cycle
-            do a = 1, n
-              associate (b => this%partner(:, begin + a - 1))
-                ! Partners count from -24.
-                box(:, a) = [b(25 + 7 * row + column), b(25 + 7 * row - column), &
-                             b(25 - 7 * row + column), b(25 - 7 * row - column)]
-                if (column == 0) box(1::2, a) = 0
-                if (row == 0) box(2:, a) = 0
-              end associate
-            end do
-            if (any(box > 0)) &
-              call go(tree%ways, 4 * row + column, this%moment, box, sums)
-          end do
-        end do
-        sums = sums / this%half
-        if (l > tree%boxes%top) then
-          box = 0
+    !$omp do schedule(dynamic)
+    do begin = tree%level(l), tree%level(l + 1) - 1, lanes
+      n = min(lanes, tree%level(l + 1) - begin)
+      box = 0
+      sums = 0.0_real64
+      do row = 0, 3
+        do column = 0, 3
+          if (max(row, column) < 2) cycle
           do a = 1, n
-            box(this%quarter(begin + a - 1), a) = this%parent(begin + a - 1)
+            associate (this => tree%boxes(begin + a - 1))
+              box(:, a) = [this%around(column, row), this%around(-column, row), &
+                           this%around(column, -row), this%around(-column, -row)]
+            end associate
           end do
-          call go(tree%ways, down, tree%boxes%level(l - 1)%field, box, sums)
-        end if
-        this%field(:terms, begin:begin + n - 1) = transpose(sums(:n, :))
+          if (column == 0) box(1::2, :) = 0
+          if (row == 0) box(2:, :) = 0
+          call go(tree%ways, 4 * row + column, tree%moment, box, sums)
+        end do
       end do
-      !$omp end do
-    end associate
+      sums = sums / tree%boxes(begin)%half
+      if (l > 3) then
+        box = 0
+        do a = 1, n
+          associate (this => tree%boxes(begin + a - 1))
+            box(this%quarter, a) = this%parent
+          end associate
+        end do
+        call go(tree%ways, down, tree%field, box, sums)
+      end if
+      tree%field(:terms, begin:begin + n - 1) = transpose(sums(:n, :))
+    end do
+    !$omp end do
   end subroutine fall
-
-  pure function middle_of(boxes, l, a) result(middle)
-    type(box_tree), intent(in) :: boxes
-    integer, intent(in) :: l, a
-    real(real64) :: middle(2)
-
-    middle = boxes%corner + (2 * boxes%level(l)%cell(:, a) + 1) * boxes%level(l)%half
-  end function middle_of
 
 end module asperity_source_tree

@@ -1,9 +1,9 @@
 """Dense scenes of 2 to 200 contacts, made by rule: the same bytes on every machine.
 
-A family is a kind of closeness: pairs, triples, rings, chains, small caps on the flank of a large
-one, lattices, clumps, two clusters that see each other, steep pairs, many contacts. All but the
-steep ones are caps under one huge sphere. Places and heights are rounded to 12 decimals, so that a
-last digit of a library's sine does not matter.
+A family is a kind of closeness: pairs, triples, three in a line, rings, chains, small caps on the
+flank of a large one, lattices, clumps, two clusters that see each other, steep pairs, many
+contacts. All but the steep ones are caps under one huge sphere. Places and heights are rounded to
+12 decimals, so that a last digit of a library's sine does not matter.
 
     python test/regression/dense_scenes.py FOLDER      writes them all
 """
@@ -263,6 +263,17 @@ def many(rng, count):
                c, sphere_of(rng))
 
 
+def in_line(rng, count):
+    """Three in a line, .02 to .4 of a contact radius apart; some stand out more than others."""
+    for k in range(count):
+        c = depth_of(rng)
+        apart = 0.02 * 20 ** (k / (count - 1)) * np.sqrt(c) * np.array([-1, 0, rng.uniform(0.3, 1)])
+        angle = 2 * np.pi * rng.random()
+        gaps = c * (0, 1e-3, 0.01, 0.05)[k % 4] * rng.random(3)
+        yield (apart[:, None] * [np.cos(angle), np.sin(angle)], 1.0, gaps - gaps.min(), c,
+               sphere_of(rng))
+
+
 def steep(rng, count):
     """Spheres on spheres of their own size, offset in plan: slopes up to .5."""
     for k in range(count):
@@ -295,6 +306,16 @@ def steep_surfaces(places, upper_radius, radii, gaps):
 FAMILIES = ((pairs, 36, 11), (unlike_pairs, 36, 12), (coincident, 24, 13), (triples, 36, 14),
             (rings, 28, 15), (chains, 28, 16), (flanks, 44, 17), (lattices, 20, 18),
             (clumps, 60, 19), (clusters, 20, 20), (many, 12, 21))
+# After the steep ones, so that those before keep their places.
+LATER = ((in_line, 12, 23),)
+
+
+def made_by(families):
+    for family, count, seed in families:
+        for k, made in enumerate(family(np.random.default_rng(seed), count), 1):
+            places, radii, gaps, closing, sphere = made
+            yield caps(f"{family.__name__}_{k:03d}", family.__name__, places, radii, gaps, closing,
+                       sphere)
 
 
 def the_three():
@@ -306,16 +327,10 @@ def the_three():
 @cache
 def dense_scenes():
     """All scenes, in order."""
-    scenes = [the_three()]
-    for family, count, seed in FAMILIES:
-        rng = np.random.default_rng(seed)
-        for k, made in enumerate(family(rng, count), 1):
-            places, radii, gaps, closing, sphere = made
-            scenes.append(caps(f"{family.__name__}_{k:03d}", family.__name__, places, radii, gaps,
-                               closing, sphere))
+    scenes = [the_three(), *made_by(FAMILIES)]
     for name, family, upper, lower, closing in steep(np.random.default_rng(22), 44):
         scenes.append(Dense(name, family, upper, lower, round(TOP - closing, 12)))
-    return tuple(scenes)
+    return (*scenes, *made_by(LATER))
 
 
 if __name__ == "__main__":

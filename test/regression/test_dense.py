@@ -56,7 +56,7 @@ def test_auto(asperity, tally, tolerance):
 
 @pytest.mark.once
 def test_boundary_agrees_with_the_truth(asperity):
-    """All contacts on cells, which are halved until they move the load by less than CELLS."""
+    """All contacts on cells, as fine as CELLS calls for."""
     scenes = [s for s in FEW if int(truths()[s.name]["contacts"]) <= 60]
     results = solved(asperity, scenes, "boundary")
     missed = [r for r in results if not abs(r.error) <= CELLS + r.bound]

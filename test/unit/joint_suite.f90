@@ -206,11 +206,12 @@ contains
     call solve(error, pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
     call check(error, solution%clusters, 2, 'clusters')
     call solve_cells(pairs, [(i, i=1, 5)], depth, nothing, 5.0e-4_real64, answer)
-    together = sum(answer%vertical_load) / sum(answer%alone_load)
+    together = sum(answer%together%load) / sum(answer%alone%load)
     call check(error, share_of(pairs, solution%coupled) / together, 1.0_real64, 1.0e-3_real64, &
                'load')
     ! Each of both is within half a percent.
-    call check(error, sum(solution%area) / sum(answer%area), 1.0_real64, 0.01_real64, 'area')
+    call check(error, sum(solution%area) / sum(answer%together%area), 1.0_real64, 0.01_real64, &
+               'area')
   end subroutine clusters
 
   subroutine in_one_place(error)

@@ -1,5 +1,5 @@
-!> What the threads of OpenMP do while they wait for each other, and memory that is given back.
-module asperity_waiting_threads
+!> Begins the program anew with what its runtime libraries read of the environment before it begins.
+module asperity_begin_anew
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use asperity_files, only: read_whole_file
   use asperity_images, only: image_count
@@ -8,7 +8,7 @@ module asperity_waiting_threads
   implicit none
   private
 
-  public :: let_waiting_threads_sleep
+  public :: begin_anew_with_settings
 
   ! What the environment may say of it; the second is libgomp's own.
   character(len=*), parameter :: policies(2) = [character(len=15) :: 'OMP_WAIT_POLICY', &
@@ -21,12 +21,12 @@ module asperity_waiting_threads
 
 contains
 
-  !> Lets threads sleep while they wait, unless the environment says what they do. To be called
-  !> before any input is read. By default they spin, and where other programs need the cores, that
-  !> keeps those from working that are waited for; docs/large-surfaces.md has the figures. The
-  !> runtime of OpenMP looks at the environment before the program begins. So the program begins
-  !> anew, once, with the same words.
-  subroutine let_waiting_threads_sleep()
+  !> Begins anew, once, with the same words, where threads are to be used and the environment does
+  !> not say how they wait. To be called before any input is read. Threads then sleep while they
+  !> wait: by default they spin, and where other programs need the cores, that keeps those from
+  !> working that are waited for. And memory that is given back is kept, unless the environment
+  !> says what becomes of it. docs/large-surfaces.md has the figures of both.
+  subroutine begin_anew_with_settings()
     character(kind=c_char), allocatable, target :: letters(:)
     character(len=:), allocatable :: words, failure
     type(c_ptr), allocatable :: address(:)
@@ -58,6 +58,6 @@ contains
       status = posix_setenv(tunables // c_null_char, keep_memory // c_null_char, 1_c_int)
     ! It comes back only where the system does not begin the program; then threads spin.
     status = posix_execv(canonical_path('/proc/self/exe') // c_null_char, address)
-  end subroutine let_waiting_threads_sleep
+  end subroutine begin_anew_with_settings
 
-end module asperity_waiting_threads
+end module asperity_begin_anew
