@@ -193,7 +193,7 @@ contains
     real(real64), allocatable, intent(out) :: before(:)
     type(source_tree) :: tree
     real(real64), allocatable :: field(:, :)
-    real(real64) :: least
+    real(real64) :: least, far(3)
     integer :: i, k, n
 
     n = size(number)
@@ -210,11 +210,12 @@ contains
       end if
       call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field, set%move_x, &
                        set%move_y)
-      !$omp parallel do schedule(dynamic, 64) private(i, least) if(n > many)
+      !$omp parallel do schedule(dynamic, 64) private(i, least, far) if(n > many)
       do k = 1, n
         i = number(k)
+        far = field([1, 3, 4], k)
         associate (near => tree%near(tree%first(k):tree%first(k + 1) - 1), &
-                   far => field([1, 3, 4], k), p => solution%penetration(i))
+                   p => solution%penetration(i))
           ! Near circles only push down: without them it would not touch, by a shift's worth.
           least = far(1) - 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)) - &
                   far(2) * solution%move_x(i) - far(3) * solution%move_y(i)

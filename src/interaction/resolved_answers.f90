@@ -65,8 +65,9 @@ contains
         ! The cells were solved under the others' old loads. With these the equations shall hold, so
         ! that the coupling lets each cluster respond to what the others have become since: without,
         ! 6500 contacts with 700 on cells took more than twenty times as long.
-        where (before(members) > 0 .and. now(members) > 0) gap(members) = gap(members) + &
-          by_others(coupled%set, now(members)) - by_others(old, before(members))
+        gap(members) = gap(members) + &
+          merge(by_others(coupled%set, now(members)) - by_others(old, before(members)), &
+                0.0_real64, before(members) > 0 .and. now(members) > 0)
         call lift_others(clusters(k), coupled%set, pack(now(members), now(members) > 0), resolved)
       end associate
     end do
