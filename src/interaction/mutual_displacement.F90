@@ -10,6 +10,10 @@
 !> integral of J0(k r) cos(k tau) over k is 1/sqrt(r**2 - tau**2) for |tau| < r, else zero
 !> (Sneddon, Mixed Boundary Value Problems, 1966). So pi E times a mean is that root averaged over
 !> tau = t1 + t2, with closed antiderivatives, and holds for circles that overlap as well.
+!>
+!> The rows make Hertz' mean, with a third of its growth with the radius, that of a flat punch; and
+!> all means are over the distance, so that their growths with both radii make up for their slope:
+!> growths follow from means and slopes.
 module asperity_mutual_displacement
   use asperity_constants, only: pi, pi_128
   use asperity_kinds, only: real128, real64
@@ -67,36 +71,49 @@ contains
     real(real64), intent(in) :: first        !! radius of the first circle, 0 or more
     real(real64), intent(in) :: second       !! radius of the second circle; one is more than 0
     type(mutual_terms), intent(out) :: terms !! the terms
-    real(real64) :: ratio
+    real(real64) :: means(2, 2, 0:1), bend, ratio
 
     ratio = min(first, second) / max(first, second)
     if (r > series_from * (first + second)) then
-      call by_series(r, first, second, terms)
+      call by_series(r, first, second, means, bend)
     else if (ratio < no_ratio) then
-      call with_a_point(r, first, second, terms)
+      call with_a_point(r, max(first, second), means, bend)
+      ! The field of the larger alone, by its own pressure.
+      if (first > second) means = reshape(means, shape(means), order=[2, 1, 3])
     else if (ratio < small_ratio) then
-      call closed_form_128(r, first, second, terms)
+      call closed_form_128(r, first, second, means, bend)
     else
-      call closed_form_64(r, first, second, terms)
+      call closed_form_64(r, first, second, means, bend)
     end if
+    terms%compliance = means(1, 1, 0)
+    terms%on_first = means(1, 2, 0)
+    terms%on_second = means(2, 1, 0)
+    terms%mean = means(2, 2, 0)
+    terms%first_slope = means(1, 2, 1)
+    terms%second_slope = means(2, 1, 1)
+    terms%slope = means(2, 2, 1)
+    terms%bend = bend
+    terms%first_growth = 2 * terms%on_first - 3 * terms%compliance - r * terms%first_slope
+    terms%second_growth = 2 * terms%on_second - 3 * terms%compliance - r * terms%second_slope
   end subroutine mutual_displacement
 
-  pure subroutine closed_form_64(r_in, first, second, terms)
+  ! The following find means, and their derivatives by r, for a flat punch (1) or Hertz' pressure
+  ! (2) on the first circle, then on the second; and the second derivative for Hertz with Hertz.
+  pure subroutine closed_form_64(r_in, first, second, means, bend)
     integer, parameter :: kind_of_real = real64
 #include "mutual_closed_form.inc"
   end subroutine closed_form_64
 
-  pure subroutine closed_form_128(r_in, first, second, terms)
+  pure subroutine closed_form_128(r_in, first, second, means, bend)
     integer, parameter :: kind_of_real = real128
 #include "mutual_closed_form.inc"
   end subroutine closed_form_128
 
   ! Circles well apart: the root in powers of tau/r, averaged term by term.
-  pure subroutine by_series(r, first, second, terms)
+  pure subroutine by_series(r, first, second, means, bend)
     real(real64), intent(in) :: r, first, second
-    type(mutual_terms), intent(out) :: terms
-    real(real64) :: a(2, 0:terms_kept), b(2, 0:terms_kept), power(2), mean(2, 2), grown(2, 2)
-    real(real64) :: part(2, 2), unit
+    real(real64), intent(out) :: means(2, 2, 0:1), bend
+    real(real64) :: a(2, 0:terms_kept), b(2, 0:terms_kept), power(2), term(2, 2)
     integer :: k, m
 
     ! Powers of the radii over the distance, with the means of a flat punch and of Hertz.
@@ -106,70 +123,42 @@ contains
       b(:, k) = power(2) * [flat_means(k), hertz_means(k)]
       power = power * ([first, second] / r)**2
     end do
-    unit = 1.0_real64 / (pi * r)
+    means = 0.0_real64
+    bend = 0.0_real64
     do k = terms_kept, 0, -1
-      ! The k-th term, by what acts on the first and on the second circle, and its derivative by the
-      ! log of the first radius.
-      mean = 0.0_real64
-      grown = 0.0_real64
+      term = 0.0_real64
       do m = 0, k
-        part(:, 1) = binomial(m, k) * b(1, k - m) * a(:, m)
-        part(:, 2) = binomial(m, k) * b(2, k - m) * a(:, m)
-        mean = mean + part
-        grown = grown + 2 * m * part
+        term(:, 1) = term(:, 1) + binomial(m, k) * b(1, k - m) * a(:, m)
+        term(:, 2) = term(:, 2) + binomial(m, k) * b(2, k - m) * a(:, m)
       end do
-      mean = unit * root_terms(k) * mean
-      grown = unit * root_terms(k) * grown
-      terms%on_first = terms%on_first + mean(1, 2)
-      terms%first_growth = terms%first_growth + grown(1, 2)
-      terms%first_slope = terms%first_slope - (2 * k + 1) * mean(1, 2) / r
-      terms%on_second = terms%on_second + mean(2, 1)
-      terms%second_slope = terms%second_slope - (2 * k + 1) * mean(2, 1) / r
-      ! By its own radius: what is left of the degree 2 k.
-      terms%second_growth = terms%second_growth + (2 * k * mean(2, 1) - grown(2, 1))
-      terms%compliance = terms%compliance + mean(1, 1)
-      terms%mean = terms%mean + mean(2, 2)
-      terms%slope = terms%slope - (2 * k + 1) * mean(2, 2) / r
-      terms%bend = terms%bend + (2 * k + 1) * (2 * k + 2) * mean(2, 2) / r**2
+      term = root_terms(k) / (pi * r) * term
+      means(:, :, 0) = means(:, :, 0) + term
+      means(:, :, 1) = means(:, :, 1) - (2 * k + 1) / r * term
+      bend = bend + (2 * k + 1) * (2 * k + 2) / r**2 * term(2, 2)
     end do
   end subroutine by_series
 
-  ! One circle is a point: the fields of the other at it (Johnson 1985, eq. 3.41 and 3.42).
-  pure subroutine with_a_point(r, first, second, terms)
-    real(real64), intent(in) :: r, first, second
-    type(mutual_terms), intent(out) :: terms
-    real(real64) :: b, arc, root, hertz, slope, bend, flat, flat_slope
+  ! The first circle is a point: the fields of the other at it (Johnson 1985, eq. 3.41 and 3.42).
+  pure subroutine with_a_point(r, b, means, bend)
+    real(real64), intent(in) :: r, b
+    real(real64), intent(out) :: means(2, 2, 0:1), bend
+    real(real64) :: arc, root
 
-    b = max(first, second)
     arc = 0.5_real64 * pi
     root = 0.0_real64
     if (r > b) then
       root = sqrt((r - b) * (r + b))
       arc = atan2(b, root)
     end if
-    hertz = 0.75_real64 / (pi * b**3) * ((2 * b**2 - r**2) * arc + b * root)
-    slope = -1.5_real64 / (pi * b**3) * (r * arc - merge(b * root / r, 0.0_real64, r > b))
+    means(:, 1, 0) = arc / (pi * b)
+    means(:, 2, 0) = 0.75_real64 / (pi * b**3) * ((2 * b**2 - r**2) * arc + b * root)
+    means(:, 1, 1) = 0.0_real64
+    means(:, 2, 1) = -1.5_real64 / (pi * b**3) * r * arc
     bend = -1.5_real64 / (pi * b**3) * arc
-    flat = arc / (pi * b)
-    flat_slope = 0.0_real64
     if (r > b) then
+      means(:, 1, 1) = -1.0_real64 / (pi * r * max(root, no_ratio * b))
+      means(:, 2, 1) = means(:, 2, 1) + 1.5_real64 / (pi * b**2) * root / r
       bend = bend + 1.5_real64 / (pi * b**2) * (1.0_real64 + (b / r)**2) / max(root, no_ratio * b)
-      flat_slope = -1.0_real64 / (pi * r * max(root, no_ratio * b))
-    end if
-    terms%compliance = flat
-    terms%mean = hertz
-    terms%slope = slope
-    terms%bend = bend
-    if (first < second) then
-      terms%on_first = hertz
-      terms%first_slope = slope
-      terms%on_second = flat
-      terms%second_slope = flat_slope
-    else
-      terms%on_second = hertz
-      terms%second_slope = slope
-      terms%on_first = flat
-      terms%first_slope = flat_slope
     end if
   end subroutine with_a_point
 

@@ -137,8 +137,7 @@ contains
       before = row_of(0.11_real64 * i, 0.9e-7_real64, 1.0_real64)
       after = row_of(0.11_real64 * i, 1.1e-7_real64, 1.0_real64)
       size_of = max(abs(after), 1.0_real64)
-      call check(error, maxval(abs(after(:9) - before(:9)) / size_of(:9)), 0.0_real64, &
-                 1.0e-6_real64, 'a point')
+      call check(error, maxval(abs(after - before) / size_of), 0.0_real64, 1.0e-6_real64, 'a point')
     end do
   end subroutine forms_meet
 
