@@ -12,28 +12,47 @@ module asperity_front
 
 contains
 
-  !> Those that no other beats: one clearly more accurate at no clearly higher cost, or as accurate
-  !> and clearly cheaper. Of ways equal in both the first stands.
+  !> Those that no other of them beats, while each of the rest is beaten by one of them. One beats
+  !> another that is clearly less accurate at no clearly higher cost, or as accurate and clearly
+  !> dearer; of ways equal in both the first. So the cheapest of ways that each cost a little more
+  !> may be on it.
   pure function on_front(seconds, error) result(front)
     real(real64), intent(in) :: seconds(:)  !! what each costs
     real(real64), intent(in) :: error(:)    !! how far each is off, 0 or more; as many
     logical :: front(size(seconds))
+    logical, dimension(size(seconds)) :: rest, new
     integer :: i, j
-    logical :: beaten
 
-    do i = 1, size(front)
-      beaten = .false.
-      do j = 1, size(front)
-        if (j == i) cycle
-        if (error(j) * same_error < error(i)) then
-          beaten = beaten .or. seconds(j) < seconds(i) * same_time
-        else if (error(j) <= error(i) * same_error) then
-          beaten = beaten .or. seconds(j) * same_time < seconds(i) .or. &
-                   (j < i .and. seconds(j) < seconds(i) * same_time)
-        end if
+    front = .false.
+    rest = .true.
+    do while (any(rest))
+      do i = 1, size(rest)
+        new(i) = rest(i) .and. .not. any([(rest(j) .and. beats(j, i), j=1, size(rest))])
       end do
-      front(i) = .not. beaten
+      ! Of ways that beat each other in a ring the first.
+      if (.not. any(new)) new(findloc(rest, .true., 1)) = .true.
+      front = front .or. new
+      do i = 1, size(rest)
+        rest(i) = rest(i) .and. .not. new(i) .and. &
+                  .not. any([(new(j) .and. beats(j, i), j=1, size(new))])
+      end do
     end do
+
+  contains
+
+    pure logical function beats(one, other)
+      integer, intent(in) :: one, other
+
+      associate (no_dearer => seconds(one) < seconds(other) * same_time)
+        if (error(one) * same_error < error(other)) then
+          beats = no_dearer
+        else
+          beats = error(one) <= error(other) * same_error .and. &
+                  (seconds(one) * same_time < seconds(other) .or. (one < other .and. no_dearer))
+        end if
+      end associate
+    end function beats
+
   end function on_front
 
 end module asperity_front
