@@ -51,12 +51,10 @@ module asperity_mutual_displacement
   real(real64), parameter :: root_terms(0:terms_kept) = &
     [1.0_real64, 0.5_real64, 0.375_real64, 0.3125_real64, 0.2734375_real64, 0.24609375_real64, &
      0.2255859375_real64]
-  !> Means of t**(2 k) over a row of radius 1, of a flat punch.
-  real(real64), parameter :: flat_means(0:terms_kept) = &
-    [(1.0_real64 / (2 * loop + 1), loop=0, terms_kept)]
-  !> The same with Hertz' weight.
-  real(real64), parameter :: hertz_means(0:terms_kept) = &
-    [(3.0_real64 / ((2 * loop + 1) * (2 * loop + 3)), loop=0, terms_kept)]
+  !> Means of t**(2 k) over a row of radius 1: of a flat punch, with Hertz' weight.
+  real(real64), parameter :: row_means(2, 0:terms_kept) = reshape( &
+    [(1.0_real64 / (2 * loop + 1), 3.0_real64 / ((2 * loop + 1) * (2 * loop + 3)), &
+      loop=0, terms_kept)], [2, terms_kept + 1])
   !> Even places of Pascal's triangle, by 2 k and 2 m.
   real(real64), parameter :: binomial(0:terms_kept, 0:terms_kept) = reshape(real([ &
     1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 6, 1, 0, 0, 0, 0, 1, 15, 15, 1, 0, 0, 0, &
@@ -116,11 +114,11 @@ contains
     real(real64) :: a(2, 0:terms_kept), b(2, 0:terms_kept), power(2), term(2, 2)
     integer :: k, m
 
-    ! Powers of the radii over the distance, with the means of a flat punch and of Hertz.
+    ! Powers of the radii over the distance, with the means.
     power = 1.0_real64
     do k = 0, terms_kept
-      a(:, k) = power(1) * [flat_means(k), hertz_means(k)]
-      b(:, k) = power(2) * [flat_means(k), hertz_means(k)]
+      a(:, k) = power(1) * row_means(:, k)
+      b(:, k) = power(2) * row_means(:, k)
       power = power * ([first, second] / r)**2
     end do
     means = 0.0_real64
@@ -142,24 +140,17 @@ contains
   pure subroutine with_a_point(r, b, means, bend)
     real(real64), intent(in) :: r, b
     real(real64), intent(out) :: means(2, 2, 0:1), bend
-    real(real64) :: arc, root
+    real(real64) :: arc, outside, root
 
-    arc = 0.5_real64 * pi
-    root = 0.0_real64
-    if (r > b) then
-      root = sqrt((r - b) * (r + b))
-      arc = atan2(b, root)
-    end if
+    ! Inside there is no root; just outside some slopes have no bound.
+    root = sqrt(max(0.0_real64, (r - b) * (r + b)))
+    arc = atan2(b, root)
+    outside = merge(1.0_real64 / max(root, no_ratio * b), 0.0_real64, r > b)
     means(:, 1, 0) = arc / (pi * b)
     means(:, 2, 0) = 0.75_real64 / (pi * b**3) * ((2 * b**2 - r**2) * arc + b * root)
-    means(:, 1, 1) = 0.0_real64
-    means(:, 2, 1) = -1.5_real64 / (pi * b**3) * r * arc
-    bend = -1.5_real64 / (pi * b**3) * arc
-    if (r > b) then
-      means(:, 1, 1) = -1.0_real64 / (pi * r * max(root, no_ratio * b))
-      means(:, 2, 1) = means(:, 2, 1) + 1.5_real64 / (pi * b**2) * root / r
-      bend = bend + 1.5_real64 / (pi * b**2) * (1.0_real64 + (b / r)**2) / max(root, no_ratio * b)
-    end if
+    means(:, 1, 1) = -outside / (pi * max(r, b))
+    means(:, 2, 1) = -1.5_real64 / (pi * b**3) * (r * arc - b * root / max(r, b))
+    bend = -1.5_real64 / (pi * b**3) * (arc - b * outside * (1.0_real64 + (b / max(r, b))**2))
   end subroutine with_a_point
 
 end module asperity_mutual_displacement
