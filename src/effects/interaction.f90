@@ -14,6 +14,7 @@ module asperity_interaction
                                      resolve_none, solve_joint
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
+  use asperity_solve_ending, only: solve_ending
   use asperity_theory_warnings, only: of_area, warn
   implicit none
   private
@@ -30,6 +31,10 @@ module asperity_interaction
     procedure :: leave_out
     procedure :: closing_at_load
   end type interaction_effect
+
+  ! What a solve has found is kept as numbers: a row of what is of all, then a row by pair.
+  integer, parameter :: cells = 1, error = 2, area_error = 3, residual = 4, iterations = 5
+  integer, parameter :: penetration = 1, area = 2, pressure = 3, resolved = 4
 
 contains
 
@@ -77,53 +82,42 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! the position
     type(contact_state), intent(inout) :: state     !! gets the answers of contacts together
     type(effect_outcome), intent(inout) :: outcome  !! what it did
-    type(joint_solution) :: solution
     real(real64) :: together, alone
 
     allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(5))
-    outcome%of_state = 0.0_real64
     outcome%of_contacts(:, 2) = state%answers%vertical_load
     outcome%simulated = 'coupled'
     if (self%mode == effect_boundary) outcome%simulated = 'boundary'
-    if (allocated(state%found)) then
-      call unpack_solution(state%found, solution)
-    else
-      solution%coupled%closing = state%closing
-      call solve_joint(pairs, state%law, what_to_resolve(self, state%law), &
-                       min(self%tolerance, state%left), self%boundary_tolerance, solution, &
-                       area_tolerance=self%area_tolerance)
-    end if
-    outcome%ending = solution%coupled%ending
-    if (allocated(solution%failure)) then
-      outcome%failure = solution%failure
-      return
-    end if
-    if (self%mode == effect_auto .and. solution%cells > 0) then
-      outcome%simulated = 'coupled+boundary'
-      outcome%why = 'circles alone are not good enough'
-    end if
-    state%penetration = solution%coupled%penetration
+    if (.not. allocated(state%found)) &
+      call solve_together(self, pairs, state%law, state%left, state%closing, state%found, &
+                          outcome%failure)
+    if (allocated(outcome%failure)) return
+    state%penetration = state%found(2:, penetration)
     call answer_all(pairs, state)
-    where (state%answers%load > 0.0_real64)
-      state%answers%contact_radius = sqrt(solution%area / pi)
-      where (solution%maximum_pressure > 0.0_real64) &
-        state%answers%maximum_pressure = solution%maximum_pressure
-    end where
-    outcome%of_contacts(:, 1) = max(0.0_real64, &
-                                    state%closing - pairs%list%gap - state%penetration)
-    alone = sum(outcome%of_contacts(:, 2))
-    together = sum(state%answers%vertical_load)
-    outcome%of_state(1) = alone
-    outcome%of_state(2) = 1.0_real64
-    if (alone > 0.0_real64) outcome%of_state(2) = together / alone
-    outcome%of_state(3) = solution%cells
-    outcome%of_state(4) = count(solution%is_resolved .and. state%answers%load > 0.0_real64)
-    outcome%of_state(5) = solution%area_error
-    outcome%error = solution%error
+    associate (of_all => state%found(1, :), found => state%found(2:, :), answers => state%answers)
+      outcome%ending = solve_ending(.true., of_all(residual), nint(of_all(iterations)))
+      if (self%mode == effect_auto .and. of_all(cells) > 0.0_real64) then
+        outcome%simulated = 'coupled+boundary'
+        outcome%why = 'circles alone are not good enough'
+      end if
+      where (answers%load > 0.0_real64)
+        answers%contact_radius = sqrt(found(:, area) / pi)
+        where (found(:, pressure) > 0.0_real64) answers%maximum_pressure = found(:, pressure)
+      end where
+      outcome%of_contacts(:, 1) = max(0.0_real64, &
+                                      state%closing - pairs%list%gap - state%penetration)
+      alone = sum(outcome%of_contacts(:, 2))
+      together = sum(answers%vertical_load)
+      outcome%of_state = [alone, 1.0_real64, of_all(cells), &
+                          sum(found(:, resolved), mask=answers%load > 0.0_real64), &
+                          of_all(area_error)]
+      if (alone > 0.0_real64) outcome%of_state(2) = together / alone
+      outcome%error = of_all(error)
+    end associate
     outcome%influence = outcome%of_state(2) - 1.0_real64
     outcome%influence_known = .true.
-    if (self%mode == effect_auto .and. solution%area_error > self%tolerance) &
-      call warn(outcome%warnings, of_area, solution%area_error)
+    if (self%mode == effect_auto .and. outcome%of_state(5) > self%tolerance) &
+      call warn(outcome%warnings, of_area, outcome%of_state(5))
   end subroutine apply
 
   !> Left out: what the contacts carry alone is known, and what they may change at most.
@@ -151,60 +145,45 @@ contains
     real(real64), intent(inout) :: closing                     !! past first touch
     real(real64), allocatable, intent(inout) :: found(:, :)    !! the solution there
     character(len=:), allocatable, intent(inout) :: failure    !! why there is none
-    type(joint_solution) :: solution
 
-    call solve_joint(pairs, law, what_to_resolve(self, law), min(self%tolerance, left), &
-                     self%boundary_tolerance, solution, target, self%area_tolerance)
+    call solve_together(self, pairs, law, left, closing, found, failure, target)
+    if (allocated(failure)) failure = 'interaction: ' // failure
+  end subroutine closing_at_load
+
+  ! The contacts together at a closing, or at the one at which they carry a load, as numbers.
+  subroutine solve_together(self, pairs, law, left, closing, found, failure, target)
+    class(interaction_effect), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    real(real64), intent(in) :: left
+    real(real64), intent(inout) :: closing
+    real(real64), allocatable, intent(out) :: found(:, :)
+    character(len=:), allocatable, intent(inout) :: failure
+    real(real64), intent(in), optional :: target
+    type(joint_solution) :: solution
+    integer :: which
+
+    ! Cells are elastic: contacts of another law stay circles.
+    which = resolve_none
+    if (self%mode == effect_boundary) which = resolve_all
+    if (self%mode == effect_auto .and. same_type_as(law, hertz_law())) which = resolve_called_for
+    solution%coupled%closing = closing
+    call solve_joint(pairs, law, which, min(self%tolerance, left), self%boundary_tolerance, &
+                     self%area_tolerance, solution, target)
     if (allocated(solution%failure)) then
-      failure = 'interaction: ' // solution%failure
+      failure = solution%failure
       return
     end if
     closing = solution%coupled%closing
-    call pack_solution(solution, found)
-  end subroutine closing_at_load
-
-  ! Cells are elastic: contacts of another law stay circles.
-  integer function what_to_resolve(self, law)
-    class(interaction_effect), intent(in) :: self
-    class(contact_law), intent(in) :: law
-
-    what_to_resolve = resolve_none
-    if (self%mode == effect_boundary) what_to_resolve = resolve_all
-    if (self%mode == effect_auto .and. same_type_as(law, hertz_law())) &
-      what_to_resolve = resolve_called_for
-  end function what_to_resolve
-
-  ! A solution as numbers: by pair, then what is of all.
-  subroutine pack_solution(solution, found)
-    type(joint_solution), intent(in) :: solution
-    real(real64), allocatable, intent(out) :: found(:, :)
-
-    allocate (found(size(solution%area), 9))
-    found(:, 1) = solution%coupled%penetration
-    found(:, 2) = solution%area
-    found(:, 3) = solution%maximum_pressure
-    found(:, 4) = merge(1.0_real64, 0.0_real64, solution%is_resolved)
-    found(:, 5) = solution%cells
-    found(:, 6) = solution%error
-    found(:, 7) = solution%area_error
-    found(:, 8) = solution%coupled%ending%residual
-    found(:, 9) = solution%coupled%ending%iterations
-  end subroutine pack_solution
-
-  subroutine unpack_solution(found, solution)
-    real(real64), intent(in) :: found(:, :)
-    type(joint_solution), intent(out) :: solution
-
-    solution%coupled%penetration = found(:, 1)
-    solution%area = found(:, 2)
-    solution%maximum_pressure = found(:, 3)
-    solution%is_resolved = found(:, 4) > 0.5_real64
-    solution%cells = nint(found(1, 5))
-    solution%error = found(1, 6)
-    solution%area_error = found(1, 7)
-    solution%coupled%ending%residual = found(1, 8)
-    solution%coupled%ending%iterations = nint(found(1, 9))
-    solution%coupled%ending%converged = .true.
-  end subroutine unpack_solution
+    allocate (found(1 + size(solution%area), iterations), source=0.0_real64)
+    associate (coupled => solution%coupled)
+      found(1, :) = [real(solution%cells, real64), solution%error, solution%area_error, &
+                     coupled%ending%residual, real(coupled%ending%iterations, real64)]
+      found(2:, penetration) = coupled%penetration
+    end associate
+    found(2:, area) = solution%area
+    found(2:, pressure) = solution%maximum_pressure
+    found(2:, resolved) = merge(1.0_real64, 0.0_real64, solution%is_resolved)
+  end subroutine solve_together
 
 end module asperity_interaction

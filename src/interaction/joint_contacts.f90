@@ -7,7 +7,6 @@
 !> settles. The coupling knows how every load moves every other, so that only the cells' corrections
 !> lag.
 module asperity_joint_contacts
-  use asperity_cells_solver, only: usual_area
   use asperity_circle_error, only: find_errors
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
@@ -60,25 +59,22 @@ module asperity_joint_contacts
 contains
 
   !> Solves at the closing in `solution%coupled`, or at a load.
-  subroutine solve_joint(pairs, law, which, tolerance, cells_tolerance, solution, target, &
-                         area_tolerance)
+  subroutine solve_joint(pairs, law, which, tolerance, cells_tolerance, area_tolerance, solution, &
+                         target)
     type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
     class(contact_law), intent(in) :: law              !! of each contact
     integer, intent(in) :: which                       !! `resolve_none` ...
     real(real64), intent(in) :: tolerance              !! share of load and area, where called for
     real(real64), intent(in) :: cells_tolerance        !! share of the load that halving may change
+    real(real64), intent(in) :: area_tolerance         !! share of the area that may be off at least
     type(joint_solution), intent(inout) :: solution    !! closing; then all
     real(real64), intent(in), optional :: target       !! normal load
-    !> share of the area that may be off at least; absent: `usual_area`
-    real(real64), intent(in), optional :: area_tolerance
     type(resolved_contacts) :: resolved
     type(cluster), allocatable :: clusters(:)
     real(real64), dimension(size(pairs%list)) :: error, emitted, shape, area_error
     integer :: hosts(size(pairs%list)), k
-    real(real64) :: before, least_area, now, of_closing, total
+    real(real64) :: before, now, of_closing, total
 
-    least_area = usual_area
-    if (present(area_tolerance)) least_area = area_tolerance
     call solve_coupled(pairs, law, solution%coupled, target)
     if (failed(solution)) return
     allocate (solution%is_resolved(size(error)), source=.false.)
@@ -100,7 +96,7 @@ contains
           call choose_resolved(pairs, coupled, &
             max((error + emitted) / (left_share * tolerance * total), &
                 (error + emitted + shape) / (shape_share * tolerance * total), area_error / &
-                (area_share * max(tolerance, least_area) * pi * sum(set%circle**2))), &
+                (area_share * max(tolerance, area_tolerance) * pi * sum(set%circle**2))), &
             hosts, is_one)
       end associate
       now = total
@@ -111,7 +107,7 @@ contains
         do
           solution%rounds = solution%rounds + 1
           call solve_clusters(pairs, coupled, merge(cells_tolerance, cells_share * tolerance, &
-                              which == resolve_all), least_area, clusters, solution%failure)
+                              which == resolve_all), area_tolerance, clusters, solution%failure)
           if (allocated(solution%failure)) return
           call answer_with(pairs, law, clusters, coupled, resolved)
           if (failed(solution)) return

@@ -4,7 +4,7 @@
 module asperity_joint_suite
   use asperity_cells_answer, only: cells_answer
   use asperity_cells_outside, only: outside_field
-  use asperity_cells_solver, only: solve_cells
+  use asperity_cells_solver, only: solve_cells, usual_area
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, set_out, &
                                      share_of, truth_noise
@@ -54,7 +54,8 @@ contains
 
     solution%coupled%closing = depth
     if (present(closing)) solution%coupled%closing = closing
-    call solve_joint(pairs, law, which, tolerance, 0.2_real64 * tolerance, solution, target)
+    call solve_joint(pairs, law, which, tolerance, 0.2_real64 * tolerance, usual_area, solution, &
+                     target)
     call check(error, .not. allocated(solution%failure), trim(what) // ': failed')
   end subroutine solve
 
