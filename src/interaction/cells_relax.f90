@@ -61,7 +61,7 @@ contains
       ! Cells come and go at nearly every step: what the last slope has in common with this one is
       ! taken off (Polak and Ribiere), so that the search need not start anew each time.
       next = merge(rest, 0.0_real64, force > 0.0_real64)
-      call influence%apply_inverse(next, after)
+      call influence%apply(next, after, inverse=.true.)
       slope = sum(next * after)
       step = 0.0_real64
       if (slope_before > 0.0_real64) &

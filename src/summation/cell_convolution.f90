@@ -34,7 +34,6 @@ module asperity_cell_convolution
     procedure :: prepare
     procedure :: prepare_periodic
     procedure :: apply
-    procedure :: apply_inverse
     final :: destroy
   end type cell_convolution
 
@@ -116,58 +115,39 @@ contains
   subroutine make_plans(sum, wide, high, rows)
     class(cell_convolution), intent(inout), target :: sum
     integer, intent(in) :: wide, high, rows
-    real(c_double), allocatable, target :: row(:)
-    complex(c_double_complex), allocatable, target :: column(:)
 
     sum%wide = wide
     sum%high = high
     allocate (sum%transform(0:wide / 2, 0:rows - 1), sum%spectrum(0:high / 2, 0:wide / 2, 2))
-    allocate (row(wide), column(high))
-    !$omp critical (fftw_plans)
-    sum%plans = [ &
-      fftw_plan_real_to_complex(int(wide, c_int), c_loc(row), c_loc(sum%transform), &
-                                fftw_estimate), &
-      fftw_plan_complex(int(high, c_int), c_loc(column), c_loc(column), fftw_forward, &
-                        fftw_estimate), &
-      fftw_plan_complex(int(high, c_int), c_loc(column), c_loc(column), fftw_backward, &
-                        fftw_estimate), &
-      fftw_plan_complex_to_real(int(wide, c_int), c_loc(sum%transform), c_loc(row), &
-                                fftw_estimate)]
-    !$omp end critical (fftw_plans)
+    ! Planning without measuring touches no array.
+    associate (row => c_loc(sum%spectrum), waves => c_loc(sum%transform))
+      !$omp critical (fftw_plans)
+      sum%plans = [ &
+        fftw_plan_real_to_complex(int(wide, c_int), row, waves, fftw_estimate), &
+        fftw_plan_complex(int(high, c_int), waves, waves, fftw_forward, fftw_estimate), &
+        fftw_plan_complex(int(high, c_int), waves, waves, fftw_backward, fftw_estimate), &
+        fftw_plan_complex_to_real(int(wide, c_int), waves, row, fftw_estimate)]
+      !$omp end critical (fftw_plans)
+    end associate
   end subroutine make_plans
 
-  !> Sums influence times force, on the lattice that it was prepared for.
-  subroutine apply(sum, force, displacement)
-    class(cell_convolution), intent(inout) :: sum    !! prepared
-    real(real64), intent(in) :: force(:, :)          !! on every cell
-    real(real64), intent(out) :: displacement(:, :)  !! at every cell
-
-    call weigh_waves(sum, 1, force, displacement)
-  end subroutine apply
-
-  !> Nearly the forces, but for a factor, that cause a displacement, for an influence like 1/r.
+  !> Sums influence times force, on the lattice that it was prepared for; or nearly the inverse.
   !>
-  !> The transform of 1/r is as 1/k, of wave number k. On a lattice k is as the root of the sum of
-  !> the squares of sin(pi i/n), as for the second difference. The lowest k on the lattice is added:
-  !> none is 0. So this is symmetric and positive definite, also on a part of the cells.
-  subroutine apply_inverse(sum, displacement, force)
-    class(cell_convolution), intent(inout) :: sum   !! prepared
-    real(real64), intent(in) :: displacement(:, :)  !! at every cell
-    real(real64), intent(out) :: force(:, :)        !! on every cell
-
-    call weigh_waves(sum, 2, displacement, force)
-  end subroutine apply_inverse
-
-  ! From values on the lattice to waves, each times its weight in a spectrum, and back.
-  subroutine weigh_waves(sum, which, from, to)
-    class(cell_convolution), intent(inout), target :: sum
-    integer, intent(in) :: which
-    real(real64), intent(in) :: from(:, :)
-    real(real64), intent(out) :: to(:, :)
+  !> The inverse is, but for a factor, that of an influence like 1/r, with a transform as 1/k, of
+  !> wave number k. On a lattice k is as the root of the sum of the squares of sin(pi i/n), as for
+  !> the second difference. The lowest k there is added: none is 0. So it is symmetric and positive
+  !> definite, also on a part of the cells.
+  subroutine apply(sum, from, to, inverse)
+    class(cell_convolution), intent(inout), target :: sum  !! prepared
+    real(real64), intent(in) :: from(:, :)                 !! forces on all cells; or displacements
+    real(real64), intent(out) :: to(:, :)                  !! displacements at all; or forces
+    logical, intent(in), optional :: inverse               !! from displacements to forces
     real(c_double), allocatable, target :: row(:)
     complex(c_double_complex), allocatable, target :: column(:, :)
-    integer :: i, j, k, m, n, last
+    integer :: i, j, k, m, n, last, which
 
+    which = 1
+    if (present(inverse)) which = merge(2, 1, inverse)
     m = size(from, 1)
     n = size(from, 2)
     !$omp parallel private(row, column, k, last) if(size(sum%transform) > many)
@@ -201,7 +181,7 @@ contains
     end do
     !$omp end do
     !$omp end parallel
-  end subroutine weigh_waves
+  end subroutine apply
 
   subroutine destroy(sum)
     type(cell_convolution), intent(inout) :: sum

@@ -395,7 +395,7 @@ contains
       ! The energy of forces is within the norm; that of the rough inverse is more than 0.
       call check(error, sum(force * found) <= cells%norm * sum(force**2), 'norm')
       allocate (back, mold=force)
-      call cells%apply_inverse(force, back)
+      call cells%apply(force, back, inverse=.true.)
       call check(error, sum(force * back) > 0.0_real64, 'rough inverse')
       deallocate (cells, influence, force, found, back)
     end do
