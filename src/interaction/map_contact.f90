@@ -60,7 +60,7 @@ contains
     type(map_answer) :: start
     real(real64), allocatable :: gap(:, :)
     real(real64) :: top, range, unit, closing, allowed, padded(2)
-    integer :: i, j
+    integer :: i
 
     padded = shape(map%height)
     if (.not. periodic) padded = [padded_length(2 * size(map%height, 1) - 1), &
@@ -98,7 +98,6 @@ contains
     end where
     if (.not. present(load)) gap = gap - (top - answer%level) / range
     if (.not. allocated(answer%pressure)) then
-      allocate (answer%pressure, mold=gap)
       if (size(gap) >= worth_halving) then
         half = half_map(map)
         start%level = answer%level
@@ -108,11 +107,8 @@ contains
           answer%failure = start%failure
           return
         end if
-        do j = 1, size(gap, 2)
-          do i = 1, size(gap, 1)
-            answer%pressure(i, j) = start%pressure((i + 1) / 2, (j + 1) / 2)
-          end do
-        end do
+        answer%pressure = start%pressure([((i + 1) / 2, i=1, size(gap, 1))], &
+                                         [((i + 1) / 2, i=1, size(gap, 2))])
         where (.not. is_measured(map%height)) answer%pressure = 0.0_real64
         answer%coarser = [start%level, start%coarser(1)]
         deallocate (start%pressure, half%height)
@@ -156,28 +152,20 @@ contains
   !> presses most nearly as they do (measured; the mean alone is too low, the highest too high).
   pure type(height_map) function half_map(map) result(half)
     type(height_map), intent(in) :: map  !! any; a single row stays one
-    real(real64) :: highest, total
-    integer :: i, j, k, l, n
+    integer :: i, j, n
 
     half%columns = (map%columns + 1) / 2
     half%rows = (map%rows + 1) / 2
     half%spacing = merge(2, 1, shape(map%height) > 1) * map%spacing
-    allocate (half%height(half%columns, half%rows))
+    allocate (half%height(half%columns, half%rows), source=no_height)
     do j = 1, size(half%height, 2)
       do i = 1, size(half%height, 1)
-        highest = no_height
-        total = 0.0_real64
-        n = 0
-        do l = 2 * j - 1, min(2 * j, size(map%height, 2))
-          do k = 2 * i - 1, min(2 * i, size(map%height, 1))
-            if (.not. is_measured(map%height(k, l))) cycle
-            n = n + 1
-            total = total + map%height(k, l)
-            highest = max(highest, map%height(k, l))
-          end do
-        end do
-        half%height(i, j) = highest
-        if (n > 0) half%height(i, j) = 0.5_real64 * (total / n + highest)
+        associate (four => map%height(2 * i - 1:min(2 * i, size(map%height, 1)), &
+                                      2 * j - 1:min(2 * j, size(map%height, 2))))
+          n = count(is_measured(four))
+          if (n > 0) half%height(i, j) = &
+            0.5_real64 * (sum(four, mask=is_measured(four)) / n + maxval(four))
+        end associate
       end do
     end do
   end function half_map
