@@ -8,33 +8,55 @@ module asperity_overlapping_circles
   implicit none
   private
 
-  public :: count_overlapping, circles_overlap, find_near_circles
+  public :: count_overlapping, circles_overlap
 
   ! So many are compared each with each.
   integer, parameter :: few = 64
 
 contains
 
-  !> Number of pairs of circles that overlap. Circles without radius are left out.
+  !> Number of pairs of circles that overlap. Circles without radius are left out. Many are searched
+  !> for as pairs of asperities are: the cost follows their number and that of the pairs found. Few,
+  !> or when there is no memory for the pairs, are compared each with each.
   integer function count_overlapping(x, y, radius) result(number)
     real(real64), intent(in) :: x(:), y(:)   !! centres
     real(real64), intent(in) :: radius(:)    !! 0 or more
-    type(found_pairs) :: near
+    type(found_pairs) :: near                ! as upper and lower, each pair both ways
+    integer, allocatable :: members(:)
+    type(cell_grid) :: grid
+    real(real64) :: unit, margin
     logical :: each_with_each
     integer :: i, j, k
 
-    call find_near_circles(x, y, radius, near, each_with_each)
     number = 0
+    members = pack([(i, i=1, size(x))], radius > 0.0_real64)
+    if (size(members) == 0) return
+    each_with_each = size(x) <= few
+    if (.not. each_with_each) then
+      ! Lengths over the largest radius, as the search squares them.
+      unit = maxval(radius)
+      margin = margin_of_arithmetic(epsilon(unit), &
+                                    2 * maxval(abs(x(members)) + abs(y(members))) / unit + 2)
+      call build_grid(grid, x(members) / unit, y(members) / unit, &
+                      spread(0.0_real64, 1, size(members)), radius(members) / unit, any_height)
+      call search_pairs(grid, grid, 0.0_real64, 0.0_real64, any_height, margin, -huge(unit), near, &
+                        each_with_each)
+    end if
+    if (each_with_each) then
+      do i = 2, size(members)
+        do j = 1, i - 1
+          if (overlap(members(i), members(j))) number = number + 1
+        end do
+      end do
+      return
+    end if
     do k = 1, near%blocks
-      do i = 1, near%block(k)%used
-        if (overlap(near%block(k)%upper(i), near%block(k)%lower(i))) number = number + 1
-      end do
-    end do
-    if (.not. each_with_each) return
-    do i = 2, size(x)
-      do j = 1, i - 1
-        if (overlap(i, j)) number = number + 1
-      end do
+      associate (block => near%block(k))
+        do i = 1, block%used
+          if (block%upper(i) >= block%lower(i)) cycle
+          if (overlap(members(block%upper(i)), members(block%lower(i)))) number = number + 1
+        end do
+      end associate
     end do
 
   contains
@@ -46,46 +68,6 @@ contains
     end function overlap
 
   end function count_overlapping
-
-  !> The pairs of circles that may overlap, each once. Many are searched for as pairs of asperities
-  !> are: the cost follows their number and that of the pairs found. Few, or when there is no memory
-  !> for the pairs, must be compared each with each.
-  subroutine find_near_circles(x, y, radius, near, each_with_each)
-    real(real64), intent(in) :: x(:), y(:)         !! centres
-    real(real64), intent(in) :: radius(:)          !! 0 or more
-    type(found_pairs), intent(out) :: near         !! as upper and lower, the upper index is less
-    logical, intent(out) :: each_with_each         !! none was searched for
-    integer, allocatable :: members(:)
-    type(cell_grid) :: grid
-    real(real64) :: unit, margin
-    integer :: i, k, used
-
-    each_with_each = size(x) <= few
-    if (each_with_each) return
-    members = pack([(i, i=1, size(x))], radius > 0.0_real64)
-    if (size(members) == 0) return
-    ! Lengths over the largest radius, as the search squares them.
-    unit = maxval(radius)
-    margin = margin_of_arithmetic(epsilon(unit), &
-                                  2 * maxval(abs(x(members)) + abs(y(members))) / unit + 2)
-    call build_grid(grid, x(members) / unit, y(members) / unit, &
-                    spread(0.0_real64, 1, size(members)), radius(members) / unit, any_height)
-    call search_pairs(grid, grid, 0.0_real64, 0.0_real64, any_height, margin, -huge(unit), near, &
-                      each_with_each)
-    if (each_with_each) near%blocks = 0
-    do k = 1, near%blocks
-      associate (block => near%block(k))
-        used = 0
-        do i = 1, block%used
-          if (block%upper(i) >= block%lower(i)) cycle
-          used = used + 1
-          block%upper(used) = members(block%upper(i))
-          block%lower(used) = members(block%lower(i))
-        end do
-        block%used = used
-      end associate
-    end do
-  end subroutine find_near_circles
 
   !> Whether two circles overlap.
   pure logical function circles_overlap(dx, dy, first, second)
