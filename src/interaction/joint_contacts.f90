@@ -86,18 +86,18 @@ contains
       ! Else nothing touches.
       if (total > 0.0_real64) &
         call find_errors(pairs, coupled, hosts, error, emitted, shape, of_closing)
+      error = error + emitted
       if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
       area_error = 0.0_real64
       associate (set => coupled%set)
-        area_error(set%number) = pi * set%circle**2 * min(most_of_area, area_per_load * &
-                                 (error(set%number) + emitted(set%number)) / set%load)
+        area_error(set%number) = pi * set%circle**2 * min(most_of_area, &
+                                 area_per_load * error(set%number) / set%load)
         ! Shares of next to nothing are no numbers, and its contacts too shallow for cells.
         if (which == resolve_called_for .and. left_share * tolerance * total > tiny(total)) &
           call choose_resolved(pairs, coupled, &
-            max((error + emitted) / (left_share * tolerance * total), &
-                (error + emitted + shape) / (shape_share * tolerance * total), area_error / &
-                (area_share * max(tolerance, area_tolerance) * pi * sum(set%circle**2))), &
-            hosts, is_one)
+            max(error / (left_share * tolerance * total), &
+                (error + shape) / (shape_share * tolerance * total), area_error / (area_share * &
+                max(tolerance, area_tolerance) * pi * sum(set%circle**2))), hosts, is_one)
       end associate
       now = total
       before = total
@@ -135,7 +135,7 @@ contains
       solution%area_error = area_left(solution, clusters, area_error)
       if (.not. total > 0.0_real64) return
       total = sum(coupled%set%load)
-      solution%error = sum(error + emitted + shape, mask=.not. is_one) / total
+      solution%error = sum(error + shape, mask=.not. is_one) / total
       if (allocated(clusters)) then
         ! Neighbours turn the line of centres of an inclined contact, and its load along it.
         associate (set => coupled%set, pair => pairs%list(coupled%set%number))
