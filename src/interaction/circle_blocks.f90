@@ -177,21 +177,22 @@ contains
     subroutine solve_one(member, m, h)
       integer, intent(in) :: member(:), m
       real(real64), intent(in) :: h(m, m)
-      real(real64) :: z(3, m / 3), v(m)
+      real(real64) :: v(m)
       integer :: i
 
-      z = left(:, member)
       do i = 1, size(member)
-        if (set%held(member(i))) z(2:, i) = 0.0_real64
+        v(3 * i - 2:3 * i) = left(:, member(i))
+        if (set%held(member(i))) v(3 * i - 1:3 * i) = 0.0_real64
       end do
-      v = reshape(z, [m])
       do i = 1, m
         v(i + 1:) = v(i + 1:) - h(i + 1:, i) * v(i)
       end do
       do i = m, 1, -1
         v(i) = v(i) / h(i, i) - sum(h(i + 1:, i) * v(i + 1:))
       end do
-      change(:, member) = reshape(v, [3, m / 3])
+      do i = 1, size(member)
+        change(:, member(i)) = v(3 * i - 2:3 * i)
+      end do
     end subroutine solve_one
 
   end subroutine solve_blocks

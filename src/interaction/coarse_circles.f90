@@ -17,7 +17,9 @@ module asperity_coarse_circles
   !> Circles gathered in squares. It owns the plans of a transform: it must not be copied.
   type :: coarse_circles
     integer, allocatable :: square(:)             !! of each circle
-    real(real64), allocatable :: stiffness(:)     !! sum over a square; to be set
+    !> changes that each circle answers with to one more penetration of all in its square, and the
+    !> sum of its loads over a square; to be set
+    real(real64), allocatable :: answer(:, :), stiffness(:)
     integer :: columns = 0, rows = 0              !! of squares
     type(cell_convolution), private :: lattice    !! displacement of squares by loads on them
   end type coarse_circles

@@ -113,18 +113,21 @@ contains
     real(real64), intent(out) :: total                    !! load over modulus, or the vertical one
     real(real64), intent(out) :: slope                    !! its derivative
     type(contact_response) :: response
+    real(real64), dimension(size(penetration)) :: load, stiffness
     integer :: i
 
-    total = 0.0_real64
-    slope = 0.0_real64
-    do i = 1, size(penetration)
+    !$omp parallel do schedule(static) private(response) if(size(load) > many)
+    do i = 1, size(load)
+      load(i) = 0.0_real64
+      stiffness(i) = 0.0_real64
       if (.not. penetration(i) + by > 0.0_real64) cycle
       call law%respond(pairs%list(i), i, penetration(i) + by, response)
-      total = total + merge(response%vertical_load, response%load, pairs%vertical)
-      slope = slope + response%stiffness / merge(1.0_real64, response%cosine, pairs%vertical)
+      load(i) = merge(response%vertical_load, response%load, pairs%vertical)
+      stiffness(i) = response%stiffness / merge(1.0_real64, response%cosine, pairs%vertical)
     end do
-    total = total / pairs%modulus
-    slope = slope / pairs%modulus
+    !$omp end parallel do
+    total = sum(load) / pairs%modulus
+    slope = sum(stiffness) / pairs%modulus
   end subroutine bear
 
   !> The circles of the present penetrations, their field, and what the equations leave over.
@@ -154,10 +157,10 @@ contains
       end if
       call find_field(set)
       solution%fields = solution%fields + 1
-      deepest = 0.0_real64
+      deepest = maxval(solution%penetration(set%number))
+      !$omp parallel do schedule(static) private(i) if(size(set%x) > many)
       do k = 1, size(set%x)
         i = set%number(k)
-        deepest = max(deepest, solution%penetration(i))
         state%off(k) = solution%penetration(i) + state%gap(i) + set%lift(k) + &
                        0.5_real64 * set%curvature(k) * (set%move_x(k)**2 + set%move_y(k)**2)
         state%off_x(k) = set%curvature(k) * set%move_x(k) + set%tilt_x(k)
@@ -167,9 +170,10 @@ contains
           state%off_y(k) = 0.0_real64
         end if
       end do
+      !$omp end parallel do
       if (state%target > 0.0_real64) &
         solution%closing = dot_product(set%stiffness, state%off) / sum(set%stiffness)
-      state%residual = 0.0_real64
+      !$omp parallel do schedule(static) private(aside) if(size(set%x) > many)
       do k = 1, size(set%x)
         state%off(k) = state%off(k) - solution%closing
         ! A shift that is off changes the penetration by no more than this times the slopes.
@@ -179,6 +183,7 @@ contains
                                          set%curvature(k) * hypot(set%move_x(k), set%move_y(k)))
         state%miss(k) = max(abs(state%off(k)), aside)
       end do
+      !$omp end parallel do
       state%residual = maxval(state%miss) / deepest
       ! What is no number is no solution.
       if (.not. sum(abs(state%off)) <= huge(deepest)) state%residual = huge(deepest)
@@ -224,6 +229,8 @@ contains
       allocate (state%off(n), state%off_x(n), state%off_y(n), state%miss(n))
       set%number = number(:n)
       if (allocated(solution%outer)) set%outer = solution%outer(:, set%number)
+      !$omp parallel do schedule(static) private(i, inclined, place) if(n > many) &
+      !$omp   reduction(.and.:same)
       do k = 1, n
         i = number(k)
         place = [pairs%list(i)%x, pairs%list(i)%y]
@@ -247,6 +254,7 @@ contains
         set%stiffness(k) = answer(i)%stiffness * inclined
         set%circle(k) = answer(i)%contact_radius
       end do
+      !$omp end parallel do
     end associate
   end subroutine gather
 

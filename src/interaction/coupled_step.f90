@@ -112,8 +112,9 @@ contains
             coarse%square(member) = coarse%square(member(1))
           end associate
         end do
-        call solve_blocks(set, blocks, ones, scaled)
-        coarse%stiffness = sum_of_squares(coarse, scaled(1, :))
+        coarse%answer = ones
+        call solve_blocks(set, blocks, ones, coarse%answer)
+        coarse%stiffness = sum_of_squares(coarse, coarse%answer(1, :))
       end if
       if (.not. keep_sum) return
       call precondition(set, blocks, coarse, even, ones, scaled)
@@ -130,18 +131,19 @@ contains
     type(coarse_circles), intent(inout) :: coarse
     real(real64), intent(in) :: even(:, :), left(:, :)
     real(real64), intent(out) :: scaled(:, :)
-    real(real64), allocatable :: lowered(:), rest(:, :), change(:, :)
+    real(real64), allocatable :: lowered(:)
+    integer :: i
 
     call solve_blocks(set, blocks, left, scaled)
     if (allocated(coarse%square)) then
       lowered = sum_of_squares(coarse, scaled(1, :))
       where (coarse%stiffness > 0.0_real64) lowered = lowered / coarse%stiffness
       lowered = lowered - shared_change(coarse, lowered)
-      allocate (rest(3, size(left, 2)), change(3, size(left, 2)))
-      rest = 0.0_real64
-      rest(1, :) = lowered(coarse%square)
-      call solve_blocks(set, blocks, rest, change)
-      scaled = scaled - change
+      !$omp parallel do schedule(static)
+      do i = 1, size(left, 2)
+        scaled(:, i) = scaled(:, i) - lowered(coarse%square(i)) * coarse%answer(:, i)
+      end do
+      !$omp end parallel do
     end if
     if (sum(even(1, :)) > 0.0_real64) &
       scaled = scaled - even * (sum(scaled(1, :)) / sum(even(1, :)))

@@ -157,28 +157,23 @@ contains
     real(real64), intent(in) :: half          !! half of the box's width
     real(real64), intent(in) :: field(:)      !! of the box, as many as the sums take
     real(real64), intent(inout) :: value(6)   !! as `sum_sources` tells it
-    real(real64) :: t(0:order, 2, 0:2), here(6), across, along
+    real(real64) :: t(0:order, 2, 0:2), along_y(0:order, 0:2), xx, yy
     integer :: k
 
     t = polynomials(place)
-    here = 0.0_real64
+    along_y = 0.0_real64
     do k = 1, size(field)
       associate (a => ways%in_x(k), b => ways%in_y(k))
-        here(1) = here(1) + field(k) * t(a, 1, 0) * t(b, 2, 0)
+        along_y(a, :) = along_y(a, :) + field(k) * t(b, 2, :)
       end associate
     end do
-    do k = 1, merge(size(field), 0, size(field) == ways%terms)
-      associate (a => ways%in_x(k), b => ways%in_y(k))
-        across = field(k) * t(a, 1, 2) * t(b, 2, 0)
-        along = field(k) * t(a, 1, 0) * t(b, 2, 2)
-        here(2) = here(2) + across + along
-        here(3) = here(3) + field(k) * t(a, 1, 1) * t(b, 2, 0)
-        here(4) = here(4) + field(k) * t(a, 1, 0) * t(b, 2, 1)
-        here(5) = here(5) + 0.5_real64 * (across - along)
-        here(6) = here(6) + field(k) * t(a, 1, 1) * t(b, 2, 1)
-      end associate
-    end do
-    value = value + here / [1.0_real64, half**2, half, half, half**2, half**2]
+    value(1) = value(1) + sum(along_y(:, 0) * t(:, 1, 0))
+    if (size(field) < ways%terms) return
+    xx = sum(along_y(:, 0) * t(:, 1, 2))
+    yy = sum(along_y(:, 2) * t(:, 1, 0))
+    value(2:) = value(2:) + [xx + yy, half * sum(along_y(:, 0) * t(:, 1, 1)), &
+                             half * sum(along_y(:, 1) * t(:, 1, 0)), 0.5_real64 * (xx - yy), &
+                             sum(along_y(:, 1) * t(:, 1, 1))] / half**2
   end subroutine add_field
 
   !> Adds what goes a way from boxes.

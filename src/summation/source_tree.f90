@@ -88,15 +88,16 @@ contains
     type(source_tree), intent(inout) :: tree
     real(real64), allocatable :: about(:, :)
     real(real64) :: here(3)
-    integer, allocatable :: name(:), order(:), found(:)
-    integer :: a, i, j, k, n
+    integer, allocatable :: name(:), order(:)
+    logical, allocatable :: is_near(:)
+    integer :: a, i, k
     integer(int64) :: pairs
     logical :: listing
 
     tree%circle(:, 4) = tree%order
     listing = .false.
     do
-      !$omp parallel do schedule(dynamic, 16) private(about, here, name, order, found, i, j, k, n) &
+      !$omp parallel do schedule(dynamic, 16) private(about, here, name, order, is_near, i, k) &
       !$omp   if(size(tree%first) > many)
       do a = 1, size(tree%boxes)
         about = sources_about(tree, a, 4)
@@ -106,22 +107,16 @@ contains
           call sort_keys(about(:, 4), order)
           about = about(order, :)
         end if
-        name = nint(about(:, 4))
-        found = [name, 0]
+        name = int(about(:, 4))
         do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
           k = tree%order(i) - tree%before
           here = tree%circle(i, :3)
-          n = 0
-          ! Without a branch, which would be mispredicted.
-          do j = 1, size(name)
-            found(n + 1) = name(j)
-            n = n + merge(1, 0, (about(j, 1) - here(1))**2 + (about(j, 2) - here(2))**2 &
-                          < (about(j, 3) + here(3))**2 .and. name(j) /= tree%order(i))
-          end do
+          is_near = (about(:, 1) - here(1))**2 + (about(:, 2) - here(2))**2 &
+                    < (about(:, 3) + here(3))**2 .and. name /= tree%order(i)
           if (listing) then
-            tree%near(tree%first(k):tree%first(k + 1) - 1) = found(:n)
+            tree%near(tree%first(k):tree%first(k + 1) - 1) = pack(name, is_near)
           else
-            tree%first(k + 1) = n
+            tree%first(k + 1) = count(is_near)
           end if
         end do
       end do
