@@ -183,13 +183,12 @@ contains
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
-    real(real64), allocatable :: first(:), now(:), part(:)
-    real(real64) :: before, left, deepest, reach
-    integer :: k, n, trial
+    real(real64), allocatable :: first(:), now(:), part(:), reach(:)
+    real(real64) :: left, deepest
+    integer :: n, trial
 
     n = size(solution%set%x)
     if (n == 0) return
-    before = state%residual
     left = merge(least_left, 0.0_real64, n > many)
     allocate (gradient(3, n), step(3, n))
     gradient(1, :) = state%off
@@ -204,16 +203,15 @@ contains
     allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
     allocate (part(size(p)), source=1.0_real64)
     deepest = maxval(p(solution%set%number))
-    ! No farther than the field is known: the deepest penetration, and the own circle.
-    do k = 1, n
-      associate (i => solution%set%number(k), circle => solution%set%circle(k))
-        dp(i) = max(-deepest, min(step(1, k) / solution%set%stiffness(k), deepest))
-        reach = min(1.0_real64, circle / max(norm2(step(2:, k)), tiny(circle)))
-        dx(i) = reach * step(2, k)
-        dy(i) = reach * step(3, k)
-      end associate
-    end do
-    first = slopes()
+    ! No farther than the field is known: the deepest penetration, and the own circle. Cut each for
+    ! itself a step need not go down, as where two slide together; the whole one does.
+    reach = 1.0_real64 / max(1.0_real64, abs(step(1, :)) / (deepest * solution%set%stiffness), &
+                             norm2(step(2:, :), 1) / solution%set%circle)
+    call aim()
+    if (sum(first) >= 0.0_real64) then
+      reach = minval(reach)
+      call aim()
+    end if
     do trial = 1, most_trials
       solution%penetration = p + part * dp
       solution%move_x = x + part * dx
@@ -227,8 +225,6 @@ contains
       end if
       call evaluate(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
-      ! A step that was cut to the own circles need not go down; then what is left over has to.
-      if (sum(first) >= 0.0_real64 .and. state%residual < before) exit
       now = slopes()
       if (sum(now) <= merge(slope_of_many, slope_left, n > many) * abs(sum(first))) exit
       where (now > share_cut * maxval(now)) &
@@ -236,6 +232,16 @@ contains
     end do
 
   contains
+
+    ! The step, each contact as far as it may go.
+    subroutine aim()
+      associate (i => solution%set%number)
+        dp(i) = reach * step(1, :) / solution%set%stiffness
+        dx(i) = reach * step(2, :)
+        dy(i) = reach * step(3, :)
+      end associate
+      first = slopes()
+    end subroutine aim
 
     ! Change of the potential by going on, by pair.
     function slopes()

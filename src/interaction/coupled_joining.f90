@@ -19,8 +19,6 @@ module asperity_coupled_joining
   ! Of the closing: what sums over many are off by. Who touches by less stays open, as another sum
   ! would open it again.
   real(real64), parameter :: sum_error = 1.0e-7_real64
-  ! A contact that joins once more begins with this share of its penetration.
-  real(real64), parameter :: share_of_rejoined = 0.25_real64
   ! A cap that stands out of a loaded circle's own surface by no more than this share of the
   ! penetration is a part of that contact: as one of its own it would bear less than its 3/2th power
   ! of the load, nearly all of it taken from the circle.
@@ -48,7 +46,8 @@ contains
     logical, allocatable :: is_open(:), touches(:)
     integer, allocatable :: number(:)
     real(real64), allocatable :: before(:), x(:), y(:)
-    real(real64) :: deepest, least, p
+    type(contact_response) :: answer
+    real(real64) :: deepest, least
     integer :: i, pass
 
     joined = 0
@@ -79,27 +78,13 @@ contains
       solution%penetration = min(solution%penetration, 0.0_real64)
     do i = 1, size(touches)
       if (.not. touches(i)) cycle
-      ! Who has opened again had more than its place can bear.
-      p = share_of_rejoined**state%joins(i) * solution%penetration(i)
-      if (.not. bears(p)) p = solution%penetration(i)
-      if (.not. bears(p)) cycle
-      solution%penetration(i) = p
+      answer = answer_at(pairs, law, i, solution%penetration(i))
+      if (.not. answer%vertical_load > 0.0_real64) cycle
       state%joins(i) = state%joins(i) + 1
       joined = joined + 1
     end do
     if (joined > 0 .and. state%target > 0.0_real64) &
       call raise(pairs, law, state%target, solution%penetration)
-
-  contains
-
-    logical function bears(p)
-      real(real64), intent(in) :: p
-      type(contact_response) :: answer
-
-      answer = answer_at(pairs, law, i, p)
-      bears = answer%vertical_load > 0.0_real64
-    end function bears
-
   end subroutine look
 
   !> Of those that begin together opens the ones that are as good as hidden in another; the next

@@ -27,7 +27,8 @@ contains
   !> Loads alone, with growth of 0 at least, have positive definite second derivatives. So shifts
   !> are stiffened or held out of the equations, and go down by themselves, where the potential
   !> curves down along the loads and shifts of a block; far from the solution all are, as long as
-  !> the loads have more to do than they. Where it curves down all the same, all are held.
+  !> the loads have more to do than they. Where it curves down all the same, all are stiffened more
+  !> and more, and held at last: each by itself, shifts that block each other would creep.
   subroutine newton_step(set, gradient, keep_sum, accuracy, off, step, rounds)
     type(circle_set), intent(inout) :: set      !! its field is known; stays
     real(real64), intent(in) :: gradient(:, :)  !! (3, circle): by load, by shift along x and y
@@ -60,12 +61,11 @@ contains
         call prepare_blocks()
       end if
     end if
-    size_first = -1.0_real64
     do
       call precondition(set, blocks, coarse, even, left, scaled)
       direction = scaled
       size_now = sum(left * scaled)
-      if (size_first < 0.0_real64) size_first = size_now
+      size_first = size_now
       curvature = 1.0_real64
       do round = 1, most_rounds
         if (.not. size_now > accuracy**2 * size_first) exit
@@ -82,12 +82,11 @@ contains
         size_now = sum(left * scaled)
       end do
       if (curvature > 0.0_real64 .or. all(set%held)) exit
-      ! It curves down all the same: without shifts.
-      set%held = .true.
-      step(2:, :) = 0.0_real64
-      call multiply(set, step, image)
-      rounds = rounds + 1
-      left = -gradient - image
+      ! It curves down all the same.
+      set%held = set%held .or. set%stiffer > 1.0_real64
+      set%stiffer = max(4 * set%stiffer, flat * off, epsilon(off))
+      step = 0.0_real64
+      left = -gradient
       call prepare_blocks()
     end do
     do i = 1, size(set%x)

@@ -3,15 +3,18 @@
 Solved is: status 0, sums that are those of the contacts, and contacts that bear what they
 penetrate, or nothing where they do not.
 
-    python test/hard/everything_solved.py EXECUTABLE [--parts random,loads,rough] [--count 10000]
-        [--first 1] [--processes 2] [--timeout 300] [--mode coupled] [--out results.csv]
-        [--surface SUMMITS.csv ...]
+    python test/hard/everything_solved.py EXECUTABLE [--parts random,packed,loads,rough]
+        [--count 10000] [--first 1] [--processes 2] [--timeout 300] [--mode coupled]
+        [--out results.csv] [--surface SUMMITS.csv ...]
 
 Random scenes: 2 to 5000 contacts, from .1 to 30 % of the area, heights from one level to widely
 spread, equal and mixed radii (to 1:30), at random, in heaps, in packed lattices and with coincident
 caps, under an approach or a load. Scene K is made of the seed K: `--first K --count 1` runs it
-alone. Loads: 2000 to 32000 caps at 40 loads from 3 to 90 N a cap. Rough: the summits of a made-up
-rough surface, and of others (`x,y,height,radius`), up to 20 % contact.
+alone. Packed, of seeds too: 9 to 300 equal caps, .02 to .5 of a radius apart, on a lattice or in a
+heap, level or nearly, so lightly pressed that they cover 1 to 30 % of the area, or so deeply that
+circles are wider than caps are apart. Loads: 2000 to 32000 caps at 40 loads from 3 to 90 N a cap.
+Rough: the summits of a made-up rough surface, and of others (`x,y,height,radius`), up to 20 %
+contact.
 
 Prints every failure with its seed, and counts, steps and times at the end; status 1 if any failed.
 """
@@ -200,6 +203,42 @@ def random_case(seed):
                 loading)
 
 
+# ---------------------------------------------------------------- packed scenes
+
+def packed_case(seed):
+    """The scene of a seed."""
+    rng = np.random.default_rng([26, seed])
+    count = int(9 * (300 / 9) ** rng.random())
+    apart = 0.02 * 25 ** rng.random()
+    kind = ("square", "hexagonal", "heap")[rng.integers(3)]
+    side = int(np.ceil(np.sqrt(count)))
+    if kind == "heap":
+        places = side * rng.random((count, 2))
+    else:
+        i, j = (v.ravel()[:count].astype(float) for v in np.indices((side, side)))
+        places = np.stack([i, j], 1) if kind == "square" else \
+            np.stack([i + 0.5 * (j % 2), np.sqrt(0.75) * j], 1)
+    area = count * apart ** 2
+    depth = ("light", "deep")[rng.integers(2)]
+    closing = 10 ** rng.uniform(-2, np.log10(0.3)) * apart ** 2 / np.pi
+    if depth == "deep":
+        closing = 10 ** rng.uniform(-4, -1.5)
+    heights = ("level", "scattered")[rng.integers(2)]
+    below = np.zeros(count)
+    if heights == "scattered":
+        below = 10 ** rng.uniform(-4, 0) * rng.random(count)
+        below -= below.min()
+    loading = {"control": "approach", "value": -closing}
+    if rng.random() < 0.5:
+        # A heap that stands alone bears no more than one cap as blunt as it.
+        lone = 4 / 3 * COMBINED * closing ** 1.5
+        borne = min((np.maximum(1 - below, 0) ** 1.5).sum(),
+                    max(1.0, side * apart / closing ** 0.5))
+        loading = {"control": "load", "value": float(lone * borne * rng.uniform(0.1, 0.7))}
+    return Case(f"packed {seed}", f"{kind}, {depth}, {heights}, {loading['control']}",
+                np.column_stack([apart * places, -closing * below, np.ones(count)]), area, loading)
+
+
 # ---------------------------------------------------------------- loads
 
 def load_cases():
@@ -296,15 +335,18 @@ def summed(kind, outcomes):
             f"{100 * max(share):>6.1f} {sum(seconds):>8.1f} {max(seconds):>7.2f}")
 
 
-def run_seed(exe, mode, timeout, seed):
+OF_SEEDS = {"random": random_case, "packed": packed_case}
+
+
+def run_seed(exe, mode, timeout, seed, part="random"):
     """Made where it runs: scenes are not sent between processes."""
-    return run(exe, mode, timeout, random_case(seed))
+    return run(exe, mode, timeout, OF_SEEDS[part](seed))
 
 
 def main():
     parser = argparse.ArgumentParser(description="Whether everything is solved.")
     parser.add_argument("exe")
-    parser.add_argument("--parts", default="random,loads,rough")
+    parser.add_argument("--parts", default="random,packed,loads,rough")
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--processes", type=int, default=2)
@@ -318,9 +360,9 @@ def main():
     outcomes = []
     with ProcessPoolExecutor(words.processes) as pool:
         for part in parts:
-            if part == "random":
+            if part in OF_SEEDS:
                 seeds = range(words.first, words.first + words.count)
-                ended = pool.map(partial(run_seed, *how), seeds, chunksize=4)
+                ended = pool.map(partial(run_seed, *how, part=part), seeds, chunksize=4)
             else:
                 cases = load_cases() if part == "loads" else rough_parts(words.surface)
                 ended = pool.map(partial(run, *how), cases)

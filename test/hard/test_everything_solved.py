@@ -6,11 +6,22 @@ import pytest
 SAMPLE = 24
 
 
-def test_sample(asperity, tally):
+@pytest.mark.parametrize("part", everything_solved.OF_SEEDS)
+def test_sample(part, asperity, tally):
     for seed in range(1, SAMPLE + 1):
-        outcome = everything_solved.run_seed(asperity, "coupled", 60, seed)
+        outcome = everything_solved.run_seed(asperity, "coupled", 60, seed, part)
         assert outcome.status == 0, (seed, outcome.message)
-    tally.add("random scenes solved", SAMPLE, SAMPLE)
+    tally.add(f"{part} scenes solved", SAMPLE, SAMPLE)
+
+
+@pytest.mark.parametrize("part, seed, most, was", [
+    ("random", 7801035, 40, "151 steps: cut circle by circle a step went up, and was cut on"),
+    ("packed", 1586, 100, "267 steps: no shift went with the loads where Phi curved down"),
+    ("packed", 2179, 100, "the same, 151 steps"),
+])
+def test_found_steps(part, seed, most, was, asperity):
+    outcome = everything_solved.run_seed(asperity, "coupled", 60, seed, part)
+    assert outcome.status == 0 and outcome.steps <= most, was
 
 
 @pytest.mark.parametrize("seed, was", [
