@@ -90,7 +90,7 @@ contains
 
     none = 0.0_real64
     self%number = nint(none)
-    allocate (self%bends(3, n))
+    allocate (self%bends(3, n), self%bowl(3, n))
     allocate (self%still(n), source=.false.)
     allocate (self%x, self%y, self%curvature, self%move_x, self%move_y, self%load, self%circle, &
               self%stiffness, self%lift, self%growth, self%tilt_x, self%tilt_y, self%steer_x, &
@@ -152,21 +152,26 @@ contains
     n = size(set%x)
     allocate (far(6, n), batch(min(a_batch, size(set%one))))
     call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, far, set%move_x, set%move_y)
-    far = far / pi
-    set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%circle**2 * far(2, :)))
-    set%lift = far(1, :) + flat_spread * set%circle**2 * far(2, :)
-    set%growth = 2 * flat_spread * set%circle**2 * far(2, :)
-    set%tilt_x = far(3, :)
-    set%tilt_y = far(4, :)
     set%held = set%still
     set%stiffer = spread(0.0_real64, 1, n)
-    set%bowl = far([5, 6, 2], :)
-    set%bowl(1, :) = set%curvature + 0.5_real64 * far(2, :) + far(5, :)
-    set%bowl(3, :) = set%curvature + 0.5_real64 * far(2, :) - far(5, :)
-    if (allocated(set%outer)) call add_outer(set)
-    set%bends = spread(set%load, 1, 3) * set%bowl
-    set%steer_x = set%tilt_x
-    set%steer_y = set%tilt_y
+    !$omp parallel do schedule(static) if(n > many)
+    do k = 1, n
+      associate (of => far(:, k), square => set%circle(k)**2)
+        of = of / pi
+        set%lift(k) = of(1) + flat_spread * square * of(2)
+        set%growth(k) = 2 * flat_spread * square * of(2)
+        set%tilt_x(k) = of(3)
+        set%tilt_y(k) = of(4)
+        set%bowl(:, k) = [set%curvature(k) + 0.5_real64 * of(2) + of(5), of(6), &
+                          set%curvature(k) + 0.5_real64 * of(2) - of(5)]
+        if (allocated(set%outer)) call add_outer(set, k)
+        set%bends(:, k) = set%load(k) * set%bowl(:, k)
+        set%steer_x(k) = set%tilt_x(k)
+        set%steer_y(k) = set%tilt_y(k)
+      end associate
+    end do
+    !$omp end parallel do
+    set%energy = 0.5_real64 * sum(set%load * (far(1, :) + hertz_spread * set%circle**2 * far(2, :)))
     do from = 1, size(set%one), a_batch
       to = min(from + a_batch - 1, size(set%one))
       !$omp parallel do schedule(static) if(to - from > many)
@@ -174,30 +179,35 @@ contains
         call find_terms(set, k, batch(k - from + 1))
       end do
       !$omp end parallel do
+      ! Sums in the same order, whoever makes them.
+      !$omp parallel sections private(k) if(to - from > many)
       do k = from, to
-        call add_terms(set, k, batch(k - from + 1))
+        call add_lifts(set, k, batch(k - from + 1))
       end do
+      !$omp section
+      do k = from, to
+        call add_slopes(set, k, batch(k - from + 1))
+      end do
+      !$omp end parallel sections
     end do
   end subroutine find_field
 
   ! Adds the field from outside.
-  subroutine add_outer(set)
+  subroutine add_outer(set, k)
     type(circle_set), intent(inout) :: set
+    integer, intent(in) :: k
     real(real64) :: x, y, tilt_x, tilt_y
-    integer :: k
 
-    do k = 1, size(set%x)
-      associate (b => set%outer(:, k))
-        x = set%move_x(k) - b(4)
-        y = set%move_y(k) - b(5)
-        tilt_x = b(1) * x + b(2) * y
-        tilt_y = b(2) * x + b(3) * y
-        set%lift(k) = set%lift(k) + 0.5_real64 * (tilt_x * x + tilt_y * y)
-        set%tilt_x(k) = set%tilt_x(k) + tilt_x
-        set%tilt_y(k) = set%tilt_y(k) + tilt_y
-        set%bowl(:, k) = set%bowl(:, k) + b(:3)
-      end associate
-    end do
+    associate (b => set%outer(:, k))
+      x = set%move_x(k) - b(4)
+      y = set%move_y(k) - b(5)
+      tilt_x = b(1) * x + b(2) * y
+      tilt_y = b(2) * x + b(3) * y
+      set%lift(k) = set%lift(k) + 0.5_real64 * (tilt_x * x + tilt_y * y)
+      set%tilt_x(k) = set%tilt_x(k) + tilt_x
+      set%tilt_y(k) = set%tilt_y(k) + tilt_y
+      set%bowl(:, k) = set%bowl(:, k) + b(:3)
+    end associate
   end subroutine add_outer
 
   ! The terms of one near pair, kept for products.
@@ -226,37 +236,43 @@ contains
     set%terms(north, k) = dy / r
   end subroutine find_terms
 
-  ! Adds what two near circles do to each other.
-  subroutine add_terms(set, k, terms)
+  ! Adds what two near circles do to each other: heights and bends.
+  subroutine add_lifts(set, k, terms)
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
     type(mutual_terms), intent(in) :: terms
-    real(real64) :: slope, both(3)
+    real(real64) :: both(3)
 
-    associate (i => set%one(k), j => set%other(k), x => set%terms(east, k), &
-               y => set%terms(north, k), load => set%load)
+    associate (i => set%one(k), j => set%other(k), load => set%load)
       set%energy = set%energy + load(i) * load(j) * terms%mean
       set%lift(i) = set%lift(i) + load(j) * terms%on_first
       set%lift(j) = set%lift(j) + load(i) * terms%on_second
       set%growth(i) = set%growth(i) + load(j) * terms%first_growth
       set%growth(j) = set%growth(j) + load(i) * terms%second_growth
-      slope = load(j) * terms%slope
-      set%tilt_x(i) = set%tilt_x(i) + slope * x
-      set%tilt_y(i) = set%tilt_y(i) + slope * y
-      slope = load(i) * terms%slope
-      set%tilt_x(j) = set%tilt_x(j) - slope * x
-      set%tilt_y(j) = set%tilt_y(j) - slope * y
-      slope = load(j) * terms%first_slope
-      set%steer_x(i) = set%steer_x(i) + slope * x
-      set%steer_y(i) = set%steer_y(i) + slope * y
-      slope = load(i) * terms%second_slope
-      set%steer_x(j) = set%steer_x(j) - slope * x
-      set%steer_y(j) = set%steer_y(j) - slope * y
       both = load(i) * load(j) * between(set, k)
       set%bends(:, i) = set%bends(:, i) + both
       set%bends(:, j) = set%bends(:, j) + both
     end associate
-  end subroutine add_terms
+  end subroutine add_lifts
+
+  ! And slopes.
+  subroutine add_slopes(set, k, terms)
+    type(circle_set), intent(inout) :: set
+    integer, intent(in) :: k
+    type(mutual_terms), intent(in) :: terms
+
+    associate (i => set%one(k), j => set%other(k), x => set%terms(east, k), &
+               y => set%terms(north, k), load => set%load)
+      set%tilt_x(i) = set%tilt_x(i) + load(j) * terms%slope * x
+      set%tilt_y(i) = set%tilt_y(i) + load(j) * terms%slope * y
+      set%tilt_x(j) = set%tilt_x(j) - load(i) * terms%slope * x
+      set%tilt_y(j) = set%tilt_y(j) - load(i) * terms%slope * y
+      set%steer_x(i) = set%steer_x(i) + load(j) * terms%first_slope * x
+      set%steer_y(i) = set%steer_y(i) + load(j) * terms%first_slope * y
+      set%steer_x(j) = set%steer_x(j) - load(i) * terms%second_slope * x
+      set%steer_y(j) = set%steer_y(j) - load(i) * terms%second_slope * y
+    end associate
+  end subroutine add_slopes
 
   !> Whether circles are nearer, where they stand now, than some sums of their radii.
   pure logical function are_close(set, a, b, sums)
