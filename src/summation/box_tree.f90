@@ -15,6 +15,8 @@ module asperity_box_tree
   integer, parameter :: deepest = 24
   ! Pairs of circles above which two boxes that touch are split (measured).
   real(real64), parameter :: worth_a_split = 1600.0_real64
+  ! Fewest circles that threads sort: a level of fewer takes less than a millisecond.
+  integer, parameter :: many = 8192
   ! Pairs of sources and targets up to which all are summed one by one: 600 circles, where trees of
   ! any depth took as long (measured) and expansions need not be prepared.
   real(real64), parameter :: few_pairs = 3.6e5_real64
@@ -36,7 +38,7 @@ module asperity_box_tree
 contains
 
   !> Sorts circles into boxes.
-  pure subroutine plant_boxes(place, sources, targets, order, boxes, level)
+  subroutine plant_boxes(place, sources, targets, order, boxes, level)
     real(real64), intent(inout) :: place(:, :)  !! x, y and reach, rows; ordered by boxes then
     integer, intent(in) :: sources              !! so many are the first
     integer, intent(in) :: targets              !! so many are the last; they may be the same
@@ -73,15 +75,14 @@ contains
   end function touching
 
   ! Makes the next level from boxes that are split.
-  pure subroutine divide(place, order, boxes, from)
+  subroutine divide(place, order, boxes, from)
     real(real64), intent(inout) :: place(:, :)
     integer, intent(inout) :: order(:)
     type(square_box), allocatable, intent(inout) :: boxes(:)
     integer, intent(in) :: from  ! first box of the last level
     type(square_box), allocatable :: new(:)
-    real(real64), allocatable :: places(:, :)
-    integer, allocatable :: names(:), part(:), chosen(:)
-    integer :: a, b, i, k, l, n, shift(2), run(3, -1:3, 2)
+    integer, allocatable :: run(:, :, :, :)
+    integer :: a, b, i, k, n, shift(2)
     logical :: split(size(boxes))
 
     split = .false.
@@ -91,38 +92,23 @@ contains
                        maxval(number_of(2, boxes(near))) * number_of(1, boxes(a))) > worth_a_split
       end associate
     end do
+    allocate (run(3, -1:3, 2, from:size(boxes)))
+    !$omp parallel do schedule(dynamic) if(size(order) > many)
+    do a = from, size(boxes)
+      if (split(a)) call sort_into_quarters(place, order, boxes(a), run(:, :, :, a))
+    end do
+    !$omp end parallel do
     allocate (new(4 * count(split)))
     n = 0
     do a = from, size(boxes)
       if (.not. split(a)) cycle
       associate (this => boxes(a))
-        do l = 1, 2
-          i = this%circles(1, l)
-          ! Sources that are the targets have been sorted.
-          if (l == 2 .and. all(this%circles(:, 1) == this%circles(:, 2))) then
-            run(:, :, 2) = run(:, :, 1)
-            exit
-          end if
-          places = place(i:this%circles(3, l), :)
-          names = order(i:this%circles(3, l))
-          part = merge(1, 0, places(:, 1) > this%middle(1)) + &
-                 merge(2, 0, places(:, 2) > this%middle(2))
-          where (2 * places(:, 3) > this%half) part = -1
-          do k = -1, 3
-            chosen = pack([(b, b=1, size(part))], part == k)
-            b = i + size(chosen) - 1
-            place(i:b, :) = places(chosen, :)
-            order(i:b) = names(chosen)
-            run(:, k, l) = [i, b, b]
-            i = b + 1
-          end do
-        end do
-        this%circles(2, :) = run(2, -1, :)
+        this%circles(2, :) = run(2, -1, :, a)
         this%child(1) = size(boxes) + n + 1
         do k = 0, 3
-          if (all(run(1, k, :) > run(3, k, :))) cycle
+          if (all(run(1, k, :, a) > run(3, k, :, a))) cycle
           n = n + 1
-          new(n)%circles = run(:, k, :)
+          new(n)%circles = run(:, k, :, a)
           new(n)%half = 0.5_real64 * this%half
           new(n)%middle = this%middle + ([mod(k, 2), k / 2] - 0.5_real64) * this%half
           new(n)%parent = a
@@ -143,6 +129,39 @@ contains
       end associate
     end do
   end subroutine divide
+
+  ! Orders the circles of a box: those that rest in it, then quarter by quarter.
+  subroutine sort_into_quarters(place, order, this, run)
+    real(real64), intent(inout) :: place(:, :)
+    integer, intent(inout) :: order(:)
+    type(square_box), intent(in) :: this
+    integer, intent(out) :: run(3, -1:3, 2)  ! of sources and targets: first, last, last
+    real(real64), allocatable :: places(:, :)
+    integer, allocatable :: names(:), part(:), chosen(:)
+    integer :: b, i, k, l
+
+    do l = 1, 2
+      i = this%circles(1, l)
+      ! Sources that are the targets have been sorted.
+      if (l == 2 .and. all(this%circles(:, 1) == this%circles(:, 2))) then
+        run(:, :, 2) = run(:, :, 1)
+        return
+      end if
+      places = place(i:this%circles(3, l), :)
+      names = order(i:this%circles(3, l))
+      part = merge(1, 0, places(:, 1) > this%middle(1)) + &
+             merge(2, 0, places(:, 2) > this%middle(2))
+      where (2 * places(:, 3) > this%half) part = -1
+      do k = -1, 3
+        chosen = pack([(b, b=1, size(part))], part == k)
+        b = i + size(chosen) - 1
+        place(i:b, :) = places(chosen, :)
+        order(i:b) = names(chosen)
+        run(:, k, l) = [i, b, b]
+        i = b + 1
+      end do
+    end do
+  end subroutine sort_into_quarters
 
   ! How many sources or targets a box has.
   elemental real(real64) function number_of(kind_of, this)
