@@ -12,11 +12,11 @@ module asperity_coupled_contacts
   use asperity_circle_field, only: many
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back
+  use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back, share_off
   use asperity_coupled_joining, only: look, open_hidden
   use asperity_coupled_start, only: prepare
   use asperity_coupled_state, only: bear, coupled_solution, evaluate, raise, resolved_contacts, &
-                                    solve_state
+                                    set_out, solve_state
   use asperity_coupled_step, only: newton_step
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text
@@ -64,8 +64,9 @@ contains
 
     call prepare(pairs, law, solution, state, target, resolved)
     if (allocated(solution%failure)) return
+    call set_out(pairs, law, solution, state, resolved)
+    if (.not. present(share)) call open_hidden(pairs, law, state%target, solution)
     call evaluate(pairs, law, solution, state, resolved)
-    if (.not. present(share)) call open_hidden(pairs, law, solution, state, resolved)
     looked = 1.0_real64
     before = huge(before)
     ! None has been looked at yet.
@@ -138,8 +139,10 @@ contains
 
     if (allocated(solution%failure)) return
     call find_groups(solution%set, state%miss, member, first)
-    ! Many are no few.
+    ! Many are no few, nor hold they back others that are off themselves.
     if (size(member) == 0 .or. 4 * size(member) > size(state%miss)) return
+    if (sum(state%miss) - sum(state%miss(member)) > &
+        share_off * maxval(state%miss) * (size(state%miss) - size(member))) return
     before = state%residual
     allocate (p, source=solution%penetration)
     allocate (x, source=solution%move_x)

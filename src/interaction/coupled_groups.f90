@@ -30,7 +30,8 @@ module asperity_coupled_groups
   end type group_law
 
   ! Equations are much off from this times the mean on, and this share of the most.
-  real(real64), parameter :: much_off = 5.0_real64, share_off = 0.05_real64
+  real(real64), parameter :: much_off = 5.0_real64
+  real(real64), parameter, public :: share_off = 0.05_real64
   ! Groups of more would take longer than they save.
   integer, parameter :: most_in_group = 100
   ! Sums of radii up to which circles are in one group: farther off a field bends little.

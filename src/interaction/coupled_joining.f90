@@ -5,7 +5,7 @@ module asperity_coupled_joining
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: answer_at, coupled_solution, evaluate, far_below, raise, &
+  use asperity_coupled_state, only: answer_at, coupled_solution, far_below, raise, &
                                     resolved_contacts, solve_state
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
@@ -89,12 +89,11 @@ contains
 
   !> Of those that begin together opens the ones that are as good as hidden in another; the next
   !> look finds where beside it they touch, if they do.
-  subroutine open_hidden(pairs, law, solution, state, resolved)
+  subroutine open_hidden(pairs, law, target, solution)
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
-    type(coupled_solution), intent(inout) :: solution      !! evaluated; again at the end
-    type(solve_state), intent(inout) :: state              !! all but gaps and target is found
-    type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
+    real(real64), intent(in) :: target                     !! load over modulus; below 0: not asked
+    type(coupled_solution), intent(inout) :: solution      !! circles are set out; penetrations then
     logical, allocatable :: opens(:)
     real(real64) :: over, under
     integer :: i, j, k
@@ -115,8 +114,7 @@ contains
       if (.not. any(opens)) return
       solution%penetration(pack(set%number, opens)) = far_below
     end associate
-    if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
-    call evaluate(pairs, law, solution, state, resolved)
+    if (target > 0.0_real64) call raise(pairs, law, target, solution%penetration)
   end subroutine open_hidden
 
   !> How far the surface of a pair stands out of a loaded one's, its host, at most, and how far from

@@ -8,7 +8,8 @@ module asperity_coupled_state
   implicit none
   private
 
-  public :: answer_at, bear, coupled_solution, evaluate, raise, resolved_contacts, solve_state
+  public :: answer_at, bear, coupled_solution, evaluate, raise, resolved_contacts, set_out, &
+            solve_state
 
   !> Penetration of a contact that touches nowhere: no step raises it above 0.
   real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
@@ -130,6 +131,25 @@ contains
     slope = sum(stiffness) / pairs%modulus
   end subroutine bear
 
+  !> The circles of the present penetrations, and who is near whom.
+  subroutine set_out(pairs, law, solution, state, resolved)
+    type(contact_pairs), intent(in) :: pairs               !! the position
+    class(contact_law), intent(in) :: law                  !! of each contact
+    type(coupled_solution), intent(inout) :: solution      !! penetrations, shifts; gets circles
+    type(solve_state), intent(inout) :: state              !! gets room for what is left over
+    type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
+    logical :: same
+
+    call gather(pairs, law, solution, state, resolved, same)
+    associate (set => solution%set)
+      if (size(set%x) == 0) return
+      if (same) same = all(set%circle < outgrown * set%planted .and. &
+                           set%planted < outgrown * set%circle)
+      if (.not. same) call plant_circles(set)
+      if (allocated(set%tree%failure)) solution%failure = set%tree%failure
+    end associate
+  end subroutine set_out
+
   !> The circles of the present penetrations, their field, and what the equations leave over.
   subroutine evaluate(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs               !! the position
@@ -140,21 +160,11 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     real(real64) :: deepest, aside
     integer :: i, k
-    logical :: same
 
-    call gather(pairs, law, solution, state, resolved, same)
+    call set_out(pairs, law, solution, state, resolved)
+    state%residual = 0.0_real64
     associate (set => solution%set)
-      if (size(set%x) == 0) then
-        state%residual = 0.0_real64
-        return
-      end if
-      if (same) same = all(set%circle < outgrown * set%planted .and. &
-                           set%planted < outgrown * set%circle)
-      if (.not. same) call plant_circles(set)
-      if (allocated(set%tree%failure)) then
-        solution%failure = set%tree%failure
-        return
-      end if
+      if (size(set%x) == 0 .or. allocated(solution%failure)) return
       call find_field(set)
       solution%fields = solution%fields + 1
       deepest = maxval(solution%penetration(set%number))
