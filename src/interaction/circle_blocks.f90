@@ -127,8 +127,7 @@ contains
         if (set%held(i)) then
           alone(p + 1:p + 2) = 1.0_real64
         else
-          h(p + 1, p) = set%move_x(i) * set%curvature(i) + set%steer_x(i)
-          h(p + 2, p) = set%move_y(i) * set%curvature(i) + set%steer_y(i)
+          h(p + 1:p + 2, p) = set%move(:, i) * set%curvature(i) + set%steer(:, i)
           h(p + 1, p + 1) = set%bends(1, i) + set%stiffer(i) * alone(p + 1)
           h(p + 2, p + 1) = set%bends(2, i)
           h(p + 2, p + 2) = set%bends(3, i) + set%stiffer(i) * alone(p + 1)

@@ -7,7 +7,7 @@
 !> large circle B is 2/3 a**2 times what its field bends more along than across, if more. Where
 !> circles overlap, one of the two takes from the other at most a share of the smaller load.
 module asperity_circle_error
-  use asperity_circle_field, only: are_close, bend, many
+  use asperity_circle_field, only: are_close, bend, from_other, many
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
@@ -133,8 +133,8 @@ contains
     is_open(solution%set%number) = .false.
     number = pack([(i, i=1, size(is_open))], is_open)
     associate (set => solution%set)
-      call plant_tree(tree, [set%x + set%move_x, pairs%list(number)%x], &
-                      [set%y + set%move_y, pairs%list(number)%y], &
+      call plant_tree(tree, [set%x + set%move(1, :), pairs%list(number)%x], &
+                      [set%y + set%move(2, :), pairs%list(number)%y], &
                       [set%circle, spread(0.0_real64, 1, size(number))], radii, size(set%x))
     end associate
   end subroutine open_about
@@ -145,7 +145,7 @@ contains
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
     real(real64), intent(out) :: error, emitted, shape
-    real(real64) :: a, p, r, x, y, apart, overlap, nearest, shift, gone
+    real(real64) :: a, p, r, way(2), apart, distance, overlap, nearest, shift, gone
     integer :: l, j
 
     associate (set => solution%set)
@@ -156,13 +156,12 @@ contains
       nearest = huge(1.0_real64)
       do l = set%tree%first(k), set%tree%first(k + 1) - 1
         j = set%tree%near(l)
-        x = set%x(j) + set%move_x(j) - set%x(k) - set%move_x(k)
-        y = set%y(j) + set%move_y(j) - set%y(k) - set%move_y(k)
-        if (.not. hypot(x, y) < a + set%circle(j)) cycle
-        nearest = min(nearest, hypot(x, y) / max(a, set%circle(j)))
+        distance = norm2(from_other(set, j, k))
+        if (.not. distance < a + set%circle(j)) cycle
+        nearest = min(nearest, distance / max(a, set%circle(j)))
         ! A half of what the two of them may be off by.
         overlap = overlap + 0.5_real64 * min(set%load(k), set%load(j)) * &
-          merge(taken_inside, taken, hypot(x, y) < inside * max(a, set%circle(j)))
+          merge(taken_inside, taken, distance < inside * max(a, set%circle(j)))
       end do
       call oval(.true., error, emitted)
       if (overlap > 0.0_real64) then
@@ -172,7 +171,7 @@ contains
         error = min(error + emitted, apart + gone + overlap)
         emitted = 0.0_real64
       end if
-      shift = hypot(set%move_x(k), set%move_y(k))
+      shift = norm2(set%move(:, k))
       if (shift > steep * a) error = max(error, gained(r, p, flank * shift**2 / (2 * r)))
       ! An inclined contact is an ellipse that neighbours see as a circle.
       associate (pair => pairs%list(set%number(k)), &
@@ -220,10 +219,9 @@ contains
       real(real64) :: rr
 
       associate (set => solution%set, j => solution%set%tree%near(l))
-        x = set%x(j) + set%move_x(j) - set%x(k) - set%move_x(k)
-        y = set%y(j) + set%move_y(j) - set%y(k) - set%move_y(k)
+        way = from_other(set, j, k)
         ! In one place nothing is known: very much.
-        rr = max(x * x + y * y, 1.0e-6_real64 * a**2)
+        rr = max(sum(way**2), 1.0e-6_real64 * a**2)
         b = 0.0_real64
         cosine = 0.0_real64
         sine = 0.0_real64
@@ -231,8 +229,8 @@ contains
         b = 1.0_real64 / (sqrt(rr) * max(rr - a**2, 0.1_real64 * rr))
         if (rr > (a + set%circle(j))**2) b = max(b, set%terms(bend, set%pair(l)) * pi / 3)
         b = 2 * set%load(j) * a**2 / pi * b
-        cosine = (x * x - y * y) / rr
-        sine = 2 * x * y / rr
+        cosine = (way(1)**2 - way(2)**2) / rr
+        sine = 2 * product(way) / rr
       end associate
     end subroutine harmonics
 

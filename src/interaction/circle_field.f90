@@ -22,7 +22,7 @@ module asperity_circle_field
   implicit none
   private
 
-  public :: are_close, between, circle_set, plant_circles, find_field, inclination
+  public :: are_close, between, circle_set, plant_circles, find_field, from_other, inclination
 
   !> Sums of radii below which a pair is near.
   real(real64), parameter, public :: near_factor = 5.0_real64
@@ -50,14 +50,14 @@ module asperity_circle_field
     !> share of the curvature that is added to second derivatives by the own shift
     real(real64), allocatable :: stiffer(:)
     logical, allocatable :: held(:)              !! not in products; a new field makes it `still`
-    real(real64), allocatable :: move_x(:), move_y(:)  !! the shifts
+    real(real64), allocatable :: move(:, :)      !! the shifts
     real(real64), allocatable :: load(:)         !! over the modulus
     real(real64), allocatable :: circle(:)       !! radius of the contact
     real(real64), allocatable :: stiffness(:)    !! of the load by the penetration, over the modulus
     real(real64), allocatable :: lift(:)         !! u: displacement by the others
     real(real64), allocatable :: growth(:)       !! d(lift)/d(log of the own radius)
-    real(real64), allocatable :: tilt_x(:), tilt_y(:)    !! slope with Hertz' weight
-    real(real64), allocatable :: steer_x(:), steer_y(:)  !! slope of `lift`
+    real(real64), allocatable :: tilt(:, :)      !! slope with Hertz' weight
+    real(real64), allocatable :: steer(:, :)     !! slope of `lift`
     real(real64), allocatable :: bends(:, :)     !! second derivatives by the own shift: xx, xy, yy
     !> field from outside: second derivatives xx, xy, yy, and the shift where it is zero
     real(real64), allocatable :: outer(:, :)
@@ -91,10 +91,10 @@ contains
     none = 0.0_real64
     self%number = nint(none)
     allocate (self%bends(3, n), self%bowl(3, n))
+    allocate (self%move(2, n), self%tilt(2, n), self%steer(2, n), source=0.0_real64)
     allocate (self%still(n), source=.false.)
-    allocate (self%x, self%y, self%curvature, self%move_x, self%move_y, self%load, self%circle, &
-              self%stiffness, self%lift, self%growth, self%tilt_x, self%tilt_y, self%steer_x, &
-              self%steer_y, source=none)
+    allocate (self%x, self%y, self%curvature, self%load, self%circle, self%stiffness, self%lift, &
+              self%growth, source=none)
   end subroutine make_room
 
   !> What an inclined contact presses the surface down with, over its vertical load.
@@ -151,7 +151,7 @@ contains
 
     n = size(set%x)
     allocate (far(6, n), batch(min(a_batch, size(set%one))))
-    call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, far, set%move_x, set%move_y)
+    call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, far, set%move)
     set%held = set%still
     set%stiffer = spread(0.0_real64, 1, n)
     !$omp parallel do schedule(static) if(n > many)
@@ -160,14 +160,12 @@ contains
         of = of / pi
         set%lift(k) = of(1) + flat_spread * square * of(2)
         set%growth(k) = 2 * flat_spread * square * of(2)
-        set%tilt_x(k) = of(3)
-        set%tilt_y(k) = of(4)
+        set%tilt(:, k) = of(3:4)
         set%bowl(:, k) = [set%curvature(k) + 0.5_real64 * of(2) + of(5), of(6), &
                           set%curvature(k) + 0.5_real64 * of(2) - of(5)]
         if (allocated(set%outer)) call add_outer(set, k)
         set%bends(:, k) = set%load(k) * set%bowl(:, k)
-        set%steer_x(k) = set%tilt_x(k)
-        set%steer_y(k) = set%tilt_y(k)
+        set%steer(:, k) = set%tilt(:, k)
       end associate
     end do
     !$omp end parallel do
@@ -196,16 +194,13 @@ contains
   subroutine add_outer(set, k)
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
-    real(real64) :: x, y, tilt_x, tilt_y
+    real(real64) :: from(2), tilt(2)
 
     associate (b => set%outer(:, k))
-      x = set%move_x(k) - b(4)
-      y = set%move_y(k) - b(5)
-      tilt_x = b(1) * x + b(2) * y
-      tilt_y = b(2) * x + b(3) * y
-      set%lift(k) = set%lift(k) + 0.5_real64 * (tilt_x * x + tilt_y * y)
-      set%tilt_x(k) = set%tilt_x(k) + tilt_x
-      set%tilt_y(k) = set%tilt_y(k) + tilt_y
+      from = set%move(:, k) - b(4:5)
+      tilt = b(1:2) * from(1) + b(2:3) * from(2)
+      set%lift(k) = set%lift(k) + 0.5_real64 * dot_product(tilt, from)
+      set%tilt(:, k) = set%tilt(:, k) + tilt
       set%bowl(:, k) = set%bowl(:, k) + b(:3)
     end associate
   end subroutine add_outer
@@ -215,12 +210,11 @@ contains
     type(circle_set), intent(inout) :: set
     integer, intent(in) :: k
     type(mutual_terms), intent(out) :: terms
-    real(real64) :: dx, dy, r
+    real(real64) :: from(2), r
 
     associate (i => set%one(k), j => set%other(k))
-      dx = (set%x(i) - set%x(j)) + (set%move_x(i) - set%move_x(j))
-      dy = (set%y(i) - set%y(j)) + (set%move_y(i) - set%move_y(j))
-      r = hypot(dx, dy)
+      from = from_other(set, i, j)
+      r = hypot(from(1), from(2))
       call mutual_displacement(r, set%circle(i), set%circle(j), terms)
     end associate
     set%terms(comply, k) = terms%compliance
@@ -232,8 +226,7 @@ contains
     if (.not. r > 0.0_real64) return
     set%terms(turn, k) = terms%slope / r
     set%terms(bend, k) = terms%bend - terms%slope / r
-    set%terms(east, k) = dx / r
-    set%terms(north, k) = dy / r
+    set%terms(east:north, k) = from / r
   end subroutine find_terms
 
   ! Adds what two near circles do to each other: heights and bends.
@@ -261,16 +254,12 @@ contains
     integer, intent(in) :: k
     type(mutual_terms), intent(in) :: terms
 
-    associate (i => set%one(k), j => set%other(k), x => set%terms(east, k), &
-               y => set%terms(north, k), load => set%load)
-      set%tilt_x(i) = set%tilt_x(i) + load(j) * terms%slope * x
-      set%tilt_y(i) = set%tilt_y(i) + load(j) * terms%slope * y
-      set%tilt_x(j) = set%tilt_x(j) - load(i) * terms%slope * x
-      set%tilt_y(j) = set%tilt_y(j) - load(i) * terms%slope * y
-      set%steer_x(i) = set%steer_x(i) + load(j) * terms%first_slope * x
-      set%steer_y(i) = set%steer_y(i) + load(j) * terms%first_slope * y
-      set%steer_x(j) = set%steer_x(j) - load(i) * terms%second_slope * x
-      set%steer_y(j) = set%steer_y(j) - load(i) * terms%second_slope * y
+    associate (i => set%one(k), j => set%other(k), way => set%terms(east:north, k), &
+               load => set%load)
+      set%tilt(:, i) = set%tilt(:, i) + load(j) * terms%slope * way
+      set%tilt(:, j) = set%tilt(:, j) - load(i) * terms%slope * way
+      set%steer(:, i) = set%steer(:, i) + load(j) * terms%first_slope * way
+      set%steer(:, j) = set%steer(:, j) - load(i) * terms%second_slope * way
     end associate
   end subroutine add_slopes
 
@@ -280,10 +269,18 @@ contains
     integer, intent(in) :: a, b           !! the circles
     real(real64), intent(in) :: sums      !! sums of radii
 
-    are_close = ((set%x(a) - set%x(b)) + (set%move_x(a) - set%move_x(b)))**2 + &
-                ((set%y(a) - set%y(b)) + (set%move_y(a) - set%move_y(b)))**2 < &
-                (sums * (set%circle(a) + set%circle(b)))**2
+    are_close = sum(from_other(set, a, b)**2) < (sums * (set%circle(a) + set%circle(b)))**2
   end function are_close
+
+  !> Where a circle stands now, from another one.
+  pure function from_other(set, one, other) result(from)
+    type(circle_set), intent(in) :: set   !! places and shifts are set
+    integer, intent(in) :: one, other     !! the circles
+    real(real64) :: from(2)
+
+    from = [set%x(one) - set%x(other), set%y(one) - set%y(other)] + &
+           (set%move(:, one) - set%move(:, other))
+  end function from_other
 
   !> Second derivatives of a near pair's compliance: xx, xy, yy.
   pure function between(set, k) result(bends)

@@ -39,46 +39,37 @@ contains
     real(real64), intent(in) :: change(:, :)    !! (3, circle): of load, of shift along x and y
     real(real64), intent(out) :: image(:, :)    !! (3, circle)
     real(real64), allocatable :: far(:, :)
-    real(real64) :: along, grows, mine(3), moved_x, moved_y, sign_of, slope_here, slope_there, x, y
+    real(real64) :: grows, mine(3), moved(2), slope_here, slope_there, way(2)
     integer :: i, j, k, l, n
 
     n = size(set%x)
     allocate (far(6, n))
-    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, far, set%move_x, &
-                     set%move_y, rough=n > many)
+    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, far, set%move, n > many)
     !$omp parallel do schedule(static) if(n > many) &
-    !$omp   private(grows, i, j, k, l, along, mine, moved_x, moved_y, sign_of, &
-    !$omp   slope_here, slope_there, x, y)
+    !$omp   private(grows, i, j, k, l, mine, moved, slope_here, slope_there, way)
     do i = 1, n
       grows = set%growth(i)
       if (set%held(i)) grows = max(grows, 0.0_real64)
-      x = set%move_x(i) * set%curvature(i) + set%steer_x(i)
-      y = set%move_y(i) * set%curvature(i) + set%steer_y(i)
+      way = set%move(:, i) * set%curvature(i) + set%steer(:, i)
       mine(1) = (far(1, i) + flat_spread * set%circle(i)**2 * far(2, i)) / pi + &
-                (1.0_real64 / set%stiffness(i) + grows / (3 * set%load(i))) * &
-                change(1, i) + x * change(2, i) + y * change(3, i)
+                (1.0_real64 / set%stiffness(i) + grows / (3 * set%load(i))) * change(1, i) + &
+                dot_product(way, change(2:, i))
       associate (b => set%bowl(:, i), more => set%stiffer(i) * set%curvature(i))
-        mine(2) = x * change(1, i) + &
-                  set%load(i) * ((b(1) + more) * change(2, i) + b(2) * change(3, i))
-        mine(3) = y * change(1, i) + &
-                  set%load(i) * (b(2) * change(2, i) + (b(3) + more) * change(3, i))
+        mine(2:) = way * change(1, i) + set%load(i) * &
+          (b(1:2) * change(2, i) + b(2:3) * change(3, i) + more * change(2:, i))
       end associate
       do l = set%tree%first(i), set%tree%first(i + 1) - 1
         j = set%tree%near(l)
         k = set%pair(l)
-        sign_of = merge(1.0_real64, -1.0_real64, i < j)
         slope_here = set%terms(merge(steer_one, steer_other, i < j), k)
         slope_there = set%terms(merge(steer_other, steer_one, i < j), k)
-        x = sign_of * set%terms(east, k)
-        y = sign_of * set%terms(north, k)
+        way = merge(1.0_real64, -1.0_real64, i < j) * set%terms(east:north, k)
+        moved = change(2:, i) - change(2:, j)
         mine(1) = mine(1) + set%terms(comply, k) * change(1, j) - &
-                  slope_here * set%load(j) * (x * change(2, j) + y * change(3, j))
-        moved_x = change(2, i) - change(2, j)
-        moved_y = change(3, i) - change(3, j)
-        along = set%load(i) * slope_there * change(1, j) + &
-                set%load(i) * set%load(j) * set%terms(bend, k) * (x * moved_x + y * moved_y)
-        mine(2) = mine(2) + along * x + set%load(i) * set%load(j) * set%terms(turn, k) * moved_x
-        mine(3) = mine(3) + along * y + set%load(i) * set%load(j) * set%terms(turn, k) * moved_y
+                  slope_here * set%load(j) * dot_product(way, change(2:, j))
+        mine(2:) = mine(2:) + set%load(i) * (way * (slope_there * change(1, j) + &
+          set%load(j) * set%terms(bend, k) * dot_product(way, moved)) + &
+          set%load(j) * set%terms(turn, k) * moved)
       end do
       if (set%held(i)) mine(2:) = 0.0_real64
       image(:, i) = mine

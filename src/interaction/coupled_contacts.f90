@@ -132,7 +132,7 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    real(real64), allocatable :: p(:), x(:), y(:)
+    real(real64), allocatable :: p(:), move(:, :)
     integer, allocatable :: member(:), first(:)
     real(real64) :: before
     integer :: k
@@ -145,8 +145,7 @@ contains
         share_off * maxval(state%miss) * (size(state%miss) - size(member))) return
     before = state%residual
     allocate (p, source=solution%penetration)
-    allocate (x, source=solution%move_x)
-    allocate (y, source=solution%move_y)
+    allocate (move, source=solution%move)
     !$omp parallel do schedule(dynamic)
     do k = 1, size(first) - 1
       call solve_group(pairs, law, state, member(first(k):first(k + 1) - 1), solution)
@@ -156,8 +155,7 @@ contains
     call evaluate(pairs, law, solution, state, resolved)
     if (allocated(solution%failure) .or. state%residual < before) return
     solution%penetration = p
-    solution%move_x = x
-    solution%move_y = y
+    solution%move = move
     call evaluate(pairs, law, solution, state, resolved)
   end subroutine relax
 
@@ -185,7 +183,7 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), dx(:), dy(:), p(:), x(:), y(:)
+    real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), shift(:, :), p(:), move(:, :)
     real(real64), allocatable :: first(:), now(:), part(:), reach(:)
     real(real64) :: left, deepest
     integer :: n, trial
@@ -195,15 +193,13 @@ contains
     left = merge(least_left, 0.0_real64, n > many)
     allocate (gradient(3, n), step(3, n))
     gradient(1, :) = state%off
-    gradient(2, :) = solution%set%load * state%off_x
-    gradient(3, :) = solution%set%load * state%off_y
+    gradient(2:, :) = spread(solution%set%load, 1, 2) * state%aside
     call newton_step(solution%set, gradient, state%target > 0.0_real64, &
                      min(most_left, max(left, state%residual)), min(most_left, state%residual), &
                      step, solution%products)
     allocate (p, source=solution%penetration)
-    allocate (x, source=solution%move_x)
-    allocate (y, source=solution%move_y)
-    allocate (dp(size(p)), dx(size(p)), dy(size(p)), source=0.0_real64)
+    allocate (move, source=solution%move)
+    allocate (dp(size(p)), shift(2, size(p)), source=0.0_real64)
     allocate (part(size(p)), source=1.0_real64)
     deepest = maxval(p(solution%set%number))
     ! No farther than the field is known: the deepest penetration, and the own circle. Cut each for
@@ -217,8 +213,7 @@ contains
     end if
     do trial = 1, most_trials
       solution%penetration = p + part * dp
-      solution%move_x = x + part * dx
-      solution%move_y = y + part * dy
+      solution%move = move + spread(part, 1, 2) * shift
       ! Nor does anything penetrate by more than alone; a law with a kink sends steps far off.
       if (state%target > 0.0_real64) then
         call raise(pairs, law, state%target, solution%penetration)
@@ -240,8 +235,7 @@ contains
     subroutine aim()
       associate (i => solution%set%number)
         dp(i) = reach * step(1, :) / solution%set%stiffness
-        dx(i) = reach * step(2, :)
-        dy(i) = reach * step(3, :)
+        shift(:, i) = spread(reach, 1, 2) * step(2:, :)
       end associate
       first = slopes()
     end subroutine aim
@@ -260,7 +254,7 @@ contains
         do j = 1, size(set%x)
           associate (i => set%number(j))
             slopes(i) = state%off(j) * set%stiffness(j) * (dp(i) + raised) + &
-                        set%load(j) * (state%off_x(j) * dx(i) + state%off_y(j) * dy(i))
+                        set%load(j) * dot_product(state%aside(:, j), shift(:, i))
           end associate
         end do
       end associate

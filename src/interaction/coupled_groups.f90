@@ -92,7 +92,7 @@ contains
     type(group_law), intent(out) :: alone_law         !! of its contacts
     type(coupled_solution), intent(out) :: part       !! a start
     type(solve_state) :: inside
-    real(real64) :: x, y
+    real(real64) :: away(2)
     integer :: i
 
     associate (number => solution%set%number(member), set => solution%set)
@@ -103,27 +103,23 @@ contains
       alone_law%deeper = spread(1.0_real64, 1, size(number))
       part%closing = solution%closing
       part%penetration = solution%penetration(number)
-      part%move_x = solution%move_x(number)
-      part%move_y = solution%move_y(number)
+      part%move = solution%move(:, number)
       inside%gap = state%gap(number)
       call evaluate(alone, alone_law, part, inside)
       allocate (part%outer(5, size(member)))
       do i = 1, size(member)
         associate (k => member(i), pair => alone%list(i), p => part%penetration(i))
-          x = pair%radius * (set%tilt_x(k) - part%set%tilt_x(i))
-          y = pair%radius * (set%tilt_y(k) - part%set%tilt_y(i))
-          pair%x = pair%x - x
-          pair%y = pair%y - y
-          part%move_x(i) = part%move_x(i) + x
-          part%move_y(i) = part%move_y(i) + y
+          away = pair%radius * (set%tilt(:, k) - part%set%tilt(:, i))
+          pair%x = pair%x - away(1)
+          pair%y = pair%y - away(2)
+          part%move(:, i) = part%move(:, i) + away
           part%outer(:, i) = [(set%bends(:, k) - part%set%bends(:, i)) / set%load(k), &
-                              part%move_x(i), part%move_y(i)]
+                              part%move(:, i)]
           ! d(lift)/d(log of the radius) is twice that by the log of the penetration.
           alone_law%deeper(i) = max(least_deeper, 1.0_real64 + 0.5_real64 * &
                                     (set%growth(k) - part%set%growth(i)) / p)
           pair%gap = state%gap(number(i)) + set%lift(k) - part%set%lift(i) - 0.5_real64 * &
-                     set%curvature(k) * (x * (part%move_x(i) + set%move_x(k)) + &
-                                         y * (part%move_y(i) + set%move_y(k))) - &
+                     set%curvature(k) * dot_product(away, part%move(:, i) + set%move(:, k)) - &
                      (alone_law%deeper(i) - 1.0_real64) * p
           p = p * alone_law%deeper(i)
         end associate
@@ -144,8 +140,8 @@ contains
     do k = 1, size(member)
       i = solution%set%number(member(k))
       solution%penetration(i) = part%penetration(k) / alone_law%deeper(k)
-      solution%move_x(i) = part%move_x(k) + (alone%list(k)%x - pairs%list(i)%x)
-      solution%move_y(i) = part%move_y(k) + (alone%list(k)%y - pairs%list(i)%y)
+      solution%move(:, i) = part%move(:, k) + [alone%list(k)%x - pairs%list(i)%x, &
+                                               alone%list(k)%y - pairs%list(i)%y]
     end do
   end subroutine put_back
 

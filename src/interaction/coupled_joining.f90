@@ -45,7 +45,7 @@ contains
     integer, intent(out) :: joined                         !! how many
     logical, allocatable :: is_open(:), touches(:)
     integer, allocatable :: number(:)
-    real(real64), allocatable :: before(:), x(:), y(:)
+    real(real64), allocatable :: before(:), move(:, :)
     type(contact_response) :: answer
     real(real64) :: deepest, least
     integer :: i, pass
@@ -61,16 +61,15 @@ contains
     number = pack([(i, i=1, size(is_open))], is_open)
     do pass = 1, most_looks
       if (size(number) == 0) exit
-      x = solution%move_x(number)
-      y = solution%move_y(number)
+      move = solution%move(:, number)
       call look_around(pairs, number, state%gap, 0.1_real64 * least, solution, &
                        max(out_of_host, min(out_of_opened * state%joins, most_out)), before)
       if (allocated(solution%failure)) return
       ! The far field bends: what is told of a place from another one is so only near by. Who
       ! touches joins where it was looked at from; who would join elsewhere is looked at from there.
       touches(number) = before > least
-      solution%move_x(number) = merge(x, solution%move_x(number), touches(number))
-      solution%move_y(number) = merge(y, solution%move_y(number), touches(number))
+      solution%move(:, number) = merge(move, solution%move(:, number), &
+                                       spread(touches(number), 1, 2))
       solution%penetration(number) = merge(before, solution%penetration(number), touches(number))
       number = pack(number, solution%penetration(number) > least .and. .not. touches(number))
     end do
@@ -131,7 +130,7 @@ contains
     real(real64) :: along(2), sharper
 
     associate (own => pairs%list(set%number(host)), pair => pairs%list(i), &
-               move => [set%move_x(host), set%move_y(host)])
+               move => set%move(:, host))
       along = move + [own%x - pair%x, own%y - pair%y]
       ! Along its steepest line it stands out by a parabola: as far as its top, or to the end.
       sharper = 1.0_real64 / pair%radius - 1.0_real64 / own%radius
@@ -154,9 +153,8 @@ contains
 
     share = most_out
     associate (own => pairs%list(set%number(host)), pair => pairs%list(i), a => set%circle(host))
-      if (pair%radius < 2 * own%radius .and. hypot(set%x(host) + set%move_x(host) - pair%x, &
-                                                   set%y(host) + set%move_y(host) - pair%y) < a) &
-        then
+      if (pair%radius < 2 * own%radius .and. norm2(set%move(:, host) + &
+          [set%x(host) - pair%x, set%y(host) - pair%y]) < a) then
         call stand_out(pairs, set, host, i, 2 * a, share, off, slope)
         share = share / a**2 * own%radius
       end if
@@ -184,15 +182,14 @@ contains
     allocate (before(n), source=far_below)
     associate (set => solution%set)
       ! Near where they are: far off a tilted surface moves them past many a circle.
-      call plant_tree(tree, [set%x, pairs%list(number)%x + solution%move_x(number)], &
-                      [set%y, pairs%list(number)%y + solution%move_y(number)], &
+      call plant_tree(tree, [set%x, pairs%list(number)%x + solution%move(1, number)], &
+                      [set%y, pairs%list(number)%y + solution%move(2, number)], &
                       [set%circle, spread(0.0_real64, 1, n)], near_factor, size(set%x))
       if (allocated(tree%failure)) then
         solution%failure = tree%failure
         return
       end if
-      call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field, set%move_x, &
-                       set%move_y)
+      call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field, set%move)
       !$omp parallel do schedule(dynamic, 64) private(i, least, far) if(n > many)
       do k = 1, n
         i = number(k)
@@ -201,7 +198,7 @@ contains
                    p => solution%penetration(i))
           ! Near circles only push down: without them it would not touch, by a shift's worth.
           least = far(1) - 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)) - &
-                  far(2) * solution%move_x(i) - far(3) * solution%move_y(i)
+                  dot_product(far(2:), solution%move(:, i))
           p = solution%closing - gap(i) - least
           if (p + 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)) < 0.0_real64) &
             cycle
@@ -209,7 +206,7 @@ contains
             p = far_below
           else
             call settle(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, near, far, &
-                        accuracy, solution%move_x(i), solution%move_y(i), before(k), least)
+                        accuracy, solution%move(:, i), before(k), least)
             before(k) = solution%closing - gap(i) - before(k)
             p = solution%closing - gap(i) - least
           end if
@@ -236,18 +233,18 @@ contains
   end function is_hidden
 
   ! The lowest place of one contact, by Newton's method that only goes down.
-  pure subroutine settle(x, y, radius, set, near, far, accuracy, move_x, move_y, before, least)
+  pure subroutine settle(x, y, radius, set, near, far, accuracy, shift, before, least)
     real(real64), intent(in) :: x, y, radius
     type(circle_set), intent(in) :: set
     integer, intent(in) :: near(:)
     real(real64), intent(in) :: far(3)                ! at the start: field, slopes
     real(real64), intent(in) :: accuracy
-    real(real64), intent(inout) :: move_x, move_y
+    real(real64), intent(inout) :: shift(2)
     real(real64), intent(out) :: before, least        ! height at the start, at the end
     real(real64) :: first(2), s(2), move(2), here(6), there(6)
     integer :: step, cut
 
-    first = [move_x, move_y]
+    first = shift
     s = first
     here = height(s)
     before = here(1)
@@ -263,8 +260,7 @@ contains
       s = s + move
       here = there
     end do
-    move_x = s(1)
-    move_y = s(2)
+    shift = s
     least = here(1)
 
   contains
@@ -280,8 +276,8 @@ contains
                 far(2:) + s / radius, [1, 0, 1] / radius]
       do k = 1, size(near)
         j = near(k)
-        dx = x + s(1) - (set%x(j) + set%move_x(j))
-        dy = y + s(2) - (set%y(j) + set%move_y(j))
+        dx = x + s(1) - (set%x(j) + set%move(1, j))
+        dy = y + s(2) - (set%y(j) + set%move(2, j))
         r = hypot(dx, dy)
         call mutual_displacement(r, 0.0_real64, set%circle(j), terms)
         turn = terms%bend

@@ -48,8 +48,7 @@ contains
     if (fresh) then
       solution%penetration = solution%closing - state%gap
       if (present(target)) solution%penetration = -state%gap
-      allocate (solution%move_x(n), source=0.0_real64)
-      allocate (solution%move_y(n), source=0.0_real64)
+      allocate (solution%move(2, n), source=0.0_real64)
     end if
     if (present(target)) then
       state%target = target / pairs%modulus

@@ -27,7 +27,7 @@ module asperity_coupled_state
   type :: coupled_solution
     real(real64) :: closing = 0.0_real64            !! past first touch of all
     real(real64), allocatable :: penetration(:)     !! not positive where open
-    real(real64), allocatable :: move_x(:), move_y(:)  !! shifts
+    real(real64), allocatable :: move(:, :)         !! shifts (2, pair)
     real(real64), allocatable :: outer(:, :)        !! field from outside, as `circle_set` has it
     type(circle_set) :: set                         !! those that carry load, with their field
     type(solve_ending) :: ending                    !! residual over the largest penetration
@@ -40,7 +40,7 @@ module asperity_coupled_state
   type :: solve_state
     real(real64), allocatable :: gap(:)             !! of every pair
     real(real64), allocatable :: off(:)             !! gradient by load, by circle
-    real(real64), allocatable :: off_x(:), off_y(:) !! gradient by shift over load, by circle
+    real(real64), allocatable :: aside(:, :)        !! gradient by shift over load (2, circle)
     real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
@@ -172,13 +172,9 @@ contains
       do k = 1, size(set%x)
         i = set%number(k)
         state%off(k) = solution%penetration(i) + state%gap(i) + set%lift(k) + &
-                       0.5_real64 * set%curvature(k) * (set%move_x(k)**2 + set%move_y(k)**2)
-        state%off_x(k) = set%curvature(k) * set%move_x(k) + set%tilt_x(k)
-        state%off_y(k) = set%curvature(k) * set%move_y(k) + set%tilt_y(k)
-        if (set%still(k)) then
-          state%off_x(k) = 0.0_real64
-          state%off_y(k) = 0.0_real64
-        end if
+                       0.5_real64 * set%curvature(k) * sum(set%move(:, k)**2)
+        state%aside(:, k) = set%curvature(k) * set%move(:, k) + set%tilt(:, k)
+        if (set%still(k)) state%aside(:, k) = 0.0_real64
       end do
       !$omp end parallel do
       if (state%target > 0.0_real64) &
@@ -188,9 +184,8 @@ contains
         state%off(k) = state%off(k) - solution%closing
         ! A shift that is off changes the penetration by no more than this times the slopes.
         aside = 0.0_real64
-        if (.not. set%still(k)) aside = hypot(state%off_x(k), state%off_y(k)) / set%curvature(k) * &
-                                        (hypot(set%tilt_x(k), set%tilt_y(k)) + &
-                                         set%curvature(k) * hypot(set%move_x(k), set%move_y(k)))
+        if (.not. set%still(k)) aside = norm2(state%aside(:, k)) / set%curvature(k) * &
+          (norm2(set%tilt(:, k)) + set%curvature(k) * norm2(set%move(:, k)))
         state%miss(k) = max(abs(state%off(k)), aside)
       end do
       !$omp end parallel do
@@ -235,8 +230,8 @@ contains
         if (size(set%number) == n) same = all(set%number == number(:n))
       end if
       if (.not. same) call set%make_room(n)
-      if (allocated(state%off)) deallocate (state%off, state%off_x, state%off_y, state%miss)
-      allocate (state%off(n), state%off_x(n), state%off_y(n), state%miss(n))
+      if (allocated(state%off)) deallocate (state%off, state%aside, state%miss)
+      allocate (state%off(n), state%aside(2, n), state%miss(n))
       set%number = number(:n)
       if (allocated(solution%outer)) set%outer = solution%outer(:, set%number)
       !$omp parallel do schedule(static) private(i, inclined, place) if(n > many) &
@@ -245,15 +240,13 @@ contains
         i = number(k)
         place = [pairs%list(i)%x, pairs%list(i)%y]
         set%curvature(k) = 1.0_real64 / pairs%list(i)%radius
-        set%move_x(k) = solution%move_x(i)
-        set%move_y(k) = solution%move_y(i)
+        set%move(:, k) = solution%move(:, i)
         set%still(k) = .false.
         if (present(resolved)) set%still(k) = resolved%is_one(i)
         if (set%still(k)) then
           place = [resolved%x(i), resolved%y(i)]
           set%curvature(k) = 0.0_real64
-          set%move_x(k) = 0.0_real64
-          set%move_y(k) = 0.0_real64
+          set%move(:, k) = 0.0_real64
         end if
         ! Whoever stands elsewhere is to be planted there.
         if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) same = .false.

@@ -1,6 +1,6 @@
 !> What the cells of clusters answer, told to the circles.
 module asperity_resolved_answers
-  use asperity_circle_field, only: circle_set
+  use asperity_circle_field, only: circle_set, from_other
   use asperity_cells_outside, only: beside_circle
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -36,8 +36,7 @@ contains
         resolved%x(members) = answer%together%x
         resolved%y(members) = answer%together%y
         coupled%penetration(members) = far_below
-        coupled%move_x(members) = 0.0_real64
-        coupled%move_y(members) = 0.0_real64
+        coupled%move(:, members) = 0.0_real64
         clusters(k)%load = 0 * answer%together%load
         do m = 1, size(members)
           i = members(m)
@@ -197,9 +196,8 @@ contains
       do n = 1, size(circle)
         if (n == m .or. circle(n) == 0) cycle
         associate (i => circle(m), j => circle(n))
-          call mutual_displacement(hypot(set%x(i) + set%move_x(i) - set%x(j) - set%move_x(j), &
-                                         set%y(i) + set%move_y(i) - set%y(j) - set%move_y(j)), &
-                                   set%circle(i), set%circle(j), terms)
+          call mutual_displacement(norm2(from_other(set, i, j)), set%circle(i), set%circle(j), &
+                                   terms)
           lift(m) = lift(m) - set%load(j) * terms%on_first
         end associate
       end do

@@ -127,8 +127,8 @@ contains
     allocate (x(nodes**2 * size(clusters)), y(nodes**2 * size(clusters)))
     allocate (reach(size(x)), field(6, size(x)))
     associate (set => coupled%set)
-      allocate (u, source=set%x + set%move_x)
-      allocate (v, source=set%y + set%move_y)
+      allocate (u, source=set%x + set%move(1, :))
+      allocate (v, source=set%y + set%move(2, :))
       n = 0
       do k = 1, size(clusters)
         associate (o => clusters(k)%outside)

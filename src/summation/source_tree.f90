@@ -170,15 +170,14 @@ contains
   !> Moves shift places without a change of what is near and of what is summed how: all sums are
   !> smooth functions of charges and moves. Moves must be small against the reaches. Targets that
   !> are the sources move with them. Laplacian and slopes are those of the potential with spread.
-  subroutine sum_sources(tree, charge, spread, value, move_x, move_y, rough)
+  subroutine sum_sources(tree, charge, spread, value, move, rough)
     type(source_tree), intent(inout) :: tree           !! the tree
     real(real64), intent(in) :: charge(:)              !! of sources
     real(real64), intent(in) :: spread(:)              !! of sources, at most reach**2
     !> (6, target): potential, its Laplacian in the plane, slopes in x and y, half of what it bends
     !! more in x than in y, bend in xy
     real(real64), intent(out) :: value(:, :)
-    real(real64), intent(in), optional :: move_x(:)    !! of sources; both or none
-    real(real64), intent(in), optional :: move_y(:)    !! of sources
+    real(real64), intent(in), optional :: move(:, :)   !! (2, source): in x and y
     !> only the potential, and to 1e-4 or so; mean by the target's spread
     logical, intent(in), optional :: rough
     real(real64), allocatable :: about(:, :)
@@ -193,7 +192,7 @@ contains
       tree%circle(i, 4:7) = [tree%circle(i, :2), 0.0_real64, 0.0_real64]
       if (k > tree%sources) cycle
       tree%circle(i, 6:7) = [charge(k), spread(k)]
-      if (present(move_x)) tree%circle(i, 4:5) = tree%circle(i, 4:5) + [move_x(k), move_y(k)]
+      if (present(move)) tree%circle(i, 4:5) = tree%circle(i, 4:5) + move(:, k)
     end do
     !$omp end do
     do i = size(tree%level) - 1, 3, -1

@@ -103,7 +103,7 @@ contains
       call check(error, solution%penetration(1) / depth, p, &
                  merge(2.0e-10_real64, 2 * terms%on_first * load / distances(i)**4, &
                        distances(i) < 10 * sqrt(p)), 'penetration')
-      call check(error, solution%move_x(2) / sqrt(depth), shift, &
+      call check(error, solution%move(1, 2) / sqrt(depth), shift, &
                  merge(1.0e-9_real64, 2 * shift / distances(i)**2, &
                        distances(i) < 10 * sqrt(p)), 'shift')
       call check(error, solution%penetration(2) / solution%penetration(1), 1.0_real64, &
@@ -197,7 +197,7 @@ contains
                1.0e-9_real64, 'the same at that closing')
     ! One contact with its centres level bears less than 4/3 E sqrt(R) (4 R)**1.5.
     call set_out([0.0_real64], [0.0_real64], [0.0_real64], pairs, law)
-    deallocate (solution%penetration, solution%move_x, solution%move_y)
+    deallocate (solution%penetration, solution%move)
     call solve_coupled(pairs, law, solution, 11.0_real64 * law%modulus)
     call check(error, allocated(solution%failure), 'a load out of reach')
   end subroutine load_met
@@ -279,7 +279,7 @@ contains
     type(coupled_solution), intent(in) :: solution
     character(24 * size(solution%penetration)) :: bytes
 
-    bytes = transfer([solution%penetration, solution%move_x, solution%move_y], bytes)
+    bytes = transfer([solution%penetration, solution%move], bytes)
   end function bytes_of
 
   ! A tenth of a circle apart, heights within 1e-4 of the depth: steps on the way open all of them.

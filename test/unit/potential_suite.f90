@@ -45,8 +45,8 @@ contains
       set%number(i) = i
       set%x(i) = side * random(seed)
       set%y(i) = side * random(seed)
-      set%move_x(i) = 0.2_real64 * random(seed)
-      set%move_y(i) = 0.2_real64 * random(seed)
+      set%move(1, i) = 0.2_real64 * random(seed)
+      set%move(2, i) = 0.2_real64 * random(seed)
       set%load(i) = 0.1_real64 + 1.2_real64 * random(seed)
     end do
     set%curvature = 1.0_real64
@@ -70,8 +70,7 @@ contains
     type(circle_set), intent(inout) :: after
 
     after%load = before%load + step * change(1, :)
-    after%move_x = before%move_x + step * change(2, :)
-    after%move_y = before%move_y + step * change(3, :)
+    after%move = before%move + step * change(2:, :)
     call load_up(after)
     call find_field(after)
   end subroutine change_by
@@ -81,17 +80,15 @@ contains
     type(circle_set), intent(in) :: set
 
     potential = sum(0.6_real64 * set%circle**2 * set%load) + set%energy + &
-                sum(set%load * set%curvature * (set%move_x**2 + set%move_y**2)) / 2
+                sum(set%load * set%curvature * sum(set%move**2, 1)) / 2
   end function potential
 
   pure function gradient_of(set) result(gradient)
     type(circle_set), intent(in) :: set
     real(real64) :: gradient(3, size(set%x))
 
-    gradient(1, :) = set%circle**2 + set%lift + &
-                     set%curvature * (set%move_x**2 + set%move_y**2) / 2
-    gradient(2, :) = set%load * (set%curvature * set%move_x + set%tilt_x)
-    gradient(3, :) = set%load * (set%curvature * set%move_y + set%tilt_y)
+    gradient(1, :) = set%circle**2 + set%lift + set%curvature * sum(set%move**2, 1) / 2
+    gradient(2:, :) = spread(set%load, 1, 2) * (spread(set%curvature, 1, 2) * set%move + set%tilt)
   end function gradient_of
 
   ! A direction: all at random, or one number of one circle.
@@ -238,10 +235,8 @@ contains
       end if
       size_of = 0.2_real64 * random(seed)
       other%load = solution%set%load * (1 + size_of * change(1, :))
-      other%move_x = solution%set%move_x + 0.5_real64 * size_of * change(2, :) * &
-                     solution%set%circle
-      other%move_y = solution%set%move_y + 0.5_real64 * size_of * change(3, :) * &
-                     solution%set%circle
+      other%move = solution%set%move + 0.5_real64 * size_of * change(2:, :) * &
+                   spread(solution%set%circle, 1, 2)
       other%circle = solution%set%circle * (other%load / solution%set%load)**third
       call find_field(other)
       energy = total(other)
@@ -256,7 +251,7 @@ contains
 
       total = sum(set%load * (0.6_real64 * set%circle**2 * set%curvature + &
                               pairs%list(set%number)%gap - depth + &
-                              set%curvature * (set%move_x**2 + set%move_y**2) / 2)) + set%energy
+                              set%curvature * sum(set%move**2, 1) / 2)) + set%energy
     end function total
 
   end subroutine try_about

@@ -23,7 +23,8 @@ module asperity_summation_suite
 
   ! Circles, what they bear and how they move.
   type :: circles
-    real(real64), allocatable, dimension(:) :: x, y, reach, charge, spread, move_x, move_y
+    real(real64), allocatable, dimension(:) :: x, y, reach, charge, spread
+    real(real64), allocatable :: move(:, :)
   end type circles
 
   ! What is summed.
@@ -93,8 +94,7 @@ contains
     some%x(:1999) = 1.0e-5_real64 * some%x(:1999)
     some%y(:1999) = 1.0e-5_real64 * some%y(:1999)
     some%reach(:1999) = 1.0e-5_real64 * some%reach(:1999)
-    some%move_x(:1999) = 1.0e-5_real64 * some%move_x(:1999)
-    some%move_y(:1999) = 1.0e-5_real64 * some%move_y(:1999)
+    some%move(:, :1999) = 1.0e-5_real64 * some%move(:, :1999)
     some%spread = some%reach**2
     call compare(error, some, factor)
   end subroutine far_away
@@ -107,8 +107,8 @@ contains
     some%reach = 1.0e-4_real64 * 1000.0_real64**(uniform(2000, 7)**4)
     some%spread = 0.3_real64 * some%reach**2
     some%charge = some%reach**2 * some%charge
-    some%move_x = 0.05_real64 * some%reach
-    some%move_y = -0.05_real64 * some%reach
+    some%move(1, :) = 0.05_real64 * some%reach
+    some%move(2, :) = -0.05_real64 * some%reach
     call compare(error, some, factor, dominated=.true.)
   end subroutine unequal
 
@@ -119,8 +119,7 @@ contains
     some = spread_out(1000, 8)
     some%x(501:) = some%x(:500)
     some%y(501:) = some%y(:500)
-    some%move_x = 0.0_real64
-    some%move_y = 0.0_real64
+    some%move = 0.0_real64
     call compare(error, some, factor)
     ! Without reaches nothing is near; what coincides does not act.
     some%reach = 0.0_real64
@@ -272,18 +271,15 @@ contains
       goal = targets
       call plant_tree(tree, [sources%x, goal%x], [sources%y, goal%y], &
                       [sources%reach, goal%reach], near_factor, size(sources%x))
-      goal%move_x = 0.0_real64
-      goal%move_y = 0.0_real64
+      goal%move = 0.0_real64
     end if
     call check(error, .not. allocated(tree%failure), 'not planted')
     call check_near(error, tree, sources, goal, near_factor, same)
     if (allocated(error)) return
     call check_sums(error, tree, sources, goal, near_factor, same, even)
     still = sources
-    still%move_x = 0.0_real64
-    still%move_y = 0.0_real64
-    goal%move_x = 0.0_real64
-    goal%move_y = 0.0_real64
+    still%move = 0.0_real64
+    goal%move = 0.0_real64
     call check_sums(error, tree, still, goal, near_factor, same, even)
   end subroutine compare
 
@@ -343,8 +339,8 @@ contains
       do j = 1, size(sources%x)
         if (near(sources, j, targets, i, near_factor) .or. (same .and. i == j)) cycle
         if (hypot(sources%x(j) - targets%x(i), sources%y(j) - targets%y(i)) < tiny(r)) cycle
-        x = targets%x(i) + targets%move_x(i) - sources%x(j) - sources%move_x(j)
-        y = targets%y(i) + targets%move_y(i) - sources%y(j) - sources%move_y(j)
+        x = targets%x(i) + targets%move(1, i) - sources%x(j) - sources%move(1, j)
+        y = targets%y(i) + targets%move(2, i) - sources%y(j) - sources%move(2, j)
         r2 = x * x + y * y
         r = sqrt(r2)
         potential(i) = potential(i) + sources%charge(j) * (1 + sources%spread(j) / r2) / r
@@ -381,7 +377,7 @@ contains
     type(sums) :: of
     real(real64) :: value(6, size(targets%x))
 
-    call sum_sources(tree, sources%charge, sources%spread, value, sources%move_x, sources%move_y)
+    call sum_sources(tree, sources%charge, sources%spread, value, sources%move)
     allocate (of%potential, source=value(1, :))
     allocate (of%lap, source=value(2, :))
     allocate (of%slope_x, source=value(3, :))
@@ -396,15 +392,15 @@ contains
     type(circles) :: some
 
     allocate (some%x(n), some%y(n), some%reach(n), some%charge(n), some%spread(n), &
-              some%move_x(n), some%move_y(n))
+              some%move(2, n))
     some%x(:) = uniform(n, 20 * key)
     some%y(:) = uniform(n, 20 * key + 1)
     some%charge(:) = 0.5_real64 + uniform(n, 20 * key + 2)
     some%reach(:) = (0.1_real64 + 0.1_real64 * uniform(n, 20 * key + 3)) &
                     / sqrt(real(max(n, 4), real64))
     some%spread(:) = 0.2_real64 * some%reach**2
-    some%move_x(:) = 0.1_real64 * some%reach * (uniform(n, 20 * key + 4) - 0.5_real64)
-    some%move_y(:) = 0.1_real64 * some%reach * (uniform(n, 20 * key + 5) - 0.5_real64)
+    some%move(1, :) = 0.1_real64 * some%reach * (uniform(n, 20 * key + 4) - 0.5_real64)
+    some%move(2, :) = 0.1_real64 * some%reach * (uniform(n, 20 * key + 5) - 0.5_real64)
   end function spread_out
 
   function clustered(n) result(some)
@@ -428,8 +424,7 @@ contains
     end do
     some%reach = 0.1_real64 * some%reach
     some%spread = 0.01_real64 * some%spread
-    some%move_x = 0.1_real64 * some%move_x
-    some%move_y = 0.1_real64 * some%move_y
+    some%move = 0.1_real64 * some%move
   end function clustered
 
   ! Numbers from [0, 1).
