@@ -139,10 +139,10 @@ contains
 
     if (allocated(solution%failure)) return
     call find_groups(solution%set, state%miss, member, first)
-    ! Many are no few, nor hold they back others that are off themselves.
+    ! Many are no few; and where all of many are off, no few hold them back.
     if (size(member) == 0 .or. 4 * size(member) > size(state%miss)) return
-    if (sum(state%miss) - sum(state%miss(member)) > &
-        share_off * maxval(state%miss) * (size(state%miss) - size(member))) return
+    if (size(state%miss) > many .and. &
+        sum(state%miss) > share_off * size(state%miss) * maxval(state%miss)) return
     before = state%residual
     allocate (p, source=solution%penetration)
     allocate (move, source=solution%move)
