@@ -39,7 +39,8 @@ module asperity_coupled_contacts
   ! (measured), as products leave out derivatives by shifts of far circles; of few the last step is
   ! as good as rounding lets it be.
   real(real64), parameter :: most_left = 0.1_real64, least_left = 0.05_real64
-  ! Open contacts are looked at when the residual has fallen to this share, as long as any joins.
+  ! Open contacts are looked at when the residual has fallen to this share, as long as any joins;
+  ! groups are solved again as long as that brings it there.
   real(real64), parameter :: look_again = 0.5_real64
   ! A residual that has come down well: to this share.
   real(real64), parameter :: much_less = 0.1_real64
@@ -88,8 +89,14 @@ contains
         if (done .and. joined == 0) exit
         if (joined > 0) call evaluate(pairs, law, solution, state, resolved)
       end if
-      if (state%residual > much_less * before) &
-        call relax(pairs, law, solution, state, resolved)
+      if (state%residual > much_less * before) then
+        ! As long as that halves what is left: a step of all costs more.
+        do
+          before = state%residual
+          call relax(pairs, law, solution, state, resolved)
+          if (.not. state%residual < look_again * before) exit
+        end do
+      end if
       before = state%residual
       call take_step(pairs, law, solution, state, resolved)
       solution%ending%iterations = iteration + 1
