@@ -37,10 +37,6 @@ module asperity_cells_solver
   ! What is off by no more than its tolerance: an area and so many of its standard deviations; one
   ! and a half of those of a load on cells twice as large, so that halving those changes no more.
   real(real64), parameter :: area_told = 5.0_real64, load_told = 1.5_real64 * 2.0_real64**2.5_real64
-  ! An area may be off by so much more than a load.
-  real(real64), parameter :: area_over_load = 4.0_real64
-  !> And by this at least, unless another number is given.
-  real(real64), parameter, public :: usual_area = 0.005_real64
 
   ! The gaps are closed to that times the tolerance, of the penetration. The load is then off by .44
   ! (rms; 1.1 at most) of it: measured on 3 times 130 circles.
@@ -70,17 +66,15 @@ contains
   !> Solves a cluster at a closing.
   !>
   !> Members that touch at the same place share one contact: its load is told under the first.
-  subroutine solve_cells(pairs, members, closing, outside, tolerance, answer, worth, &
-                         area_tolerance)
+  subroutine solve_cells(pairs, members, closing, outside, tolerance, worth, answer)
     type(contact_pairs), intent(in) :: pairs       !! the position
     integer, intent(in) :: members(:)              !! places of the contacts in the list of pairs
     real(real64), intent(in) :: closing            !! past first touch
     type(outside_field), intent(in) :: outside     !! of the contacts that are no members
-    real(real64), intent(in) :: tolerance          !! share of the load that halving may change
+    !> shares of the load that halving may change, and of the area that may be off
+    real(real64), intent(in) :: tolerance(2)
+    real(real64), intent(in) :: worth(2)           !! load, area: less is told as if it were this
     type(cells_answer), intent(out) :: answer      !! the answer
-    !> load, area: what is less is told as exactly as if it were this
-    real(real64), intent(in), optional :: worth(2)
-    real(real64), intent(in), optional :: area_tolerance  !! share; absent: `usual_area`
     type(gap_shape), allocatable :: shapes(:)
     real(real64) :: cell, cells, low(2), high(2), x, y
     integer :: i, k
@@ -96,7 +90,7 @@ contains
     ! The contact that would bear most alone. A sphere's slope curves it more, by 1/cosine across
     ! and by its third power along: the radius of a circle as large as the ellipse.
     k = maxloc(shapes%contact_radius * shapes%penetration * shapes%cosine, 1)
-    cells = cells_needed(pairs%modulus, shapes, tolerance, worth, area_tolerance)
+    cells = cells_needed(pairs%modulus, shapes, tolerance, worth)
     cell = shapes(k)%contact_radius * shapes(k)%cosine / cells
     cells = 2.0_real64**int(log(cells / 4) / log(2.0_real64))
     x = shapes(k)%x - lattice_x * cell * cells
@@ -142,7 +136,7 @@ contains
       call influence%prepare(mean_influence(size(lattice%gap, 1), size(lattice%gap, 2)))
       if (pairs%interrupt%is_asked()) answer%failure = 'interrupted'
       if (allocated(answer%failure)) return
-      call relax(influence, lattice%gap, max(1.0e-10_real64, inner * tolerance), lattice%force, &
+      call relax(influence, lattice%gap, max(1.0e-10_real64, inner * tolerance(1)), lattice%force, &
                  ending, pairs%interrupt)
       if (.not. ending%converged) answer%failure = 'the pressures on the cells did not converge'
       call tell(pairs%modulus, shapes, lattice, contacts)
@@ -183,16 +177,13 @@ contains
   end subroutine find_shapes
 
   ! Cells in a radius of the largest contact, for the load and for the area.
-  pure real(real64) function cells_needed(modulus, shapes, tolerance, worth, least_area)
-    real(real64), intent(in) :: modulus, tolerance
+  pure real(real64) function cells_needed(modulus, shapes, tolerance, worth)
+    real(real64), intent(in) :: modulus, tolerance(2), worth(2)
     type(gap_shape), intent(in) :: shapes(:)
-    real(real64), intent(in), optional :: worth(2), least_area
     real(real64) :: allowed(2)
 
-    allowed = [tolerance, max(area_over_load * tolerance, usual_area)]
-    if (present(least_area)) allowed(2) = max(area_over_load * tolerance, least_area)
     ! Over those of Hertz.
-    if (present(worth)) allowed = allowed * max(1.0_real64, worth / &
+    allowed = tolerance * max(1.0_real64, worth / &
       [4.0_real64 / 3.0_real64 * modulus * sum(shapes%contact_radius * shapes%penetration * &
                                                shapes%cosine), pi * sum(shapes%contact_radius**2)])
     cells_needed = max(least_cells, (load_told * load_error / allowed(1))**0.4_real64, &

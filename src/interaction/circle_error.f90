@@ -46,12 +46,11 @@ contains
 
   !> Loads that the contacts may be off by, over the modulus: a bound observed, not proved. Zero
   !> where open and with nothing to tell. Elastic contacts.
-  subroutine find_errors(pairs, solution, hosts, error, emitted, shape, of_closing)
+  subroutine find_errors(pairs, solution, hosts, error, shape, of_closing)
     type(contact_pairs), intent(in) :: pairs           !! the position
     type(coupled_solution), intent(inout) :: solution  !! solved; stays
     integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
-    real(real64), intent(out) :: error(:)              !! of each by itself, by pair
-    real(real64), intent(out) :: emitted(:)            !! what it changes by it at its neighbours
+    real(real64), intent(out) :: error(:)              !! of each, and at its neighbours, by pair
     real(real64), intent(out) :: shape(:)              !! as a sphere is no paraboloid
     !> relative error of the closing at a load over that of the load L at a closing c:
     !! L/(c dL/dc), 2/3 for a Hertz contact alone
@@ -62,7 +61,6 @@ contains
     integer :: i, j, k, l
 
     error = 0.0_real64
-    emitted = 0.0_real64
     shape = 0.0_real64
     hosts = 0
     call weigh(solution, weight, tangent)
@@ -71,9 +69,8 @@ contains
       !$omp parallel do private(i) schedule(static) if(size(set%number) > many)
       do k = 1, size(set%number)
         i = set%number(k)
-        call judge_circle(pairs, solution, k, error(i), emitted(i), shape(i))
+        call judge_circle(pairs, solution, k, error(i), shape(i))
         error(i) = weight(k) * error(i)
-        emitted(i) = weight(k) * emitted(i)
         shape(i) = weight(k) * shape(i)
       end do
       !$omp end parallel do
@@ -140,12 +137,12 @@ contains
   end subroutine open_about
 
   ! One circle.
-  subroutine judge_circle(pairs, solution, k, error, emitted, shape)
+  subroutine judge_circle(pairs, solution, k, error, shape)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
-    real(real64), intent(out) :: error, emitted, shape
-    real(real64) :: a, p, r, way(2), apart, distance, overlap, nearest, shift, gone
+    real(real64), intent(out) :: error, shape
+    real(real64) :: a, p, r, way(2), apart, distance, emitted, overlap, nearest, shift, gone
     integer :: l, j
 
     associate (set => solution%set)
@@ -173,6 +170,7 @@ contains
       end if
       shift = norm2(set%move(:, k))
       if (shift > steep * a) error = max(error, gained(r, p, flank * shift**2 / (2 * r)))
+      error = error + emitted
       ! An inclined contact is an ellipse that neighbours see as a circle.
       associate (pair => pairs%list(set%number(k)), &
                  taken_off => max(0.0_real64, solution%closing - pairs%list(set%number(k))%gap - p))
@@ -184,55 +182,33 @@ contains
 
   contains
 
-    ! Own gain, and what the neighbours gain.
+    ! Own gain, and what the neighbours gain. A second harmonic is a complex number: b at twice the
+    ! angle of the neighbour.
     subroutine oval(all_of_them, gain, emission)
       logical, intent(in) :: all_of_them
       real(real64), intent(out) :: gain, emission
-      real(real64) :: about, b, rr, cosine, sine, part_x, part_y, part
+      real(real64) :: b(solution%set%tree%first(k):solution%set%tree%first(k + 1) - 1), square
+      complex(real64) :: second(lbound(b, 1):ubound(b, 1))
 
-      associate (set => solution%set, first => solution%set%tree%first)
-        part_x = 0.0_real64
-        part_y = 0.0_real64
-        part = 0.0_real64
-        do l = first(k), first(k + 1) - 1
-          call harmonics(l, all_of_them, b, cosine, sine)
-          part_x = part_x + b * cosine
-          part_y = part_y + b * sine
-          part = part + b
+      associate (set => solution%set, near => solution%set%tree%near)
+        do l = lbound(b, 1), ubound(b, 1)
+          j = near(l)
+          way = from_other(set, j, k)
+          ! In one place nothing is known: very much.
+          square = max(sum(way**2), 1.0e-6_real64 * a**2)
+          b(l) = 1.0_real64 / (sqrt(square) * max(square - a**2, 0.1_real64 * square))
+          if (square > (a + set%circle(j))**2) &
+            b(l) = max(b(l), set%terms(bend, set%pair(l)) * pi / 3)
+          b(l) = 2 * set%load(j) * a**2 / pi * b(l)
+          if (square < (a + set%circle(j))**2 .and. .not. all_of_them) b(l) = 0.0_real64
+          second(l) = b(l) * cmplx(way(1), way(2), real64)**2 / square
         end do
-        rr = r / (4 * a)
-        gain = rr * (part_x**2 + part_y**2 + higher * part**2)
-        emission = 0.0_real64
-        do l = first(k), first(k + 1) - 1
-          call harmonics(l, all_of_them, b, cosine, sine)
-          about = solution%penetration(set%number(set%tree%near(l)))
-          emission = emission + emits * rr * p / about * &
-                     abs(b * (cosine * part_x + sine * part_y) + higher * b * part)
-        end do
+        gain = r / (4 * a) * (abs(sum(second))**2 + higher * sum(b)**2)
+        emission = emits * r / (4 * a) * sum( &
+          p / solution%penetration(set%number(near(lbound(b, 1):ubound(b, 1)))) * &
+          abs(real(second * conjg(sum(second))) + higher * b * sum(b)))
       end associate
     end subroutine oval
-
-    subroutine harmonics(l, all_of_them, b, cosine, sine)
-      integer, intent(in) :: l  ! place in the list of near ones
-      logical, intent(in) :: all_of_them
-      real(real64), intent(out) :: b, cosine, sine
-      real(real64) :: rr
-
-      associate (set => solution%set, j => solution%set%tree%near(l))
-        way = from_other(set, j, k)
-        ! In one place nothing is known: very much.
-        rr = max(sum(way**2), 1.0e-6_real64 * a**2)
-        b = 0.0_real64
-        cosine = 0.0_real64
-        sine = 0.0_real64
-        if (.not. all_of_them .and. rr < (a + set%circle(j))**2) return
-        b = 1.0_real64 / (sqrt(rr) * max(rr - a**2, 0.1_real64 * rr))
-        if (rr > (a + set%circle(j))**2) b = max(b, set%terms(bend, set%pair(l)) * pi / 3)
-        b = 2 * set%load(j) * a**2 / pi * b
-        cosine = (way(1)**2 - way(2)**2) / rr
-        sine = 2 * product(way) / rr
-      end associate
-    end subroutine harmonics
 
   end subroutine judge_circle
 

@@ -71,7 +71,7 @@ contains
     real(real64), intent(in), optional :: target       !! normal load
     type(resolved_contacts) :: resolved
     type(cluster), allocatable :: clusters(:)
-    real(real64), dimension(size(pairs%list)) :: error, emitted, shape, area_error
+    real(real64), dimension(size(pairs%list)) :: error, shape, area_error
     integer :: hosts(size(pairs%list)), k
     real(real64) :: before, now, of_closing, total
 
@@ -80,13 +80,11 @@ contains
     allocate (solution%is_resolved(size(error)), source=.false.)
     associate (coupled => solution%coupled, is_one => solution%is_resolved)
       error = 0.0_real64
-      emitted = 0.0_real64
       shape = 0.0_real64
       total = sum(coupled%set%load)
       ! Else nothing touches.
       if (total > 0.0_real64) &
-        call find_errors(pairs, coupled, hosts, error, emitted, shape, of_closing)
-      error = error + emitted
+        call find_errors(pairs, coupled, hosts, error, shape, of_closing)
       if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
       area_error = 0.0_real64
       associate (set => coupled%set)

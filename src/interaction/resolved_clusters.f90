@@ -32,6 +32,8 @@ module asperity_resolved_clusters
   ! A cluster that bears less than its part of the total over this is told as if it bore that: all
   ! errors together are half above the tolerance at most.
   real(real64), parameter :: few_of_all = 2.0_real64
+  ! An area may be off by so much more than a load.
+  real(real64), parameter :: area_over_load = 4.0_real64
   ! Chebyshev nodes of a field whose sources are farther off than so many half diagonals: 8 nodes
   ! are right within (3 + sqrt(8))**-8 = 1e-6 of it.
   integer, parameter :: nodes = 8
@@ -101,7 +103,8 @@ contains
         if (allocated(one%outside%at_nodes)) &
           one%outside%at_nodes = one%outside%at_nodes - one%lowered
         call solve_cells(pairs, one%members, coupled%closing - one%lowered, one%outside, &
-                         tolerance, one%answer, worth, area_tolerance)
+                         [tolerance, max(area_over_load * tolerance, area_tolerance)], worth, &
+                         one%answer)
       end associate
     end do
     !$omp end parallel do

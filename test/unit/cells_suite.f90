@@ -23,6 +23,9 @@ module asperity_cells_suite
   ! Asked of the solver, and allowed to a load against a closed form.
   real(real64), parameter :: asked = 1.0e-3_real64, allowed = 1.0e-3_real64
 
+  ! Shares of the load and of the area, and no part of anything larger.
+  real(real64), parameter :: shares(2) = [1.0e-4_real64, 0.005_real64], no_more(2) = 0.0_real64
+
 contains
 
   !> Lists the tests.
@@ -76,7 +79,8 @@ contains
     integer :: i
 
     pairs%list%gap = -penetration
-    call solve_cells(pairs, [(i, i=1, size(penetration))], 0.0_real64, nothing, tolerance, answer)
+    call solve_cells(pairs, [(i, i=1, size(penetration))], 0.0_real64, nothing, &
+                     [tolerance, max(4 * tolerance, 0.005_real64)], no_more, answer)
   end subroutine solve
 
   real(real64) function total(answer)
@@ -428,7 +432,7 @@ contains
       field%x = pairs%list(3 - j)%x
       field%y = pairs%list(3 - j)%y
       field%circle = (0.75_real64 * field%load / 0.7_real64)**(1.0_real64 / 3.0_real64)
-      call solve_cells(pairs, [j], 0.0_real64, field, 1.0e-4_real64, one)
+      call solve_cells(pairs, [j], 0.0_real64, field, shares, no_more, one)
       load = field%load(1)
       field%load = one%together(1)%load
     end do
@@ -440,7 +444,7 @@ contains
     field%load = load
     a = (0.75_real64 * load / 0.7_real64)**(1.0_real64 / 3.0_real64)
     field%circle = a
-    call solve_cells(pairs, [2], 0.0_real64, field, 1.0e-4_real64, one)
+    call solve_cells(pairs, [2], 0.0_real64, field, shares, no_more, one)
     call reach_of_cluster(pairs, [2], 0.0_real64, nodes%x0, nodes%x1, nodes%y0, nodes%y1)
     call check(error, nodes%x1 - nodes%x0, 2.0_real64 * sqrt(2.0_real64 * 0.9e-2_real64), &
                1.0e-12_real64, 'rectangle')
@@ -453,12 +457,12 @@ contains
                                load / (4.0_real64 / 3.0_real64 * 0.7_real64 * a**3)
       end do
     end do
-    call solve_cells(pairs, [2], 0.0_real64, nodes, 1.0e-4_real64, both)
+    call solve_cells(pairs, [2], 0.0_real64, nodes, shares, no_more, both)
     call check(error, both%together(1)%load / one%together(1)%load, 1.0_real64, 1.0e-6_real64, &
                'nodes')
     ! A field that lifts all load off.
     nodes%at_nodes = 1.0e-2_real64
-    call solve_cells(pairs, [2], 0.0_real64, nodes, 1.0e-4_real64, both)
+    call solve_cells(pairs, [2], 0.0_real64, nodes, shares, no_more, both)
     call check(error, both%ending%converged, 'lifted: not converged')
     call check(error, both%together(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine outside

@@ -4,7 +4,7 @@
 module asperity_joint_suite
   use asperity_cells_answer, only: cells_answer
   use asperity_cells_outside, only: outside_field
-  use asperity_cells_solver, only: solve_cells, usual_area
+  use asperity_cells_solver, only: solve_cells
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, set_out, &
                                      share_of, truth_noise
@@ -54,7 +54,7 @@ contains
 
     solution%coupled%closing = depth
     if (present(closing)) solution%coupled%closing = closing
-    call solve_joint(pairs, law, which, tolerance, 0.2_real64 * tolerance, usual_area, solution, &
+    call solve_joint(pairs, law, which, tolerance, 0.2_real64 * tolerance, 0.005_real64, solution, &
                      target)
     call check(error, .not. allocated(solution%failure), trim(what) // ': failed')
   end subroutine solve
@@ -206,7 +206,8 @@ contains
                  [0.0_real64, 0.1_real64, 0.15_real64, 0.2_real64, 0.4_real64], pairs, law)
     call solve(error, pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
     call check(error, solution%clusters, 2, 'clusters')
-    call solve_cells(pairs, [(i, i=1, 5)], depth, nothing, 5.0e-4_real64, answer)
+    call solve_cells(pairs, [(i, i=1, 5)], depth, nothing, [5.0e-4_real64, 0.005_real64], &
+                     spread(0.0_real64, 1, 2), answer)
     together = sum(answer%together%load) / sum(answer%alone%load)
     call check(error, share_of(pairs, solution%coupled) / together, 1.0_real64, 1.0e-3_real64, &
                'load')
