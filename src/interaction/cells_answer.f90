@@ -1,6 +1,6 @@
 !> What the pressures on the cells of a cluster mean for its contacts.
 module asperity_cells_answer
-  use asperity_cells_gap, only: gap_shape
+  use asperity_cells_gap, only: gap_at, gap_shape
   use asperity_cells_lattice, only: cell_lattice
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
@@ -57,7 +57,7 @@ contains
     type(cell_contact), intent(inout) :: contacts(:)  !! by member, those that penetrate are told
     ! Of force: means of x, y, places in cells from first touch; sums of its powers.
     real(real64) :: moment(2, size(shapes)), sums(3, size(shapes)), highest(size(shapes)), radius
-    real(real64) :: x, y
+    real(real64) :: x, y, slit(size(shapes))
     integer :: free(size(shapes))   ! sides on the rim
     integer :: i, j, k, columns, rows
 
@@ -83,20 +83,105 @@ contains
         end associate
       end do
     end do
+    call find_slits(shapes, lattice, sums, slit)
     do k = 1, size(shapes)
       if (.not. highest(k) > 0.0_real64) cycle
       associate (one => contacts(shapes(k)%pair), load => sums(2, k), h => lattice%cell)
         one%load = modulus * lattice%scale * h * load
         one%pressure = modulus * (lattice%scale / h) * highest(k)
-        one%area = h**2 * product(((1 + power / 2) * sums(:, k))**weight)
+        one%area = h**2 * cells_of(sums(:, k)) * exp(-slit(k) / cells_of(sums(:, k)))
         one%x = shapes(k)%x + h * moment(1, k) / load
         one%y = shapes(k)%y + h * moment(2, k) / load
         ! A circle has 8 sides a radius on its rim; where it lies in another it has none.
-        radius = max(1.0_real64, sqrt(one%area / pi) / h)
+        radius = max(1.0_real64, sqrt(cells_of(sums(:, k)) / pi))
         one%error = one%load * load_error / radius**2.5_real64 * &
                     min(1.0_real64, free(k) / (8 * radius))
       end associate
     end do
   end subroutine tell
+
+  ! Cells in contact, from the sums of powers of their forces.
+  pure real(real64) function cells_of(sums)
+    real(real64), intent(in) :: sums(:)
+
+    cells_of = product(((1 + power / 2) * sums)**weight)
+  end function cells_of
+
+  ! Where two contacts meet the rigid surface has a crease, into which no body is pressed: along it
+  ! a slit stays open, of a width w at which the pressure beside is that of the complement of a
+  ! wedge, E s/pi arcosh(2 x/w), with s half the step of the slope and x from the crease. Where w is
+  ! less than a cell no cell opens. Then w follows from the mean pressures of the cells on both
+  ! sides, as E s/pi log(4 x/w); what cells of little pressure count less than whole is of it.
+  subroutine find_slits(shapes, lattice, sums, slit)
+    type(gap_shape), intent(in) :: shapes(:)
+    type(cell_lattice), intent(in) :: lattice
+    real(real64), intent(in) :: sums(:, :)   ! of powers of forces, by contact
+    real(real64), intent(out) :: slit(:)     ! of each contact, in cells
+    real(real64) :: x, y, middle, ends(2, 2), steps(2), bend, step, apart_by(2), lost
+    integer :: i, j, side, other(2)
+
+    slit = 0.0_real64
+    do j = 1, size(lattice%force, 2)
+      do i = 1, size(lattice%force, 1)
+        if (.not. lattice%force(i, j) > 0.0_real64) cycle
+        do side = 1, 2
+          other = [i, j]
+          other(side) = other(side) + 1
+          if (any(other > shape(lattice%force))) cycle
+          associate (a => lattice%owner(i, j), b => lattice%owner(other(1), other(2)), &
+                     force => [lattice%force(i, j), lattice%force(other(1), other(2))])
+            if (a == b .or. .not. force(2) > 0.0_real64) cycle
+            x = lattice%left + 0.5_real64 * (i + other(1) - 1)
+            y = lattice%bottom + 0.5_real64 * (j + other(2) - 1)
+            middle = apart(0.0_real64, 0.0_real64)
+            ends = reshape([apart(-0.5_real64, 0.0_real64), apart(0.5_real64, 0.0_real64), &
+                            apart(0.0_real64, -0.5_real64), apart(0.0_real64, 0.5_real64)], [2, 2])
+            bend = 2 * (sum(ends) - 4 * middle)
+            steps = ends(2, :) - ends(1, :)
+            ! On the crease, which bends.
+            step = sqrt(max(0.0_real64, sum(steps**2) - 2 * bend * middle))
+            if (.not. step > 0.0_real64) cycle
+            apart_by = 2 * ends(:, side) / &
+                       (step + sqrt(max(0.0_real64, step**2 + 2 * bend * ends(:, side))))
+            lost = 3.5_real64 * exp(0.5_real64 * sum(mean_log(apart_by)) - &
+                                    pi * sum(force) * lattice%scale / step)
+            lost = lost - (1 - counted(force(1), sums(:, a))) - (1 - counted(force(2), sums(:, b)))
+            slit([a, b]) = slit([a, b]) + 0.5_real64 * max(0.0_real64, lost) * &
+                           abs(steps(side)) / norm2(steps) * (step / (step + 2 * abs(bend)))
+          end associate
+        end do
+      end do
+    end do
+
+  contains
+
+    ! How much farther up the second surface is beside the middle of the side.
+    real(real64) function apart(dx, dy)
+      real(real64), intent(in) :: dx, dy    ! in cells
+
+      associate (h => lattice%cell, a => shapes(lattice%owner(i, j)), &
+                 b => shapes(lattice%owner(other(1), other(2))))
+        apart = gap_at(b, lattice%x - b%x + (x + dx) * h, lattice%y - b%y + (y + dy) * h) - &
+                gap_at(a, lattice%x - a%x + (x + dx) * h, lattice%y - a%y + (y + dy) * h)
+      end associate
+    end function apart
+
+  end subroutine find_slits
+
+  ! Of the distance from a line over a cell of width 1 whose middle is so far from it.
+  elemental real(real64) function mean_log(middle)
+    real(real64), intent(in) :: middle
+    real(real64) :: ends(2)
+
+    ends = middle + [-0.5_real64, 0.5_real64]
+    mean_log = dot_product([-1, 1], ends * log(max(tiny(middle), abs(ends)))) - 1
+  end function mean_log
+
+  ! What a cell counts in the area.
+  pure real(real64) function counted(force, sums)
+    real(real64), intent(in) :: force, sums(:)
+
+    counted = min(1.0_real64, cells_of(sums) * dot_product(weight, force**power / sums))
+  end function counted
 
 end module asperity_cells_answer
