@@ -44,14 +44,15 @@ contains
 
     n = size(set%x)
     allocate (far(6, n))
-    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, far, set%move, n > many)
+    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, far, set%move, &
+                     rough=.true.)
     !$omp parallel do schedule(static) if(n > many) &
     !$omp   private(grows, i, j, k, l, mine, moved, slope_here, slope_there, way)
     do i = 1, n
       grows = set%growth(i)
       if (set%held(i)) grows = max(grows, 0.0_real64)
       way = set%move(:, i) * set%curvature(i) + set%steer(:, i)
-      mine(1) = (far(1, i) + flat_spread * set%circle(i)**2 * far(2, i)) / pi + &
+      mine(1) = far(1, i) / pi + &
                 (1.0_real64 / set%stiffness(i) + grows / (3 * set%load(i))) * change(1, i) + &
                 dot_product(way, change(2:, i))
       associate (b => set%bowl(:, i), more => set%stiffer(i) * set%curvature(i))

@@ -12,7 +12,7 @@ module asperity_coarse_circles
   implicit none
   private
 
-  public :: coarse_circles, gather_squares, pressed, shared_change, sum_of_squares
+  public :: circles_in_one, coarse_circles, gather_squares, pressed, shared_change, sum_of_squares
 
   !> Circles gathered in squares. It owns the plans of a transform: it must not be copied.
   type :: coarse_circles
@@ -24,8 +24,8 @@ module asperity_coarse_circles
     type(cell_convolution), private :: lattice    !! displacement of squares by loads on them
   end type coarse_circles
 
-  ! Circles in a square. Within one, where they share nothing, waves are no longer than two sides:
-  ! with a share f of the area in contact there 2 pi n k/q is below 4/pi sqrt(16 f/pi), 1.6 at 30 %.
+  !> Circles in a square. Within one, where they share nothing, waves are no longer than two sides:
+  !> with a share f of the area in contact 2 pi n k/q is below 4/pi sqrt(16 f/pi), 1.6 at 30 %.
   real(real64), parameter :: circles_in_one = 16.0_real64
   ! What the equations of squares may leave, and rounds of conjugate gradients for it.
   real(real64), parameter :: enough = 0.01_real64

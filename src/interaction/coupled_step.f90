@@ -1,9 +1,10 @@
 !> One Newton step of coupled contacts, by conjugate gradients.
 module asperity_coupled_step
   use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
-  use asperity_circle_field, only: circle_set, many
+  use asperity_circle_field, only: circle_set
   use asperity_circle_products, only: multiply, shift_down
-  use asperity_coarse_circles, only: coarse_circles, gather_squares, shared_change, sum_of_squares
+  use asperity_coarse_circles, only: circles_in_one, coarse_circles, gather_squares, &
+                                     shared_change, sum_of_squares
   use asperity_kinds, only: real64
   implicit none
   private
@@ -47,7 +48,7 @@ contains
     allocate (scaled, direction, image, mold=gradient)
     allocate (left, source=-gradient)
     step = 0.0_real64
-    if (size(set%x) > many) call gather_squares(set%x, set%y, coarse)
+    if (size(set%x) > circles_in_one) call gather_squares(set%x, set%y, coarse)
     ! What all alike would change, to be taken off where the sum is kept.
     allocate (even, mold=gradient)
     even = 0.0_real64
