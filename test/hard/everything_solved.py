@@ -268,8 +268,9 @@ def rough_surface(n=512, hurst=0.8, long=64, short=4, seed=5):
     return 0.1 * heights / slope
 
 
-def summits(heights):
-    """Samples higher than their eight neighbours; radius: of the mean of both curvatures."""
+def summits(heights, geometric=False):
+    """Samples higher than their eight neighbours; radius: of both curvatures' mean, one or the
+    other: the geometric one is less, so that caps of ridges are blunter."""
     inner = heights[1:-1, 1:-1]
     top = np.ones(inner.shape, bool)
     for i in (0, 1, 2):
@@ -277,10 +278,16 @@ def summits(heights):
             if (i, j) != (1, 1):
                 n, m = heights.shape
                 top &= inner > heights[i:n - 2 + i, j:m - 2 + j]
-    bend = (4 * inner - heights[2:, 1:-1] - heights[:-2, 1:-1] - heights[1:-1, 2:]
-            - heights[1:-1, :-2]) / 2
+    along = (2 * inner - heights[2:, 1:-1] - heights[:-2, 1:-1])[top]
+    across = (2 * inner - heights[1:-1, 2:] - heights[1:-1, :-2])[top]
+    bend = np.sqrt(along * across) if geometric else (along + across) / 2
     x, y = np.nonzero(top)
-    return np.column_stack([x, y, inner[top], 1 / bend[top]]).astype(float)
+    return np.column_stack([x, y, inner[top], 1 / bend]).astype(float)
+
+
+def blunt_caps():
+    """Of a surface rough at all lengths down to its samples: many that would touch open others."""
+    return summits(rough_surface(256, long=256, short=2, seed=2), geometric=True)
 
 
 def rough_cases(name, caps):
@@ -309,8 +316,9 @@ def read_summits(path):
 
 
 def rough_parts(surfaces):
-    """The made-up surface and those of files."""
+    """The made-up surfaces and those of files."""
     yield from rough_cases("made-up rough surface", summits(rough_surface()))
+    yield from rough_cases("made-up fractal with blunt caps", blunt_caps())
     for path in surfaces:
         yield from rough_cases(Path(path).stem, read_summits(path))
 

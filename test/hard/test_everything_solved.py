@@ -24,6 +24,14 @@ def test_found_steps(part, seed, most, was, asperity):
     assert outcome.status == 0 and outcome.steps <= most, was
 
 
+def test_many_who_press_each_other_open(asperity):
+    """Did not end: all open ones that would touch joined at a time, and opened each other."""
+    case = next(c for c in everything_solved.rough_cases("blunt", everything_solved.blunt_caps())
+                if "20 %, load" in c.name)
+    outcome = everything_solved.run(asperity, "coupled", 60, case)
+    assert outcome.status == 0 and outcome.contacts > 500, outcome.message
+
+
 @pytest.mark.parametrize("seed, was", [
     (12709, "one near pair far from its solution kept the steps of all contacts short"),
     (30977, "a pair of overlapping circles: 400 steps with a residual of 1e-6"),
