@@ -79,7 +79,7 @@ contains
       enough = merge(accepted, asked, size(solution%set%x) > many)
       if (present(share)) enough = max(enough, share)
       done = state%residual <= enough .or. &
-             (state%residual <= accepted .and. state%residual > 0.5_real64 * before)
+             (state%residual <= accepted .and. .not. state%residual < before)
       ! Pairs that were not listed may touch: whoever asked must come again with all.
       if (solution%closing > pairs%complete_to .and. state%residual < much_less) exit
       if (done .or. (joined /= 0 .and. state%residual <= look_again * looked)) then

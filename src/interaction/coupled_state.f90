@@ -48,8 +48,9 @@ module asperity_coupled_state
     integer, allocatable :: joins(:)                !! how often a pair has joined
   end type solve_state
 
-  ! A circle that has grown by this factor, or shrunk as much, has other near neighbours. Among
-  ! others sums change by 1e-7: with new ones at each field 1e5 caps come no nearer than that.
+  ! Of many a circle that has grown by this factor, or shrunk as much, has other near neighbours.
+  ! Among others sums change by 1e-7: with new ones at each field 1e5 caps come no nearer than that.
+  ! Of few they are found at each field, so that a result does not depend on the way to it.
   real(real64), parameter :: outgrown = 1.2_real64
   ! A penetration stays below this share of the height between centres.
   real(real64), parameter :: level = 0.999999_real64
@@ -143,8 +144,8 @@ contains
     call gather(pairs, law, solution, state, resolved, same)
     associate (set => solution%set)
       if (size(set%x) == 0) return
-      if (same) same = all(set%circle < outgrown * set%planted .and. &
-                           set%planted < outgrown * set%circle)
+      if (same) same = size(set%x) > many .and. all(set%circle < outgrown * set%planted .and. &
+                                                    set%planted < outgrown * set%circle)
       if (.not. same) call plant_circles(set)
       if (allocated(set%tree%failure)) solution%failure = set%tree%failure
     end associate
