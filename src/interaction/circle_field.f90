@@ -34,9 +34,9 @@ module asperity_circle_field
   !> Circles or near pairs from which on threads share the work: less takes microseconds.
   integer, parameter, public :: many = 1000
 
-  ! Of a near pair: its terms, its two circles, its place in both lists. Of a circle: what products
+  ! Of a near pair: its terms, its two circles, its places in lists. Of a circle: what products
   ! and steps need, most of it blocks of circles, the largest.
-  integer(int64), parameter :: bytes_of_pair = 80_int64, bytes_of_circle = 1200_int64
+  integer(int64), parameter :: bytes_of_pair = 88_int64, bytes_of_circle = 1200_int64
 
   ! Pairs whose terms are found together.
   integer, parameter :: a_batch = 65536
@@ -112,7 +112,7 @@ contains
   !> Finds who is near whom. To be called when circles come, go or have grown.
   subroutine plant_circles(set)
     type(circle_set), intent(inout) :: set  !! places and radii are set
-    integer, allocatable :: cursor(:)
+    integer, allocatable :: cursor(:), near(:)
     integer :: i, j, k, pairs
 
     set%planted = set%circle
@@ -126,18 +126,19 @@ contains
     end if
     allocate (set%pair(2 * pairs), set%one(pairs), set%other(pairs), set%terms(north, pairs))
     allocate (cursor(size(set%x)), source=set%tree%first(:size(set%x)))
+    allocate (near, source=set%tree%near)
     pairs = 0
     do i = 1, size(set%x)
       do k = set%tree%first(i), set%tree%first(i + 1) - 1
-        j = set%tree%near(k)
+        j = near(k)
         if (j < i) cycle
         pairs = pairs + 1
-        set%pair(k) = pairs
-        ! Neighbours ascend, so that each meets those before it in their order.
-        set%pair(cursor(j)) = pairs
-        cursor(j) = cursor(j) + 1
         set%one(pairs) = i
         set%other(pairs) = j
+        ! Each lists those before it first.
+        set%pair(cursor([i, j])) = pairs
+        set%tree%near(cursor([i, j])) = [j, i]
+        cursor([i, j]) = cursor([i, j]) + 1
       end do
     end do
   end subroutine plant_circles

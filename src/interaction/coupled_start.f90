@@ -78,12 +78,14 @@ contains
     do step = 1, most_in_squares
       load = 0.0_real64
       stiffness = 0.0_real64
+      !$omp parallel do schedule(static) private(answer)
       do i = 1, size(load)
         if (.not. penetration(i) > 0.0_real64) cycle
         answer = answer_at(pairs, law, i, penetration(i))
         load(i) = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
         stiffness(i) = answer%stiffness * inclination(answer%cosine) / pairs%modulus
       end do
+      !$omp end parallel do
       coarse%stiffness = max(0.5_real64 * coarse%stiffness, sum_of_squares(coarse, stiffness))
       loads = sum_of_squares(coarse, load)
       change = shared_change(coarse, lowered - pressed(coarse, loads))

@@ -43,15 +43,16 @@ module asperity_coupled_state
     real(real64), allocatable :: aside(:, :)        !! gradient by shift over load (2, circle)
     real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
-    real(real64) :: residual = 0.0_real64           !! over the largest penetration
+    real(real64) :: residual = 1.0_real64           !! over the largest penetration
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
     integer, allocatable :: joins(:)                !! how often a pair has joined
   end type solve_state
 
   ! Of many a circle that has grown by this factor, or shrunk as much, has other near neighbours.
   ! Among others sums change by 1e-7: with new ones at each field 1e5 caps come no nearer than that.
-  ! Of few they are found at each field, so that a result does not depend on the way to it.
-  real(real64), parameter :: outgrown = 1.2_real64
+  ! Of few they are found at each field, so that a result does not depend on the way to it, down to
+  ! this residual: else a pair just on the border may come and go without end.
+  real(real64), parameter :: outgrown = 1.2_real64, nearly_solved = 1.0e-6_real64
   ! A penetration stays below this share of the height between centres.
   real(real64), parameter :: level = 0.999999_real64
 
@@ -75,10 +76,15 @@ contains
     real(real64), intent(in) :: target                    !! load over modulus
     real(real64), intent(inout) :: penetration(:)         !! by pair
     real(real64) :: low, high, by, total, slope, most, before
-    integer :: try
+    integer :: i, try
 
     ! No more than until the first centres are level.
-    most = minval(level * pairs%list%zc - penetration)
+    most = huge(most)
+    !$omp parallel do reduction(min:most) if(size(penetration) > many)
+    do i = 1, size(penetration)
+      most = min(most, level * pairs%list(i)%zc - penetration(i))
+    end do
+    !$omp end parallel do
     low = -maxval(penetration)
     high = most
     by = min(max(0.0_real64, low), most)
@@ -144,8 +150,9 @@ contains
     call gather(pairs, law, solution, state, resolved, same)
     associate (set => solution%set)
       if (size(set%x) == 0) return
-      if (same) same = size(set%x) > many .and. all(set%circle < outgrown * set%planted .and. &
-                                                    set%planted < outgrown * set%circle)
+      if (same) same = (size(set%x) > many .or. state%residual < nearly_solved) .and. &
+                       all(set%circle < outgrown * set%planted .and. &
+                           set%planted < outgrown * set%circle)
       if (.not. same) call plant_circles(set)
       if (allocated(set%tree%failure)) solution%failure = set%tree%failure
     end associate
@@ -206,34 +213,35 @@ contains
     logical, intent(out) :: same  ! the same contacts as before
     type(contact_response), allocatable :: answer(:)
     integer, allocatable :: number(:)
+    logical, allocatable :: bears(:)
     real(real64) :: inclined, place(2)
     integer :: i, k, n
 
-    allocate (answer(size(state%gap)), number(size(state%gap)))
-    !$omp parallel do schedule(static) if(size(state%gap) > many)
-    do k = 1, size(state%gap)
-      if (solution%penetration(k) > 0.0_real64) &
-        answer(k) = answer_at(pairs, law, k, solution%penetration(k))
+    number = [(i, i=1, size(state%gap))]
+    if (allocated(state%order)) number = state%order
+    number = pack(number, solution%penetration(number) > 0.0_real64)
+    allocate (answer(size(number)), bears(size(number)))
+    !$omp parallel do schedule(static) if(size(number) > many)
+    do k = 1, size(number)
+      answer(k) = answer_at(pairs, law, number(k), solution%penetration(number(k)))
+      ! What underflows over the modulus is no load.
+      bears(k) = answer(k)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64
     end do
     !$omp end parallel do
-    n = 0
-    do k = 1, size(state%gap)
-      i = k
-      if (allocated(state%order)) i = state%order(k)
-      ! What underflows over the modulus is no load.
-      if (.not. answer(i)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64) cycle
-      n = n + 1
-      number(n) = i
-    end do
+    n = count(bears)
+    if (n < size(number)) then
+      number = pack(number, bears)
+      answer = pack(answer, bears)
+    end if
     associate (set => solution%set)
       same = .false.
       if (allocated(set%number)) then
-        if (size(set%number) == n) same = all(set%number == number(:n))
+        if (size(set%number) == n) same = all(set%number == number)
       end if
       if (.not. same) call set%make_room(n)
       if (allocated(state%off)) deallocate (state%off, state%aside, state%miss)
       allocate (state%off(n), state%aside(2, n), state%miss(n))
-      set%number = number(:n)
+      set%number = number
       if (allocated(solution%outer)) set%outer = solution%outer(:, set%number)
       !$omp parallel do schedule(static) private(i, inclined, place) if(n > many) &
       !$omp   reduction(.and.:same)
@@ -253,10 +261,10 @@ contains
         if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) same = .false.
         set%x(k) = place(1)
         set%y(k) = place(2)
-        inclined = inclination(answer(i)%cosine) / pairs%modulus
-        set%load(k) = answer(i)%vertical_load * inclined
-        set%stiffness(k) = answer(i)%stiffness * inclined
-        set%circle(k) = answer(i)%contact_radius
+        inclined = inclination(answer(k)%cosine) / pairs%modulus
+        set%load(k) = answer(k)%vertical_load * inclined
+        set%stiffness(k) = answer(k)%stiffness * inclined
+        set%circle(k) = answer(k)%contact_radius
       end do
       !$omp end parallel do
     end associate

@@ -8,7 +8,6 @@ module asperity_source_tree
   use asperity_box_expansions, only: add_field, add_moments, down, go, lanes, prepare, &
                                      translations, up
   use asperity_box_tree, only: plant_boxes, square_box, touching
-  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
   use asperity_process, only: has_memory
   implicit none
@@ -27,7 +26,7 @@ module asperity_source_tree
   type :: source_tree
     !> where the near sources of a target begin in `near`
     integer, allocatable :: first(:)
-    !> sources near each target, ascending, without itself
+    !> sources near each target, without itself, in the order of the boxes
     integer, allocatable :: near(:)
     !> why the tree could not be planted; not allocated when all is well
     character(:), allocatable :: failure
@@ -88,7 +87,7 @@ contains
     type(source_tree), intent(inout) :: tree
     real(real64), allocatable :: about(:, :)
     real(real64) :: here(3)
-    integer, allocatable :: name(:), order(:)
+    integer, allocatable :: name(:)
     logical, allocatable :: is_near(:)
     integer :: a, i, k
     integer(int64) :: pairs
@@ -97,16 +96,11 @@ contains
     tree%circle(:, 4) = tree%order
     listing = .false.
     do
-      !$omp parallel do schedule(dynamic, 16) private(about, here, name, order, is_near, i, k) &
+      !$omp parallel do schedule(dynamic, 16) private(about, here, name, is_near, i, k) &
       !$omp   if(size(tree%first) > many)
       do a = 1, size(tree%boxes)
         about = sources_about(tree, a, 4)
         if (size(about) == 0) cycle
-        if (listing) then
-          order = [(i, i=1, size(about, 1))]
-          call sort_keys(about(:, 4), order)
-          about = about(order, :)
-        end if
         name = int(about(:, 4))
         do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
           k = tree%order(i) - tree%before

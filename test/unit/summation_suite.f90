@@ -289,24 +289,25 @@ contains
     type(circles), intent(in) :: sources, targets
     real(real64), intent(in) :: near_factor
     logical, intent(in) :: same
-    integer :: i, j, at
+    integer :: i, j, at, number
 
     call check(error, size(tree%first), size(targets%x) + 1, 'first')
     if (allocated(error)) return
-    at = 1
+    number = 0
     do i = 1, size(targets%x)
-      call check(error, tree%first(i), at, 'where the near ones of a target begin')
+      call check(error, tree%first(i), number + 1, 'where the near ones of a target begin')
+      at = number + 1
       do j = 1, size(sources%x)
         if (.not. near(sources, j, targets, i, near_factor)) cycle
         if (same .and. i == j) cycle
-        call check(error, at <= size(tree%near), 'near pairs are lost')
-        if (allocated(error)) return
-        call check(error, tree%near(at), j, 'a near source')
-        at = at + 1
+        associate (listed => tree%near(at:min(tree%first(i + 1) - 1, size(tree%near))))
+          call check(error, count(listed == j), 1, 'how often a near source is listed')
+        end associate
+        number = number + 1
       end do
       if (allocated(error)) return
     end do
-    call check(error, size(tree%near), at - 1, 'number of near pairs')
+    call check(error, size(tree%near), number, 'number of near pairs')
   end subroutine check_near
 
   pure logical function near(sources, j, targets, i, near_factor)
