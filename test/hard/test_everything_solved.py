@@ -18,6 +18,8 @@ def test_sample(part, asperity, tally):
     ("random", 7801035, 40, "151 steps: cut circle by circle a step went up, and was cut on"),
     ("packed", 1586, 100, "267 steps: no shift went with the loads where Phi curved down"),
     ("packed", 2179, 100, "the same, 151 steps"),
+    ("random", 9101463, 40, "no end: a pair on the border between near and far came and went"),
+    ("packed", 9102369, 100, "the same, among 227 circles that overlap"),
 ])
 def test_found_steps(part, seed, most, was, asperity):
     outcome = everything_solved.run_seed(asperity, "coupled", 60, seed, part)
