@@ -217,9 +217,11 @@ contains
     real(real64) :: inclined, place(2)
     integer :: i, k, n
 
-    number = [(i, i=1, size(state%gap))]
-    if (allocated(state%order)) number = state%order
-    number = pack(number, solution%penetration(number) > 0.0_real64)
+    if (allocated(state%order)) then
+      number = pack(state%order, solution%penetration(state%order) > 0.0_real64)
+    else
+      number = pack([(i, i=1, size(state%gap))], solution%penetration > 0.0_real64)
+    end if
     allocate (answer(size(number)), bears(size(number)))
     !$omp parallel do schedule(static) if(size(number) > many)
     do k = 1, size(number)
