@@ -43,16 +43,17 @@ module asperity_coupled_state
     real(real64), allocatable :: aside(:, :)        !! gradient by shift over load (2, circle)
     real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
-    real(real64) :: residual = 1.0_real64           !! over the largest penetration
+    real(real64) :: residual = 0.0_real64           !! over the largest penetration
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
     integer, allocatable :: joins(:)                !! how often a pair has joined
   end type solve_state
 
   ! Of many a circle that has grown by this factor, or shrunk as much, has other near neighbours.
   ! Among others sums change by 1e-7: with new ones at each field 1e5 caps come no nearer than that.
-  ! Of few they are found at each field, so that a result does not depend on the way to it, down to
-  ! this residual: else a pair just on the border may come and go without end.
-  real(real64), parameter :: outgrown = 1.2_real64, nearly_solved = 1.0e-6_real64
+  ! Of few they are found at each field, so that a result does not depend on the way to it; but only
+  ! of so many fields, as a pair just on the border may come and go without end.
+  real(real64), parameter :: outgrown = 1.2_real64
+  integer, parameter :: fields_anew = 20
   ! A penetration stays below this share of the height between centres.
   real(real64), parameter :: level = 0.999999_real64
 
@@ -150,7 +151,7 @@ contains
     call gather(pairs, law, solution, state, resolved, same)
     associate (set => solution%set)
       if (size(set%x) == 0) return
-      if (same) same = (size(set%x) > many .or. state%residual < nearly_solved) .and. &
+      if (same) same = (size(set%x) > many .or. solution%fields > fields_anew) .and. &
                        all(set%circle < outgrown * set%planted .and. &
                            set%planted < outgrown * set%circle)
       if (.not. same) call plant_circles(set)
