@@ -111,11 +111,12 @@ def fault_of(case, position, contacts):
     """What is wrong with the sums of the contacts, or with one of them: "" when nothing is.
 
     Who bears something bears what its penetration, alone and less what it is lowered by, says; who
-    bears nothing does not penetrate. Those on cells are lowered by nothing that is told.
+    bears nothing does not penetrate. Nobody is lowered where `auto` leaves the interaction off.
     """
     names = ("vertical_load", "projected_area", "alone_load", "lowered")
-    load, area, alone, lowered = (np.array([float(row[n] or "nan") for row in contacts])
-                                  for n in names)
+    if position["interaction"] == "off":
+        contacts = [row | {"lowered": 0} for row in contacts]
+    load, area, alone, lowered = (np.array([float(row[n]) for row in contacts]) for n in names)
     for name, values in (("vertical_load", load), ("projected_area", area)):
         if abs(values.sum() - float(position[name])) > 1e-9 * abs(values).sum():
             return f"{name} is not the sum of the contacts"
