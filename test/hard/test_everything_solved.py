@@ -2,11 +2,12 @@
 
 import everything_solved
 import pytest
+import solved_cases
 
 SAMPLE = 24
 
 
-@pytest.mark.parametrize("part", everything_solved.OF_SEEDS)
+@pytest.mark.parametrize("part", solved_cases.OF_SEEDS)
 def test_sample(part, asperity, tally):
     for seed in range(1, SAMPLE + 1):
         outcome = everything_solved.run_seed(asperity, "coupled", 60, seed, part)
@@ -29,7 +30,7 @@ def test_found_steps(part, seed, most, was, asperity):
 
 def test_many_who_press_each_other_open(asperity):
     """Did not end: all open ones that would touch joined at a time, and opened each other."""
-    case = next(c for c in everything_solved.rough_cases("blunt", everything_solved.blunt_caps())
+    case = next(c for c in solved_cases.rough_cases("blunt", solved_cases.blunt_caps())
                 if "20 %, load" in c.name)
     outcome = everything_solved.run(asperity, "coupled", 60, case)
     assert outcome.status == 0 and outcome.contacts > 500, outcome.message

@@ -1,0 +1,231 @@
+"""Scenes that `coupled` must solve: random and packed ones by seeds, loads of a table, summits."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "regression"))
+
+from surfaces_csv import records, write_csv_scene  # noqa: E402
+
+MODULUS, RATIO = 275760.0, 0.42
+COMBINED = MODULUS / (2 * (1 - RATIO ** 2))
+SPHERE = 1e6
+MOST_CAPS = 20_000
+
+
+@dataclass
+class Case:
+    """Caps under a sphere so large that it is a flat; `area`: the nominal one."""
+
+    name: str
+    kind: str
+    caps: np.ndarray    # x, y, height above the flat's level of first touch, radius
+    area: float
+    loading: dict
+
+    def write(self, folder, mode):
+        """The scene; what the sphere rises by away from its middle is added to the heights."""
+        caps = self.caps.copy()
+        caps[:, :2] -= (caps[:, :2].max(0) + caps[:, :2].min(0)) / 2
+        square, total = (caps[:, :2] ** 2).sum(1), SPHERE + caps[:, 3]
+        caps[:, 2] += square / (total + np.sqrt(total ** 2 - square))
+        return write_csv_scene(folder, [(0.0, 0.0, 0.0, SPHERE)], caps, name="case",
+                               modulus=(MODULUS,) * 2, ratio=(RATIO,) * 2,
+                               loading=self.loading, effects={"interaction": mode})
+
+
+# ---------------------------------------------------------------- random scenes
+
+def heights_of(rng, contacts):
+    """Heights below first touch, as many as touch at the closing 1, and the rest."""
+    kind = ("level", "within", "rough", "rough", "wide")[int(5 * rng.random())]
+    if kind == "level":
+        return kind, np.zeros(contacts)
+    if kind == "within":
+        below = 10 ** rng.uniform(-3, 0) * rng.random(contacts)
+        return kind, below - below.min()
+    # Of so many caps that more stay open; the closing is where the wanted number touches.
+    most = max(1.5, min(100.0 if kind == "wide" else 10.0, MOST_CAPS / contacts))
+    count = int(contacts * 10 ** rng.uniform(np.log10(1.5), np.log10(most))) + 1
+    below = np.sort(-rng.standard_normal(count))
+    below -= below[0]
+    closing = (below[contacts - 1] + below[contacts]) / 2
+    return kind, below / closing
+
+
+def places_of(rng, count, width):
+    """In a square of this width."""
+    kind = ("strewn", "strewn", "strewn", "heaps", "square", "hexagonal",
+            "coincident")[int(7 * rng.random())]
+    if kind in ("square", "hexagonal"):
+        n = int(np.ceil(np.sqrt(count)))
+        i, j = (v.ravel()[:count] for v in np.indices((n, n)))
+        places = np.stack([i + 0.5 * (j % 2), np.sqrt(0.75) * j], 1) if kind == "hexagonal" else \
+            np.stack([i, j], 1).astype(float)
+        places += (rng.random() < 0.5) * 0.1 * rng.standard_normal((count, 2))
+        return kind, width / n * places
+    places = width * rng.random((count, 2))
+    if kind == "heaps":
+        heaps = width * rng.random((max(1, count // 20), 2))
+        near = 0.3 * width / np.sqrt(len(heaps))
+        places = heaps[rng.integers(len(heaps), size=count)] + near * rng.standard_normal((count,
+                                                                                           2))
+    if kind == "coincident":
+        # Some exactly, some within a rounding or a hundredth of where they would touch.
+        twins = rng.integers(count, size=max(1, count // 10))
+        apart = np.array([0, 1e-12, 1e-8, 1e-3])[rng.integers(4, size=len(twins))]
+        places[rng.integers(count, size=len(twins))] = \
+            places[twins] + width / np.sqrt(count) * apart[:, None]
+    return kind, places
+
+
+def random_case(seed):
+    """The scene of a seed."""
+    rng = np.random.default_rng([13, seed])
+    contacts = int(2 * 2500 ** (rng.random() ** 2))
+    heights, below = heights_of(rng, contacts)
+    count = len(below)
+    below = rng.permutation(below)
+    radii = np.ones(count)
+    if rng.random() < 0.5:
+        radii = 30 ** -rng.uniform(0, rng.random(), count)
+    closing = 10 ** rng.uniform(-5, -2.3)
+    lone = np.pi * radii * closing * np.maximum(1 - below, 0)
+    # Together they cover less than each alone, the more so the closer they are.
+    share = 10 ** rng.uniform(np.log10(0.002), np.log10(0.45))
+    area = lone.sum() / share
+    places_kind, places = places_of(rng, count, np.sqrt(area))
+    caps = np.column_stack([places, -closing * below, radii])
+    load = (4 / 3 * COMBINED * np.sqrt(radii) * (closing * np.maximum(1 - below, 0)) ** 1.5).sum()
+    loading = {"control": "approach", "value": -closing}
+    if rng.random() < 0.5:
+        loading = {"control": "load", "value": float(load * rng.uniform(0.1, 0.7))}
+    return Case(f"random {seed}", f"{heights}, {places_kind}, {loading['control']}", caps, area,
+                loading)
+
+
+# ---------------------------------------------------------------- packed scenes
+
+def packed_case(seed):
+    """The scene of a seed."""
+    rng = np.random.default_rng([26, seed])
+    count = int(9 * (300 / 9) ** rng.random())
+    apart = 0.02 * 25 ** rng.random()
+    kind = ("square", "hexagonal", "heap")[rng.integers(3)]
+    side = int(np.ceil(np.sqrt(count)))
+    if kind == "heap":
+        places = side * rng.random((count, 2))
+    else:
+        i, j = (v.ravel()[:count].astype(float) for v in np.indices((side, side)))
+        places = np.stack([i, j], 1) if kind == "square" else \
+            np.stack([i + 0.5 * (j % 2), np.sqrt(0.75) * j], 1)
+    area = count * apart ** 2
+    depth = ("light", "deep")[rng.integers(2)]
+    closing = 10 ** rng.uniform(-2, np.log10(0.3)) * apart ** 2 / np.pi
+    if depth == "deep":
+        closing = 10 ** rng.uniform(-4, -1.5)
+    heights = ("level", "scattered")[rng.integers(2)]
+    below = np.zeros(count)
+    if heights == "scattered":
+        below = 10 ** rng.uniform(-4, 0) * rng.random(count)
+        below -= below.min()
+    loading = {"control": "approach", "value": -closing}
+    if rng.random() < 0.5:
+        # A heap that stands alone bears no more than one cap as blunt as it.
+        lone = 4 / 3 * COMBINED * closing ** 1.5
+        borne = min((np.maximum(1 - below, 0) ** 1.5).sum(),
+                    max(1.0, side * apart / closing ** 0.5))
+        loading = {"control": "load", "value": float(lone * borne * rng.uniform(0.1, 0.7))}
+    return Case(f"packed {seed}", f"{kind}, {depth}, {heights}, {loading['control']}",
+                np.column_stack([apart * places, -closing * below, np.ones(count)]), area, loading)
+
+
+# ---------------------------------------------------------------- loads
+
+def load_cases():
+    """26 caps of 1.27 cm a cm2, heights normal .127 +- .03 cm; 40 loads for each number."""
+    for count in (2000, 4000, 8000, 16000, 32000):
+        rng = np.random.default_rng([26, count])
+        area = count / 26
+        caps = np.column_stack([np.sqrt(area) * rng.random((count, 2)),
+                                0.127 + 0.03 * rng.standard_normal(count),
+                                np.full(count, 1.27)])
+        # A half of the loads are round: 40, 45, 50, 60 and 90 N a cap among them.
+        for each in sorted({*np.arange(5, 91, 5.0), *np.round(np.geomspace(3, 88, 22), 2)}):
+            yield Case(f"{count} caps, {each:g} N a cap", f"{count} caps", caps, area,
+                       {"control": "load", "value": float(each * count)})
+
+
+# ---------------------------------------------------------------- summits of rough surfaces
+
+def rough_surface(n=512, hurst=0.8, long=64, short=4, seed=5):
+    """Heights of a self-affine surface, periods from `short` to n samples, flat above `long`."""
+    rng = np.random.default_rng(seed)
+    k = np.fft.fftfreq(n) * n
+    k = np.hypot(k[:, None], k[None])
+    size = np.where(k > 0, np.maximum(k, n / long) ** -(1 + hurst), 0) * (k <= n / short)
+    heights = np.fft.ifft2(np.fft.fft2(rng.standard_normal((n, n))) * size).real
+    slope = np.sqrt(2) * np.diff(heights, axis=0).std()
+    return 0.1 * heights / slope
+
+
+def summits(heights, geometric=False):
+    """Samples higher than their eight neighbours; radius: of both curvatures' mean, one or the
+    other: the geometric one is less, so that caps of ridges are blunter."""
+    inner = heights[1:-1, 1:-1]
+    top = np.ones(inner.shape, bool)
+    for i in (0, 1, 2):
+        for j in (0, 1, 2):
+            if (i, j) != (1, 1):
+                n, m = heights.shape
+                top &= inner > heights[i:n - 2 + i, j:m - 2 + j]
+    along = (2 * inner - heights[2:, 1:-1] - heights[:-2, 1:-1])[top]
+    across = (2 * inner - heights[1:-1, 2:] - heights[1:-1, :-2])[top]
+    bend = np.sqrt(along * across) if geometric else (along + across) / 2
+    x, y = np.nonzero(top)
+    return np.column_stack([x, y, inner[top], 1 / bend]).astype(float)
+
+
+def blunt_caps():
+    """Of a surface rough at all lengths down to its samples: many that would touch open others."""
+    return summits(rough_surface(256, long=256, short=2, seed=2), geometric=True)
+
+
+def rough_cases(name, caps):
+    """Up to 20 % of the area: nominal pressure E* slope/2 times that, the slope from summits."""
+    area = np.ptp(caps[:, 0]) * np.ptp(caps[:, 1])
+    caps = caps.copy()
+    caps[:, 2] -= caps[:, 2].max()
+    for share in (0.003, 0.01, 0.03, 0.1, 0.2):
+        # The load of lone contacts that cover the share: together they need more closing for it.
+        low, high = 0.0, float(-caps[:, 2].min())
+        for _ in range(60):
+            closing = (low + high) / 2
+            deep = np.maximum(closing + caps[:, 2], 0)
+            low, high = (closing, high) if np.pi * (caps[:, 3] * deep).sum() < share * area else \
+                (low, closing)
+        load = float((4 / 3 * COMBINED * np.sqrt(caps[:, 3]) * deep ** 1.5).sum())
+        for control, value in (("load", load), ("approach", -closing)):
+            yield Case(f"{name}, {100 * share:g} %, {control}", name, caps, area,
+                       {"control": control, "value": value})
+
+
+def read_summits(path):
+    """Rows x, y, height, radius of a file."""
+    return np.array([[float(row[c]) for c in ("x", "y", "height", "radius")]
+                     for row in records(Path(path))])
+
+
+def rough_parts(surfaces):
+    """The made-up surfaces and those of files."""
+    yield from rough_cases("made-up rough surface", summits(rough_surface()))
+    yield from rough_cases("made-up fractal with blunt caps", blunt_caps())
+    for path in surfaces:
+        yield from rough_cases(Path(path).stem, read_summits(path))
+
+
+# Makers of scenes by their seed.
+OF_SEEDS = {"random": random_case, "packed": packed_case}
