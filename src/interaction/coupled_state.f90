@@ -51,7 +51,7 @@ module asperity_coupled_state
   ! Of many a circle that has grown by this factor, or shrunk as much, has other near neighbours.
   ! Among others sums change by 1e-7: with new ones at each field 1e5 caps come no nearer than that.
   ! Of few they are found at each field, so that a result does not depend on the way to it; but only
-  ! of so many fields, as a pair just on the border may come and go without end.
+  ! of so many fields, as a pair just on the border may come and go without end. Most end before.
   real(real64), parameter :: outgrown = 1.2_real64
   integer, parameter :: fields_anew = 20
   ! A penetration stays below this share of the height between centres.
@@ -77,15 +77,10 @@ contains
     real(real64), intent(in) :: target                    !! load over modulus
     real(real64), intent(inout) :: penetration(:)         !! by pair
     real(real64) :: low, high, by, total, slope, most, before
-    integer :: i, try
+    integer :: try
 
     ! No more than until the first centres are level.
-    most = huge(most)
-    !$omp parallel do reduction(min:most) if(size(penetration) > many)
-    do i = 1, size(penetration)
-      most = min(most, level * pairs%list(i)%zc - penetration(i))
-    end do
-    !$omp end parallel do
+    most = minval(level * pairs%list%zc - penetration)
     low = -maxval(penetration)
     high = most
     by = min(max(0.0_real64, low), most)
