@@ -194,8 +194,9 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved
     real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), shift(:, :), p(:), move(:, :)
     real(real64), allocatable :: first(:), now(:), part(:), reach(:)
+    integer, allocatable :: number(:), place(:)   ! pairs of circles; circles of pairs, or n + 1
     real(real64) :: left, deepest
-    integer :: n, trial
+    integer :: k, n, trial
 
     n = size(solution%set%x)
     if (n == 0) return
@@ -206,11 +207,13 @@ contains
     call newton_step(solution%set, gradient, state%target > 0.0_real64, &
                      min(most_left, max(left, state%residual)), &
                      min(most_left, state%residual), step, solution%products)
+    number = solution%set%number
     allocate (p, source=solution%penetration)
-    allocate (move, source=solution%move)
-    allocate (dp(size(p)), shift(2, size(p)), source=0.0_real64)
-    allocate (part(size(p)), source=1.0_real64)
-    deepest = maxval(p(solution%set%number))
+    allocate (move, source=solution%move(:, number))
+    allocate (place(size(p)), source=n + 1)
+    place(number) = [(k, k=1, n)]
+    allocate (part(n), source=1.0_real64)
+    deepest = maxval(p(number))
     ! No farther than the field is known: the deepest penetration, and the own circle. Cut each for
     ! itself a step need not go down, as where two slide together; the whole one does.
     reach = 1.0_real64 / max(1.0_real64, abs(step(1, :)) / (deepest * solution%set%stiffness), &
@@ -221,8 +224,9 @@ contains
       call aim()
     end if
     do trial = 1, most_trials
-      solution%penetration = p + part * dp
-      solution%move = move + spread(part, 1, 2) * shift
+      solution%penetration = p
+      solution%penetration(number) = p(number) + part * dp(:n)
+      solution%move(:, number) = move + spread(part, 1, 2) * shift(:, :n)
       ! Nor does anything penetrate by more than alone; a law with a kink sends steps far off.
       if (state%target > 0.0_real64) then
         call raise(pairs, law, state%target, solution%penetration)
@@ -234,24 +238,23 @@ contains
       if (allocated(solution%failure)) return
       now = slopes()
       if (sum(now) <= merge(growth_of_many, slope_left, n > many) * abs(sum(first))) exit
+      now = now(:n)
       where (now > share_cut * maxval(now)) &
-        part = part * max(0.1_real64, min(abs(first) / (abs(first) + now), 0.5_real64))
+        part = part * max(0.1_real64, min(abs(first(:n)) / (abs(first(:n)) + now), 0.5_real64))
     end do
 
   contains
 
     ! The step, each contact as far as it may go.
     subroutine aim()
-      associate (i => solution%set%number)
-        dp(i) = reach * step(1, :) / solution%set%stiffness
-        shift(:, i) = spread(reach, 1, 2) * step(2:, :)
-      end associate
+      dp = [reach * step(1, :) / solution%set%stiffness, 0.0_real64]
+      shift = reshape([spread(reach, 1, 2) * step(2:, :)], [2, n + 1], pad=[0.0_real64])
       first = slopes()
     end subroutine aim
 
-    ! Change of the potential by going on, by pair.
+    ! Change of the potential by going on, by circle at the start; by others in n + 1.
     function slopes()
-      real(real64) :: slopes(size(p))
+      real(real64) :: slopes(n + 1)
       real(real64) :: raised
       integer :: j
 
@@ -259,10 +262,10 @@ contains
       associate (set => solution%set)
         raised = 0.0_real64
         if (state%target > 0.0_real64) &
-          raised = -sum(set%stiffness * dp(set%number)) / sum(set%stiffness)
+          raised = -sum(set%stiffness * dp(place(set%number))) / sum(set%stiffness)
         do j = 1, size(set%x)
-          associate (i => set%number(j))
-            slopes(i) = state%off(j) * set%stiffness(j) * (dp(i) + raised) + &
+          associate (i => place(set%number(j)))
+            slopes(i) = slopes(i) + state%off(j) * set%stiffness(j) * (dp(i) + raised) + &
                         set%load(j) * dot_product(state%aside(:, j), shift(:, i))
           end associate
         end do

@@ -77,10 +77,15 @@ contains
     real(real64), intent(in) :: target                    !! load over modulus
     real(real64), intent(inout) :: penetration(:)         !! by pair
     real(real64) :: low, high, by, total, slope, most, before
-    integer :: try
+    integer :: i, try
 
     ! No more than until the first centres are level.
-    most = minval(level * pairs%list%zc - penetration)
+    most = huge(most)
+    !$omp parallel do schedule(static) reduction(min:most) if(size(penetration) > many)
+    do i = 1, size(penetration)
+      most = min(most, level * pairs%list(i)%zc - penetration(i))
+    end do
+    !$omp end parallel do
     low = -maxval(penetration)
     high = most
     by = min(max(0.0_real64, low), most)
