@@ -18,6 +18,7 @@ module asperity_coupled_contacts
   use asperity_coupled_state, only: bear, coupled_solution, evaluate, raise, resolved_contacts, &
                                     set_out, solve_state
   use asperity_coupled_step, only: newton_step
+  use asperity_coupled_turns, only: find_large, length_of, turn_shift
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text
   implicit none
@@ -84,7 +85,7 @@ contains
       ! Pairs that were not listed may touch: whoever asked must come again with all.
       if (solution%closing > pairs%complete_to .and. state%residual < much_less) exit
       if (done .or. (joined /= 0 .and. state%residual <= look_again * looked)) then
-        call look(pairs, law, asked, solution, state, resolved, joined)
+        call look(pairs, law, asked, done, solution, state, resolved, joined)
         looked = state%residual
         if (allocated(solution%failure)) return
         if (done .and. joined == 0) exit
@@ -192,8 +193,9 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), shift(:, :), p(:), move(:, :)
+    real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), p(:), move(:, :)
     real(real64), allocatable :: first(:), now(:), part(:), reach(:)
+    complex(real64), allocatable :: shift(:), to(:), way(:), from(:)
     integer, allocatable :: number(:), place(:)   ! pairs of circles; circles of pairs, or n + 1
     real(real64) :: left, deepest
     integer :: k, n, trial
@@ -207,17 +209,20 @@ contains
     call newton_step(solution%set, gradient, state%target > 0.0_real64, &
                      min(most_left, max(left, state%residual)), &
                      min(most_left, state%residual), step, solution%products)
-    number = solution%set%number
+    allocate (number, source=solution%set%number)
     allocate (p, source=solution%penetration)
-    allocate (move, source=solution%move(:, number))
+    allocate (move(2, n), to(n), way(n + 1), from(n))
+    move = solution%move(:, number)
     allocate (place(size(p)), source=n + 1)
     place(number) = [(k, k=1, n)]
     allocate (part(n), source=1.0_real64)
+    from = find_large(solution%set)
     deepest = maxval(p(number))
     ! No farther than the field is known: the deepest penetration, and the own circle. Cut each for
     ! itself a step need not go down, as where two slide together; the whole one does.
     reach = 1.0_real64 / max(1.0_real64, abs(step(1, :)) / (deepest * solution%set%stiffness), &
-                             norm2(step(2:, :), 1) / solution%set%circle)
+                             length_of(cmplx(step(2, :), step(3, :), real64), from, &
+                                       solution%set%circle))
     call aim()
     if (sum(first) >= 0.0_real64) then
       reach = minval(reach)
@@ -226,7 +231,9 @@ contains
     do trial = 1, most_trials
       solution%penetration = p
       solution%penetration(number) = p(number) + part * dp(:n)
-      solution%move(:, number) = move + spread(part, 1, 2) * shift(:, :n)
+      call turn_shift(part, shift, from, to, way(:n))
+      solution%move(1, number) = move(1, :) + real(to, real64)
+      solution%move(2, number) = move(2, :) + aimag(to)
       ! Nor does anything penetrate by more than alone; a law with a kink sends steps far off.
       if (state%target > 0.0_real64) then
         call raise(pairs, law, state%target, solution%penetration)
@@ -248,7 +255,8 @@ contains
     ! The step, each contact as far as it may go.
     subroutine aim()
       dp = [reach * step(1, :) / solution%set%stiffness, 0.0_real64]
-      shift = reshape([spread(reach, 1, 2) * step(2:, :)], [2, n + 1], pad=[0.0_real64])
+      shift = reach * cmplx(step(2, :), step(3, :), real64)
+      way = [shift, (0.0_real64, 0.0_real64)]
       first = slopes()
     end subroutine aim
 
@@ -266,7 +274,7 @@ contains
         do j = 1, size(set%x)
           associate (i => place(set%number(j)))
             slopes(i) = slopes(i) + state%off(j) * set%stiffness(j) * (dp(i) + raised) + &
-                        set%load(j) * dot_product(state%aside(:, j), shift(:, i))
+                        set%load(j) * (state%aside(1, j) * way(i)%re + state%aside(2, j) * way(i)%im)
           end associate
         end do
       end associate

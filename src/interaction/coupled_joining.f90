@@ -36,19 +36,23 @@ module asperity_coupled_joining
 contains
 
   !> Where open contacts stand, and who of them joins.
-  subroutine look(pairs, law, accuracy, solution, state, resolved, joined)
+  !>
+  !> Of many, only those are looked at again that a change of the field twice as large as any at the
+  !> loaded ones would let touch, unless `all`: outside the loads a field and its changes are
+  !> nowhere larger than where loads are.
+  subroutine look(pairs, law, accuracy, all, solution, state, resolved, joined)
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
     real(real64), intent(in) :: accuracy                   !! over the deepest penetration
+    logical, intent(in) :: all                             !! are looked at
     type(coupled_solution), intent(inout) :: solution      !! evaluated; gets who joins
     type(solve_state), intent(inout) :: state              !! counts who joins
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     integer, intent(out) :: joined                         !! how many
     logical, allocatable :: is_open(:), touches(:)
     integer, allocatable :: number(:), order(:)
-    real(real64), allocatable :: before(:), move(:, :)
     type(contact_response) :: answer
-    real(real64) :: deepest, least
+    real(real64) :: change, deepest, least
     integer :: i, pass
 
     joined = 0
@@ -58,20 +62,18 @@ contains
     allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%number) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_one
+    if (allocated(state%stood) .and. .not. all .and. size(solution%set%x) > many) then
+      associate (number => solution%set%number)
+        change = 2 * maxval(abs(solution%penetration(number) - state%stood(number)))
+      end associate
+      is_open = is_open .and. state%stood > -change
+    end if
     allocate (touches(size(is_open)), source=.false.)
     number = pack([(i, i=1, size(is_open))], is_open)
     do pass = 1, most_looks
       if (size(number) == 0) exit
-      move = solution%move(:, number)
-      call look_around(pairs, number, state%gap, 0.1_real64 * least, solution, &
-                       max(out_of_host, min(out_of_opened * state%joins, most_out)), before)
+      call look_around(pairs, number, state, least, solution, touches)
       if (allocated(solution%failure)) return
-      ! The far field bends: what is told of a place from another one is so only near by. Who
-      ! touches joins where it was looked at from; who would join elsewhere is looked at from there.
-      touches(number) = before > least
-      solution%move(:, number) = merge(move, solution%move(:, number), &
-                                       spread(touches(number), 1, 2))
-      solution%penetration(number) = merge(before, solution%penetration(number), touches(number))
       number = pack(number, solution%penetration(number) > least .and. .not. touches(number))
     end do
     ! Many who would each touch may press each other open, again and again. So who has joined before
@@ -98,6 +100,7 @@ contains
     end do
     if (joined > 0 .and. state%target > 0.0_real64) &
       call raise(pairs, law, state%target, solution%penetration)
+    state%stood = solution%penetration
   end subroutine look
 
   !> Of those that begin together opens the ones that are as good as hidden in another; the next
@@ -175,25 +178,24 @@ contains
     end associate
   end function standing_share
 
-  ! For each open contact the shift at which it is lowest, s**2/(2 R) + u(x + s): near neighbours
-  ! act exactly, the others by value and slope. Gives penetrations there, and at the shift before
-  ! where it was looked at. What is hidden in a circle touches nowhere else.
-  subroutine look_around(pairs, number, gap, accuracy, solution, out, before)
+  ! For each open contact the shift at which it is lowest, s**2/(2 R) + u(x + s), and its penetration
+  ! there: near neighbours act exactly, the others by value and slope. The far field bends: what is
+  ! told of a place from another one is so only near by. So who touches at the shift before is told
+  ! that, and stays at it. What is hidden in a circle touches nowhere else.
+  subroutine look_around(pairs, number, state, least, solution, touches)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: number(:)               ! places of the open ones in the list
-    real(real64), intent(in) :: gap(:)             ! of all pairs, without load
-    real(real64), intent(in) :: accuracy           ! of a penetration
+    type(solve_state), intent(in) :: state         ! gaps, and who has joined how often
+    real(real64), intent(in) :: least              ! penetration of one that touches
     type(coupled_solution), intent(inout) :: solution
-    real(real64), intent(in) :: out(:)             ! share below which each pair is a part of a host
-    real(real64), allocatable, intent(out) :: before(:)
+    logical, intent(inout) :: touches(:)           ! of all pairs
     type(source_tree) :: tree
     real(real64), allocatable :: field(:, :)
-    real(real64) :: least, far(3)
+    real(real64) :: above, before, far(3), shift(2)
     integer :: i, k, n
 
     n = size(number)
     allocate (field(6, n))
-    allocate (before(n), source=far_below)
     associate (set => solution%set)
       ! Near where they are: far off a tilted surface moves them past many a circle.
       call plant_tree(tree, [set%x, pairs%list(number)%x + solution%move(1, number)], &
@@ -204,26 +206,27 @@ contains
         return
       end if
       call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field, set%move)
-      !$omp parallel do schedule(dynamic, 64) private(i, least, far) if(n > many)
+      !$omp parallel do schedule(dynamic, 64) private(i, above, before, far, shift) if(n > many)
       do k = 1, n
         i = number(k)
         far = field([1, 3, 4], k)
+        shift = solution%move(:, i)
         associate (near => tree%near(tree%first(k):tree%first(k + 1) - 1), &
-                   p => solution%penetration(i))
+                   p => solution%penetration(i), rise => solution%closing - state%gap(i), &
+                   gain => 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)))
           ! Near circles only push down: without them it would not touch, by a shift's worth.
-          least = far(1) - 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)) - &
-                  dot_product(far(2:), solution%move(:, i))
-          p = solution%closing - gap(i) - least
-          if (p + 0.5_real64 * pairs%list(i)%radius * dot_product(far(2:), far(2:)) < 0.0_real64) &
-            cycle
-          if (is_hidden(pairs, set, near, i, out(i))) then
+          p = rise - far(1) + gain + dot_product(far(2:), shift)
+          if (p + gain < 0.0_real64) cycle
+          if (is_hidden(pairs, set, near, i, &
+                        max(out_of_host, min(out_of_opened * state%joins(i), most_out)))) then
             p = far_below
-          else
-            call settle(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, near, far, &
-                        accuracy, solution%move(:, i), before(k), least)
-            before(k) = solution%closing - gap(i) - before(k)
-            p = solution%closing - gap(i) - least
+            cycle
           end if
+          call settle(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, near, far, &
+                      0.1_real64 * least, shift, before, above)
+          touches(i) = rise - before > least
+          p = rise - merge(before, above, touches(i))
+          if (.not. touches(i)) solution%move(:, i) = shift
         end associate
       end do
       !$omp end parallel do

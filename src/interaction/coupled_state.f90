@@ -46,6 +46,7 @@ module asperity_coupled_state
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
     integer, allocatable :: joins(:)                !! how often a pair has joined
+    real(real64), allocatable :: stood(:)           !! penetrations when open ones were looked at
   end type solve_state
 
   ! Of many a circle that has grown by this factor, or shrunk as much, has other near neighbours.
@@ -122,17 +123,21 @@ contains
     real(real64), intent(out) :: total                    !! load over modulus, or the vertical one
     real(real64), intent(out) :: slope                    !! its derivative
     type(contact_response) :: response
-    real(real64), dimension(size(penetration)) :: load, stiffness
-    integer :: i
+    ! Parts of the sums, the same whoever makes them.
+    real(real64), dimension(1 + size(penetration) / many) :: load, stiffness
+    integer :: i, part
 
-    !$omp parallel do schedule(static) private(response) if(size(load) > many)
-    do i = 1, size(load)
-      load(i) = 0.0_real64
-      stiffness(i) = 0.0_real64
-      if (.not. penetration(i) + by > 0.0_real64) cycle
-      call law%respond(pairs%list(i), i, penetration(i) + by, response)
-      load(i) = merge(response%vertical_load, response%load, pairs%vertical)
-      stiffness(i) = response%stiffness / merge(1.0_real64, response%cosine, pairs%vertical)
+    load = 0.0_real64
+    stiffness = 0.0_real64
+    !$omp parallel do schedule(static) private(i, response) if(size(load) > 1)
+    do part = 1, size(load)
+      do i = many * (part - 1) + 1, min(many * part, size(penetration))
+        if (.not. penetration(i) + by > 0.0_real64) cycle
+        call law%respond(pairs%list(i), i, penetration(i) + by, response)
+        load(part) = load(part) + merge(response%vertical_load, response%load, pairs%vertical)
+        stiffness(part) = stiffness(part) + &
+                          response%stiffness / merge(1.0_real64, response%cosine, pairs%vertical)
+      end do
     end do
     !$omp end parallel do
     total = sum(load) / pairs%modulus
