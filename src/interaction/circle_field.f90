@@ -65,7 +65,8 @@ module asperity_circle_field
     real(real64), allocatable :: bowl(:, :)
     real(real64) :: energy = 0.0_real64          !! 1/2 sum V V G
     type(source_tree) :: tree                    !! of the places
-    real(real64), allocatable :: planted(:)      !! radii at planting
+    real(real64), allocatable :: planted(:, :)   !! radii and shifts at planting (3, circle)
+    real(real64), allocatable :: moved(:, :)     !! shifts since then, where the field is known
     integer, allocatable :: pair(:)              !! of each near neighbour
     integer, allocatable :: one(:), other(:)     !! circles of each near pair
     real(real64), allocatable :: terms(:, :)     !! (quantity, near pair), see the constants below
@@ -111,12 +112,17 @@ contains
 
   !> Finds who is near whom. To be called when circles come, go or have grown.
   subroutine plant_circles(set)
-    type(circle_set), intent(inout) :: set  !! places and radii are set
+    type(circle_set), intent(inout) :: set  !! places, shifts and radii are set
+    real(real64), allocatable :: planted(:, :)
     integer, allocatable :: cursor(:), near(:)
     integer :: i, j, k, pairs
 
-    set%planted = set%circle
-    call plant_tree(set%tree, set%x, set%y, set%circle, near_factor)
+    allocate (planted(3, size(set%x)))
+    planted(1, :) = set%circle
+    planted(2:, :) = set%move
+    call move_alloc(planted, set%planted)
+    call plant_tree(set%tree, set%x + set%move(1, :), set%y + set%move(2, :), set%circle, &
+                    near_factor)
     if (allocated(set%tree%failure)) return
     pairs = size(set%tree%near) / 2
     if (allocated(set%pair)) deallocate (set%pair, set%one, set%other, set%terms)
@@ -151,8 +157,9 @@ contains
     integer :: from, k, n, to
 
     n = size(set%x)
+    set%moved = set%move - set%planted(2:, :)
     allocate (far(6, n), batch(min(a_batch, size(set%one))))
-    call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, far, set%move)
+    call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, far, set%moved)
     set%held = set%still
     set%stiffer = spread(0.0_real64, 1, n)
     !$omp parallel do schedule(static) if(n > many)

@@ -44,7 +44,7 @@ contains
 
     n = size(set%x)
     allocate (far(6, n))
-    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, far, set%move, &
+    call sum_sources(set%tree, change(1, :), flat_spread * set%circle**2, far, set%moved, &
                      rough=.true.)
     !$omp parallel do schedule(static) if(n > many) &
     !$omp   private(grows, i, j, k, l, mine, moved, slope_here, slope_there, way)

@@ -36,6 +36,8 @@ module asperity_coupled_contacts
   ! may grow: what made it grow is solved by itself. So may what that leaves of their residual: the
   ! next step makes up for it, and to go back costs half a step. 2, 4 and 8 do alike (measured).
   real(real64), parameter :: slope_left = 0.8_real64, growth_of_many = 4.0_real64
+  ! So long as they have come nearer than ever before in so many steps.
+  integer, parameter :: patience = 3
   real(real64), parameter :: share_cut = 0.1_real64
   ! Shares of the gradient that a step may leave: at most; at least, of few and of many contacts.
   ! Products are rough and leave out derivatives by shifts of far circles, so that of many a step
@@ -100,6 +102,9 @@ contains
         end do
       end if
       before = state%residual
+      state%since = state%since + 1
+      if (before < state%least) state%since = 0
+      state%least = min(before, state%least)
       call take_step(pairs, law, solution, state, resolved)
       solution%ending%iterations = iteration + 1
     end do
@@ -162,7 +167,7 @@ contains
     !$omp end parallel do
     if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
     call evaluate(pairs, law, solution, state, resolved)
-    if (size(state%miss) > many) before = growth_of_many * before
+    if (state%since < patience .and. size(state%miss) > many) before = growth_of_many * before
     if (allocated(solution%failure) .or. state%residual < before) return
     solution%penetration = p
     solution%move = move
@@ -244,7 +249,8 @@ contains
       call evaluate(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       now = slopes()
-      if (sum(now) <= merge(growth_of_many, slope_left, n > many) * abs(sum(first))) exit
+      if (sum(now) <= merge(growth_of_many, slope_left, state%since < patience .and. n > many) * &
+                      abs(sum(first))) exit
       now = now(:n)
       where (now > share_cut * maxval(now)) &
         part = part * max(0.1_real64, min(abs(first(:n)) / (abs(first(:n)) + now), 0.5_real64))

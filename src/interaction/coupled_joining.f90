@@ -198,14 +198,15 @@ contains
     allocate (field(6, n))
     associate (set => solution%set)
       ! Near where they are: far off a tilted surface moves them past many a circle.
-      call plant_tree(tree, [set%x, pairs%list(number)%x + solution%move(1, number)], &
-                      [set%y, pairs%list(number)%y + solution%move(2, number)], &
+      call plant_tree(tree, &
+                      [set%x + set%move(1, :), pairs%list(number)%x + solution%move(1, number)], &
+                      [set%y + set%move(2, :), pairs%list(number)%y + solution%move(2, number)], &
                       [set%circle, spread(0.0_real64, 1, n)], near_factor, size(set%x))
       if (allocated(tree%failure)) then
         solution%failure = tree%failure
         return
       end if
-      call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field, set%move)
+      call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field)
       !$omp parallel do schedule(dynamic, 64) private(i, above, before, far, shift) if(n > many)
       do k = 1, n
         i = number(k)

@@ -44,12 +44,15 @@ module asperity_coupled_state
     real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
+    real(real64) :: least = huge(1.0_real64)        !! residual that any step began from
+    integer :: since = 0                            !! steps since then
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
     integer, allocatable :: joins(:)                !! how often a pair has joined
     real(real64), allocatable :: stood(:)           !! penetrations when open ones were looked at
   end type solve_state
 
-  ! Of many a circle that has grown by this factor, or shrunk as much, has other near neighbours.
+  ! Of many a circle that has grown by this factor, or shrunk as much, or has moved by its radius,
+  ! has other near neighbours.
   ! Among others sums change by 1e-7: with new ones at each field 1e5 caps come no nearer than that.
   ! Of few they are found at each field, so that a result does not depend on the way to it; but only
   ! of so many fields, as a pair just on the border may come and go without end. Most end before.
@@ -157,8 +160,9 @@ contains
     associate (set => solution%set)
       if (size(set%x) == 0) return
       if (same) same = (size(set%x) > many .or. solution%fields > fields_anew) .and. &
-                       all(set%circle < outgrown * set%planted .and. &
-                           set%planted < outgrown * set%circle)
+                       all(set%circle < outgrown * set%planted(1, :) .and. &
+                           set%planted(1, :) < outgrown * set%circle .and. &
+                           norm2(set%move - set%planted(2:, :), 1) < set%planted(1, :))
       if (.not. same) call plant_circles(set)
       if (allocated(set%tree%failure)) solution%failure = set%tree%failure
     end associate

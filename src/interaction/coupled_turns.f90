@@ -12,14 +12,14 @@ module asperity_coupled_turns
 
   public :: find_large, length_of, turn_shift
 
-  ! Sums of radii up to which a circle is beside another, which is larger by a factor.
-  real(real64), parameter :: close_by = 2.0_real64, larger = 2.0_real64
+  ! Sums of radii up to which a circle is beside another.
+  real(real64), parameter :: close_by = 2.0_real64
   ! Angle of a step at most.
   real(real64), parameter :: most_turned = 0.5_real64
 
 contains
 
-  !> Where each circle stands from the larger one that it is deepest in; 0 where there is none.
+  !> Where each circle stands from the larger one beside it; 0 where there is none or more than one.
   pure function find_large(set) result(from)
     type(circle_set), intent(in) :: set          !! planted; shifts are set
     complex(real64) :: from(size(set%x))
@@ -31,7 +31,7 @@ contains
       found = 0
       do l = set%tree%first(k), set%tree%first(k + 1) - 1
         associate (j => set%tree%near(l))
-          if (set%circle(j) < larger * set%circle(k)) cycle
+          if (set%circle(j) < set%circle(k)) cycle
           if (.not. are_close(set, k, j, close_by)) cycle
           found = found + 1
           way = from_other(set, k, j)
