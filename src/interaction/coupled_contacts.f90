@@ -280,7 +280,8 @@ contains
         do j = 1, size(set%x)
           associate (i => place(set%number(j)))
             slopes(i) = slopes(i) + state%off(j) * set%stiffness(j) * (dp(i) + raised) + &
-                        set%load(j) * (state%aside(1, j) * way(i)%re + state%aside(2, j) * way(i)%im)
+                        set%load(j) * (state%aside(1, j) * real(way(i), real64) + &
+                                       state%aside(2, j) * aimag(way(i)))
           end associate
         end do
       end associate

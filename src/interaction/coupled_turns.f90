@@ -1,9 +1,9 @@
-!> Shifts of small circles beside large ones: around them, not straight on.
+!> Shifts of circles beside larger ones: around them, not straight on.
 !>
-!> A contact beside a much larger one, such as a blunt cap under a sharp one with the same axis, lies
-!> in a ring-shaped valley of the potential. A straight step leaves it soon, and many short ones
-!> would have to go around. So what such a shift does across the line from the large circle is an
-!> angle around it. Places and shifts are complex numbers here.
+!> A contact beside a larger one, such as that of a blunt cap under a sharp one with the same axis,
+!> lies in a ring-shaped valley of the potential. A straight step leaves it soon, and many short
+!> ones would have to go around. So what such a shift does across the line from the larger circle is
+!> an angle around it. Places and shifts are complex numbers here.
 module asperity_coupled_turns
   use asperity_circle_field, only: are_close, circle_set, from_other
   use asperity_kinds, only: real64

@@ -3,7 +3,7 @@
 Solved is: status 0, sums that are those of the contacts, and contacts that bear what they
 penetrate, or nothing where they do not.
 
-    python test/hard/everything_solved.py EXECUTABLE [--parts random,packed,loads,rough]
+    python test/hard/everything_solved.py EXECUTABLE [--parts random,packed,stepped,loads,rough]
         [--count 10000] [--first 1] [--processes 2] [--timeout 300] [--mode coupled]
         [--out results.csv] [--surface SUMMITS.csv ...]
 
@@ -12,7 +12,8 @@ spread, equal and mixed radii (to 1:30), at random, in heaps, in packed lattices
 caps, under an approach or a load. Scene K is made of the seed K: `--first K --count 1` runs it
 alone. Packed, of seeds too: 9 to 300 equal caps, .02 to .5 of a radius apart, on a lattice or in a
 heap, level or nearly, so lightly pressed that they cover 1 to 30 % of the area, or so deeply that
-circles are wider than caps are apart. Loads: 2000 to 32000 caps at 40 loads from 3 to 90 N a cap.
+circles are wider than caps are apart. Stepped: caps of which some stand on blunter ones, with
+nearly the same axis. Loads: 2000 to 32000 caps at 40 loads from 3 to 90 N a cap.
 Rough: the summits of a made-up rough surface, and of others (`x,y,height,radius`), up to 20 %
 contact.
 
@@ -136,7 +137,7 @@ def run_seed(exe, mode, timeout, seed, part="random"):
 def main():
     parser = argparse.ArgumentParser(description="Whether everything is solved.")
     parser.add_argument("exe")
-    parser.add_argument("--parts", default="random,packed,loads,rough")
+    parser.add_argument("--parts", default="random,packed,stepped,loads,rough")
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--processes", type=int, default=2)

@@ -143,6 +143,41 @@ def packed_case(seed):
                 np.column_stack([apart * places, -closing * below, np.ones(count)]), area, loading)
 
 
+# ---------------------------------------------------------------- sharp caps on blunt ones
+
+def stepped_case(seed):
+    """The scene of a seed: caps of which some stand on blunter ones with nearly the same axis."""
+    rng = np.random.default_rng([77, seed])
+    count = int(2 * 1000 ** rng.random())
+    closing = 10 ** rng.uniform(-5, -2.3)
+    below = rng.integers(2) * rng.random(count) * 10 ** rng.uniform(-2, 0)
+    share = 10 ** rng.uniform(-2.5, -0.6)
+    lone = np.maximum(1 - below, 0)
+    width = np.sqrt(np.pi * closing * lone.sum() / share)
+    on_lattice = rng.integers(3) == 2
+    if on_lattice:
+        side = int(np.ceil(np.sqrt(count)))
+        i, j = (v.ravel()[:count] for v in np.indices((side, side)))
+        places = width / side * np.stack([i, j], 1)
+    else:
+        places = width * rng.random((count, 2))
+    caps = np.column_stack([places, -closing * below, np.ones(count)])
+    on_one = rng.random(count) < rng.random()
+    blunt = on_one.sum()
+    radius = 10 ** rng.uniform(0.1, rng.uniform(0.3, 3), blunt)
+    aside = np.array([0, 0, 1e-9, 1e-6, 1e-3, 0.03, 0.3])[rng.integers(7, size=blunt)]
+    aside = np.sqrt(closing) * aside[:, None] * rng.standard_normal((blunt, 2))
+    lower = closing * rng.uniform(0, 1, blunt) * 10 ** -rng.uniform(0, 1, blunt)
+    caps = np.vstack([caps, np.column_stack([places[on_one] + aside, caps[on_one, 2] - lower,
+                                             radius])])
+    loading = {"control": "approach", "value": -closing}
+    if rng.random() < 0.5:
+        load = 4 / 3 * COMBINED * (closing ** 1.5 * lone ** 1.5).sum()
+        loading = {"control": "load", "value": float(load * rng.uniform(0.1, 0.7))}
+    kind = "lattice" if on_lattice else "strewn"
+    return Case(f"stepped {seed}", f"{kind}, {loading['control']}", caps, width ** 2, loading)
+
+
 # ---------------------------------------------------------------- loads
 
 def load_cases():
@@ -228,4 +263,4 @@ def rough_parts(surfaces):
 
 
 # Makers of scenes by their seed.
-OF_SEEDS = {"random": random_case, "packed": packed_case}
+OF_SEEDS = {"random": random_case, "packed": packed_case, "stepped": stepped_case}

@@ -9,6 +9,7 @@ module asperity_coupled_suite
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
                                      set_out, share_of, solve_at
+  use asperity_coupled_turns, only: length_of, turn_shift
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_kinds, only: int64, real64
@@ -41,8 +42,31 @@ contains
       new_unittest('thousands of crowded contacts converge, to the same bytes by two threads', &
                    thousands), &
       new_unittest('packed lattices converge', packed_lattice), &
-      new_unittest('the estimate is above the loss', estimate_is_above)]
+      new_unittest('the estimate is above the loss', estimate_is_above), &
+      new_unittest('a shift around a circle stays beside it', turns)]
   end subroutine collect_coupled
+
+  ! Truth: the distance, and differences of the path itself.
+  subroutine turns(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: h = 1.0e-6_real64, near = 1.0e-14_real64
+    complex(real64), parameter :: from = (3.0_real64, -4.0_real64)
+    complex(real64), parameter :: across = (0.8_real64, 0.6_real64)
+    complex(real64) :: to, way, before, after, unused
+
+    call turn_shift(1.0_real64, 2 * across, from, to, way)
+    call check(error, abs(from + to - from * exp((0.0_real64, 0.4_real64))), 0.0_real64, near, &
+               'turned')
+    call turn_shift(0.5_real64, 2 * across - 0.3_real64 * from, from, to, way)
+    call check(error, abs(from + to), 4.25_real64, near, 'and nearer by half of 1.5')
+    call turn_shift(0.5_real64 - h, across, from, before, unused)
+    call turn_shift(0.5_real64 + h, across, from, after, unused)
+    call turn_shift(0.5_real64, across, from, to, way)
+    call check(error, abs(way - (after - before) / (2 * h)), 0.0_real64, 1.0e-9_real64, &
+               'direction')
+    call check(error, length_of(2 * across, from, 0.5_real64), 0.8_real64, near, 'half a radian')
+    call check(error, length_of(from, from, 0.5_real64), 10.0_real64, near, 'the own radius')
+  end subroutine turns
 
   subroutine groups(error)
     type(error_type), allocatable, intent(out) :: error
