@@ -16,7 +16,7 @@ module asperity_joint_contacts
   use asperity_coupled_state, only: far_below
   use asperity_resolved_answers, only: answer_with, share_out
   use asperity_resolved_choice, only: choose_resolved
-  use asperity_resolved_clusters, only: cluster, form_clusters, solve_clusters
+  use asperity_resolved_clusters, only: cluster, form_clusters, reach_others, solve_clusters
   implicit none
   private
 
@@ -74,6 +74,7 @@ contains
     real(real64), dimension(size(pairs%list)) :: error, shape, area_error
     integer :: hosts(size(pairs%list)), k
     real(real64) :: before, now, of_closing, total
+    logical :: more
 
     call solve_coupled(pairs, law, solution%coupled, target)
     if (failed(solution)) return
@@ -100,13 +101,18 @@ contains
       now = total
       before = total
       if (any(is_one)) then
-        call form_clusters(pairs, coupled, is_one, clusters)
-        resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
+        more = .true.
         do
+          if (more) then
+            call form_clusters(pairs, coupled, is_one, clusters)
+            resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
+          end if
           solution%rounds = solution%rounds + 1
           call solve_clusters(pairs, coupled, merge(cells_tolerance, cells_share * tolerance, &
                               which == resolve_all), area_tolerance, clusters, solution%failure)
           if (allocated(solution%failure)) return
+          call reach_others(clusters, is_one, more)
+          if (more) cycle
           call answer_with(pairs, law, clusters, coupled, resolved)
           if (failed(solution)) return
           ! The cells know nothing of what the coupling changes from here on. At a given load it

@@ -15,6 +15,9 @@ module asperity_resolved_answers
 
   public :: answer_with, share_out
 
+  ! Of a change of gaps, at least.
+  real(real64), parameter :: least_taken = 0.1_real64
+
 contains
 
   !> The answers of the cells, as contacts that carry their loads where their pressures are.
@@ -26,11 +29,13 @@ contains
     type(resolved_contacts), intent(inout) :: resolved  !! those on cells: all but places and gaps
     type(contact_response) :: free
     type(circle_set) :: old
+    real(real64), dimension(size(pairs%list)) :: used
     integer, dimension(size(pairs%list)) :: before, now
     real(real64) :: share
     integer :: i, k, m
 
     old = coupled%set
+    used = resolved%gap
     do k = 1, size(clusters)
       associate (answer => clusters(k)%answer, members => clusters(k)%members)
         resolved%x(members) = answer%together%x
@@ -67,10 +72,32 @@ contains
         gap(members) = gap(members) + &
           merge(by_others(coupled%set, now(members)) - by_others(old, before(members)), &
                 0.0_real64, before(members) > 0 .and. now(members) > 0)
+        call approach(clusters(k), used(members), gap)
         call lift_others(clusters(k), coupled%set, pack(now(members), now(members) > 0), resolved)
       end associate
     end do
   end subroutine answer_with
+
+  ! Gaps between the last ones and those that the cells call for, by the secant of the last two
+  ! rounds (Aitken), where a cluster answers to the closing more stiffly than its circles: a ring
+  ! around a contact grows in all its length, and rounds would alternate without end.
+  subroutine approach(one, used, gap)
+    type(cluster), intent(inout) :: one
+    real(real64), intent(in) :: used(:)        ! by member
+    real(real64), intent(inout) :: gap(:)      ! by pair
+    real(real64) :: change(size(used)), taken(size(used))
+
+    change = gap(one%members) - used
+    taken = 1.0_real64
+    if (allocated(one%change)) then
+      where (max(abs(change), abs(one%change)) < -far_below .and. &
+             sign(1.0_real64, one%change) * (one%change - change) > 0.0_real64) &
+        taken = max(least_taken, min(1.0_real64, one%taken * (one%change / (one%change - change))))
+      gap(one%members) = merge(used + taken * change, gap(one%members), taken < 1.0_real64)
+    end if
+    one%change = change
+    one%taken = taken
+  end subroutine approach
 
   ! Members of which one has its centre in the other's circle are one circle for all others, with
   ! the law of the one that bears most. How they share their load hardly matters there, and the

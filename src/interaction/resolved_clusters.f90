@@ -14,7 +14,7 @@ module asperity_resolved_clusters
   implicit none
   private
 
-  public :: cluster, form_clusters, solve_clusters
+  public :: cluster, form_clusters, reach_others, solve_clusters
 
   !> A cluster of resolved contacts.
   type :: cluster
@@ -23,6 +23,9 @@ module asperity_resolved_clusters
     real(real64), allocatable :: load(:)            !! vertical, by its law; 0: open
     integer, allocatable :: host(:)                 !! member that stands for it among circles
     real(real64) :: lowered = 0.0_real64            !! of the closing, for its cells
+    !> for its circles, of the last round: what its cells would change of their gaps, and what share
+    !! of that was taken
+    real(real64), allocatable :: change(:), taken(:)
     type(outside_field) :: outside                  !! of the others, at its cells
   end type cluster
 
@@ -69,6 +72,28 @@ contains
       clusters(k)%members = number(member(first(k):first(k + 1) - 1))
     end do
   end subroutine form_clusters
+
+  !> Also resolves circles about the centre of a member's pressure: a contact that lies in a ring
+  !> around another has its centre in that one.
+  subroutine reach_others(clusters, is_one, more)
+    type(cluster), intent(in) :: clusters(:)                 !! solved
+    logical, intent(inout) :: is_one(:)                      !! by pair: resolved
+    logical, intent(out) :: more                             !! than before
+    integer :: k, l
+
+    more = .false.
+    do k = 1, size(clusters)
+      associate (o => clusters(k)%outside, all => clusters(k)%answer%together)
+        if (.not. allocated(o%pair)) cycle
+        do l = 1, size(o%pair)
+          if (.not. any(all%load > 0.0_real64 .and. &
+                        hypot(all%x - o%x(l), all%y - o%y(l)) < o%circle(l))) cycle
+          is_one(o%pair(l)) = .true.
+          more = .true.
+        end do
+      end associate
+    end do
+  end subroutine reach_others
 
   !> Solves all clusters, each under the field of the circles that are no members.
   subroutine solve_clusters(pairs, coupled, tolerance, area_tolerance, clusters, failure)
