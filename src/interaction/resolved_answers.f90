@@ -125,7 +125,7 @@ contains
           if (a == b .or. load(b) > load(a) .or. .not. load(b) > 0.0_real64) cycle
           associate (i => one%members(a), j => one%members(b), x => resolved%x, y => resolved%y, &
                      part => load(b) / (load(a) + load(b)))
-            if (.not. hypot(x(i) - x(j), y(i) - y(j)) < circle(a)) cycle
+            if (.not. hypot(x(i) - x(j), y(i) - y(j)) < max(circle(a), circle(b))) cycle
             x(i) = x(i) + part * (x(j) - x(i))
             y(i) = y(i) + part * (y(j) - y(i))
             coupled%penetration(j) = far_below
