@@ -15,8 +15,8 @@ module asperity_joint_contacts
   use asperity_kinds, only: real64
   use asperity_coupled_state, only: far_below
   use asperity_resolved_answers, only: answer_with, share_out
-  use asperity_resolved_choice, only: choose_resolved
-  use asperity_resolved_clusters, only: cluster, form_clusters, reach_others, solve_clusters
+  use asperity_resolved_choice, only: choose_resolved, reach_others
+  use asperity_resolved_clusters, only: cluster, form_clusters, solve_clusters
   implicit none
   private
 
@@ -111,7 +111,7 @@ contains
           call solve_clusters(pairs, coupled, merge(cells_tolerance, cells_share * tolerance, &
                               which == resolve_all), area_tolerance, clusters, solution%failure)
           if (allocated(solution%failure)) return
-          call reach_others(clusters, is_one, more)
+          call reach_others(pairs, clusters, is_one, more)
           if (more) cycle
           call answer_with(pairs, law, clusters, coupled, resolved)
           if (failed(solution)) return

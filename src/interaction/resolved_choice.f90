@@ -7,11 +7,12 @@ module asperity_resolved_choice
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
+  use asperity_resolved_clusters, only: cluster
   use asperity_source_tree, only: source_tree
   implicit none
   private
 
-  public :: choose_resolved
+  public :: choose_resolved, reach_others
 
   ! Radii from a circle within which an open contact shares its cells.
   real(real64), parameter :: about_member = 1.3_real64
@@ -66,5 +67,31 @@ contains
       end do
     end associate
   end subroutine choose_resolved
+
+  !> Also resolves circles that go together with a member's, as its cells have it: a contact in a
+  !> ring around another has its centre there.
+  subroutine reach_others(pairs, clusters, is_one, more)
+    type(contact_pairs), intent(in) :: pairs      !! the position
+    type(cluster), intent(in) :: clusters(:)      !! solved
+    logical, intent(inout) :: is_one(:)           !! by pair: resolved
+    logical, intent(out) :: more                  !! than before
+    integer :: k, l
+
+    more = .false.
+    do k = 1, size(clusters)
+      associate (o => clusters(k)%outside, all => clusters(k)%answer%together, &
+                 list => pairs%list(clusters(k)%members))
+        if (.not. allocated(o%pair)) cycle
+        do l = 1, size(o%pair)
+          ! Circles of Hertz by their loads.
+          if (.not. any(all%load > 0.0_real64 .and. hypot(all%x - o%x(l), all%y - o%y(l)) < &
+              along * (o%circle(l) + (0.75_real64 * all%load / pairs%modulus * &
+                                      list%radius)**(1.0_real64 / 3)))) cycle
+          is_one(o%pair(l)) = .true.
+          more = .true.
+        end do
+      end associate
+    end do
+  end subroutine reach_others
 
 end module asperity_resolved_choice

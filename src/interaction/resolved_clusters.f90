@@ -14,7 +14,7 @@ module asperity_resolved_clusters
   implicit none
   private
 
-  public :: cluster, form_clusters, reach_others, solve_clusters
+  public :: cluster, form_clusters, solve_clusters
 
   !> A cluster of resolved contacts.
   type :: cluster
@@ -72,28 +72,6 @@ contains
       clusters(k)%members = number(member(first(k):first(k + 1) - 1))
     end do
   end subroutine form_clusters
-
-  !> Also resolves circles about the centre of a member's pressure: a contact that lies in a ring
-  !> around another has its centre in that one.
-  subroutine reach_others(clusters, is_one, more)
-    type(cluster), intent(in) :: clusters(:)                 !! solved
-    logical, intent(inout) :: is_one(:)                      !! by pair: resolved
-    logical, intent(out) :: more                             !! than before
-    integer :: k, l
-
-    more = .false.
-    do k = 1, size(clusters)
-      associate (o => clusters(k)%outside, all => clusters(k)%answer%together)
-        if (.not. allocated(o%pair)) cycle
-        do l = 1, size(o%pair)
-          if (.not. any(all%load > 0.0_real64 .and. &
-                        hypot(all%x - o%x(l), all%y - o%y(l)) < o%circle(l))) cycle
-          is_one(o%pair(l)) = .true.
-          more = .true.
-        end do
-      end associate
-    end do
-  end subroutine reach_others
 
   !> Solves all clusters, each under the field of the circles that are no members.
   subroutine solve_clusters(pairs, coupled, tolerance, area_tolerance, clusters, failure)

@@ -51,3 +51,14 @@ def test_many_who_press_each_other_open(asperity):
 def test_found_seed(seed, was, asperity):
     outcome = everything_solved.run_seed(asperity, "coupled", 60, seed)
     assert outcome.status == 0, (was, outcome.message)
+
+
+@pytest.mark.parametrize("seed, was", [
+    (9750100, "a ring stiffer than its circle: rounds alternated"),
+    (9750063, "a ring on cells, without the contact that it is around"),
+    (9750137, "two circles for a contact and the wider ring around it"),
+])
+def test_rings_on_cells(seed, was, asperity):
+    """`circles and cells do not settle`."""
+    outcome = everything_solved.run_seed(asperity, "auto", 60, seed, "stepped")
+    assert outcome.status == 0, (was, outcome.message)
