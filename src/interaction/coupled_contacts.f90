@@ -9,7 +9,7 @@
 !> A step is cut until the slope of the potential along it has fallen, in size, to a share of what
 !> it was at the start.
 module asperity_coupled_contacts
-  use asperity_circle_field, only: many
+  use asperity_circle_field, only: circle_set, many
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back, share_off
@@ -65,7 +65,7 @@ contains
     type(solve_state) :: state
     real(real64) :: looked, before, enough, borne, slope
     integer :: iteration, joined
-    logical :: done
+    logical :: done, far
 
     call prepare(pairs, law, solution, state, target, resolved)
     if (allocated(solution%failure)) return
@@ -94,11 +94,15 @@ contains
         if (joined > 0) call evaluate(pairs, law, solution, state, resolved)
       end if
       if (state%residual > look_again * before) then
-        ! As long as that halves what is left: a step of all costs more.
+        ! As long as that halves what is left: a step of all costs more. Once more where it leaves
+        ! much more and goes down all the same, for those around the few that went far.
+        far = .false.
         do
           before = state%residual
           call relax(pairs, law, solution, state, resolved)
-          if (.not. state%residual < look_again * before) exit
+          if (state%residual < look_again * before) cycle
+          if (far .or. state%residual <= growth_of_many * before) exit
+          far = .true.
         end do
       end if
       before = state%residual
@@ -146,9 +150,9 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    real(real64), allocatable :: p(:), move(:, :)
-    integer, allocatable :: member(:), first(:)
-    real(real64) :: before
+    real(real64), allocatable :: p(:), move(:, :), gradient(:, :), load(:)
+    integer, allocatable :: member(:), first(:), number(:)
+    real(real64) :: before, way
     integer :: k
 
     if (allocated(solution%failure)) return
@@ -160,6 +164,10 @@ contains
     before = state%residual
     allocate (p, source=solution%penetration)
     allocate (move, source=solution%move)
+    allocate (number, source=solution%set%number)
+    allocate (load(size(p)), source=0.0_real64)
+    load(number) = solution%set%load
+    gradient = gradient_of(solution%set, state)
     !$omp parallel do schedule(dynamic)
     do k = 1, size(first) - 1
       call solve_group(pairs, law, state, member(first(k):first(k + 1) - 1), solution)
@@ -169,10 +177,36 @@ contains
     call evaluate(pairs, law, solution, state, resolved)
     if (state%since < patience .and. size(state%miss) > many) before = growth_of_many * before
     if (allocated(solution%failure) .or. state%residual < before) return
+    ! Or the potential has fallen, by its slopes at both ends of the way: whoever slides far leaves
+    ! all around off by more than they were.
+    load = -load
+    load(solution%set%number) = load(solution%set%number) + solution%set%load
+    way = slope_along(number, gradient, load, solution%move - move)
+    if (way + slope_along(solution%set%number, gradient_of(solution%set, state), load, &
+                          solution%move - move) < 0.0_real64) return
     solution%penetration = p
     solution%move = move
     call evaluate(pairs, law, solution, state, resolved)
   end subroutine relax
+
+  ! Gradient of the potential: by load, by shift.
+  function gradient_of(set, state) result(gradient)
+    type(circle_set), intent(in) :: set
+    type(solve_state), intent(in) :: state
+    real(real64) :: gradient(3, size(set%x))
+
+    gradient(1, :) = state%off
+    gradient(2:, :) = spread(set%load, 1, 2) * state%aside
+  end function gradient_of
+
+  ! Change of the potential along changes of loads and shifts, by pair.
+  pure real(real64) function slope_along(number, gradient, load, move) result(slope)
+    integer, intent(in) :: number(:)             ! pairs of circles
+    real(real64), intent(in) :: gradient(:, :)   ! of the circles
+    real(real64), intent(in) :: load(:), move(:, :)
+
+    slope = sum(gradient(1, :) * load(number)) + sum(gradient(2:, :) * move(:, number))
+  end function slope_along
 
   ! Solves some contacts under the field of all others; those of other groups stay as they are.
   recursive subroutine solve_group(pairs, law, state, member, solution)
@@ -198,7 +232,7 @@ contains
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
-    real(real64), allocatable :: gradient(:, :), step(:, :), dp(:), p(:), move(:, :)
+    real(real64), allocatable :: step(:, :), dp(:), p(:), move(:, :)
     real(real64), allocatable :: first(:), now(:), part(:), reach(:)
     complex(real64), allocatable :: shift(:), to(:), way(:), from(:)
     integer, allocatable :: number(:), place(:)   ! pairs of circles; circles of pairs, or n + 1
@@ -208,10 +242,8 @@ contains
     n = size(solution%set%x)
     if (n == 0) return
     left = least_left(merge(2, 1, n > many))
-    allocate (gradient(3, n), step(3, n))
-    gradient(1, :) = state%off
-    gradient(2:, :) = spread(solution%set%load, 1, 2) * state%aside
-    call newton_step(solution%set, gradient, state%target > 0.0_real64, &
+    allocate (step(3, n))
+    call newton_step(solution%set, gradient_of(solution%set, state), state%target > 0.0_real64, &
                      min(most_left, max(left, state%residual)), &
                      min(most_left, state%residual), step, solution%products)
     allocate (number, source=solution%set%number)
