@@ -23,10 +23,17 @@ module asperity_cells_solver
   ! Least cells per radius of the contact that would bear most alone.
   real(real64), parameter :: least_cells = 8.0_real64
 
+  ! Cells in a radius from which on cells know a contact alone, within 5 % (rms).
+  real(real64), parameter :: least_alone = 1.0_real64
+
   ! Place of the lattice in that contact, in cells so often doubled that 4 to 8 are a radius. Any
   ! but a symmetric one: there the errors of many cells at the contact's edge are the same and add
   ! up. Counted in the cells themselves it left 1 area of 389 dense scenes off by 1.25 tolerances.
   real(real64), parameter :: lattice_x = 0.29_real64, lattice_y = 0.13_real64
+
+  ! A lattice is kept as long as its cells are that large, over those called for. Laid anew its load
+  ! is off by another error of cells, and rounds of circles and cells would not settle.
+  real(real64), parameter :: least_kept = 0.5_real64, most_kept = 1.05_real64
 
   ! Bytes that may be held, and that are held for each cell.
   real(real64), parameter :: bytes_allowed = 2.0_real64**31, bytes_per_cell = 170.0_real64
@@ -66,7 +73,7 @@ contains
   !> Solves a cluster at a closing.
   !>
   !> Members that touch at the same place share one contact: its load is told under the first.
-  subroutine solve_cells(pairs, members, closing, outside, tolerance, worth, answer)
+  subroutine solve_cells(pairs, members, closing, outside, tolerance, worth, place, answer)
     type(contact_pairs), intent(in) :: pairs       !! the position
     integer, intent(in) :: members(:)              !! places of the contacts in the list of pairs
     real(real64), intent(in) :: closing            !! past first touch
@@ -74,9 +81,11 @@ contains
     !> shares of the load that halving may change, and of the area that may be off
     real(real64), intent(in) :: tolerance(2)
     real(real64), intent(in) :: worth(2)           !! load, area: less is told as if it were this
+    !> of the lattice: x and y in plan, side of its cells; stays where it does, 0: none yet
+    real(real64), intent(inout) :: place(3)
     type(cells_answer), intent(out) :: answer      !! the answer
     type(gap_shape), allocatable :: shapes(:)
-    real(real64) :: cell, cells, low(2), high(2), x, y
+    real(real64) :: cell, cells, low(2), high(2)
     integer :: i, k
 
     allocate (answer%together(size(members)), answer%alone(size(members)))
@@ -87,15 +96,15 @@ contains
       answer%ending = solve_ending(.true., 0.0_real64, 0)
       return
     end if
-    ! The contact that would bear most alone. A sphere's slope curves it more, by 1/cosine across
-    ! and by its third power along: the radius of a circle as large as the ellipse.
+    ! The contact that would bear most alone.
     k = maxloc(shapes%contact_radius * shapes%penetration * shapes%cosine, 1)
     cells = cells_needed(pairs%modulus, shapes, tolerance, worth)
     cell = shapes(k)%contact_radius * shapes(k)%cosine / cells
     cells = 2.0_real64**int(log(cells / 4) / log(2.0_real64))
-    x = shapes(k)%x - lattice_x * cell * cells
-    y = shapes(k)%y - lattice_y * cell * cells
-    call box_of(shapes, x, y, low, high)
+    if (place(3) < least_kept * cell .or. place(3) > most_kept * cell) &
+      place = [shapes(k)%x - lattice_x * cell * cells, shapes(k)%y - lattice_y * cell * cells, cell]
+    cell = place(3)
+    call box_of(shapes, place(1), place(2), low, high)
     cells = product((high - low) / cell + 2.0_real64)
     if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then
       answer%failure = 'a penetration reaches the level of the centres'
@@ -110,7 +119,12 @@ contains
         (pi * cell**2 / maxval(answer%together%area))**0.75_real64
       ! Each by itself on the same lattice, so that the errors of cells cancel in the ratio.
       do i = 1, size(shapes)
-        if (.not. allocated(answer%failure)) call press(shapes(i:i), answer%alone)
+        if (allocated(answer%failure)) exit
+        if (shapes(i)%contact_radius > least_alone * cell) then
+          call press(shapes(i:i), answer%alone)
+        else
+          answer%alone(shapes(i)%pair) = hertz_contact(pairs%modulus, shapes(i))
+        end if
       end do
     end if
     if (.not. allocated(answer%failure)) return
@@ -129,7 +143,7 @@ contains
       type(solve_ending) :: ending
       integer :: i
 
-      call lay_cells(shapes, x, y, cell, lattice)
+      call lay_cells(shapes, place(1), place(2), cell, lattice)
       if (pairs%interrupt%is_asked()) answer%failure = 'interrupted'
       if (allocated(answer%failure)) return
       if (present(outside)) call add_outside(outside, pairs%modulus, lattice)
@@ -175,6 +189,22 @@ contains
       end associate
     end do
   end subroutine find_shapes
+
+  ! A contact alone as Hertz has it. A sphere's slope curves it more, by 1/cosine across and by its
+  ! third power along: the radius of a circle as large as the ellipse.
+  pure type(cell_contact) function hertz_contact(modulus, shape) result(contact)
+    real(real64), intent(in) :: modulus
+    type(gap_shape), intent(in) :: shape
+
+    associate (circle => shape%contact_radius * shape%cosine)
+      contact%x = shape%x
+      contact%y = shape%y
+      contact%load = 4.0_real64 / 3.0_real64 * modulus * circle * shape%penetration
+      contact%area = pi * circle**2
+      if (circle > 0.0_real64) &
+        contact%pressure = 2.0_real64 / pi * modulus * shape%penetration / circle
+    end associate
+  end function hertz_contact
 
   ! Cells in a radius of the largest contact, for the load and for the area.
   pure real(real64) function cells_needed(modulus, shapes, tolerance, worth)

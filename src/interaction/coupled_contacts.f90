@@ -70,7 +70,7 @@ contains
     call prepare(pairs, law, solution, state, target, resolved)
     if (allocated(solution%failure)) return
     call set_out(pairs, law, solution, state, resolved)
-    if (.not. present(share)) call open_hidden(pairs, law, state%target, solution)
+    if (.not. (present(share) .or. present(resolved))) call open_hidden(pairs, law, state%target, solution)
     call evaluate(pairs, law, solution, state, resolved)
     looked = 1.0_real64
     before = huge(before)

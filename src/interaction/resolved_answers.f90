@@ -101,7 +101,7 @@ contains
 
   ! Members of which one has its centre in the other's circle are one circle for all others, with
   ! the law of the one that bears most. How they share their load hardly matters there, and the
-  ! equations of circles nearly in one place have several solutions.
+  ! equations of circles nearly in one place have several solutions. Who was one stays one.
   subroutine find_hosts(pairs, law, one, coupled, resolved)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
@@ -109,10 +109,13 @@ contains
     type(coupled_solution), intent(inout) :: coupled
     type(resolved_contacts), intent(inout) :: resolved
     real(real64), dimension(size(one%members)) :: load, circle
+    integer, dimension(size(one%members)) :: was
     logical :: joined
     integer :: a, b, m
 
     load = one%load
+    if (.not. allocated(one%host)) one%host = [(m, m=1, size(load))]
+    was = one%host
     one%host = [(m, m=1, size(load))]
     do m = 1, size(load)
       call stand(m)
@@ -125,7 +128,8 @@ contains
           if (a == b .or. load(b) > load(a) .or. .not. load(b) > 0.0_real64) cycle
           associate (i => one%members(a), j => one%members(b), x => resolved%x, y => resolved%y, &
                      part => load(b) / (load(a) + load(b)))
-            if (.not. hypot(x(i) - x(j), y(i) - y(j)) < max(circle(a), circle(b))) cycle
+            if (was(a) /= was(b) .and. &
+                .not. hypot(x(i) - x(j), y(i) - y(j)) < max(circle(a), circle(b))) cycle
             x(i) = x(i) + part * (x(j) - x(i))
             y(i) = y(i) + part * (y(j) - y(i))
             coupled%penetration(j) = far_below

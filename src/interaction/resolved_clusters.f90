@@ -19,6 +19,7 @@ module asperity_resolved_clusters
   !> A cluster of resolved contacts.
   type :: cluster
     integer, allocatable :: members(:)              !! places in the list of pairs
+    real(real64) :: place(3) = 0.0_real64           !! of its lattice; 0: none yet
     type(cells_answer) :: answer                    !! of its cells
     real(real64), allocatable :: load(:)            !! vertical, by its law; 0: open
     integer, allocatable :: host(:)                 !! member that stands for it among circles
@@ -107,7 +108,7 @@ contains
           one%outside%at_nodes = one%outside%at_nodes - one%lowered
         call solve_cells(pairs, one%members, coupled%closing - one%lowered, one%outside, &
                          [tolerance, max(area_over_load * tolerance, area_tolerance)], worth, &
-                         one%answer)
+                         one%place, one%answer)
       end associate
     end do
     !$omp end parallel do

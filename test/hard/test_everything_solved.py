@@ -57,6 +57,8 @@ def test_found_seed(seed, was, asperity):
     (9750100, "a ring stiffer than its circle: rounds alternated"),
     (9750063, "a ring on cells, without the contact that it is around"),
     (9750137, "two circles for a contact and the wider ring around it"),
+    (9850296, "two circles nearly in one place found one solution, then the other, by turns"),
+    (9800246, "circles of a cluster were one, then two, by turns"),
 ])
 def test_rings_on_cells(seed, was, asperity):
     """`circles and cells do not settle`."""

@@ -37,6 +37,8 @@ contains
       new_unittest('influence of a cell against quadrature', influence_by_quadrature), &
       new_unittest('an aligned pair is Hertz, down to 1e-12 of the radius', single_is_hertz), &
       new_unittest('an inclined pair is that of its vertical gap', inclined_pair), &
+      new_unittest('contacts smaller than a cell alone are Hertz', smaller_than_cells), &
+      new_unittest('a lattice stays while it is fine enough', lattice_stays), &
       new_unittest('two contacts apart, near and far', two_apart), &
       new_unittest('two contact circles that overlap, against numpy', two_overlapping), &
       new_unittest('a small contact far off feels the field of a large one', small_and_large), &
@@ -79,9 +81,22 @@ contains
     integer :: i
 
     pairs%list%gap = -penetration
-    call solve_cells(pairs, [(i, i=1, size(penetration))], 0.0_real64, nothing, &
-                     [tolerance, max(4 * tolerance, 0.005_real64)], no_more, answer)
+    call solve_anew(pairs, [(i, i=1, size(penetration))], 0.0_real64, nothing, &
+                     [tolerance, max(4 * tolerance, 0.005_real64)], answer)
   end subroutine solve
+
+  ! A cluster at a closing, on a lattice of its own.
+  subroutine solve_anew(pairs, members, closing, outside, tolerance, answer)
+    type(contact_pairs), intent(in) :: pairs
+    integer, intent(in) :: members(:)
+    real(real64), intent(in) :: closing, tolerance(2)
+    type(outside_field), intent(in) :: outside
+    type(cells_answer), intent(out) :: answer
+    real(real64) :: place(3)
+
+    place = 0.0_real64
+    call solve_cells(pairs, members, closing, outside, tolerance, no_more, place, answer)
+  end subroutine solve_anew
 
   real(real64) function total(answer)
     type(cells_answer), intent(in) :: answer
@@ -193,6 +208,61 @@ contains
     hertz = 4.0_real64 / 3.0_real64 * cosine * depth * sqrt(depth)
     call check(error, total(outcome) / hertz, 1.0_real64, allowed, 'load over the round contact')
   end subroutine inclined_pair
+
+  ! Cells of 1/28 of a contact know nothing of one of 1/50 alone.
+  subroutine smaller_than_cells(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+    integer, parameter :: many = 20
+    real(real64), parameter :: depth = 1.0e-4_real64, tip = 4.0e-5_real64
+    real(real64) :: cosine, hertz
+    integer :: i
+
+    allocate (pairs%list(1 + many))
+    pairs%modulus = 1.0_real64
+    pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    do i = 1, many
+      pairs%list(1 + i) = pair_at(0.02_real64 + 0.00213_real64 * i, 0.0_real64, 0.0_real64, &
+                                  1.0e-5_real64 * i, 2.0e-3_real64)
+    end do
+    call solve(pairs, [depth, spread(tip, 1, many)], asked, outcome)
+    do i = 1, many
+      cosine = pairs%list(1 + i)%zc / pairs%list(1 + i)%s
+      hertz = 4.0_real64 / 3.0_real64 * cosine * tip * sqrt(1.0e-3_real64 * tip)
+      call check(error, outcome%alone(1 + i)%load / hertz, 1.0_real64, 1.0e-12_real64, 'load')
+      call check(error, outcome%alone(1 + i)%area / (pi * cosine**2 * 1.0e-3_real64 * tip), &
+                 1.0_real64, 1.0e-12_real64, 'area')
+      call check(error, outcome%alone(1 + i)%pressure * outcome%alone(1 + i)%area / hertz, &
+                 1.5_real64, 1.0e-12_real64, 'pressure')
+    end do
+  end subroutine smaller_than_cells
+
+  subroutine lattice_stays(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+    type(outside_field) :: nothing
+    real(real64) :: place(3), first(3)
+
+    allocate (pairs%list(1))
+    pairs%modulus = 1.0_real64
+    pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    pairs%list%gap = 0.0_real64
+    place = 0.0_real64
+    call solve_cells(pairs, [1], 1.0e-4_real64, nothing, shares, no_more, place, outcome)
+    first = place
+    call check(error, place(3) > 0.0_real64, 'laid')
+    ! Radii go with the root.
+    call solve_cells(pairs, [1], 1.05e-4_real64, nothing, shares, no_more, place, outcome)
+    call check(error, all(abs(place - first) <= 0.0_real64), 'kept, finer than called for')
+    call solve_cells(pairs, [1], 0.95e-4_real64, nothing, shares, no_more, place, outcome)
+    call check(error, all(abs(place - first) <= 0.0_real64), 'kept, a little coarser')
+    call solve_cells(pairs, [1], 0.8e-4_real64, nothing, shares, no_more, place, outcome)
+    call check(error, place(3) < first(3), 'laid anew, finer')
+    call solve_cells(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, place, outcome)
+    call check(error, place(3) > first(3), 'laid anew, coarser')
+  end subroutine lattice_stays
 
   ! Each contact stands in the displacement that a Hertz pressure causes beside its circle
   ! (Johnson, Contact Mechanics, 1985, eq. 3.42); the mean over the other's circle is taken with
@@ -432,7 +502,7 @@ contains
       field%x = pairs%list(3 - j)%x
       field%y = pairs%list(3 - j)%y
       field%circle = (0.75_real64 * field%load / 0.7_real64)**(1.0_real64 / 3.0_real64)
-      call solve_cells(pairs, [j], 0.0_real64, field, shares, no_more, one)
+      call solve_anew(pairs, [j], 0.0_real64, field, shares, one)
       load = field%load(1)
       field%load = one%together(1)%load
     end do
@@ -444,7 +514,7 @@ contains
     field%load = load
     a = (0.75_real64 * load / 0.7_real64)**(1.0_real64 / 3.0_real64)
     field%circle = a
-    call solve_cells(pairs, [2], 0.0_real64, field, shares, no_more, one)
+    call solve_anew(pairs, [2], 0.0_real64, field, shares, one)
     call reach_of_cluster(pairs, [2], 0.0_real64, nodes%x0, nodes%x1, nodes%y0, nodes%y1)
     call check(error, nodes%x1 - nodes%x0, 2.0_real64 * sqrt(2.0_real64 * 0.9e-2_real64), &
                1.0e-12_real64, 'rectangle')
@@ -457,12 +527,12 @@ contains
                                load / (4.0_real64 / 3.0_real64 * 0.7_real64 * a**3)
       end do
     end do
-    call solve_cells(pairs, [2], 0.0_real64, nodes, shares, no_more, both)
+    call solve_anew(pairs, [2], 0.0_real64, nodes, shares, both)
     call check(error, both%together(1)%load / one%together(1)%load, 1.0_real64, 1.0e-6_real64, &
                'nodes')
     ! A field that lifts all load off.
     nodes%at_nodes = 1.0e-2_real64
-    call solve_cells(pairs, [2], 0.0_real64, nodes, shares, no_more, both)
+    call solve_anew(pairs, [2], 0.0_real64, nodes, shares, both)
     call check(error, both%ending%converged, 'lifted: not converged')
     call check(error, both%together(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine outside
