@@ -70,7 +70,9 @@ contains
     call prepare(pairs, law, solution, state, target, resolved)
     if (allocated(solution%failure)) return
     call set_out(pairs, law, solution, state, resolved)
-    if (.not. (present(share) .or. present(resolved))) call open_hidden(pairs, law, state%target, solution)
+    ! Circles with cells begin with what they were.
+    if (.not. (present(share) .or. present(resolved))) &
+      call open_hidden(pairs, law, state%target, solution)
     call evaluate(pairs, law, solution, state, resolved)
     looked = 1.0_real64
     before = huge(before)

@@ -147,11 +147,13 @@ contains
             sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
                 coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
         end associate
-        solution%error = solution%error + (scatter_told * norm2(clusters%answer%error) + &
-          sum([(clusters(k)%answer%ending%residual * sum(clusters(k)%answer%together%load), &
-                k=1, size(clusters))])) / (pairs%modulus * total)
+        ! These know nothing of each other: their squares add up.
+        solution%error = solution%error + norm2([ &
+          norm2([scatter_told * clusters%answer%error, &
+                 (clusters(k)%answer%ending%residual * sum(clusters(k)%answer%together%load), &
+                  k=1, size(clusters))]) / (pairs%modulus * total), &
+          round_left * abs(now - before) / now])
       end if
-      solution%error = solution%error + round_left * abs(now - before) / now
       if (present(target)) solution%error = of_closing * solution%error
     end associate
 
