@@ -36,8 +36,10 @@ module asperity_coupled_contacts
   ! may grow: what made it grow is solved by itself. So may what that leaves of their residual: the
   ! next step makes up for it, and to go back costs half a step. 2, 4 and 8 do alike (measured).
   real(real64), parameter :: slope_left = 0.8_real64, growth_of_many = 4.0_real64
-  ! So long as they have come nearer than ever before in so many steps.
-  integer, parameter :: patience = 3
+  ! So long as they have come nearer than ever before in so many steps. After more a step may not
+  ! go far past the least: one scene of 4,000 went to and fro between two places of one circle.
+  integer, parameter :: patience = 3, stuck = 10
+  real(real64), parameter :: slope_of_stuck = 0.1_real64
   real(real64), parameter :: share_cut = 0.1_real64
   ! Shares of the gradient that a step may leave: at most; at least, of few and of many contacts.
   ! Products are rough and leave out derivatives by shifts of far circles, so that of many a step
@@ -238,7 +240,7 @@ contains
     real(real64), allocatable :: first(:), now(:), part(:), reach(:)
     complex(real64), allocatable :: shift(:), to(:), way(:), from(:)
     integer, allocatable :: number(:), place(:)   ! pairs of circles; circles of pairs, or n + 1
-    real(real64) :: left, deepest
+    real(real64) :: left, deepest, allowed
     integer :: k, n, trial
 
     n = size(solution%set%x)
@@ -267,6 +269,9 @@ contains
       reach = minval(reach)
       call aim()
     end if
+    allowed = slope_left
+    if (n > many .and. state%since < patience) allowed = growth_of_many
+    if (state%since >= stuck) allowed = slope_of_stuck
     do trial = 1, most_trials
       solution%penetration = p
       solution%penetration(number) = p(number) + part * dp(:n)
@@ -283,8 +288,7 @@ contains
       call evaluate(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       now = slopes()
-      if (sum(now) <= merge(growth_of_many, slope_left, state%since < patience .and. n > many) * &
-                      abs(sum(first))) exit
+      if (sum(now) <= allowed * abs(sum(first))) exit
       now = now(:n)
       where (now > share_cut * maxval(now)) &
         part = part * max(0.1_real64, min(abs(first(:n)) / (abs(first(:n)) + now), 0.5_real64))
