@@ -52,7 +52,7 @@ contains
     logical, allocatable :: is_open(:), touches(:)
     integer, allocatable :: number(:), order(:)
     type(contact_response) :: answer
-    real(real64) :: change, deepest, least
+    real(real64) :: change, deepest, least, mean
     integer :: i, pass
 
     joined = 0
@@ -91,8 +91,16 @@ contains
     end if
     where (is_open .and. .not. touches) &
       solution%penetration = min(solution%penetration, 0.0_real64)
+    ! As deep as each would without the others that join, many would press all open. No deeper than
+    ! the loaded ones are on the average, by load.
+    mean = huge(mean)
+    associate (set => solution%set)
+      if (size(set%x) > 0) &
+        mean = dot_product(set%load, solution%penetration(set%number)) / sum(set%load)
+    end associate
     do i = 1, size(touches)
       if (.not. touches(i)) cycle
+      solution%penetration(i) = min(mean, solution%penetration(i))
       answer = answer_at(pairs, law, i, solution%penetration(i))
       if (.not. answer%vertical_load > 0.0_real64) cycle
       state%joins(i) = state%joins(i) + 1

@@ -68,7 +68,7 @@ contains
     type(coarse_circles) :: coarse
     type(contact_response) :: answer
     real(real64), allocatable :: load(:), stiffness(:)
-    real(real64), allocatable, dimension(:) :: loads, lowered, lower, change, even
+    real(real64), allocatable, dimension(:) :: loads, lowered, left, change, even
     integer :: i, step
 
     call gather_squares(pairs%list%x, pairs%list%y, coarse)
@@ -88,17 +88,22 @@ contains
       !$omp end parallel do
       coarse%stiffness = max(0.5_real64 * coarse%stiffness, sum_of_squares(coarse, stiffness))
       loads = sum_of_squares(coarse, load)
-      change = shared_change(coarse, lowered - pressed(coarse, loads))
+      left = lowered - pressed(coarse, loads)
+      ! What all are off by alike is the closing, and far more than the rest.
+      if (target > 0.0_real64) &
+        left = left - dot_product(coarse%stiffness, left) / sum(coarse%stiffness)
+      change = shared_change(coarse, left)
       if (target > 0.0_real64) then
         even = shared_change(coarse, spread(1.0_real64, 1, size(loads)))
         change = change - even * (sum(coarse%stiffness * change) / sum(coarse%stiffness * even))
       end if
       ! A load is convex in its penetration: it falls by less than its slope says.
-      lower = pressed(coarse, max(loads + coarse%stiffness * change, 0.1_real64 * loads))
-      penetration = penetration + (lowered(coarse%square) - lower(coarse%square))
+      where (loads > 0.0_real64) change = max(change, -0.9_real64 * loads / coarse%stiffness)
+      ! Lowered by that, and not by what the new loads press: many press by much more than any
+      ! penetrates, so that 1 % of it may be all.
+      penetration = penetration + change(coarse%square)
+      lowered = lowered - change
       if (target > 0.0_real64) call raise(pairs, law, target, penetration)
-      change = lower - lowered
-      lowered = lower
       if (maxval(change) - minval(change) < 0.01_real64 * maxval(penetration)) exit
     end do
   end subroutine lower_squares

@@ -7,8 +7,11 @@ module asperity_coupled_suite
   use asperity_circle_field, only: many
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, solve_coupled
+  use asperity_coupled_joining, only: look
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
                                      set_out, share_of, solve_at
+  use asperity_coupled_start, only: prepare
+  use asperity_coupled_state, only: evaluate, far_below, solve_state
   use asperity_coupled_turns, only: length_of, turn_shift
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
@@ -42,6 +45,9 @@ contains
       new_unittest('thousands of crowded contacts converge, to the same bytes by two threads', &
                    thousands), &
       new_unittest('packed lattices converge', packed_lattice), &
+      new_unittest('many that press by hundreds of penetrations begin near their loads', &
+                   start_of_many), &
+      new_unittest('who joins is no deeper than who bears', joins_no_deeper), &
       new_unittest('the estimate is above the loss', estimate_is_above), &
       new_unittest('a shift around a circle stays beside it', turns)]
   end subroutine collect_coupled
@@ -333,6 +339,61 @@ contains
       end do
     end do
   end subroutine packed_lattice
+
+  ! Truth: the sum over all, in the middle: at the rim it differs within a square of a start.
+  subroutine start_of_many(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: side = 200, some(4) = [4141, 10050, 20100, 27130]
+    real(real64), parameter :: apart = 0.7_real64
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(coupled_solution) :: solution
+    type(solve_state) :: state
+    real(real64) :: load(side**2), level(size(some))
+    integer :: i, j, k
+
+    call set_out([(apart * modulo(i, side), i=0, side**2 - 1)], &
+                 [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], spread(0.0_real64, 1, side**2), pairs, law)
+    call prepare(pairs, law, solution, state, &
+                 law%modulus * side**2 * 4.0_real64 / 3.0_real64 * depth**1.5_real64)
+    call check(error, all(solution%penetration > 0.0_real64), 'some are open')
+    if (allocated(error)) return
+    load = 4.0_real64 / 3.0_real64 * solution%penetration**1.5_real64
+    do k = 1, size(some)
+      i = some(k)
+      level(k) = solution%penetration(i)
+      do j = 1, side**2
+        if (j /= i) level(k) = level(k) + load(j) / pi / &
+          hypot(pairs%list(i)%x - pairs%list(j)%x, pairs%list(i)%y - pairs%list(j)%y)
+      end do
+    end do
+    call check(error, minval(level), maxval(level), 1.5_real64 * depth, 'the plane')
+    call check(error, minval(level) > 100 * depth, 'they press by little')
+  end subroutine start_of_many
+
+  subroutine joins_no_deeper(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(hertz_law) :: law
+    type(coupled_solution) :: solution
+    type(solve_state) :: state
+    integer :: i, joined
+
+    ! Five that bear at other depths, and far off five that do not yet.
+    call set_out([(100.0_real64 * i, i=0, 9)], spread(0.0_real64, 1, 10), &
+                 spread(0.0_real64, 1, 10), pairs, law)
+    solution%closing = depth
+    solution%penetration = [(0.1_real64 * depth * i, i=1, 5), (far_below, i=1, 5)]
+    allocate (solution%move(2, 10), source=0.0_real64)
+    call prepare(pairs, law, solution, state)
+    call evaluate(pairs, law, solution, state)
+    call look(pairs, law, 1.0e-3_real64, .true., solution, state, joined=joined)
+    call check(error, joined, 5, 'who joins')
+    ! Mean of the depths i by the loads i**(3/2).
+    call check(error, maxval(solution%penetration(6:)) / depth, &
+               0.1_real64 * sum([(i**2.5_real64, i=1, 5)]) / sum([(i**1.5_real64, i=1, 5)]), &
+               1.0e-12_real64, 'how deep')
+  end subroutine joins_no_deeper
 
   subroutine estimate_is_above(error)
     type(error_type), allocatable, intent(out) :: error
