@@ -92,9 +92,9 @@ contains
       ! What all are off by alike is the closing, and far more than the rest.
       if (target > 0.0_real64) &
         left = left - dot_product(coarse%stiffness, left) / sum(coarse%stiffness)
-      change = shared_change(coarse, left)
+      change = everywhere(left)
       if (target > 0.0_real64) then
-        even = shared_change(coarse, spread(1.0_real64, 1, size(loads)))
+        even = everywhere(spread(1.0_real64, 1, size(loads)))
         change = change - even * (sum(coarse%stiffness * change) / sum(coarse%stiffness * even))
       end if
       ! A load is convex in its penetration: it falls by less than its slope says.
@@ -106,6 +106,19 @@ contains
       if (target > 0.0_real64) call raise(pairs, law, target, penetration)
       if (maxval(change) - minval(change) < 0.01_real64 * maxval(penetration)) exit
     end do
+
+  contains
+
+    ! Also where nothing answers.
+    function everywhere(left) result(shared)
+      real(real64), intent(in) :: left(:)
+      real(real64) :: shared(size(left))
+
+      shared = shared_change(coarse, left)
+      shared = merge(shared, left - pressed(coarse, coarse%stiffness * shared), &
+                     coarse%stiffness > 0.0_real64)
+    end function everywhere
+
   end subroutine lower_squares
 
 end module asperity_coupled_start
