@@ -15,7 +15,7 @@ module asperity_coupled_start
 
   public :: prepare
 
-  ! A start settles in three to six steps; it need not.
+  ! A start settles in five or six steps; it need not.
   integer, parameter :: most_in_squares = 20
 
 contains

@@ -83,7 +83,7 @@ contains
                  list => pairs%list(clusters(k)%members))
         if (.not. allocated(o%pair)) cycle
         do l = 1, size(o%pair)
-          ! Of another cluster.
+          ! On cells of another cluster.
           if (is_one(o%pair(l))) cycle
           ! Circles of Hertz by their loads.
           if (.not. any(all%load > 0.0_real64 .and. hypot(all%x - o%x(l), all%y - o%y(l)) < &

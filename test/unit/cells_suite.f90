@@ -82,7 +82,7 @@ contains
 
     pairs%list%gap = -penetration
     call solve_anew(pairs, [(i, i=1, size(penetration))], 0.0_real64, nothing, &
-                     [tolerance, max(4 * tolerance, 0.005_real64)], answer)
+                    [tolerance, max(4 * tolerance, 0.005_real64)], answer)
   end subroutine solve
 
   ! A cluster at a closing, on a lattice of its own.

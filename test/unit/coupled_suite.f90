@@ -353,7 +353,8 @@ contains
     integer :: i, j, k
 
     call set_out([(apart * modulo(i, side), i=0, side**2 - 1)], &
-                 [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], spread(0.0_real64, 1, side**2), pairs, law)
+                 [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
+                 spread(0.0_real64, 1, side**2), pairs, law)
     call prepare(pairs, law, solution, state, &
                  law%modulus * side**2 * 4.0_real64 / 3.0_real64 * depth**1.5_real64)
     call check(error, all(solution%penetration > 0.0_real64), 'some are open')
