@@ -16,6 +16,7 @@ program asperity_main
   use asperity_run_solve, only: run_solve_command
   use asperity_run_study, only: run_study_command
   use asperity_run_summits, only: run_summits_command
+  !$ use omp_lib, only: omp_set_num_threads
   implicit none
   ! Commands whose work is shared out to threads.
   character(len=*), parameter :: threaded(3) = [character(len=8) :: 'accuracy', 'solve', 'study']
@@ -32,6 +33,7 @@ program asperity_main
     call outcome%problems%add('Try: asperity --help')
   else if (image_number() == 1 .or. is_shared(line)) then
     if (line%threads /= 1 .and. any(line%command == threaded)) call begin_anew_with_settings()
+    !$ if (line%threads > 0) call omp_set_num_threads(line%threads)
     select case (line%command)
     case ('', 'help', 'version')
       call describe(line%command, line%topic, outcome%text)

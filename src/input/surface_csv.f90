@@ -2,10 +2,11 @@
 !>
 !> The first line that is neither blank nor a comment (`#`) names the columns `x,y,height,radius`
 !> in any order; `radius` may be left out. Reading takes time and memory in proportion to the file.
+!> A long file is read by all threads, each its pieces.
 module asperity_surface_csv
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: a_surface, other_kind
-  use asperity_input_text, only: check_text, quoted, read_text, text_start
+  use asperity_input_text, only: check_text, line_end, quoted, read_text, text_start
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
@@ -16,6 +17,9 @@ module asperity_surface_csv
   private
 
   public :: surface_table, read_surface_csv, parse_surface_csv
+
+  ! Bytes of a piece that a thread reads: thousands of rows, and a hundred pieces of a long file.
+  integer, parameter :: piece_length = 131072
 
   !> The asperities of a surface; lengths in the unit of the file.
   type :: surface_table
@@ -42,7 +46,7 @@ contains
   end subroutine read_surface_csv
 
   !> Checks the text of a surface; `path` serves the messages only.
-  pure subroutine parse_surface_csv(path, text, table, problems, common_radius)
+  subroutine parse_surface_csv(path, text, table, problems, common_radius)
     character(len=*), intent(in) :: path                !! name for the messages
     character(len=*), intent(in) :: text                !! the whole file
     type(surface_table), intent(out) :: table           !! its numbers
@@ -59,14 +63,14 @@ contains
   end subroutine parse_surface_csv
 
   ! The same for what may have bytes that no text has.
-  pure subroutine parse_numbers(path, text, table, problems, common_radius)
+  subroutine parse_numbers(path, text, table, problems, common_radius)
     character(len=*), intent(in) :: path, text
     type(surface_table), intent(out) :: table
     type(problem_list), intent(out) :: problems
     real(real64), intent(in), optional :: common_radius
     type(surface_columns) :: columns
     character(len=:), allocatable :: other
-    integer :: first, line, rows
+    integer :: first, line
 
     call problems%start(path)
     line = 1
@@ -86,34 +90,87 @@ contains
     table%unit = columns%unit
     table%others = columns%others
     if (problems%count() > 0) return
-    ! One more than the line feeds that are left: never too few.
-    rows = count_line_feeds(text(first:)) + 1
+    call read_pieces(path, text(first:), line, columns, table, problems, common_radius)
+  end subroutine parse_numbers
+
+  ! Reads all rows, piece by piece. Where a piece has problems all is read again as one, so that
+  ! they are counted as one list.
+  subroutine read_pieces(path, text, line, columns, table, problems, common_radius)
+    character(len=*), intent(in) :: path, text  ! rows only
+    integer, intent(in) :: line                 ! number of the first one
+    type(surface_columns), intent(in) :: columns
+    type(surface_table), intent(inout) :: table
+    type(problem_list), intent(inout) :: problems
+    real(real64), intent(in), optional :: common_radius
+    integer, allocatable :: first(:)   ! byte of each piece, a line's; and one behind the last
+    integer, allocatable :: before(:)  ! places in the table before those of each piece
+    integer, allocatable :: last(:)    ! place of its last row
+    type(problem_list), allocatable :: found(:)
+    integer :: k, pieces, at, rows
+
+    pieces = 1 + len(text) / piece_length
+    allocate (first(pieces + 1), before(pieces + 1), last(pieces), found(pieces))
+    first(1) = 1
+    do k = 2, pieces
+      first(k) = max(first(k - 1), min(len(text), line_end(text, (k - 1) * piece_length) + 1) + 1)
+    end do
+    first(pieces + 1) = len(text) + 1
+    before(1) = 0
+    !$omp parallel do
+    do k = 1, pieces
+      before(k + 1) = count_line_feeds(text(first(k):first(k + 1) - 1))
+    end do
+    !$omp end parallel do
+    do k = 1, pieces
+      before(k + 1) = before(k) + before(k + 1)
+    end do
+    ! One more than line feeds: never too few.
+    rows = before(pieces + 1) + 1
     allocate (table%x(rows), table%y(rows), table%height(rows))
     if (table%has_radius .or. present(common_radius)) allocate (table%radius(rows))
     if (present(common_radius)) table%radius = common_radius
-    call read_rows(text, first, line, columns, table, rows, problems)
-    if (rows == 0 .and. problems%count() == 0) &
-      call problems%add_at(line, 1, 'no asperity: found the end of the file, expected a row')
+    !$omp parallel do schedule(dynamic)
+    do k = 1, pieces
+      call found(k)%start(path)
+      last(k) = before(k)
+      call read_rows(text(first(k):first(k + 1) - 1), line + before(k), columns, table, last(k), &
+                     found(k))
+    end do
+    !$omp end parallel do
+    rows = last(1)
+    do k = 2, pieces
+      at = rows + last(k) - before(k)
+      if (rows < before(k)) call move_rows(table, before(k) + 1, last(k), rows + 1)
+      rows = at
+    end do
+    if (any([(found(k)%count() > 0, k=1, pieces)])) then
+      rows = 0
+      call read_rows(text, line, columns, table, rows, problems)
+    else if (rows == 0) then
+      call problems%add_at(line + before(pieces + 1), 1, &
+                           'no asperity: found the end of the file, expected a row')
+    end if
     call cut(table, rows)
-  end subroutine parse_numbers
+  end subroutine read_pieces
 
-  !> Reads all rows; `rows` becomes the number of good ones.
-  pure subroutine read_rows(text, first, line, columns, table, rows, problems)
+  !> Reads all rows of a text into places from `rows + 1` on; `rows` becomes the last one taken.
+  pure subroutine read_rows(text, first_line, columns, table, rows, problems)
     character(len=*), intent(in) :: text
-    integer, intent(inout) :: first, line
+    integer, intent(in) :: first_line
     type(surface_columns), intent(in) :: columns
     type(surface_table), intent(inout) :: table
-    integer, intent(out) :: rows
+    integer, intent(inout) :: rows
     type(problem_list), intent(inout) :: problems
     type(line_cells) :: cells
     type(decimal_value) :: decimal
     real(real64) :: numbers(4)
-    integer :: i, start
+    integer :: i, first, line, start
     logical :: good, all_good
 
+    first = 1
+    line = first_line
     cells%separator = columns%separator
     allocate (cells%first(columns%count), cells%last(columns%count))
-    rows = 0
     do
       call skip_to_line(text, first, line)
       if (first > len(text)) exit
@@ -185,6 +242,21 @@ contains
     text = ''
     if (is_needed) text = '; a decimal comma? write a point'
   end function point_hint
+
+  ! Rows from one place to another, to lower ones.
+  pure subroutine move_rows(table, first, last, place)
+    type(surface_table), intent(inout) :: table
+    integer, intent(in) :: first, last, place
+    integer :: i, j
+
+    do i = first, last
+      j = place + i - first
+      table%x(j) = table%x(i)
+      table%y(j) = table%y(i)
+      table%height(j) = table%height(i)
+      if (table%has_radius) table%radius(j) = table%radius(i)
+    end do
+  end subroutine move_rows
 
   !> Shortens the table to its rows.
   pure subroutine cut(table, rows)

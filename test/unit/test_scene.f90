@@ -54,6 +54,7 @@ contains
             new_unittest('all problems of all files are told', test_all_problems), &
             new_unittest('files that cannot be read', test_unreadable), &
             new_unittest('good surface files', test_good_csv), &
+            new_unittest('long surface files', test_long_csv), &
             new_unittest('bad surface files', test_bad_csv), &
             new_unittest('many problems are counted', test_many_problems) &
             ]
@@ -605,6 +606,62 @@ contains
     call check(error, problems%text(), '', 'problems without radii')
     call check(error, .not. (table%has_radius .or. allocated(table%radius)), 'no radii')
   end subroutine test_good_csv
+
+  !> A file of several pieces, which threads may read side by side: places of rows, and lines of
+  !> problems, are those of one piece.
+  subroutine test_long_csv(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: count = 60000
+    type(surface_table) :: table
+    type(problem_list) :: problems
+    character(len=24) :: row
+    character(len=:), allocatable :: text, told
+    integer :: at, i, line
+
+    allocate (character(len=32 * count) :: text)
+    at = 0
+    line = 1
+    call put('x,y,height')
+    do i = 1, count
+      ! Lines that are no rows are thick in places: a piece may have few rows, or none.
+      if (mod(i, 3) == 0 .or. (i > 20000 .and. i < 30000)) call put('')
+      if (i == 40000) call put('# ' // repeat('long ', 60000))
+      write (row, '(i0, ",", i0, ",-1.", i5.5)') i, -i, i
+      call put(trim(row))
+    end do
+    call parse_surface_csv('s.csv', text(:at), table, problems)
+    call check(error, problems%text(), '', 'problems')
+    if (allocated(error)) return
+    call check(error, size(table%x), count, 'rows')
+    if (allocated(error)) return
+    call check(error, all(nint(table%x) == [(i, i=1, count)]), 'x in order')
+    call check(error, all(nint(table%y) == [(-i, i=1, count)]), 'y in order')
+    call check(error, all(nint(-1.0e5_real64 * (table%height + 1.0_real64)) == &
+                          [(i, i=1, count)]), 'heights in order')
+    told = ''
+    do i = 1, 30
+      write (row, '(i0)') line
+      told = told // 's.csv:' // trim(row) // ':3: y: found ''b'', expected a finite number ' // &
+             'within the range of a double' // new_line('a')
+      if (i > 20) told = told(:index(told(:len(told) - 1), new_line('a'), back=.true.))
+      call put('1,b,1')
+    end do
+    told = told // 's.csv: and 10 more like that' // new_line('a')
+    call parse_surface_csv('s.csv', text(:at), table, problems)
+    call check(error, problems%text(), told, 'problems at the end')
+
+  contains
+
+    ! Adds a line.
+    subroutine put(what)
+      character(len=*), intent(in) :: what
+
+      text(at + 1:at + len(what) + 1) = what // new_line('a')
+      at = at + len(what) + 1
+      line = line + 1
+    end subroutine put
+
+  end subroutine test_long_csv
 
   subroutine test_bad_csv(error)
     type(error_type), allocatable, intent(out) :: error
