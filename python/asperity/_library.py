@@ -40,16 +40,17 @@ class CProblem(Structure):
 
 
 def _loaded(path: Path) -> ctypes.CDLL:
-    """Threads that wait sleep, unless the environment says what they do; OpenMP's runtime looks
-    at it once, when it is loaded."""
-    name = "OMP_WAIT_POLICY"
-    if {name, "GOMP_SPINCOUNT"} & os.environ.keys():
+    """Threads that wait soon sleep, unless the environment says what they do; OpenMP's runtime
+    looks at it once, when it is loaded."""
+    settings = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "2000"}
+    if settings.keys() & os.environ.keys():
         return ctypes.CDLL(str(path))
-    os.environ[name] = "passive"
+    os.environ.update(settings)
     try:
         return ctypes.CDLL(str(path))
     finally:
-        del os.environ[name]
+        for name in settings:
+            del os.environ[name]
 
 
 _C = _loaded(Path(__file__).with_name("libasperity.so"))
