@@ -19,6 +19,8 @@ module asperity_pair_search_levels
 
   ! Each level has about so many times the asperities of the one before; the first so many at least.
   integer, parameter :: growth = 8, fewest = 64
+  ! Fewest asperities for which threads are started: to start them takes a millisecond.
+  integer, parameter :: many = 100000
   ! Steps in which the drop of a level is found.
   integer, parameter :: steps = 4096
   ! A search for all pairs whose spheres can touch gets strips of its own when those of the level
@@ -77,16 +79,21 @@ contains
     n = size(drops)
     allocate (levels%level(n + 1), levels%complete_from(n + 1))
     levels%complete_from(n + 1) = -huge(top)
+    levels%complete_from(:n) = top - drops
+    ! Every level is part of the next. A thread orders each surface.
+    !$omp parallel sections private(k) if(size(upper%x) + size(lower%x) > many)
     call build_grid(levels%level(n + 1)%upper, upper%x, upper%y, upper%height, upper%radius, height)
-    call build_grid(levels%level(n + 1)%lower, lower%x, lower%y, lower%height, lower%radius, height)
-    ! Every level is part of the next.
     do k = n, 1, -1
-      levels%complete_from(k) = top - drops(k)
-      associate (level => levels%level(k), next => levels%level(k + 1))
-        call take_high_part(next%upper, above%largest - drops(k), level%upper)
-        call take_high_part(next%lower, below%largest - drops(k), level%lower)
-      end associate
+      call take_high_part(levels%level(k + 1)%upper, above%largest - drops(k), &
+                          levels%level(k)%upper)
     end do
+    !$omp section
+    call build_grid(levels%level(n + 1)%lower, lower%x, lower%y, lower%height, lower%radius, height)
+    do k = n, 1, -1
+      call take_high_part(levels%level(k + 1)%lower, below%largest - drops(k), &
+                          levels%level(k)%lower)
+    end do
+    !$omp end parallel sections
   end subroutine build_levels
 
   !> The level that holds all asperities.
