@@ -86,31 +86,37 @@ contains
   subroutine list_near(tree)
     type(source_tree), intent(inout) :: tree
     real(real64), allocatable :: about(:, :)
-    real(real64) :: here(3)
-    integer, allocatable :: name(:)
-    logical, allocatable :: is_near(:)
-    integer :: a, i, k
+    real(real64) :: here(3), apart
+    integer, allocatable :: name(:), found(:)
+    integer :: a, i, j, k, n
     integer(int64) :: pairs
     logical :: listing
 
     tree%circle(:, 4) = tree%order
     listing = .false.
     do
-      !$omp parallel do schedule(dynamic, 16) private(about, here, name, is_near, i, k) &
+      !$omp parallel do schedule(dynamic, 16) private(about, here, apart, name, found, i, j, k, n) &
       !$omp   if(size(tree%first) > many)
       do a = 1, size(tree%boxes)
         about = sources_about(tree, a, 4)
         if (size(about) == 0) cycle
         name = int(about(:, 4))
+        found = name
         do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
           k = tree%order(i) - tree%before
           here = tree%circle(i, :3)
-          is_near = (about(:, 1) - here(1))**2 + (about(:, 2) - here(2))**2 &
-                    < (about(:, 3) + here(3))**2 .and. name /= tree%order(i)
+          n = 0
+          ! Without a branch: who is near cannot be foretold. The next one takes a far one's place.
+          do j = 1, size(name)
+            found(n + 1) = name(j)
+            apart = (about(j, 1) - here(1))**2 + (about(j, 2) - here(2))**2
+            n = n + iand(merge(1, 0, apart < (about(j, 3) + here(3))**2), &
+                         merge(1, 0, name(j) /= tree%order(i)))
+          end do
           if (listing) then
-            tree%near(tree%first(k):tree%first(k + 1) - 1) = pack(name, is_near)
+            tree%near(tree%first(k):tree%first(k + 1) - 1) = found(:n)
           else
-            tree%first(k + 1) = count(is_near)
+            tree%first(k + 1) = n
           end if
         end do
       end do
