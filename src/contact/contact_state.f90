@@ -8,6 +8,9 @@ module asperity_contact_state
 
   public :: contact_state, start_state, answer_all, total_load, total_vertical_load, load_asked_for
 
+  ! Fewest pairs for which threads are started.
+  integer, parameter :: many = 1000
+
   !> All contacts at one closing, in the units of their pairs.
   type :: contact_state
     real(real64) :: closing = 0.0_real64             !! past the first touch of the position
@@ -43,9 +46,11 @@ contains
     type(contact_state), intent(inout) :: state  !! gets the answers
     integer :: i
 
+    !$omp parallel do schedule(static) if(size(pairs%list) > many)
     do i = 1, size(pairs%list)
       call state%law%respond(pairs%list(i), i, state%penetration(i), state%answers(i))
     end do
+    !$omp end parallel do
   end subroutine answer_all
 
   !> Sum of the forces normal to the contacts.

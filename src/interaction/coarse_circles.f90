@@ -80,11 +80,12 @@ contains
     real(real64), intent(in) :: left(:)            !! by square; of those with stiffness
     real(real64) :: shared(size(left))
     real(real64), dimension(size(left)) :: root, rest, direction, image
-    real(real64) :: now, first, before
+    real(real64) :: now, first, before, half
     integer :: power, round
 
     ! K in a power of two of its own: the root of 2 K has other digits than that of K.
     power = exponent(maxval(coarse%stiffness))
+    half = scale(0.5_real64, power)
     root = sqrt(scale(coarse%stiffness, -power))
     rest = root * left
     direction = rest
@@ -93,7 +94,7 @@ contains
     first = now
     do round = 1, most_rounds
       if (.not. now > enough**2 * first) exit
-      image = direction + root * scale(pressed(coarse, root * direction), power)
+      image = direction + root * (2 * (half * pressed(coarse, root * direction)))
       before = now
       now = now / sum(direction * image)
       shared = shared + now * direction

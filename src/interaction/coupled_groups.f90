@@ -7,7 +7,7 @@
 !> nothing but another place of first touch, s**2/(2 R) + t s = (s + R t)**2/(2 R) - R t**2/2; what
 !> is felt of the square of a radius, nothing but a softer contact.
 module asperity_coupled_groups
-  use asperity_circle_field, only: are_close, circle_set
+  use asperity_circle_field, only: are_close, circle_set, many
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: coupled_solution, evaluate, solve_state
@@ -67,14 +67,18 @@ contains
     is_off = miss > max(much_off * (sum(miss) / size(miss)), share_off * maxval(miss)) .and. &
              .not. set%still
     is_one = is_off
+    !$omp parallel do schedule(static) if(size(joins) > many)
     do k = 1, size(joins)
       associate (a => set%one(k), b => set%other(k))
-        joins(k) = .false.
-        if (set%still(a) .or. set%still(b)) cycle
-        joins(k) = are_close(set, a, b, close_by)
-        if (.not. (joins(k) .and. (is_off(a) .or. is_off(b)))) cycle
-        is_one(a) = .true.
-        is_one(b) = .true.
+        joins(k) = .not. (set%still(a) .or. set%still(b))
+        if (joins(k)) joins(k) = are_close(set, a, b, close_by)
+      end associate
+    end do
+    !$omp end parallel do
+    do k = 1, size(joins)
+      associate (a => set%one(k), b => set%other(k))
+        if (.not. joins(k)) cycle
+        if (is_off(a) .or. is_off(b)) is_one([a, b]) = .true.
       end associate
     end do
     joins = joins .and. is_one(set%one) .and. is_one(set%other)

@@ -55,23 +55,22 @@ contains
       call raise(pairs, law, state%target, solution%penetration)
     end if
     if (fresh .and. count(solution%penetration > 0.0_real64) > many) &
-      call lower_squares(pairs, law, state%target, solution%penetration)
+      call lower_squares(pairs, law, state%target, coarse, solution%penetration)
   end subroutine prepare
 
   ! Squares as contacts: each presses all others down by the mean of 1/r over both, and its law is
   ! that of its contacts, lowered alike. Newton's method on them.
-  subroutine lower_squares(pairs, law, target, penetration)
+  subroutine lower_squares(pairs, law, target, coarse, penetration)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     real(real64), intent(in) :: target
+    type(coarse_circles), intent(inout) :: coarse  ! gathered
     real(real64), intent(inout) :: penetration(:)
-    type(coarse_circles) :: coarse
     type(contact_response) :: answer
     real(real64), allocatable :: load(:), stiffness(:)
     real(real64), allocatable, dimension(:) :: loads, lowered, left, change, even
     integer :: i, step
 
-    call gather_squares(pairs%list%x, pairs%list%y, coarse)
     allocate (load(size(penetration)), stiffness(size(penetration)))
     coarse%stiffness = spread(0.0_real64, 1, coarse%columns * coarse%rows)
     allocate (lowered(coarse%columns * coarse%rows), source=0.0_real64)

@@ -5,7 +5,7 @@
 !> ones would have to go around. So what such a shift does across the line from the larger circle is
 !> an angle around it. Places and shifts are complex numbers here.
 module asperity_coupled_turns
-  use asperity_circle_field, only: are_close, circle_set, from_other
+  use asperity_circle_field, only: are_close, circle_set, from_other, many
   use asperity_kinds, only: real64
   implicit none
   private
@@ -20,13 +20,14 @@ module asperity_coupled_turns
 contains
 
   !> Where each circle stands from the larger one beside it; 0 where there is none or more than one.
-  pure function find_large(set) result(from)
+  function find_large(set) result(from)
     type(circle_set), intent(in) :: set          !! planted; shifts are set
     complex(real64) :: from(size(set%x))
     real(real64) :: way(2)
     integer :: found, k, l
 
     from = 0.0_real64
+    !$omp parallel do schedule(static) private(found, l, way) if(size(set%x) > many)
     do k = 1, size(set%x)
       found = 0
       do l = set%tree%first(k), set%tree%first(k + 1) - 1
@@ -40,6 +41,7 @@ contains
       end do
       if (found > 1) from(k) = 0.0_real64
     end do
+    !$omp end parallel do
   end function find_large
 
   !> Length of a shift over the longest one that may be gone: the own circle, or around the large
