@@ -116,7 +116,7 @@ contains
     end do
     first(pieces + 1) = len(text) + 1
     before(1) = 0
-    !$omp parallel do
+    !$omp parallel do if(pieces > 1)
     do k = 1, pieces
       before(k + 1) = count_line_feeds(text(first(k):first(k + 1) - 1))
     end do
@@ -129,7 +129,7 @@ contains
     allocate (table%x(rows), table%y(rows), table%height(rows))
     if (table%has_radius .or. present(common_radius)) allocate (table%radius(rows))
     if (present(common_radius)) table%radius = common_radius
-    !$omp parallel do schedule(dynamic)
+    !$omp parallel do schedule(dynamic) if(pieces > 1)
     do k = 1, pieces
       call found(k)%start(path)
       last(k) = before(k)
