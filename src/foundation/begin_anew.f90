@@ -13,8 +13,8 @@ module asperity_begin_anew
   ! What the environment may say of it; the second is libgomp's own.
   character(len=*), parameter :: policies(2) = [character(len=15) :: 'OMP_WAIT_POLICY', &
     'GOMP_SPINCOUNT']
-  ! Rounds that a thread of libgomp waits awake, 0.03 to 0.1 ms by the processor: to sleep and to be
-  ! woken takes 0.07 ms (measured), so that waiting costs about twice the least at most.
+  ! Rounds that a thread of libgomp waits awake: 0.03 ms with pauses of 13 ns. A region of threads
+  ! that sleep at once takes 0.07 ms (both measured): no wait costs much more than twice the least.
   character(len=*), parameter :: rounds_awake = '2000'
   ! Memory given back is kept for what comes next, large pieces, too: the system zeroes each page
   ! that it hands out. A million coupled contacts take 2 s of the system so, else 11 (the GNU C

@@ -85,6 +85,7 @@ contains
 
     ! K in a power of two of its own: the root of 2 K has other digits than that of K.
     power = exponent(maxval(coarse%stiffness))
+    ! Half of it, as that of the largest number is none.
     half = scale(0.5_real64, power)
     root = sqrt(scale(coarse%stiffness, -power))
     rest = root * left
