@@ -18,7 +18,7 @@ module asperity_surface_csv
 
   public :: surface_table, read_surface_csv, parse_surface_csv
 
-  ! Bytes of a piece that a thread reads: some 2000 rows, read in a millisecond or less; fewer are not
+  ! Bytes of a piece that a thread reads: some 2000 rows, in a millisecond or less; fewer are not
   ! worth a thread.
   integer, parameter :: piece_length = 131072
 
