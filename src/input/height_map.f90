@@ -9,8 +9,9 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, change_unit, length_units, no_height, is_measured, is_length, &
-            make_room, read_height, expected_length, number_text, most_samples, digit_of, no_power
+  public :: height_map, change_unit, length_units, unit_number, plain_unit, no_height, &
+            is_measured, is_length, make_room, read_height, expected_length, number_text, &
+            most_samples, digit_of, no_power
 
   !> Stands for the height of a sample that was not measured.
   real(real64), parameter :: no_height = -huge(1.0_real64)
@@ -58,16 +59,41 @@ contains
     is_length = value >= least_length .and. value <= most_length
   end function is_length
 
-  !> All lengths of a map in metres in another unit.
+  !> Converts all lengths of a map to another unit.
   pure subroutine change_unit(map, unit)
-    type(height_map), intent(inout) :: map  !! its unit is metres
-    integer, intent(in) :: unit             !! which of `length_units`
+    type(height_map), intent(inout) :: map  !! its unit is one of `length_units`
+    integer, intent(in) :: unit             !! the new one, which of `length_units`
+    real(real64) :: factor
 
+    factor = metre_in(unit) / metre_in(unit_number(map%unit))
     map%unit = trim(length_units(unit))
-    map%spacing = map%spacing * metre_in(unit)
-    map%digit = map%digit * metre_in(unit)
-    where (is_measured(map%height)) map%height = map%height * metre_in(unit)
+    if (abs(factor - 1.0_real64) < epsilon(factor)) return
+    map%spacing = map%spacing * factor
+    map%digit = map%digit * factor
+    where (is_measured(map%height)) map%height = map%height * factor
   end subroutine change_unit
+
+  !> The place of a unit in `length_units`; 0 when it is none of them.
+  pure integer function unit_number(name)
+    character(len=*), intent(in) :: name  !! as it is written, `um` with any micro sign
+
+    unit_number = findloc(length_units == plain_unit(name), .true., 1)
+  end function unit_number
+
+  !> The name of a unit with `u` for a micro sign: U+00B5 or U+03BC in UTF-8, or the byte of Latin-1.
+  pure function plain_unit(name) result(plain)
+    character(len=*), intent(in) :: name    !! as it is written
+    character(len=:), allocatable :: plain  !! without blanks around it
+    character(len=*), parameter :: micro(3) = [char(194) // char(181), char(206) // char(188), &
+                                               achar(181) // ' ']
+    integer :: i, at
+
+    plain = trim(adjustl(name))
+    do i = 1, size(micro)
+      at = index(plain, trim(micro(i)))
+      if (at > 0) plain = plain(:at - 1) // 'u' // plain(at + len_trim(micro(i)):)
+    end do
+  end function plain_unit
 
   !> Allocates the heights. `failure` is allocated when there is no memory for them.
   subroutine make_room(map, failure)
