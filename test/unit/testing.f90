@@ -95,6 +95,7 @@ contains
     type(error_type), allocatable :: error
     integer :: i
 
+    if (.not. is_chosen(name)) return
     ! gfortran 12 warns of bounds it thinks unset otherwise.
     allocate (suite(0))
     call collect(suite)
@@ -115,6 +116,19 @@ contains
       flush (output_unit)
     end do
   end subroutine run_suite
+
+  ! Whether a suite is named on the command line, or none is named there.
+  logical function is_chosen(name)
+    character(*), intent(in) :: name
+    character(len=len(name) + 1) :: word
+    integer :: i
+
+    is_chosen = command_argument_count() == 0
+    do i = 1, command_argument_count()
+      call get_command_argument(i, word)
+      is_chosen = is_chosen .or. word == name
+    end do
+  end function is_chosen
 
   !> Prints the count as the last line and stops with an error when a test has failed.
   subroutine finish(tally)
