@@ -1,8 +1,7 @@
 !> The command `asperity study SPEC`: the study of the representative area.
 module asperity_run_study
-  use asperity_area_study, only: run_area_study
+  use asperity_area_study, only: area_study, run_area_study
   use asperity_area_study_plan, only: plan_study, study_plan
-  use asperity_area_study_statistics, only: area_study
   use asperity_area_study_surface, only: numbers_of_a_surface
   use asperity_area_study_table, only: write_area_csv, write_area_table
   use asperity_command_line, only: command_line, tell_part

@@ -1,6 +1,6 @@
 !> The study of the representative area as a table and as CSV.
 module asperity_area_study_table
-  use asperity_area_study_statistics, only: area_study, size_result
+  use asperity_area_study, only: area_study, size_result
   use asperity_csv, only: csv_line
   use asperity_greenwood_integrals, only: quantities
   use asperity_kinds, only: real64

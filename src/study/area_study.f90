@@ -1,9 +1,12 @@
-!> The study of the representative area: surfaces of an ensemble, shared out over the images.
+!> The study of the representative area: the surfaces of an ensemble, shared out over the images;
+!> means and standard deviations over their sections, and the size that represents the whole.
 module asperity_area_study
   use asperity_area_study_plan, only: study_plan
-  use asperity_area_study_statistics, only: area_study, evaluate_study
-  use asperity_area_study_surface, only: numbers_of_a_surface, prepare_surfaces, study_surface
+  use asperity_area_study_surface, only: leading_numbers, numbers_of_a_surface, prepare_surfaces, &
+                                         study_surface
+  use asperity_decimal, only: decimal_to_real64
   use asperity_generated_surface, only: surface_plan
+  use asperity_greenwood_integrals, only: densities_at, greenwood_law, quantities
   use asperity_images, only: image_number
   use asperity_kept_records, only: checksum, kept_work, pieces_of_part, whole_number, word_record
   use asperity_kinds, only: int64, real64
@@ -12,15 +15,44 @@ module asperity_area_study
   use asperity_run_options, only: run_options
   use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
                                   gather_round, is_own, shared_work
-  use asperity_study_spec, only: study_spec
+  use asperity_study_spec, only: reference_largest, study_spec
   use asperity_version, only: version
   implicit none
   private
 
-  public :: run_area_study
+  public :: area_study, size_result, evaluate_study, run_area_study
 
   ! Surfaces an image studies in one round at most.
   integer, parameter :: most_each = 64
+
+  !> The sections of one size.
+  type :: size_result
+    real(real64) :: side = 0.0_real64             !! of a section
+    integer :: sections = 0                       !! of all surfaces
+    real(real64) :: mean(quantities) = 0.0_real64       !! on an area
+    real(real64) :: deviation(quantities) = 0.0_real64  !! standard deviation of a section
+    real(real64) :: error(quantities) = 0.0_real64      !! standard error of the mean
+    real(real64) :: within(quantities) = 0.0_real64     !! share of sections within the tolerance
+    real(real64) :: all_within = 0.0_real64             !! share of those within it in everything
+  end type size_result
+
+  !> The whole study.
+  type :: area_study
+    type(size_result), allocatable :: sizes(:)         !! from the largest down
+    integer :: surfaces = 0                            !! of the ensemble
+    real(real64) :: separation = 0.0_real64            !! of the reference planes
+    real(real64) :: corner(2) = 0.0_real64             !! of the studied region
+    real(real64) :: extent(2) = 0.0_real64             !! of the studied region
+    real(real64) :: design_density(2) = 0.0_real64     !! asperities on an area, as specified
+    real(real64) :: density(2) = 0.0_real64            !! the same, in the studied region
+    real(real64) :: integral(quantities) = 0.0_real64  !! large surfaces with these densities
+    real(real64) :: shallow(quantities) = 0.0_real64   !! the same by Greenwood and Tripp's terms
+    real(real64) :: reference(quantities) = 0.0_real64 !! what sections are compared with
+    integer :: representative = 0                      !! which size; 0: none of them
+    real(real64) :: estimated_side = 0.0_real64        !! the size by the spread's fall with it
+    !> Processor time of this process when the first surface begins and when the last is done, s
+    real(real64) :: begun = 0.0_real64, ended = 0.0_real64
+  end type area_study
 
 contains
 
@@ -102,5 +134,140 @@ contains
 
     if (allocated(record%words)) numbers = transfer(record%words, numbers, size(numbers))
   end subroutine take_surface
+
+  !> Evaluates the numbers of all surfaces.
+  pure subroutine evaluate_study(spec, plan, numbers, study)
+    type(study_spec), intent(in) :: spec        !! checked
+    type(study_plan), intent(in) :: plan        !! the plan
+    real(real64), intent(in) :: numbers(:, :)   !! a column a surface, from study_surface
+    type(area_study), intent(out) :: study      !! the results
+    type(greenwood_law) :: law
+    integer :: i
+
+    study%surfaces = size(numbers, 2)
+    study%separation = decimal_to_real64(plan%separation)
+    study%corner = plan%corner
+    study%extent = plan%extent
+    study%design_density = plan%law%density
+    study%density = sum(numbers(:leading_numbers, :), 2) / study%surfaces
+    law = plan%law
+    law%density = study%density
+    study%integral = densities_at(law, study%separation)
+    study%shallow = densities_at(law, study%separation, shallow=.true.)
+    allocate (study%sizes(size(plan%sizes)))
+    do i = 1, size(plan%sizes)
+      study%sizes(i)%side = plan%sizes(i)
+      call take_means(sections_of(i), study%sizes(i))
+    end do
+    study%reference = study%integral
+    if (spec%reference == reference_largest) study%reference = study%sizes(1)%mean
+    do i = 1, size(plan%sizes)
+      call count_within(sections_of(i), study%reference, spec%tolerance, study%sizes(i))
+    end do
+    ! The least size from which on up all are good.
+    do i = 1, size(plan%sizes)
+      if (study%sizes(i)%all_within < spec%confidence) exit
+      study%representative = i
+    end do
+    study%estimated_side = estimated_side(study, spec%tolerance, spec%confidence)
+
+  contains
+
+    !> The sections of a size: quantity, section, surface.
+    pure function sections_of(number) result(values)
+      integer, intent(in) :: number
+      real(real64) :: values(quantities, plan%sections(number), size(numbers, 2))
+      integer :: from, many
+
+      many = quantities * plan%sections(number)
+      from = leading_numbers + quantities * (plan%first(number) - 1)
+      values = reshape(numbers(from + 1:from + many, :), shape(values))
+    end function sections_of
+
+  end subroutine evaluate_study
+
+  !> Means, deviations and standard errors. Sections of one surface are not independent, so the
+  !> error comes from the means of the surfaces, which are.
+  pure subroutine take_means(values, result)
+    real(real64), intent(in) :: values(:, :, :)
+    type(size_result), intent(inout) :: result
+    real(real64) :: of_surface(quantities, size(values, 3)), size_of
+    integer :: q, surfaces
+
+    surfaces = size(values, 3)
+    result%sections = size(values, 2) * surfaces
+    of_surface = sum(values, 2) / size(values, 2)
+    do q = 1, quantities
+      result%mean(q) = sum(of_surface(q, :)) / surfaces
+      ! A power of two near the largest: squares stay in range in any unit, and lose no digit.
+      size_of = set_exponent(1.0_real64, exponent(maxval(abs(values(q, :, :)))))
+      result%deviation(q) = size_of * &
+                            sqrt(sum(((values(q, :, :) - result%mean(q)) / size_of)**2) / &
+                                 max(1, result%sections - 1))
+      result%error(q) = size_of * sqrt(sum(((of_surface(q, :) - result%mean(q)) / size_of)**2) / &
+                                       max(1, surfaces - 1) / surfaces)
+    end do
+  end subroutine take_means
+
+  !> Shares of the sections that are as near to the reference as wanted.
+  pure subroutine count_within(values, reference, tolerance, result)
+    real(real64), intent(in) :: values(:, :, :), reference(quantities), tolerance
+    type(size_result), intent(inout) :: result
+    logical :: within(quantities)
+    integer :: counts(quantities), all_counts, i, k
+
+    counts = 0
+    all_counts = 0
+    do i = 1, size(values, 3)
+      do k = 1, size(values, 2)
+        within = abs(values(:, k, i) - reference) <= tolerance * reference
+        counts = counts + merge(1, 0, within)
+        if (all(within)) all_counts = all_counts + 1
+      end do
+    end do
+    result%within = real(counts, real64) / result%sections
+    result%all_within = real(all_counts, real64) / result%sections
+  end subroutine count_within
+
+  !> The side at which the quantity that spreads most would be within the tolerance: its deviation
+  !> times the side is nearly the same for all sizes, as contacts far apart know nothing of each
+  !> other. Averaged over the sizes by their number of sections; errors taken as normal.
+  pure real(real64) function estimated_side(study, tolerance, confidence)
+    type(area_study), intent(in) :: study
+    real(real64), intent(in) :: tolerance, confidence
+    real(real64) :: constant(quantities), weight
+    integer :: i
+
+    estimated_side = 0.0_real64
+    if (.not. minval(study%reference) > 0.0_real64) return
+    constant = 0.0_real64
+    weight = 0.0_real64
+    do i = 1, size(study%sizes)
+      constant = constant + study%sizes(i)%sections * &
+                 (study%sizes(i)%deviation / study%reference * &
+                  (study%sizes(i)%side / study%sizes(1)%side))**2
+      weight = weight + study%sizes(i)%sections
+    end do
+    constant = sqrt(constant / weight)
+    estimated_side = maxval(constant) * study%sizes(1)%side * two_sided(confidence) / tolerance
+  end function estimated_side
+
+  !> So many deviations around the mean hold the share of a normal law.
+  pure real(real64) function two_sided(share)
+    real(real64), intent(in) :: share
+    real(real64) :: low, high
+    integer :: i
+
+    low = 0.0_real64
+    high = 9.0_real64
+    do i = 1, 60
+      two_sided = (low + high) / 2
+      if (erf(two_sided / sqrt(2.0_real64)) < share) then
+        low = two_sided
+      else
+        high = two_sided
+      end if
+    end do
+  end function two_sided
 
 end module asperity_area_study

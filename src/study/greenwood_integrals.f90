@@ -13,8 +13,8 @@ module asperity_greenwood_integrals
   use asperity_constants, only: pi => pi_128
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generation_values, only: gaussian_spec, generation_spec
-  use asperity_greenwood_heights, only: excess_moments, height_law, law_of_heights
-  use asperity_greenwood_radii, only: means_over_radii, radius_means
+  use asperity_greenwood_moments, only: excess_moments, height_law, law_of_heights, &
+                                        means_over_radii, radius_means
   use asperity_kinds, only: real128, real64
   use asperity_root_bracket_real64, only: guess_root, narrow_bracket, root_bracket
   implicit none

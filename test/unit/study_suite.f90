@@ -4,17 +4,17 @@
 !> of two heights as double integrals over both heights; contacts of two rough surfaces with the
 !> offset itself as the variable; means over radii as double integrals over both radii.
 module asperity_study_suite
+  use asperity_area_study, only: area_study, evaluate_study
   use asperity_area_study_plan, only: plan_study, section_places, section_square, study_plan
-  use asperity_area_study_statistics, only: area_study, evaluate_study
   use asperity_area_study_surface, only: numbers_of_a_surface, prepare_surfaces, study_surface
   use asperity_decimal, only: decimal_value
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_rule, gauss_weight
   use asperity_generated_surface, only: surface_plan
   use asperity_generation_values, only: gaussian_spec
-  use asperity_greenwood_heights, only: excess_moments, law_of_heights
   use asperity_greenwood_integrals, only: densities_at, greenwood_law, greenwood_law_of, &
                                           quantities, separation_at_pressure, vertical_per_area
-  use asperity_greenwood_radii, only: means_over_radii, radius_means
+  use asperity_greenwood_moments, only: excess_moments, law_of_heights, means_over_radii, &
+                                        radius_means
   use asperity_kinds, only: int64, real128, real64
   use asperity_study_spec, only: against_plane, places_grid, places_random, study_spec
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
@@ -32,7 +32,7 @@ contains
   subroutine collect_study(suite)
     type(unittest_type), allocatable, intent(out) :: suite(:)  !! all tests of this suite
 
-    allocate (suite(12))
+    allocate (suite(13))
     suite(1) = new_unittest('heights without cut-offs: moments in closed form', gaussian_moments)
     suite(2) = new_unittest('sum of two cut heights: moments by a double integral', sum_moments)
     suite(3) = new_unittest('sum of a narrow and a wide law', narrow_moments)
@@ -45,6 +45,8 @@ contains
     suite(10) = new_unittest('sections lie in the region, none beside another is left out', places)
     suite(11) = new_unittest('sections side by side add up to the whole; means agree', sums)
     suite(12) = new_unittest('Gauss''s rule: exact for polynomials; its table is it', gauss)
+    suite(13) = new_unittest('moments 29 deviations out, and of widths 1 to 10000', &
+                             moments_at_limits)
   end subroutine collect_study
 
   !> Of n points it is right for powers below 2 n: the integral of x**k from 0 to 1 is 1/(k + 1).
@@ -124,6 +126,37 @@ contains
 
     call compare_sums(error, [wide(127, 1, 1255, 1282), lower_heights()], separations, expected)
   end subroutine narrow_moments
+
+  !> The tail beyond 29 deviations, and a sum whose parts differ 10000-fold in width: below its
+  !> kinks, and between the last two of them.
+  subroutine moments_at_limits(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: tail(5) = &
+      [0.0080318059732192362149_real64, 0.00055101464444826685868_real64, &
+       0.00016950355545899944082_real64, 0.000056636525215494428566_real64, &
+       0.000020314486898669850615_real64]
+    real(real64), parameter :: sums(5, 2) = reshape([ &
+      8.4906988041970182315e-4_real64, 5.7687098712126370852e-5_real64, &
+      1.7151152253210383921e-5_real64, 5.4438808225097543137e-6_real64, &
+      1.8255475958945043818e-6_real64, &
+      2.2893331453406606625e-19_real64, 1.8493217618628256104e-24_real64, &
+      5.9634134787850811668e-27_real64, 2.046891806080600732e-29_real64, &
+      7.4033496176322419282e-32_real64], [5, 2])
+    real(real128) :: moments(5)
+    integer :: i
+
+    call excess_moments(law_of_heights([gaussian(0, 1, 29.0_real128, 30.3_real128)]), &
+                        29.05_real128, [2, 4, 5, 6, 7], moments)
+    call check_all(error, real(moments, real64), tail, exact, 'tail')
+    do i = 1, 2
+      call excess_moments( &
+        law_of_heights([wide(100, 100, -5000, 7000), &
+                        gaussian_decimal(decimal_value(2_int64, -1), decimal_value(1_int64, -5), &
+                                         0.19995_real128, 0.20006_real128)]), &
+        merge(0.5_real128, 0.90001_real128, i == 1), [2, 4, 5, 6, 7], moments)
+      call check_all(error, real(moments, real64), sums(:, i), exact, 'sum')
+    end do
+  end subroutine moments_at_limits
 
   subroutine compare_sums(error, heights, separations, expected)
     type(error_type), allocatable, intent(inout) :: error
