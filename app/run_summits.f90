@@ -47,6 +47,7 @@ contains
     call summits_of_file(line%input, choices, map, summits, spikes, outcome%problems, &
                          outcome%failure)
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
+    call outcome%warnings%append(map%notes)
     if (.not. line%quiet) then
       call measure_map(map, summits, found)
       call write_summits_table(line%input, choices, spikes, map, summits, found, outcome%text)

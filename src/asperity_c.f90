@@ -248,6 +248,7 @@ contains
       call measure_map(map, summits, found)
       call write_summits_table(text_of(path), chosen, spikes, map, summits, found, summary)
       call set_text(new, text_report, summary%text())
+      call set_text(new, text_notes, map%notes%text())
       associate (table => new%tables(table_summits))
         call set_surface(summits%x, summits%y, summits%height, summits%radius, table)
       end associate

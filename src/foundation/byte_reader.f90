@@ -28,6 +28,7 @@ module asperity_byte_reader
     procedure :: open => open_file   !! from the first byte on
     procedure :: more                !! brings the next block
     procedure :: take                !! the next bytes
+    procedure :: count_bytes         !! how many the file has
     procedure :: rewind => go_back   !! from the first byte on, once more
     procedure :: close => close_file !! ends it
   end type byte_reader
@@ -97,6 +98,25 @@ contains
     end do
     if (got < number) bytes = bytes(:got)
   end subroutine take
+
+  !> How many bytes the file has. A pipe is read to its end for that.
+  integer(int64) function count_bytes(self)
+    class(byte_reader), intent(inout) :: self  !! the file; its place stays
+    integer :: place
+
+    if (self%length < 0_int64) then
+      place = self%at
+      do
+        self%at = self%used + 1
+        call self%more()
+        if (self%at > self%used) exit
+      end do
+      self%at = place
+      count_bytes = int(self%used, int64)
+    else
+      count_bytes = self%length
+    end if
+  end function count_bytes
 
   !> Goes back to the first byte.
   subroutine go_back(self)

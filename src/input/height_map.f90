@@ -9,9 +9,9 @@ module asperity_height_map
   implicit none
   private
 
-  public :: height_map, change_unit, length_units, unit_number, plain_unit, no_height, &
-            is_measured, is_length, make_room, read_height, expected_length, number_text, &
-            most_samples, digit_of, no_power
+  public :: height_map, change_unit, length_units, unit_number, unit_ratio, plain_unit, &
+            no_height, is_measured, is_length, make_room, read_height, expected_length, &
+            number_text, most_samples, digit_of, no_power
 
   !> Stands for the height of a sample that was not measured.
   real(real64), parameter :: no_height = -huge(1.0_real64)
@@ -41,6 +41,8 @@ module asperity_height_map
     character(len=:), allocatable :: unit       !! of all lengths; empty where the file has none
     !> What one more in the last digit of a height is, as the file has heights; 0: not known.
     real(real64) :: digit = 0.0_real64
+    logical :: own_spacing = .true.             !! the spacing is that of the file
+    type(problem_list) :: notes                 !! what is odd about the file, no error
   end type height_map
 
 contains
@@ -65,13 +67,21 @@ contains
     integer, intent(in) :: unit             !! the new one, which of `length_units`
     real(real64) :: factor
 
-    factor = metre_in(unit) / metre_in(unit_number(map%unit))
+    factor = unit_ratio(map%unit, unit)
     map%unit = trim(length_units(unit))
     if (abs(factor - 1.0_real64) < epsilon(factor)) return
     map%spacing = map%spacing * factor
     map%digit = map%digit * factor
     where (is_measured(map%height)) map%height = map%height * factor
   end subroutine change_unit
+
+  !> How many of a unit are one of another.
+  pure real(real64) function unit_ratio(from, to)
+    character(len=*), intent(in) :: from  !! the name of one of `length_units`
+    integer, intent(in) :: to             !! which of `length_units`
+
+    unit_ratio = metre_in(to) / metre_in(unit_number(from))
+  end function unit_ratio
 
   !> The place of a unit in `length_units`; 0 when it is none of them.
   pure integer function unit_number(name)
@@ -80,12 +90,12 @@ contains
     unit_number = findloc(length_units == plain_unit(name), .true., 1)
   end function unit_number
 
-  !> The name of a unit with `u` for a micro sign: U+00B5 or U+03BC in UTF-8, or the byte of Latin-1.
+  !> The name of a unit with `u` for a micro sign: U+00B5 or U+03BC in UTF-8, or that of Latin-1.
   pure function plain_unit(name) result(plain)
     character(len=*), intent(in) :: name    !! as it is written
     character(len=:), allocatable :: plain  !! without blanks around it
     character(len=*), parameter :: micro(3) = [char(194) // char(181), char(206) // char(188), &
-                                               achar(181) // ' ']
+                                               char(181) // ' ']
     integer :: i, at
 
     plain = trim(adjustl(name))
@@ -125,7 +135,7 @@ contains
       return
     end if
     height = no_height
-    good = lower_case(word) == 'bad' .or. lower_case(word) == 'nan'
+    good = any(lower_case(word) == [character(len=4) :: 'bad', 'nan', '-nan'])
   end subroutine read_height
 
   !> What one more in the last digit is: 0 where there is none.

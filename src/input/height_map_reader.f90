@@ -1,20 +1,24 @@
 !> Reads a height map; what kind of file it is, its content tells.
 module asperity_height_map_reader
   use asperity_height_map, only: height_map, is_measured, number_text
+  use asperity_input_text, only: blanks, lower_case, text_start
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
   use asperity_sdf_header, only: is_sdf, magic_length, read_binary_header, read_text_header, &
                                  sdf_header
   use asperity_sdf_samples, only: read_sdf_samples
-  use asperity_text_map, only: read_matrix, read_points
+  use asperity_text_layout, only: comment_signs, is_numeric_line, is_surface_header, names_points
+  use asperity_text_map, only: read_text_map
   use asperity_token_reader, only: token_reader
   implicit none
   private
 
-  public :: read_height_map
+  public :: read_height_map, is_height_map, head_length
 
   character(len=*), parameter :: expected = 'a surface data file (ISO 25178-71), a matrix of ' // &
     'heights, or x,y,z lines'
+  !> Bytes of a file's beginning that tell what it is.
+  integer, parameter :: head_length = 65536
   ! Fewer samples a side have no summit.
   integer, parameter :: fewest = 3
   ! Squares of flatter maps would not fit in a double.
@@ -22,23 +26,66 @@ module asperity_height_map_reader
 
 contains
 
+  !> Whether a file is a height map by its beginning: surface data, numbers, or the names x, y, z;
+  !> not the names of a surface. Four numbers with commas are a surface whose names were forgotten,
+  !> unless a spacing tells that they are heights.
+  pure logical function is_height_map(head, has_spacing)
+    character(len=*), intent(in) :: head    !! `head_length` bytes, or the whole file
+    logical, intent(in) :: has_spacing      !! a spacing is given
+    character(len=:), allocatable :: line
+    integer :: at, length, i
+    logical :: own
+
+    is_height_map = is_sdf(head(:min(len(head), magic_length)))
+    if (is_height_map) return
+    own = has_spacing
+    is_height_map = own
+    at = text_start(head)
+    do while (at <= len(head))
+      length = scan(head(at:), achar(10) // achar(13)) - 1
+      if (length < 0) length = len(head) - at + 1
+      line = head(at + verify(head(at:at + length - 1) // '.', blanks) - 1:at + length - 1)
+      at = at + length + 1
+      if (line == '') cycle
+      if (scan(line(1:1), comment_signs) == 1) then
+        ! A width of the map tells its spacing.
+        own = own .or. index(lower_case(line), 'width') > 0
+        cycle
+      end if
+      if (is_numeric_line(line)) then
+        is_height_map = own .or. count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
+      else
+        is_height_map = names_points(line) .or. (has_spacing .and. .not. is_surface_header(line))
+      end if
+      return
+    end do
+  end function is_height_map
+
   !> Reads and checks a map. With problems, or when `failure` is allocated because there is no
   !> memory for it, the map is not to be used.
-  subroutine read_height_map(path, spacing, progress, map, problems, failure)
+  subroutine read_height_map(path, spacing, progress, map, problems, failure, option, shared)
     character(len=*), intent(in) :: path                    !! the file; `-` is standard input
     real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
     logical, intent(in) :: progress                         !! tell how far it has come
     type(height_map), intent(out) :: map                    !! its samples
     type(problem_list), intent(inout) :: problems           !! all that is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
+    character(len=*), intent(in), optional :: option        !! that gives the spacing; --spacing
+    logical, intent(in), optional :: shared   !! no spacing for a map that has its own; .false.
     type(token_reader) :: file
     type(sdf_header) :: header
-    character(len=:), allocatable :: magic
+    character(len=:), allocatable :: magic, spacing_option
     integer :: before
+    logical :: if_needed
 
+    spacing_option = '--spacing'
+    if (present(option)) spacing_option = option
+    if_needed = .false.
+    if (present(shared)) if_needed = shared
     call problems%start(path)
     before = problems%count()
     map%unit = ''
+    call map%notes%start(path)
     if (path == '-') then
       call file%open('/dev/stdin')
     else
@@ -48,8 +95,9 @@ contains
     if (allocated(file%failure)) then
       call problems%add_at(1, 1, file%failure // ', expected ' // expected)
     else if (is_sdf(magic)) then
-      if (any(spacing > 0.0_real64)) &
-        call problems%add_in_file('--spacing given, but the file has its own, expected none')
+      if (any(spacing > 0.0_real64) .and. .not. if_needed) &
+        call problems%add_in_file(spacing_option // ' given, but the file has its own, ' // &
+                                  'expected none')
       if (scan(magic(1:1), 'aA') == 1) then
         call read_text_header(file, magic, header, problems)
       else
@@ -62,14 +110,7 @@ contains
     else if (is_binary(magic)) then
       call problems%add_at(1, 1, 'found a control character, expected ' // expected)
     else
-      call file%start(',;', '#')
-      call file%again()
-      if (all(spacing > 0.0_real64)) then
-        map%spacing = spacing
-        call read_matrix(file, progress, map, problems, failure)
-      else
-        call read_points(file, progress, map, problems, failure)
-      end if
+      call read_text_map(file, spacing, spacing_option, if_needed, progress, map, problems, failure)
     end if
     if (allocated(file%failure) .and. problems%count() == before) &
       call problems%add_in_file('byte ' // number_text(file%before + int(file%at, int64)) // &

@@ -6,6 +6,7 @@
 module asperity_scene_fields
   use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: other_kind
+  use asperity_height_map, only: plain_unit
   use asperity_input_text, only: check_text, lower_case, quoted
   use asperity_kinds, only: int64
   use asperity_namelist_text, only: namelist_text, parse_namelist
@@ -38,6 +39,8 @@ module asperity_scene_fields
     procedure :: take_text          !! takes one text between quotes
     procedure :: take_names         !! takes short texts, as many as there are places for them
     procedure :: take_word          !! takes one of several words between quotes, as its number
+    procedure :: take_units         !! takes names of units, as numbers
+    procedure :: comma_pair         !! two whole numbers with a comma between and no blank
     procedure :: complain_of_group  !! tells a problem at a group
     procedure :: complain_of        !! tells a problem at a name that stands in the scene
     procedure :: require            !! tells that a name is missing
@@ -238,6 +241,59 @@ contains
       call self%refuse_value(name, at + 1, one_of(words) // &
                              did_you_mean(lower_case(self%list%value_text(at + 1)), words))
   end subroutine take_word
+
+  !> Takes names of units between quotes, as many as there are places for them, as their numbers; 0
+  !> when one is refused.
+  subroutine take_units(self, group, name, words, numbers)
+    class(scene_fields), intent(inout) :: self  !! the scene's text
+    character(len=*), intent(in) :: group       !! a known group
+    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: words(:)    !! the known words
+    integer, intent(inout) :: numbers(:)        !! which of them; 0 when refused
+    character(len=:), allocatable :: word
+    integer :: at, i, used, repeats
+
+    if (.not. self%has(group, name)) return
+    numbers = 0
+    at = self%values_of(group, name, size(numbers))
+    if (at == 0) return
+    used = 0
+    do i = at + 1, at + self%list%items(at)%values
+      word = plain_unit(lower_case(self%list%value_text(i)))
+      repeats = self%list%items(i)%repeats
+      if (self%list%items(i)%is_quoted) &
+        numbers(used + 1:used + repeats) = findloc(words == word, .true., 1)
+      if (numbers(used + 1) == 0) &
+        call self%refuse_value(name, i, one_of(words) // did_you_mean(word, words))
+      used = used + repeats
+    end do
+  end subroutine take_units
+
+  !> Two whole numbers among the values of a name, with a comma between and no blank, where no
+  !> value has a point: `12,5`, which is no decimal fraction. Empty where there are none.
+  pure function comma_pair(self, group, name) result(pair)
+    class(scene_fields), intent(in) :: self  !! the scene's text
+    character(len=*), intent(in) :: group    !! a known group
+    character(len=*), intent(in) :: name     !! a known name of it
+    character(len=:), allocatable :: pair    !! as it is written
+    integer :: at, i
+
+    pair = ''
+    at = self%item_of(group, name)
+    if (at == 0) return
+    associate (items => self%list%items(at + 1:at + self%list%items(at)%values), &
+               text => self%list%text)
+      do i = 1, size(items)
+        if (verify(text(items(i)%first:items(i)%last), '+-0123456789') > 0) return
+      end do
+      do i = size(items) - 1, 1, -1
+        if (text(items(i)%last + 1:items(i + 1)%first - 1) == ',' .and. &
+            items(i + 1)%first == items(i)%last + 2 .and. &
+            scan(text(items(i + 1)%first:items(i + 1)%first), '0123456789') == 1) &
+          pair = text(items(i)%first:items(i + 1)%last)
+      end do
+    end associate
+  end function comma_pair
 
   !> Tells a problem at a group, or at &surfaces when that group does not stand there, or at the
   !> first byte of the text.

@@ -29,6 +29,10 @@ contains
     associate (loading => checked%loading)
       call fields%take_word('loading', 'control', control_words, loading%control)
       call read_path(fields, loading)
+      if (allocated(loading%path) .and. fields%comma_pair('loading', 'value') /= '') &
+        call checked%notes%add(checked%file // ': note: ' // &
+                               fields%comma_pair('loading', 'value') // ' in value of ' // &
+                               '&loading: two values of a path, no decimal comma')
       call fields%take_whole('loading', 'points', 0, most_points, loading%points)
       ! What a refused control would need is not known.
       if (loading%control == 0) return

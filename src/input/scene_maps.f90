@@ -1,16 +1,16 @@
 !> Height maps in group &surfaces of a scene.
 module asperity_scene_maps
+  use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_height_map, only: change_unit, height_map, length_units, number_text
-  use asperity_height_map_reader, only: read_height_map
+  use asperity_height_map, only: change_unit, height_map, length_units, number_text, plain_unit, &
+                                 unit_number
+  use asperity_height_map_reader, only: head_length, is_height_map, read_height_map
   use asperity_input_text, only: quoted
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: problem_list, real_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_limit, effect_boundary, effect_off, scene
-  use asperity_sdf_header, only: is_sdf, magic_length
-  use asperity_token_reader, only: token_reader
   implicit none
   private
 
@@ -18,33 +18,24 @@ module asperity_scene_maps
 
   character(len=*), parameter :: edge_words(2) = [character(len=8) :: 'free', 'periodic'], &
                                  despike_words(2) = [character(len=3) :: 'off', 'on']
-  ! Bytes of a file that tell what it is: more than a line of four numbers.
-  integer, parameter :: most_looked_at = 200
   ! Names of &surfaces that a map alone has.
   character(len=*), parameter :: own_names(4) = &
     [character(len=11) :: 'map_edge', 'map_unit', 'map_spacing', 'map_despike']
 
 contains
 
-  !> Whether a file is a height map: surface data, or numbers from the first line on, where a
-  !> surface in CSV has names. Four numbers with commas are a surface whose names were forgotten,
-  !> unless a spacing tells that they are heights.
+  !> Whether a file is a height map, as `read_height_map` takes it.
   logical function is_map(path, has_spacing)
     character(len=*), intent(in) :: path    !! the file
     logical, intent(in) :: has_spacing      !! of a matrix of heights
-    type(token_reader) :: file
-    character(len=:), allocatable :: magic
-    integer :: i, commas
+    type(byte_reader) :: file
+    character(len=:), allocatable :: head
 
     call file%open(path)
-    call file%take(most_looked_at, magic)
+    call file%take(head_length, head)
     is_map = .not. allocated(file%failure)
-    if (.not. is_map) return
-    if (is_sdf(magic(:min(len(magic), magic_length)))) return
-    is_map = scan(adjustl(magic), '+-.0123456789') == 1
-    magic = magic(:index(magic // new_line('a'), new_line('a')) - 1)
-    commas = count([(scan(magic(i:i), ',;') > 0, i=1, len(magic))])
-    is_map = is_map .and. (has_spacing .or. commas /= 3)
+    if (is_map) is_map = is_height_map(head, has_spacing)
+    call file%close()
   end function is_map
 
   !> Reads the maps that a scene names in the place of surfaces; '' is none.
@@ -53,16 +44,22 @@ contains
     type(scene_fields), intent(inout) :: fields       !! the scene's text
     type(scene), intent(inout) :: checked             !! gets the maps
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
-    type(decimal_value) :: spacing(2)
-    integer :: despike, edge, unit
+    type(decimal_value) :: spacing(2, 2)
+    integer :: despike, edge, sides, unit(2)
 
     edge = 1
     despike = 1
     unit = 0
     call fields%take_word('surfaces', 'map_edge', edge_words, edge)
-    call fields%take_word('surfaces', 'map_unit', length_units, unit)
     call fields%take_word('surfaces', 'map_despike', despike_words, despike)
-    call fields%take_numbers('surfaces', 'map_spacing', above_zero, spacing)
+    sides = count([upper /= '', lower /= ''])
+    call take_spacing()
+    if (sides == 2 .and. fields%value_count('surfaces', 'map_unit') == 2) then
+      call fields%take_units('surfaces', 'map_unit', length_units, unit)
+    else
+      call fields%take_units('surfaces', 'map_unit', length_units, unit(:1))
+      unit(2) = unit(1)
+    end if
     if (fields%has('surfaces', 'radius')) &
       call fields%complain_of('surfaces', 'radius', 'found beside a map, whose summits have ' // &
                               'radii of their own, expected none')
@@ -70,35 +67,102 @@ contains
     associate (maps => checked%map)
       maps%periodic = edge == 2
       maps%despike = despike == 2
-      if (upper /= '') call read_one(upper, maps%upper)
-      if (lower /= '') call read_one(lower, maps%lower)
-      if (upper == '' .or. lower == '' .or. other_files%count() > 0) return
-      if (any([maps%upper%columns, maps%upper%rows] /= [maps%lower%columns, maps%lower%rows]) .or. &
-          any(abs(maps%upper%spacing / maps%lower%spacing - 1.0_real64) > 1.0e-9_real64)) &
-        call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid(maps%upper) // &
-             ' and ' // grid(maps%lower) // ' samples, expected the same grid: a plane ' // &
-             'presses the sum of both')
+      if (upper /= '') call read_one(upper, 1, maps%upper)
+      if (lower /= '') call read_one(lower, 2, maps%lower)
+      if (other_files%count() > 0) return
+      if (fields%has('surfaces', 'map_spacing') .and. sides == 2 .and. &
+          maps%upper%own_spacing .and. maps%lower%own_spacing) &
+        call fields%complain_of('surfaces', 'map_spacing', 'found although both maps have ' // &
+                                'their own, expected none')
+      if (upper /= '') call convert(upper, 1, maps%upper, maps%lower)
+      if (lower /= '') call convert(lower, 2, maps%lower, maps%upper)
+      if (upper /= '' .and. lower /= '') call compare_grids(maps%upper, maps%lower, fields)
     end associate
 
   contains
 
-    subroutine read_one(file, map)
+    ! A pair for all maps, or one for each.
+    subroutine take_spacing()
+      type(decimal_value) :: values(4)
+
+      if (sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 4) then
+        call fields%take_numbers('surfaces', 'map_spacing', above_zero, values)
+      else
+        call fields%take_numbers('surfaces', 'map_spacing', above_zero, values(:2))
+        values(3:) = values(:2)
+      end if
+      spacing = reshape(values, [2, 2])
+    end subroutine take_spacing
+
+    subroutine read_one(file, side, map)
       character(len=*), intent(in) :: file
+      integer, intent(in) :: side
       type(height_map), intent(out) :: map
       type(problem_list) :: found
       character(len=:), allocatable :: failure
 
-      call read_height_map(file, decimal_to_real64(spacing), .true., map, found, failure)
+      ! One pair beside two maps is that of the one that has no spacing.
+      call read_height_map(file, decimal_to_real64(spacing(:, side)), .true., map, found, failure, &
+                           'map_spacing', &
+                           sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2)
       if (allocated(failure)) call found%add(file // ': ' // failure)
       call other_files%append(found)
-      if (found%count() > 0 .or. unit == 0) return
-      if (map%unit == '') then
-        call fields%complain_of('surfaces', 'map_unit', quoted(file) // ' has no unit, ' // &
-                                'expected none: its lengths are taken as they are')
-      else
-        call change_unit(map, unit)
-      end if
+      call checked%notes%append(map%notes)
     end subroutine read_one
+
+    ! Puts a map in the unit of the scene, which is that of the first map. One without a unit is
+    ! taken to be in the unit that is named for its side, where the other map gives it a meaning.
+    subroutine convert(file, side, map, other)
+      character(len=*), intent(in) :: file
+      integer, intent(in) :: side
+      type(height_map), intent(inout) :: map
+      type(height_map), intent(in) :: other
+
+      if (unit(side) > 0 .and. map%unit == '') then
+        if (sides == 2) then
+          if (other%unit /= '' .or. unit(1) /= unit(2)) map%unit = trim(length_units(unit(side)))
+        end if
+        if (map%unit == '') then
+          call fields%complain_of('surfaces', 'map_unit', quoted(file) // ' has no unit, ' // &
+                                  'expected none: its lengths are taken as they are')
+          return
+        end if
+      end if
+      if (unit(1) > 0) then
+        call change_unit(map, unit(1))
+      else if (side == 2 .and. sides == 2 .and. map%unit /= '') then
+        if (unit_number(other%unit) > 0) call change_unit(map, unit_number(other%unit))
+      end if
+      if (checked%units(1) /= '' .and. map%unit /= '' .and. &
+          plain_unit(checked%units(1)) /= map%unit) &
+        call fields%complain_of('surfaces', 'units', 'found length ' // &
+                                quoted(trim(checked%units(1))) // ' beside ' // &
+                                quoted(map%unit) // ' of the map, expected the same, or map_unit')
+    end subroutine convert
+
+  end subroutine read_maps
+
+  ! Two maps must share a grid; what differs is told.
+  subroutine compare_grids(upper, lower, fields)
+    type(height_map), intent(in) :: upper, lower
+    type(scene_fields), intent(inout) :: fields
+    real(real64), parameter :: most_off = 1.0e-6_real64
+    integer :: i
+
+    if (any([upper%columns, upper%rows] /= [lower%columns, lower%rows])) then
+      call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid(upper) // ' and ' // &
+                              grid(lower) // ' samples, expected the same grid: a plane ' // &
+                              'presses the sum of both')
+    else
+      do i = 1, 2
+        if (abs(upper%spacing(i) - lower%spacing(i)) <= most_off * upper%spacing(i)) cycle
+        call fields%complain_of('surfaces', 'upper', 'two maps: found spacings along ' // &
+             'xy'(i:i) // ' of ' // length(upper) // ' and ' // length(lower) // ', expected ' // &
+             'the same grid: a plane presses the sum of both')
+      end do
+    end if
+
+  contains
 
     function grid(map) result(text)
       type(height_map), intent(in) :: map
@@ -107,7 +171,15 @@ contains
       text = number_text(int(map%columns, int64)) // ' x ' // number_text(int(map%rows, int64))
     end function grid
 
-  end subroutine read_maps
+    function length(map) result(text)
+      type(height_map), intent(in) :: map
+      character(len=:), allocatable :: text
+
+      text = real_text(map%spacing(i)) // ' ' // map%unit
+      if (map%unit == '') text = text // '(no unit: name it in map_unit)'
+    end function length
+
+  end subroutine compare_grids
 
   !> What goes with a map, and what needs one.
   subroutine check_map_scene(fields, checked)

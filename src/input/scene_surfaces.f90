@@ -1,6 +1,7 @@
 !> Group &surfaces of a scene: a card deck, or two CSV files, of which one may be a plane.
 module asperity_scene_surfaces
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_height_map, only: plain_unit
   use asperity_input_text, only: quoted
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero
@@ -110,7 +111,8 @@ contains
                               ' in its header beside ' // quoted(upper_unit) // ' of upper, ' // &
                               'expected all lengths in one unit')
     if (upper_unit == '') upper_unit = lower_unit
-    if (upper_unit /= '' .and. checked%units(1) /= '' .and. upper_unit /= checked%units(1)) &
+    if (upper_unit /= '' .and. checked%units(1) /= '' .and. &
+        upper_unit /= plain_unit(checked%units(1))) &
       call fields%complain_of('surfaces', 'units', 'found length ' // &
                               quoted(trim(checked%units(1))) // ' beside ' // &
                               quoted(upper_unit) // ' in the header of a surface, expected ' // &

@@ -1,7 +1,8 @@
 !> The header of a surface data file (ISO 25178-71), as text or as bytes.
 !>
-!> ISO-1.0, ISO-2.0, and BCR-1.0, the proposal before them. A binary header has 81 bytes; ISO-2.0
-!> counts samples in 4 bytes in place of 2, which makes 85.
+!> ISO-1.0, ISO-2.0, and BCR-1.0, the proposal before them, which Gwyddion writes as BCR-0.0. A
+!> binary header has 81 bytes; ISO-2.0 counts samples in 4 bytes in place of 2, which makes 85. That
+!> of Olympus has 8 more, the whole numbers 5 and 1.
 module asperity_sdf_header
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: expected_length, is_length, number_text
@@ -18,7 +19,7 @@ module asperity_sdf_header
 
   !> Revisions.
   integer, parameter :: iso_1 = 1, iso_2 = 2, bcr = 3
-  character(len=*), parameter :: revisions(3) = ['ISO-1.0', 'ISO-2.0', 'BCR-1.0']
+  character(len=*), parameter :: revisions(4) = ['ISO-1.0', 'ISO-2.0', 'BCR-1.0', 'BCR-0.0']
   !> Bytes that a file begins with.
   integer, parameter :: magic_length = 8
   !> Types of the samples, by their code.
@@ -67,10 +68,10 @@ contains
     type(problem_list), intent(inout) :: problems
 
     header%binary = lower_case(magic(1:1)) == 'b'
-    header%revision = findloc(revisions == magic(2:magic_length), .true., 1)
+    header%revision = min(bcr, findloc(revisions == magic(2:magic_length), .true., 1))
     if (header%revision == 0) &
       call problems%add_at(1, 1, 'unknown revision: found ' // quoted(magic) // &
-                           ', expected ISO-1.0, ISO-2.0 or BCR-1.0 behind a or b')
+                           ', expected ISO-1.0, ISO-2.0, BCR-1.0 or BCR-0.0 behind a or b')
   end subroutine read_magic
 
   !> Reads the header of a text, up to the line of one asterisk.
@@ -106,6 +107,10 @@ contains
       last = verify(text, ' ' // achar(9), back=.true.)
       if (text(first:last) == '*') exit
       equals = index(text, '=')
+      ! Some write a blank in its place.
+      if (equals == 0 .and. lower_case(text(first:first)) >= 'a' .and. &
+          lower_case(text(first:first)) <= 'z' .and. scan(text(first:last), ' ' // achar(9)) > 0) &
+        equals = first + scan(text(first:last), ' ' // achar(9)) - 1
       if (equals == 0) then
         call problems%add_at(line, first, 'found ' // quoted(text(first:last)) // &
                              ', expected NAME = VALUE, or one asterisk')
@@ -212,7 +217,7 @@ contains
     character(len=*), intent(in) :: magic            !! these bytes
     type(sdf_header), intent(out) :: header          !! what it says
     type(problem_list), intent(inout) :: problems    !! what is wrong
-    integer, parameter :: before_counts = 34, behind_counts = 35
+    integer, parameter :: before_counts = 34, behind_counts = 35, more_bytes = 8
     character(len=:), allocatable :: bytes
     integer(int64) :: bits
     integer :: wide, at, i, code
@@ -259,6 +264,14 @@ contains
       end if
       at = at + 1
     end do
+    if (problems%count() > 0) return
+    ! So many bytes too many, and these: they are of the header.
+    if (file%count_bytes() - (magic_length + at + more_bytes) /= &
+        header%points * header%profiles * type_bytes(header%data_type)) return
+    call file%take(more_bytes, bytes)
+    if (whole_bits(bytes(:4)) == 5_int64 .and. whole_bits(bytes(5:)) == 1_int64) return
+    call file%again()
+    call file%take(magic_length + at, bytes)
 
   contains
 

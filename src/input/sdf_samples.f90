@@ -2,11 +2,12 @@
 !>
 !> A missing sample is the word `BAD` or the number that its type reserves: the lowest, in BCR-1.0
 !> the highest (for a float all from 3.4E38 or 1.7E308 on). In BCR-1.0, which fixes no direction,
-!> the first profile is that of the largest y, as other programs have it.
+!> the first profile is that of the largest y, as other programs have it. Bytes behind the samples
+!> are text of the maker, which is noted, or refused: the header may be longer than it should be.
 module asperity_sdf_samples
   use asperity_height_map, only: digit_of, height_map, is_measured, make_room, most_samples, &
                                  no_height, no_power, number_text, read_height
-  use asperity_input_text, only: quoted
+  use asperity_input_text, only: blanks, lower_case, quoted
   use asperity_kinds, only: int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
@@ -20,6 +21,8 @@ module asperity_sdf_samples
   integer, parameter :: binary32 = 3, binary64 = 7
   ! Heights beyond this, in metres, are no heights.
   real(real64), parameter :: highest = 1.0e30_real64
+  ! Text behind the samples of a binary file has fewer bytes.
+  integer, parameter :: longest_text = 1000000
 
 contains
 
@@ -32,7 +35,7 @@ contains
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
     type(progress_line) :: shown
-    integer(int64) :: least
+    integer(int64) :: least, others
 
     ! Here every count has at most 32 bits.
     least = header%points * header%profiles
@@ -48,6 +51,7 @@ contains
       call too_short(number_text(file%length) // ' bytes')
       return
     end if
+    others = 0_int64
     map%columns = int(header%points)
     map%rows = int(header%profiles)
     map%spacing = header%scale(1:2)
@@ -56,11 +60,15 @@ contains
     if (allocated(failure)) return
     call shown%begin(progress, 'profiles read', map%rows, 0)
     if (header%binary) then
-      call read_bytes(file, header, map, shown, problems)
+      call read_bytes(file, header, map, shown, others, problems)
     else
-      call read_words(file, header, map, shown, problems)
+      call read_words(file, header, map, shown, others, problems)
     end if
     call shown%finish()
+    if (others > 0_int64) &
+      call map%notes%add_in_file('note: ' // number_text(others) // ' samples are ' // &
+           number_text(other_limit(header)) // ', which other programs take for missing; here ' // &
+           'they are heights')
     map%digit = map%digit * header%scale(3)
 
   contains
@@ -95,11 +103,12 @@ contains
   end function row_of
 
   ! Samples as bytes.
-  subroutine read_bytes(file, header, map, shown, problems)
+  subroutine read_bytes(file, header, map, shown, others, problems)
     type(token_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
+    integer(int64), intent(inout) :: others  ! samples at the other limit of their type
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: bytes
     integer(int64) :: place
@@ -122,7 +131,8 @@ contains
         end if
         do i = first, last
           at = wide * (i - first)
-          call decode(bytes(at + 1:at + wide), header, map%height(i, row_of(header, profile)), good)
+          call decode(bytes(at + 1:at + wide), header, map%height(i, row_of(header, profile)), &
+                      others, good)
           if (.not. good) &
             call add_at_record(problems, place + int(at, int64), 2, 'sample ' // &
                                decimal_text(i) // ' of profile ' // decimal_text(profile) // &
@@ -136,13 +146,46 @@ contains
     largest = maxval(abs(map%height), mask=is_measured(map%height)) / header%scale(3)
     if (header%data_type == binary32) map%digit = real(spacing(real(largest, real32)), real64)
     if (header%data_type == binary64) map%digit = spacing(largest)
+    place = here(file)
+    call file%take(longest_text, bytes)
+    if (len(bytes) == 0) return
+    if (len(bytes) < longest_text .and. is_text(bytes)) then
+      call map%notes%add_in_file('note: ' // decimal_text(len(bytes)) // ' bytes of text behind ' &
+                                 // 'the samples are not read')
+    else
+      call add_at_record(problems, place, 2, 'bytes beyond header and samples: found ' // &
+                         number_text(file%count_bytes() - place + 1_int64) // ', expected none, ' &
+                         // 'or text; perhaps the header is longer than that of the standard')
+    end if
   end subroutine read_bytes
 
+  ! Whether bytes are text and no samples: printable, a word of three letters, a line end behind the
+  ! last one unless they are many.
+  pure logical function is_text(bytes)
+    character(len=*), intent(in) :: bytes
+    integer, parameter :: many = 16
+    integer :: i, letters
+    logical :: word
+
+    is_text = len(bytes) >= many .or. scan(bytes(len(bytes):), achar(10) // achar(13)) > 0
+    word = .false.
+    letters = 0
+    do i = 1, len(bytes)
+      is_text = is_text .and. iachar(bytes(i:i)) < 127 .and. &
+                (iachar(bytes(i:i)) >= 32 .or. scan(bytes(i:i), blanks) > 0)
+      letters = letters + 1
+      if (lower_case(bytes(i:i)) < 'a' .or. lower_case(bytes(i:i)) > 'z') letters = 0
+      word = word .or. letters == 3
+    end do
+    is_text = is_text .and. word
+  end function is_text
+
   ! The height of a sample in bytes.
-  pure subroutine decode(bytes, header, height, good)
+  pure subroutine decode(bytes, header, height, others, good)
     character(len=*), intent(in) :: bytes
     type(sdf_header), intent(in) :: header
     real(real64), intent(out) :: height
+    integer(int64), intent(inout) :: others
     logical, intent(out) :: good
     integer(int64) :: bits, top
     integer :: wide
@@ -170,12 +213,24 @@ contains
       ! The first three are without sign.
       if (header%data_type > 2) bits = signed(bits, wide)
       height = real(bits, real64)
+      if (bits == other_limit(header)) others = others + 1_int64
     end select
     missing = is_reserved(header, height)
     if (missing) height = no_height
     if (missing) return
     call scale(header, height, good)
   end subroutine decode
+
+  ! The least number of a whole type with sign where the largest is reserved, or the other way;
+  ! others have a number that is no sample.
+  pure integer(int64) function other_limit(header)
+    type(sdf_header), intent(in) :: header
+
+    other_limit = huge(other_limit)
+    if (all(type_names(header%data_type) /= ['INT8 ', 'INT16', 'INT32'])) return
+    other_limit = shiftl(1_int64, 8 * type_bytes(header%data_type) - 1)
+    other_limit = merge(-other_limit, other_limit - 1_int64, header%revision == bcr)
+  end function other_limit
 
   ! Bits as a number with sign.
   pure integer(int64) function signed(bits, wide)
@@ -227,11 +282,12 @@ contains
   end subroutine scale
 
   ! Samples as words.
-  subroutine read_words(file, header, map, shown, problems)
+  subroutine read_words(file, header, map, shown, others, problems)
     type(token_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
+    integer(int64), intent(inout) :: others  ! samples at the other limit of their type
     type(problem_list), intent(inout) :: problems
     type(token) :: word
     character(len=:), allocatable :: expected
@@ -258,6 +314,7 @@ contains
           good = good .and. verify(word%text(:word%length), '+-0123456789') == 0
         good = good .and. .not. word%is_cut
         if (good .and. is_measured(height)) then
+          if (whole .and. nint(height, int64) == other_limit(header)) others = others + 1_int64
           if (is_reserved(header, height)) then
             height = no_height
           else
@@ -273,20 +330,27 @@ contains
     end do
     map%digit = digit_of(power)
     if (whole) map%digit = 1.0_real64
-    ! Without it the last number could be a part of one.
+    if (word%length > 0 .and. file%at > file%used .and. problems%count() == 0) &
+      call map%notes%add_at(word%line, word%column, 'note: the file ends right behind ' // &
+                            quoted(word%text(:word%length)) // ', without a line end or an ' // &
+                            'asterisk: is the number whole?')
     call file%next(word)
-    if (word%length == 1 .and. word%text(1:1) == '*') return
-    call problems%add_at(word%line, word%column, 'found ' // found(word) // ' behind ' // &
-                         number_text(header%points) // ' x ' // number_text(header%profiles) // &
-                         ' samples, expected an asterisk')
+    if (word%length == 0) return
+    i = 0
+    ! Behind the asterisk stands text of the maker, no number.
+    do while (i == 0 .and. word%length == 1 .and. word%text(1:1) == '*')
+      call file%next(word)
+      if (word%length == 0) return
+      call read_height(word%text(:word%length), height, good, power)
+      if (good) i = 1
+      if (good .or. word%text(:word%length) == '*') cycle
+      call map%notes%add_at(word%line, word%column, 'note: text behind the samples is not read')
+      return
+    end do
+    call problems%add_at(word%line, word%column, 'found ' // quoted(word%text(:word%length)) // &
+                         ' behind ' // number_text(header%points) // ' x ' // &
+                         number_text(header%profiles) // ' samples, expected an asterisk, and ' // &
+                         'no number behind it')
   end subroutine read_words
-
-  pure function found(word)
-    type(token), intent(in) :: word
-    character(len=:), allocatable :: found
-
-    found = 'the end of the file'
-    if (word%length > 0) found = quoted(word%text(:word%length))
-  end function found
 
 end module asperity_sdf_samples

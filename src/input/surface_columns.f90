@@ -4,6 +4,7 @@
 !> columns may stand there; they are not read.
 module asperity_surface_columns
   use asperity_decimal, only: decimal_value
+  use asperity_height_map, only: plain_unit
   use asperity_input_text, only: line_end, lower_case, quoted
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
@@ -134,7 +135,7 @@ contains
     left = scan(name, '[(')
     if (left > 1) then
       right = scan(name(left:), '])') + left - 1
-      if (right > left) unit = trim(adjustl(name(left + 1:right - 1)))
+      if (right > left) unit = plain_unit(name(left + 1:right - 1))
       name = name(:left - 1)
     end if
     name = trim(adjustl(lower_case(name)))

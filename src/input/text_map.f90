@@ -1,19 +1,21 @@
 !> Height maps as plain text: a matrix of heights, or `x,y,z` lines of a full regular grid.
 !>
-!> Cells are separated by blanks, commas or semicolons; a number sign makes the rest of a line a
-!> comment. Each is read twice: to find its size, and to fill the map.
+!> `find_layout` finds lines, columns, separator and units before the numbers are read.
 module asperity_text_map
-  use asperity_height_map, only: digit_of, expected_length, height_map, is_length, is_measured, &
-                                 make_room, most_samples, no_power, number_text, read_height
-  use asperity_input_text, only: lower_case, quoted
+  use asperity_height_map, only: change_unit, digit_of, height_map, is_length, is_measured, &
+                                 length_units, make_room, most_samples, no_power, number_text, &
+                                 read_height, unit_number, unit_ratio
+  use asperity_input_text, only: quoted
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
+  use asperity_text_layout, only: find_layout, text_layout
   use asperity_token_reader, only: token, token_reader
   implicit none
   private
 
-  public :: read_matrix, read_points
+  public :: read_text_map
 
   ! Coordinates nearer than this, relative to their size, are written for the same column or row.
   real(real64), parameter :: same = 1.0e-12_real64
@@ -31,46 +33,204 @@ module asperity_text_map
 
 contains
 
-  !> Reads a matrix, a profile a line. `failure` is allocated when there is no memory for it.
-  subroutine read_matrix(file, progress, map, problems, failure)
-    type(token_reader), intent(inout) :: file               !! at its first byte
+  !> Reads a map. `failure` is allocated when there is no memory for it.
+  subroutine read_text_map(file, spacing, option, shared, progress, map, problems, failure)
+    type(token_reader), intent(inout) :: file               !! opened
+    real(real64), intent(in) :: spacing(2)                  !! of a matrix; 0 when not given
+    character(len=*), intent(in) :: option                  !! that gives it, for messages
+    logical, intent(in) :: shared                           !! not for a map that has its own
     logical, intent(in) :: progress                         !! tell how far it has come
-    type(height_map), intent(inout) :: map                  !! gets the samples; its spacing is set
+    type(height_map), intent(inout) :: map                  !! gets the samples
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
+    type(text_layout) :: layout
+    logical :: given, points
+
+    call find_layout(file, layout, problems, map%notes)
+    if (problems%count() > 0) return
+    if (layout%first_line == 0) then
+      call problems%add_at(1, 1, 'found no sample, expected a matrix of heights')
+      return
+    end if
+    call file%start(trim(layout%cell_end), '#%')
+    given = all(spacing > 0.0_real64) .and. .not. (shared .and. has_own(layout))
+    if (given .and. layout%names_line > 0) then
+      call problems%add_at(layout%names_line, 1, option // ' given, but x,y,z lines have ' // &
+                           'their own, expected none')
+      return
+    end if
+    points = .not. given .and. (layout%names_line > 0 .or. .not. has_own(layout))
+    map%spacing = spacing
+    if (.not. points) then
+      call read_matrix(file, layout, progress, map, problems, failure)
+      if (problems%count() > 0 .or. allocated(failure)) return
+      if (.not. given .or. .not. is_list_of_points(map%height)) then
+        if (.not. given) map%spacing = layout%extent / real([map%columns, map%rows], real64)
+      else if (shared) then
+        deallocate (map%height)
+        points = .true.
+      else
+        call problems%add_at(layout%first_line, 1, option // ' given, but the first two columns ' &
+                             // 'are places on a grid: x,y,z lines have their own spacing, ' // &
+                             'expected none')
+        return
+      end if
+    end if
+    if (points) call read_points(file, layout, progress, map, problems, failure)
+    map%own_spacing = points .or. .not. given
+    if (problems%count() > 0 .or. allocated(failure)) return
+    if (given .and. any(layout%extent > 0.0_real64)) call compare_extent()
+    if (problems%count() == 0) call set_unit(layout, given .and. .not. points, map, problems)
+
+  contains
+
+    ! The spacing that is given, in one of the units of length, must be that of the header.
+    subroutine compare_extent()
+      real(real64) :: width
+      integer :: i, k
+      logical :: same(2)
+
+      do k = 1, size(length_units)
+        same = .true.
+        do i = 1, 2
+          if (layout%extent(i) <= 0.0_real64) cycle
+          width = spacing(i) * size(map%height, i) / unit_ratio(layout%unit(i), k)
+          same(i) = abs(width - layout%extent(i)) <= layout%extent_error(i) + &
+                                                     1.0e-6_real64 * layout%extent(i)
+        end do
+        if (.not. all(same)) cycle
+        layout%unit(:2) = length_units(k)
+        return
+      end do
+      call problems%add_in_file(option // ' contradicts the width or height of the map in its ' // &
+                                'header, found another one in every unit of length, expected ' // &
+                                'the same, or none')
+    end subroutine compare_extent
+
+  end subroutine read_text_map
+
+  ! Whether the spacing follows from the file alone.
+  pure logical function has_own(layout)
+    type(text_layout), intent(in) :: layout
+
+    has_own = layout%names_line > 0 .or. all(layout%extent > 0.0_real64)
+  end function has_own
+
+  ! The unit of the map: that of all lengths, or metres where each has one of its own.
+  subroutine set_unit(layout, spacing_given, map, problems)
+    type(text_layout), intent(in) :: layout
+    logical, intent(in) :: spacing_given
+    type(height_map), intent(inout) :: map
+    type(problem_list), intent(inout) :: problems
+    character(len=*), parameter :: known = 'm, mm, um, nm, cm, in'
+    character(len=:), allocatable :: found
+    integer :: i
+    logical :: same
+
+    found = ''
+    same = .true.
+    do i = 1, 3
+      if (layout%unit(i) == '') cycle
+      same = same .and. (found == '' .or. &
+                         index(found // ',', ' ' // trim(layout%unit(i)) // ',') > 0)
+      found = found // ', ' // 'xyz'(i:i) // ' ' // trim(layout%unit(i))
+    end do
+    if (found == '') return
+    found = found(3:)
+    if (all(layout%unit == layout%unit(1)) .and. unit_number(layout%unit(1)) > 0) then
+      map%unit = trim(layout%unit(1))
+    else if (minval([(unit_number(layout%unit(i)), i=1, 3)]) > 0) then
+      do i = 1, 2
+        map%spacing(i) = map%spacing(i) * unit_ratio(layout%unit(i), 1) / &
+                         unit_ratio(layout%unit(3), 1)
+      end do
+      map%unit = trim(layout%unit(3))
+      call change_unit(map, 1)
+      call map%notes%add_in_file('note: units of its header: ' // found // '; lengths are in m')
+    else if (spacing_given .and. layout%unit(3) == '' .or. &
+             (same .and. (spacing_given .or. all(layout%extent <= 0.0_real64)))) then
+      call map%notes%add_in_file('note: units of its header: ' // found // '; not used, as they ' &
+                                 // 'are not those of all lengths, or none of ' // known // &
+                                 ': lengths are taken as they are')
+    else
+      call problems%add_in_file('units of its header: found ' // found // ', expected one of ' // &
+                                known // ' for each of x, y and z')
+    end if
+  end subroutine set_unit
+
+  ! Whether the first two columns of a matrix are places of a grid, each once and half of all or
+  ! more: x,y,z lines.
+  pure logical function is_list_of_points(height)
+    real(real64), intent(in) :: height(:, :)
+    integer, parameter :: most_columns = 6
+    integer, allocatable :: place(:, :)
+    integer :: levels(2), i
+    logical, allocatable :: taken(:, :)
+
+    is_list_of_points = .false.
+    if (size(height, 1) > most_columns .or. .not. all(is_measured(height(:2, :)))) return
+    allocate (place(size(height, 2), 2))
+    do i = 1, 2
+      call count_levels(height(i, :), place(:, i), levels(i))
+    end do
+    if (minval(levels) < 3 .or. product(int(levels, int64)) > 2_int64 * size(height, 2)) return
+    allocate (taken(levels(1), levels(2)))
+    taken(:, :) = .false.
+    do i = 1, size(height, 2)
+      if (taken(place(i, 1), place(i, 2))) return
+      taken(place(i, 1), place(i, 2)) = .true.
+    end do
+    is_list_of_points = .true.
+  end function is_list_of_points
+
+  ! Numbers the different values, the least first.
+  pure subroutine count_levels(value, place, levels)
+    real(real64), intent(in) :: value(:)
+    integer, intent(out) :: place(:), levels
+    integer, allocatable :: order(:)
+    integer :: i
+
+    allocate (order(size(value)))
+    call sort_keys(value, order)
+    levels = 1
+    place(order(1)) = 1
+    do i = 2, size(value)
+      if (value(order(i)) > value(order(i - 1))) levels = levels + 1
+      place(order(i)) = levels
+    end do
+  end subroutine count_levels
+
+  ! Reads a matrix, a profile a line.
+  subroutine read_matrix(file, layout, progress, map, problems, failure)
+    type(token_reader), intent(inout) :: file
+    type(text_layout), intent(in) :: layout
+    logical, intent(in) :: progress
+    type(height_map), intent(inout) :: map
+    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable, intent(out) :: failure
     type(token) :: word
     type(progress_line) :: shown
-    integer(int64) :: samples
     integer :: i, row, line, end_line, power
     logical :: good
 
-    call file%next(word)
-    line = word%line
-    samples = 0_int64
-    map%rows = 0
-    end_line = 0
-    do while (word%length > 0)
-      if (word%line == line) map%columns = map%columns + 1
-      if (word%line /= end_line) map%rows = map%rows + 1
-      end_line = word%line
-      samples = samples + 1_int64
-      if (samples == most_samples) exit
-      call file%next(word)
-    end do
-    ! Rows of another length are told when they are read.
-    if (int(map%columns, int64) * map%rows > most_samples) then
+    if (layout%columns * layout%lines > most_samples .or. layout%lines > most_samples) then
       call problems%add_in_file('found more than ' // number_text(most_samples) // &
                                 ' samples, expected at most so many')
       return
     end if
-    if (samples == 0_int64) then
-      call problems%add_at(1, 1, 'found no sample, expected a matrix of heights')
+    if (layout%gap_line > 0) then
+      call problems%add_at(layout%gap_line, 1, 'found an empty line or a comment between ' // &
+                           'profiles, expected one block: take the line out, or make a file ' // &
+                           'of each block')
       return
     end if
+    map%columns = layout%columns
+    map%rows = int(layout%lines)
     call make_room(map, failure)
     if (allocated(failure)) return
     call shown%begin(progress, 'profiles read', map%rows, 0)
     call file%again()
+    call file%skip_to(layout%first_line)
     call file%next(word)
     power = no_power
     do row = 1, map%rows
@@ -82,7 +242,7 @@ contains
           call problems%add_at(line, word%column, 'an empty cell before this one, expected ' // &
                                expected_height)
         if (i <= map%columns) then
-          call read_cell(word, map%height(i, row), good, power)
+          call read_cell(word, layout, map%height(i, row), good, power)
           if (.not. good) call refuse(word, problems)
         end if
         end_line = word%column + word%length
@@ -97,13 +257,14 @@ contains
     map%digit = digit_of(power)
   end subroutine read_matrix
 
-  !> Reads `x,y,z` lines, in any order. `failure` is allocated when there is no memory for them.
-  subroutine read_points(file, progress, map, problems, failure)
-    type(token_reader), intent(inout) :: file               !! at its first byte
-    logical, intent(in) :: progress                         !! tell how far it has come
-    type(height_map), intent(inout) :: map                  !! gets the samples
-    type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+  ! Reads `x,y,z` lines, in any order.
+  subroutine read_points(file, layout, progress, map, problems, failure)
+    type(token_reader), intent(inout) :: file
+    type(text_layout), intent(in) :: layout
+    logical, intent(in) :: progress
+    type(height_map), intent(inout) :: map
+    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable, intent(out) :: failure
     type(token) :: words(3), ahead
     type(extent) :: along(2)
     type(progress_line) :: shown
@@ -114,9 +275,11 @@ contains
 
     lines = 0_int64
     power = no_power
-    call first_point(file, ahead)
+    call file%again()
+    call file%skip_to(layout%first_line)
+    call file%next(ahead)
     do while (ahead%length > 0)
-      call next_point(file, ahead, words, cells, values, good, power, problems)
+      call next_point(file, layout, ahead, words, cells, values, good, power, problems)
       ! Where the first line is none the file is of another kind: that is one mistake, not many.
       if (cells /= 3 .and. lines == 0_int64) return
       if (.not. good) cycle
@@ -147,9 +310,10 @@ contains
     map%height(:, :) = huge(1.0_real64)
     call shown%begin(progress, 'lines read', int(lines), 0)
     call file%again()
-    call first_point(file, ahead)
+    call file%skip_to(layout%first_line)
+    call file%next(ahead)
     do done = 1_int64, lines
-      call next_point(file, ahead, words, cells, values, good, power, problems)
+      call next_point(file, layout, ahead, words, cells, values, good, power, problems)
       do i = 1, 2
         place(i) = 1 + nint((values(i) - along(i)%first) / map%spacing(i))
         if (abs(values(i) - along(i)%first - (place(i) - 1) * map%spacing(i)) > &
@@ -174,8 +338,9 @@ contains
   end subroutine read_points
 
   ! The line that begins with the word ahead, which becomes the first of the next line.
-  subroutine next_point(file, ahead, words, cells, values, good, power, problems)
+  subroutine next_point(file, layout, ahead, words, cells, values, good, power, problems)
     type(token_reader), intent(inout) :: file
+    type(text_layout), intent(in) :: layout
     type(token), intent(inout) :: ahead
     type(token), intent(out) :: words(3)
     integer, intent(out) :: cells
@@ -204,7 +369,7 @@ contains
     end if
     do i = 1, 3
       any_power = no_power
-      call read_cell(words(i), values(i), good, any_power)
+      call read_cell(words(i), layout, values(i), good, any_power)
       if (i == 3) power = min(power, any_power)
       if (i < 3 .and. .not. is_measured(values(i))) good = .false.
       if (good) cycle
@@ -212,20 +377,6 @@ contains
       return
     end do
   end subroutine next_point
-
-  ! The first word of the first line of numbers: a line of the names may stand before it.
-  subroutine first_point(file, ahead)
-    type(token_reader), intent(inout) :: file
-    type(token), intent(out) :: ahead
-    integer :: line
-
-    call file%next(ahead)
-    if (lower_case(ahead%text) /= 'x') return
-    line = ahead%line
-    do while (ahead%length > 0 .and. ahead%line == line)
-      call file%next(ahead)
-    end do
-  end subroutine first_point
 
   ! A coordinate more.
   pure subroutine take_coordinate(value, along)
@@ -244,13 +395,24 @@ contains
   end subroutine take_coordinate
 
   ! A cell as a height.
-  subroutine read_cell(word, height, good, power)
+  subroutine read_cell(word, layout, height, good, power)
     type(token), intent(in) :: word
+    type(text_layout), intent(in) :: layout
     real(real64), intent(out) :: height
     logical, intent(out) :: good
     integer, intent(inout) :: power
+    character(len=len(word%text)) :: text
+    integer :: comma
 
-    call read_height(word%text(:word%length), height, good, power)
+    comma = 0
+    if (layout%decimal_comma) comma = index(word%text(:word%length), ',')
+    if (comma == 0) then
+      call read_height(word%text(:word%length), height, good, power)
+    else
+      text = word%text
+      text(comma:comma) = '.'
+      call read_height(text(:word%length), height, good, power)
+    end if
     good = good .and. .not. word%is_cut
     if (is_measured(height)) good = good .and. abs(height) <= highest
   end subroutine read_cell

@@ -3,6 +3,7 @@
 !> A line ends with a line feed, a carriage return, or both.
 module asperity_token_reader
   use asperity_byte_reader, only: byte_reader
+  use asperity_input_text, only: text_start
   use asperity_kinds, only: int64
   implicit none
   private
@@ -34,12 +35,13 @@ module asperity_token_reader
     procedure :: next       !! the next word
     procedure :: next_line  !! the rest of the line
     procedure :: again      !! from the first byte on, once more
+    procedure :: skip_to    !! goes to the beginning of a line
   end type token_reader
 
 contains
 
   !> Sets what separates words, beside blanks and tabs: characters that end a cell, and those that
-  !> make the rest of the line a comment.
+  !> make the rest of the line a comment, a per cent sign at the beginning of a line alone.
   subroutine start(self, cell_ends, comments)
     class(token_reader), intent(inout) :: self  !! opened
     character(len=*), intent(in) :: cell_ends   !! for instance a comma
@@ -49,8 +51,6 @@ contains
     self%class_of(:) = of_word
     self%class_of(iachar(' ')) = is_blank
     self%class_of(9) = is_blank
-    ! The mark of byte order that some programs write before UTF-8; no number has these bytes.
-    self%class_of([239, 187, 191]) = is_blank
     self%class_of(10) = is_feed
     self%class_of(13) = is_return
     do i = 1, len(cell_ends)
@@ -73,6 +73,9 @@ contains
       if (self%at > self%used) call self%more()
       if (self%at > self%used) exit
       code = self%class_of(iachar(self%block(self%at:self%at)))
+      if (code == is_comment .and. .not. self%line_is_new) then
+        if (self%block(self%at:self%at) == '%') code = of_word
+      end if
       if (in_comment .and. code /= is_feed .and. code /= is_return) code = is_blank
       select case (code)
       case (of_word)
@@ -90,6 +93,7 @@ contains
         ! Blanks to come do not make the next cell end one of an empty cell.
         self%after_cell_end = .false.
         self%line_is_new = .false.
+        self%after_return = .false.
       case default
         if (word%length > 0) return
         select case (code)
@@ -100,6 +104,7 @@ contains
           if (self%after_cell_end .or. self%line_is_new) word%cell_missing = .true.
           self%after_cell_end = .true.
           self%line_is_new = .false.
+          self%after_return = .false.
         case (is_comment)
           in_comment = .true.
         case default
@@ -121,14 +126,7 @@ contains
     integer, intent(out) :: column                       !! of the first byte
     integer :: code
 
-    if (self%at > self%used) call self%more()
-    ! The line feed of the line before.
-    if (self%at <= self%used .and. self%after_return) then
-      if (self%block(self%at:self%at) == achar(10)) then
-        call end_line(self, is_feed)
-        self%at = self%at + 1
-      end if
-    end if
+    call skip_feed(self)
     line = self%line
     column = int(self%before + int(self%at, int64) - self%line_begin)
     do
@@ -160,11 +158,38 @@ contains
     self%line_is_new = .true.
   end subroutine end_line
 
-  !> Goes back to the first byte.
+  !> Goes on to the beginning of a line.
+  subroutine skip_to(self, line)
+    class(token_reader), intent(inout) :: self  !! the file, not behind that line
+    integer, intent(in) :: line                 !! its number
+    character(len=:), allocatable :: text
+    integer :: number, column
+
+    do while (self%line < line)
+      call self%next_line(text, number, column)
+    end do
+    call skip_feed(self)
+  end subroutine skip_to
+
+  ! Steps over the line feed behind a carriage return.
+  subroutine skip_feed(self)
+    class(token_reader), intent(inout) :: self
+
+    if (self%at > self%used) call self%more()
+    if (self%at > self%used .or. .not. self%after_return) return
+    if (self%block(self%at:self%at) /= achar(10)) return
+    call end_line(self, is_feed)
+    self%at = self%at + 1
+  end subroutine skip_feed
+
+  !> Goes back to the first byte, behind the mark of byte order that some programs write before
+  !> UTF-8.
   subroutine again(self)
     class(token_reader), intent(inout) :: self  !! the file
 
     call self%rewind()
+    if (self%at > self%used) call self%more()
+    if (self%used >= 3) self%at = text_start(self%block(:self%used))
     self%line = 1
     self%line_begin = 0_int64
     self%after_return = .false.

@@ -56,7 +56,8 @@ def text(rng, rows, columns):
 
 
 def matrix(rng, rows, columns):
-    return "\n".join(rng.choice((" ", ",", ";")).join(map(str, row))
+    separator = rng.choice((" ", ",", ";"))
+    return "\n".join(separator.join(map(str, row))
                      for row in heights(rng, rows, columns, "<f8")).encode()
 
 

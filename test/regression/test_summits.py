@@ -409,7 +409,6 @@ BINARY = (b"bISO-1.0sdfio     010120261200010120261200" + bytes([3, 0, 3, 0]) +
     (HEADER, [], r" found \d+ bytes, expected 3 x 4 samples of INT16"),
     (HEADER + "*\n" + "a comment of some length\n", [],
      r"15:1: the samples end behind 0, expected 3 x 4"),
-    (HEADER + "1 " * 12, [], r"15:25: found the end of the file behind 3 x 4 samples"),
     (HEADER + "1 " * 13 + "*", [], r"15:25: found '1' behind 3 x 4 samples"),
     (HEADER + "1 2 3.5 " + "1 " * 9 + "*", [], r"15:5: found '3.5', expected a whole number"),
     (HEADER.replace("= 3", "= -3"), [], r"5:15: NumPoints: found '-3'"),

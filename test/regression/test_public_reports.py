@@ -1,0 +1,608 @@
+"""Cases of public bug reports of similar programs, each with what is right: height maps as other
+programs write them, in `asperity summits` and in scenes."""
+
+import itertools
+import random
+import re
+import struct
+import subprocess
+
+import numpy as np
+import pytest
+
+from surfaces_csv import solve, write_csv_scene, write_scene
+
+SPACING = (0.5, 0.25)
+Y, X = np.mgrid[:12, :16]
+HEIGHTS = np.round(3 + np.cos(2 * np.pi * X / 8) * np.cos(2 * np.pi * Y / 6) + 0.01 * X, 6)
+
+
+def rows_of(heights, separator=" ", end="\n", form="{:.6f}".format):
+    return "".join(separator.join(map(form, row)) + end for row in heights)
+
+
+def points_of(heights, separator=" ", spacing=SPACING):
+    return "".join(f"{j * spacing[0]:g}{separator}{i * spacing[1]:g}{separator}{z:.6f}\n"
+                   for i, row in enumerate(heights) for j, z in enumerate(row))
+
+
+def exact(value):
+    return repr(float(value))
+
+
+MATRIX, POINTS = rows_of(HEIGHTS), points_of(HEIGHTS)
+
+
+class Maps:
+    """Runs both doors on a map."""
+
+    def __init__(self, asperity, folder):
+        self.asperity, self.folder = asperity, folder
+
+    def write(self, content, name="F"):
+        (self.folder / name).write_bytes(content if isinstance(content, bytes)
+                                         else content.encode("utf-8"))
+        return name
+
+    def summits(self, content, spacing=None, *options):
+        """Status, standard error, and the numbers of the summary and of the surface."""
+        self.write(content)
+        words = [f"--spacing={spacing[0]!r},{spacing[1]!r}"] if spacing else []
+        out = self.folder / "s.csv"
+        out.unlink(missing_ok=True)
+        done = subprocess.run([self.asperity, "summits", "F", "--output", out, *words, *options],
+                              capture_output=True, text=True, cwd=self.folder, timeout=60,
+                              stdin=subprocess.DEVNULL)
+        done.found = None
+        if done.returncode == 0:
+            done.found = (done.stdout.partition("\n")[2], out.read_text(encoding="ascii"))
+            done.head = done.stdout.partition("\n")[0]
+        return done
+
+    def scene(self, content, spacing=None, upper="'plane'", lower="F", **surfaces):
+        if content is not None:
+            self.write(content)
+        more = "".join(f", {name} = {value}" for name, value in surfaces.items())
+        if spacing:
+            more += f", map_spacing = {', '.join(map(repr, spacing))}"
+        (self.folder / "a.scene").write_text(
+            f"&surfaces upper = {upper}, lower = '{lower}'{more} /\n"
+            "&material contact_modulus = 1. /\n&effects interaction = 'boundary' /\n"
+            "&loading control = 'pressure', value = 1e-4 /\n", encoding="utf-8")
+        return solve(self.asperity, self.folder / "a.scene", contacts=False)
+
+
+@pytest.fixture
+def maps(asperity, tmp_path):
+    return Maps(asperity, tmp_path)
+
+
+def number(done, name):
+    """A number of the summary, and its unit."""
+    found = re.search(rf"^{re.escape(name)} +(\S+) *(\S*)", done.stdout, re.M)
+    return float(found[1]), found[2]
+
+
+# ---------------------------------------------------------------- P1: decimal commas
+
+@pytest.mark.parametrize("separator", [";", "\t", " ", "; ", "  "])
+def test_decimal_commas_are_read_where_they_are_without_doubt(separator, maps):
+    text = rows_of(HEIGHTS, separator).replace(".", ",")
+    assert maps.summits(text, SPACING).found == maps.summits(MATRIX, SPACING).found
+    assert maps.scene(text, SPACING).positions == maps.scene(MATRIX, SPACING).positions
+    text = points_of(HEIGHTS, separator).replace(".", ",")
+    assert maps.summits(text).found == maps.summits(POINTS).found
+
+
+@pytest.mark.parametrize("text, found", [
+    (rows_of(HEIGHTS, ",").replace(".", ","), "found commas alone"),
+    (rows_of(HEIGHTS, ", ").replace(".", ","), "found commas with and without a blank"),
+    (rows_of(HEIGHTS, ";").replace(".", ",", 5), "found a comma and a semicolon"),
+    ("2,990;3,010;1,125\n" * 4, "thousands or decimals"),
+    ("1.234,5;2.345,6;1.111,1\n" * 4, "found a comma and a semicolon"),
+    ("2,99,3,01,2,87,3,30\n" * 4, "found commas alone"),
+    ("1,2,3 4,5,6\n" * 4, "found a blank and a comma"),
+])
+def test_doubtful_commas_are_refused(text, found, maps):
+    for done in (maps.summits(text, SPACING), maps.scene(text, SPACING)):
+        assert getattr(done, "returncode", None) == 2 or done.status == 2
+        assert found in done.stderr and re.match(r"\S*F:1:\d+: ", done.stderr), done.stderr
+
+
+# ---------------------------------------------------------------- shape
+
+@pytest.mark.parametrize("text, found", [
+    ("1 2 3\n4 5\n7 8 9\n", "2:4: found 2 samples, expected 3"),
+    ("1 2 3\n4 5 6\n\n7 8 9\n1 2 3\n", "3:1: found an empty line or a comment"),
+    ("1 2 3\n4 5 6\n# x\n7 8 9\n", "3:1: found an empty line or a comment"),
+    ("1 2 3\n4 5 6\n% x\n7 8 9\n", "3:1: found an empty line or a comment"),
+    ("1 2 3\n4 5 6\n7 8 9\n\nb\n1 2 3\n", "4:1: found an empty line or a comment"),
+    ("1 2 3\n4 5\t6\n7 8 9\n", "2:4: found a blank and a tabulator"),
+    ("1 2 3\n4;5;6\n7 8 9\n", "2:2: found a blank and a semicolon"),
+    ("1,2,3\n4;5;6\n7,8,9\n", "2:2: found a comma and a semicolon"),
+    ("1\t\t3\n\t5\t6\n7\t8\t9\n", "1:4: an empty cell"),
+    ("1,2,3\n,,\n7,8,9\n", "2:1: found a line of empty cells"),
+    ("1,2,3\n7,8,9\n7,8,9\n,,\n", "4:1: found a line of empty cells"),
+    ("1;2;3;\n4;5;6\n7;8;9;\n", "found 2 of 3 lines that end with a semicolon"),
+    ("1 2 3\n4 5 inf\n7 8 9\n", "2:5: found 'inf', expected a height"),
+    (POINTS, "1:1: OPTION given, but the first two columns are places"),
+    ("".join(POINTS.splitlines(keepends=True)[:-3]), "1:1: OPTION given, but the first two"),
+    ("x y z\n" + POINTS, "1:1: OPTION given, but x,y,z lines have their own"),
+    ("# x, y, z\n" + POINTS.replace(" ", ","), "1:1: OPTION given, but x,y,z lines have their"),
+])
+def test_a_shape_is_no_guess(text, found, maps):
+    for done, option in ((maps.summits(text, SPACING), "--spacing"),
+                         (maps.scene(text, SPACING), "map_spacing")):
+        assert re.search(rf"\bF:? ?{re.escape(found.replace('OPTION', option))}", done.stderr), \
+            done.stderr
+
+
+def test_heights_of_three_columns_are_a_matrix(maps):
+    rng = np.random.default_rng(1)
+    for heights in (rng.normal(size=(192, 3)), np.add.outer(np.arange(9.0), [0, 1, 2]),
+                    rng.integers(0, 3, (60, 3))):
+        done = maps.summits(rows_of(heights), SPACING)
+        assert done.returncode == 0 and f"3 x {len(heights)} samples" in done.head
+
+
+# ---------------------------------------------------------------- P4: one reader
+
+LINES_BEFORE = {
+    "none": "", "numpy": "# Channel: Height\n", "per cent": "% made by\n%\n",
+    "mark": "\ufeff", "empty": "\n \t\n", "mark and comment": "\ufeff# a\r\n\r\n",
+    "many": "".join(f"# line {i} of a long header, without a number\n" for i in range(900)),
+}
+
+
+@pytest.mark.parametrize("before", LINES_BEFORE.values(), ids=LINES_BEFORE)
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_whatever_the_first_line(before, end, maps):
+    plain, points = maps.summits(MATRIX, SPACING).found, maps.summits(POINTS).found
+    text = (before + MATRIX).replace("\r\n", "\n").replace("\n", end)
+    for separator, last in ((" ", end), ("\t", ""), (";", end + end), (",", end)):
+        done = maps.summits(text.replace(" ", separator) if before == "" else
+                            before.replace("\r\n", "\n").replace("\n", end)
+                            + MATRIX.replace(" ", separator).replace("\n", end)[:-len(end)] + last,
+                            SPACING)
+        assert done.found == plain, done.stderr
+    assert maps.scene(text, SPACING).positions == maps.scene(MATRIX, SPACING).positions != []
+    for names in ("", "x y z\n", '"x","y","z"\n', "X;Y;Z\n", "# x y z\n"):
+        text = (before + names + POINTS).replace("\r\n", "\n").replace("\n", end)
+        assert maps.summits(text).found == points
+        found = maps.scene(text)
+        assert found.status == 0, found.stderr
+
+
+@pytest.mark.parametrize("word", ["NaN", "nan", "BAD", "Bad", "-nan"])
+def test_a_first_sample_that_is_missing(word, maps):
+    heights = HEIGHTS.copy()
+    heights[0, 0] = np.nan
+    text = rows_of(heights, form=lambda z: word if np.isnan(z) else f"{z:.6f}")
+    assert maps.summits(text, SPACING).returncode == 0
+    found = maps.scene(text, SPACING)
+    assert found.status == 0, found.stderr
+
+
+def matrix_files():
+    """Sixty files of either fate: name, bytes, spacing."""
+    rng = np.random.default_rng(5)
+    holes = HEIGHTS.copy()
+    holes[rng.random(holes.shape) < 0.1] = np.nan
+
+    def text_of(z):
+        return "NaN" if np.isnan(z) else f"{z:.6f}"
+    for separator in (" ", "\t", ",", ";", "; ", ", "):
+        for before in ("", "# a\n", "% a\n\n", "\ufeff", "a b c\n"):
+            yield before + rows_of(holes, separator, form=text_of), SPACING
+    for text in (POINTS, "x y z\n" + POINTS, "x,y,z\n" + POINTS.replace(" ", ","), POINTS[:-9],
+                 "x [mm] y [mm] z [um]\n" + POINTS, "x [mm] y [um] z\n" + POINTS,
+                 "# Width: 8.00 µm\n# Height: 3.00 µm\n# Value units: m\n" + MATRIX,
+                 POINTS.replace(".", ","), "\n\n" + POINTS, "X Y value\n" + POINTS):
+        yield text, None
+        yield text, SPACING
+    yield from ((text, SPACING) for text in (
+        "", "\n", "inf 1 2\n" + MATRIX, MATRIX.replace(".", ","), MATRIX + "\n" + MATRIX,
+        MATRIX + "1 2\n", MATRIX.replace(" ", "\t", 9), "16 12\n" + MATRIX, "-" + MATRIX,
+        "z\n" + MATRIX))
+
+
+FILES = list(matrix_files())
+
+
+def test_there_are_sixty():
+    assert len(FILES) == 60
+
+
+@pytest.mark.parametrize("first", range(0, 60, 10))
+def test_both_doors_take_and_refuse_the_same(first, maps):
+    for content, spacing in FILES[first:first + 10]:
+        at_summits, in_scene = maps.summits(content, spacing), maps.scene(content, spacing)
+        assert (at_summits.returncode == 2) == (in_scene.status == 2), \
+            (content[:60], spacing, at_summits.stderr, in_scene.stderr)
+        assert in_scene.status in (0, 2), in_scene.stderr
+        if in_scene.status == 2 and content.strip():
+            assert {line.partition("F:")[2].replace("map_spacing", "--spacing")
+                    for line in in_scene.stderr.splitlines()} == \
+                {line.partition("F:")[2].replace("map_spacing", "--spacing")
+                 for line in at_summits.stderr.splitlines()}
+
+
+def test_a_surface_is_no_map(maps):
+    caps = "x,y,height\n" + POINTS.replace(" ", ",")
+    done = maps.summits(caps)
+    assert done.returncode == 2 and "found a surface" in done.stderr
+    assert "no radius column" in maps.scene(caps).stderr
+
+
+# ---------------------------------------------------------------- P5: surface data of others
+
+TEXT_HEADER = """{magic}
+ManufacID   = Gwyddion
+CreateDate  = 010120261200
+ModDate     = 010120261200
+NumPoints   = 16
+NumProfiles = 12
+Xscale      = 5.000000e-07
+Yscale      = 2.500000e-07
+Zscale      = 1.000000e-06
+Zresolution = -1
+Compression = 0
+DataType    = {kind}
+CheckType   = 0
+NumDataSet  = 1
+NanPresent  = 0
+*
+"""
+
+
+@pytest.mark.parametrize("magic", ["aBCR-0.0", "aBCR-1.0"])
+@pytest.mark.parametrize("end", ["", "*\n", "*", "*\nOBJECTIVEMAG = 5\n*\n"])
+@pytest.mark.parametrize("equals", [" = ", " "])
+def test_surface_data_as_gwyddion_writes_it(magic, end, equals, maps):
+    header = TEXT_HEADER.format(magic=magic, kind=3).replace(" = ", equals)
+    data = "".join(f"{z:g}\n" for z in HEIGHTS[::-1].ravel())
+    done = maps.summits(header + data + end, None, "--unit=um", "--level=none")
+    assert done.returncode == 0, done.stderr
+    read = np.array([[float(f"{z:g}") for z in row] for row in HEIGHTS])
+    assert number(done, "rms height") == (pytest.approx(read.std(), rel=1e-12), "um")
+    assert number(done, "spacing along x") == (pytest.approx(0.5, rel=1e-12), "um")
+    plain = maps.summits(rows_of(read, form=exact), SPACING, "--level=none")
+    table = [[float(cell) for cell in line.split(",")] for line in done.found[1].split()[1:]]
+    same = [[float(cell) for cell in line.split(",")] for line in plain.found[1].split()[1:]]
+    assert np.allclose(table, same, rtol=1e-12, atol=1e-12)
+    assert ("not read" in done.stderr) == ("OBJECTIVE" in end)
+
+
+def test_numbers_beyond_the_samples_are_refused(maps):
+    header = TEXT_HEADER.format(magic="aISO-1.0", kind=7)
+    data = "".join(f"{z:g}\n" for z in HEIGHTS.ravel())
+    assert maps.summits(header + data + "*\n").returncode == 0
+    for more in ("3.5\n", "3.5\n*\n", "*\n3.5\n", "*\n*\n3.5 3 2\n"):
+        assert maps.summits(header + data + more).returncode == 2
+    note = maps.summits((header + data)[:-1])
+    assert note.returncode == 0 and "is the number whole?" in note.stderr
+
+
+def binary(revision=b"ISO-1.0", between=b"", behind=b"", samples=None, kind=5, form="<i2"):
+    samples = np.round(1000 * HEIGHTS) if samples is None else samples
+    return (b"b" + revision + b"tests     010120261200010120261200" + struct.pack("<HH", 16, 12)
+            + struct.pack("<4d", 5e-7, 2.5e-7, 1e-9, -1) + bytes([0, kind, 0]) + between
+            + samples.astype(form).tobytes() + behind)
+
+
+@pytest.mark.parametrize("kind, form", [(5, "<i2"), (6, "<i4"), (7, "<f8")])
+def test_bytes_that_the_standard_does_not_have(kind, form, maps):
+    plain = maps.summits(binary(kind=kind, form=form)).found
+    assert plain
+    olympus = maps.summits(binary(between=struct.pack("<II", 5, 1), kind=kind, form=form))
+    assert olympus.found == plain
+    text = maps.summits(binary(behind=b"end\r\n", kind=kind, form=form))
+    assert text.found == plain and "not read" in text.stderr
+    for length in (1, 2, 3, 4, 6, 8, 9, 12, 16, 19, 64, 384):
+        for byte in (b"\0", b"\1", b" ", b"\xff"):
+            for where in ("between", "behind"):
+                done = maps.summits(binary(**{where: byte * length}, kind=kind, form=form))
+                assert done.returncode == 2 and "beyond header and samples" in done.stderr
+    piped = subprocess.run([maps.asperity, "summits", "-"], capture_output=True,
+                           input=binary(between=struct.pack("<II", 5, 1), kind=kind, form=form))
+    assert piped.returncode == 0 and piped.stdout.decode().partition("\n")[2] == plain[0]
+
+
+@pytest.mark.parametrize("revision, missing, noted", [(b"BCR-1.0", 32767, -32768),
+                                                      (b"ISO-1.0", -32768, 32767)])
+def test_a_second_reserved_number_is_noted(revision, missing, noted, maps):
+    samples = np.round(1000 * HEIGHTS)
+    samples[2, 3] = missing
+    samples[4, 5:8] = noted
+    done = maps.summits(binary(revision, samples=samples))
+    assert number(done, "missing")[0] == 1
+    assert f"note: 3 samples are {noted}," in done.stderr
+    text = TEXT_HEADER.format(magic="a" + revision.decode(), kind=5)
+    done = maps.summits(text + rows_of(samples.astype(int), form=str) + "*\n")
+    assert f"note: 3 samples are {noted}," in done.stderr
+    samples[4, 5:8] = 5
+    assert maps.summits(binary(revision, samples=samples)).stderr == ""
+
+
+# ---------------------------------------------------------------- P12, P17: units
+
+MICRO = ["um", "\u00b5m", "\u03bcm"]
+
+
+@pytest.mark.parametrize("micro", MICRO)
+@pytest.mark.parametrize("before, unit, scale", [
+    ("x [mm] y [mm] z [{}]\n", "m", (1e-3, 1e-6)),
+    ("# x [mm] y [mm] z [{}]\n", "m", (1e-3, 1e-6)),
+    ("x ({0}) y ({0}) z ({0})\n", "um", (1, 1)),
+    ('"x[{0}]","y[{0}]","z[nm]"\n', "m", (1e-6, 1e-9)),
+    ("# units: {}\n", "um", (1, 1)),
+    ("# XY units: mm\n# z unit = {}\n", "m", (1e-3, 1e-6)),
+])
+def test_units_of_points_are_used(micro, before, unit, scale, maps):
+    text = before.format(micro)
+    for done in (maps.summits(text + POINTS, None, "--level=mean"),
+                 maps.summits(text + POINTS, None, "--level=mean", "--unit=nm")):
+        in_nm = {"m": 1e9, "um": 1e3}[unit] if done.args[-1] == "--unit=nm" else 1
+        shown = "nm" if in_nm > 1 else unit
+        assert number(done, "spacing along x") == (pytest.approx(.5 * scale[0] * in_nm, rel=1e-12),
+                                                   shown)
+        assert number(done, "rms height") == \
+            (pytest.approx(HEIGHTS.std() * scale[1] * in_nm, rel=1e-12), shown)
+        assert ("units of its header" in done.stderr) == (unit == "m")
+
+
+@pytest.mark.parametrize("micro", MICRO)
+def test_gwyddion_text_is_read(micro, maps):
+    before = f"# Channel: Topo\n# Width: 8.00 {micro}\n# Height: 3.00 {micro}\n# Value units: m\n"
+    text = before + MATRIX.replace(" ", "\t")
+    for spacing in (None, SPACING, (5e-4, 2.5e-4), (500., 250.)):
+        done = maps.summits(text, spacing, "--level=mean")
+        assert done.returncode == 0, done.stderr
+        assert number(done, "spacing along x") == (pytest.approx(5e-7, rel=1e-12), "m")
+        assert number(done, "spacing along y") == (pytest.approx(2.5e-7, rel=1e-12), "m")
+        assert number(done, "rms height") == (pytest.approx(HEIGHTS.std(), rel=1e-12), "m")
+    for spacing in ((0.5, 0.5), (1.0, 0.5), (0.25, 0.5)):
+        assert "--spacing contradicts the width or height" in maps.summits(text, spacing).stderr
+        assert "map_spacing contradicts the width or" in maps.scene(text, spacing).stderr
+
+
+@pytest.mark.parametrize("before, spacing, said", [
+    ("x [mm] y [um] z\n", None, "units of its header: found x mm, y um"),
+    ("x [mm] y [mm] z [V]\n", None, "units of its header: found x mm, y mm, z V"),
+    ("# z [um]\n# Value units: nm\n", None, "2:1: found 'nm' as the unit of z beside 'um'"),
+    ("# units: um\nx [mm] y [mm] z [mm]\n", None, "2:1: found 'mm' as the unit of x beside 'um'"),
+    ("# Width: 8 um\n# Height: 3 um\n# Value units: V\n", SPACING, "units of its header: found"),
+    ("# Width: 8 um\n# Height: 3 um\n", None, "units of its header: found x um, y um, expected"),
+])
+def test_units_that_contradict_are_refused(before, spacing, said, maps):
+    text = before + (MATRIX if "Width" in before else POINTS)
+    assert said in maps.summits(text, spacing).stderr
+    found = maps.scene(text, spacing)
+    assert found.status == 2 and said in found.stderr
+
+
+@pytest.mark.parametrize("before, spacing, said", [
+    ("x y z [um]\n", None, "units of its header: z um; not used"),
+    ("# Value units: um\n", SPACING, "units of its header: z um; not used"),
+    ("# z (um)\n", SPACING, "units of its header: z um; not used"),
+    ("# units: furlong\n", SPACING, "x furlong, y furlong, z furlong; not used"),
+    ("# heights in um\n", SPACING, "the unit in 'heights in um' is not understood"),
+    ("# pixel 0.5 µm\n", SPACING, "the unit in 'pixel 0.5 µm' is not understood"),
+])
+def test_units_that_are_not_used_are_noted(before, spacing, said, maps):
+    text = POINTS if spacing is None else MATRIX
+    done = maps.summits(before + text, spacing)
+    assert done.returncode == 0 and said in done.stderr
+    assert done.found == maps.summits(text, spacing).found
+    found = maps.scene(before + text, spacing)
+    assert found.status == 0 and said in found.stderr
+
+
+def test_a_header_against_the_units_of_the_scene(maps):
+    text = "x [mm] y [mm] z [mm]\n" + POINTS
+    assert maps.scene(text, units="'mm', 'N'").status == 0
+    found = maps.scene(text, units="'um', 'N'")
+    assert found.status == 2 and "found length 'um' beside 'mm' of the map" in found.stderr
+    assert maps.scene(text, units="'um', 'N'", map_unit="'um'").status == 0
+
+
+@pytest.mark.parametrize("first, second", itertools.product(MICRO, MICRO))
+def test_micro_signs_are_one_unit(first, second, asperity, tmp_path):
+    scene = write_csv_scene(tmp_path, [(0, 0, .2, 1)], [(0, 0, .1, 1)],
+                            loading={"control": "approach", "value": 0.29})
+    for name, unit in (("upper", first), ("lower", second)):
+        surface = tmp_path / f"pair_{name}.csv"
+        surface.write_text(surface.read_text().replace("height", f"height [{unit}]"),
+                           encoding="utf-8")
+    text = scene.read_text().replace("'pair_lower.csv'", "'pair_lower.csv', units = 'um', 'N'")
+    scene.write_text(text)
+    assert solve(asperity, scene).status == 0
+    scene.write_text(text.replace("'um'", f"'{second}'"), encoding="utf-8")
+    assert solve(asperity, scene).status == 0
+
+
+# ---------------------------------------------------------------- P13: two maps
+
+SDF = "SDF"
+
+
+def two(maps, upper, lower, **surfaces):
+    """A scene of two maps; each is a text, or bytes."""
+    maps.write(upper, "U")
+    return maps.scene(lower, upper="'U'", **surfaces)
+
+
+def sdf(scale=1e-6, spacing=(5e-7, 2.5e-7)):
+    return (b"bISO-1.0tests     010120261200010120261200" + struct.pack("<HH", 16, 12)
+            + struct.pack("<4d", *spacing, scale, -1) + bytes([0, 7, 0])
+            + HEIGHTS.astype("<f8").tobytes())
+
+
+def near(found, expected):
+    """The same positions to rounding."""
+    assert found.status == expected.status == 0, (found.stderr, expected.stderr)
+    for name in ("approach", "area", "load"):
+        assert float(found.positions[0][name]) == \
+            pytest.approx(float(expected.positions[0][name]), rel=1e-9)
+
+
+def test_two_maps_each_with_its_unit_and_spacing(maps):
+    expected = two(maps, MATRIX, MATRIX, map_spacing="0.5, 0.25")
+    in_mm = rows_of(HEIGHTS / 1000, form="{:.9f}".format)
+    for found in (
+            two(maps, MATRIX, MATRIX, map_spacing="0.5, 0.25, 0.5, 0.25"),
+            two(maps, MATRIX, in_mm, map_spacing="0.5, 0.25, 5e-4, 2.5e-4",
+                map_unit="'um', 'mm'"),
+            two(maps, sdf(), MATRIX, map_spacing="0.5, 0.25", map_unit="'um'"),
+            two(maps, MATRIX, sdf(), map_spacing="0.5, 0.25", map_unit="'µm'"),
+            two(maps, sdf(), in_mm, map_spacing="5e-4, 2.5e-4", map_unit="'um', 'mm'"),
+            two(maps, sdf(), sdf(), map_unit="'um'"), two(maps, sdf(), sdf(), map_unit="2*'um'"),
+            two(maps, "x [um] y [um] z [um]\n" + POINTS, sdf()),
+            two(maps, "x y z\n" + POINTS, MATRIX, map_spacing="0.5, 0.25"),
+            two(maps, POINTS, MATRIX, map_spacing="0.5, 0.25")):
+        near(found, expected)
+
+
+@pytest.mark.parametrize("upper, lower, surfaces, said", [
+    (sdf(), MATRIX, {"map_spacing": "0.5, 0.25"},
+     r"two maps: found spacings along x of \S+ m and \S+ \(no unit: name it in map_unit\)"),
+    (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25, 0.5, 0.2500005"}, "found spacings along y of"),
+    (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25, 0.500001, 0.25"}, "found spacings along x of"),
+    (MATRIX, rows_of(HEIGHTS[:, :15]), {"map_spacing": "0.5, 0.25"},
+     "two maps: found 16 x 12 and 15 x 12 samples, expected the same grid"),
+    (sdf(), sdf(), {"map_spacing": "0.5, 0.25"}, "map_spacing: found although both maps have"),
+    (sdf(), MATRIX, {"map_spacing": "5e-7, 2.5e-7, 5e-7, 2.5e-7"},
+     "U: map_spacing given, but the file has its own"),
+    (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25, 0.5"}, "found 3, expected 2"),
+    (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25", "map_unit": "'um'"}, "has no unit"),
+    (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25", "map_unit": "'um', 'ft'"}, "found the text 'ft'"),
+])
+def test_what_differs_of_two_maps_is_named(upper, lower, surfaces, said, maps):
+    found = two(maps, upper, lower, **surfaces)
+    assert found.status == 2 and re.search(said, found.stderr), found.stderr
+    assert "--spacing given" not in found.stderr
+
+
+def test_grids_are_compared_to_a_millionth(maps):
+    found = two(maps, MATRIX, MATRIX, map_spacing="0.5, 0.25, 0.5000004, 0.2499998")
+    assert found.status == 0, found.stderr
+
+
+# ---------------------------------------------------------------- P15: decimal comma in a path
+
+@pytest.mark.parametrize("value, note", [("12,5", "12,5"), ("3, 12,5", "12,5"), ("12, 5", None),
+                                         ("12 5", None), ("1.5,2.5", None), ("12", None),
+                                         ("12,5.", None)])
+def test_a_path_from_a_decimal_comma_is_noted(value, note, asperity, tmp_path):
+    scene = write_scene(
+        tmp_path / "a.scene", surfaces={"upper": "plane", "lower": "l.csv"},
+        material={"contact_modulus": 1e3}, loading={"control": "load", "value": "VALUE"})
+    (tmp_path / "l.csv").write_text("x,y,height,radius\n0,0,1,5\n")
+    scene.write_text(scene.read_text().replace("'VALUE'", value))
+    found = solve(asperity, scene)
+    assert found.status == 0, found.stderr
+    assert (f"note: {note} in value of &loading" in found.stderr) if note else \
+        ("decimal comma" not in found.stderr)
+
+
+# ---------------------------------------------------------------- mixed dialects
+
+CELL = {".": r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?",
+        ",": r"[+-]?\d+(?:,\d+)?(?:[eE][+-]?\d+)?",
+        "thousands": r"[+-]?\d{1,3}(?:,\d{3})+"}
+
+
+def readings(text):
+    """All matrices that a text may stand for, each tried in plain Python: a separator, a sign
+    before decimals; none when lines are of unequal length or stand in two blocks."""
+    lines = [line.partition("#")[0].rstrip(" ") for line in
+             re.split(r"\r\n|\n|\r", text.removeprefix("\ufeff"))]
+    lines = ["" if line.lstrip().startswith("%") else line for line in lines]
+    blocks = [list(group) for full, group in itertools.groupby(lines, key=lambda s: s.strip() != "")
+              if full]
+    if len(blocks) != 1:
+        return []
+    found = []
+    for separator, point in itertools.product([";", "\t", ",", ", ", " +"], CELL):
+        if separator == "," and point != ".":
+            continue
+        table = []
+        for line in blocks[0]:
+            cells = [cell.strip(" ") for cell in re.split(separator, line.strip(" "))]
+            if cells[-1] == "" and separator != " +":
+                cells.pop()
+                table.append("end")
+            good = [bool(re.fullmatch(CELL[point] + "|" + CELL["."].replace(r"\.?\d*|\.\d+", "")
+                                      + "|(?i:nan|bad)", cell)) for cell in cells]
+            table.append([float("nan") if cell.lower() in ("nan", "bad") else
+                          float(cell.replace(",", "." if point == "," else ""))
+                          for cell in cells] if all(good) else None)
+        ends = [row for row in table if row == "end"]
+        rows = [row for row in table if row != "end"]
+        if None in rows or len(set(map(len, rows))) != 1 or len(ends) not in (0, len(rows)) or \
+                len(rows[0]) < 3:
+            continue
+        if not any(np.array_equal(rows, other, equal_nan=True) for other in found):
+            found.append(rows)
+    return found
+
+
+def mixed(seed):
+    """A matrix in some dialect, most often with something that is of another one."""
+    rng = random.Random(seed)
+    rows, columns = rng.randrange(3, 7), rng.randrange(3, 7)
+    form = rng.choice(["{:.2f}", "{:.3f}", "{:.0f}", "{:g}", "{:.2e}"])
+    cells = [[form.format(rng.choice((1, 30, 2000)) * rng.gauss(1, 1)) for _ in range(columns)]
+             for _ in range(rows)]
+    if rng.random() < 0.2:
+        cells[rng.randrange(rows)][rng.randrange(columns)] = rng.choice(("NaN", "BAD", "", "x"))
+    separator = rng.choice([" ", "\t", ",", ";", ", ", "; ", "  "])
+    lines = [separator.join(line) for line in cells]
+    for _ in range(rng.choice((0, 0, 1, 1, 2))):
+        at = rng.randrange(len(lines))
+        kind = rng.randrange(8)
+        if kind == 0:
+            lines = [line.replace(".", ",") for line in lines]
+        elif kind == 1:
+            lines[at] = lines[at].replace(".", ",")
+        elif kind == 2:
+            lines[at] = lines[at].replace(separator, rng.choice([" ", "\t", ",", ";"]),
+                                          rng.choice((1, 9)))
+        elif kind == 3:
+            lines.insert(at, rng.choice(["", "# comment", "  ", "% x"]))
+        elif kind == 4:
+            lines = [line + separator for line in lines]
+        elif kind == 5:
+            lines[at] += rng.choice([separator, " # remark", " ", ",", ";"])
+        elif kind == 6:
+            lines.pop(at)
+        else:
+            lines[at] = rng.choice(["", "1" + separator]) + lines[at]
+    end = rng.choice(["\n", "\n", "\r\n", "\r"])
+    return (rng.choice(["", "", "\ufeff", "# a" + end, end]) + end.join(lines)
+            + rng.choice(["", end, end + end + "# b"]))
+
+
+@pytest.mark.parametrize("first", range(0, 400, 100))
+def test_mixed_dialects_against_plain_reading(first, maps):
+    """What is read is the one reading that there is; a file of one reading is read, unless
+    commas without a point leave a doubt."""
+    taken = refused = 0
+    for seed in range(first, first + 100):
+        text = mixed(seed)
+        found = readings(text)
+        done = maps.summits(text, SPACING, "--level=none")
+        if done.returncode == 0:
+            taken += 1
+            assert len(found) == 1, (seed, text, done.stdout)
+            heights = np.array(found[0])
+            missing = np.isnan(heights).sum()
+            assert f"{heights.shape[1]} x {heights.shape[0]} samples" in done.head, (seed, text)
+            assert number(done, "missing")[0] == missing
+            same = maps.summits(rows_of(heights, form=exact), SPACING, "--level=none")
+            assert done.found == same.found, (seed, text)
+        else:
+            refused += 1
+            doubt = "," in text and "." not in text
+            assert len(found) != 1 or doubt or len(found[0]) < 3, (seed, text, done.stderr)
+    assert min(taken, refused) > 20
