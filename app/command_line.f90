@@ -4,9 +4,8 @@ module asperity_command_line
   use asperity_input_text, only: lower_case, quoted
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
-  use asperity_map_levelling, only: level_names, level_plane
   use asperity_map_summits, only: rule_eight, rule_names
-  use asperity_height_map, only: length_units
+  use asperity_height_map, only: edge_names, length_units, level_names
   use asperity_option_values, only: read_accuracy, read_count, read_seconds, read_share, &
                                     read_spacing, read_tables, read_word, read_words
   use asperity_option_table, only: call_of, command_at, commands, known_options, &
@@ -54,7 +53,8 @@ module asperity_command_line
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
     real(real64) :: seconds = 0.0_real64             !! time that may be spent; 0 when not given
     integer :: rule = rule_eight                     !! what a summit is
-    integer :: level = level_plane                   !! what heights of a map count from
+    integer :: level = 0                             !! of the heights of a map; 0: the usual one
+    integer :: edge = 1                              !! of a map: one of `edge_names`
     integer :: radius = 0                            !! rule for radii; 0: that of the rule
     integer :: unit = 0                              !! of `length_units`; 0: the file's own
     logical :: despike = .false.                     !! take single outliers out
@@ -184,6 +184,8 @@ contains
       call read_accuracy(value, line%accuracy, problems)
     case ('--rule')
       call read_word(name, value, rule_names, line%rule, problems)
+    case ('--edge')
+      call read_word(name, value, edge_names, line%edge, problems)
     case ('--level')
       call read_word(name, value, level_names, line%level, problems)
     case ('--radius')

@@ -110,8 +110,10 @@ module asperity_option_table
       'eight (default): higher than all eight neighbours; contact: to be pressed: edges ' // &
       'mirrored, ridges filled'), &
     option_entry('summits', '--level', 'NAME', &
-      'heights count from the plane of least squares: plane (default), the mean: mean, or as ' // &
-      'they are: none'), &
+      'level of the heights: plane of least squares (default of a free map), mean (default of a ' // &
+      'periodic one), or none: as they are'), &
+    option_entry('summits', '--edge', 'NAME', &
+      'free (default), or periodic: the map repeats itself'), &
     option_entry('summits', '--radius', 'NAME', &
       'from second differences: neighbours (default of eight), 1 over their mean; geometric ' // &
       '(default of contact), over their geometric mean; paraboloid, over nine samples'), &

@@ -37,7 +37,8 @@ contains
     type(text_buffer) :: surface, picture
     integer(int64) :: spikes
 
-    choices = summit_choices(rule=line%rule, level=line%level, radius=line%radius, &
+    choices = summit_choices(rule=line%rule, level=line%level, periodic=line%edge == 2, &
+                             radius=line%radius, &
                              unit=line%unit, despike=line%despike, spacing=line%spacing, &
                              progress=.true.)
     if (line%cost) then

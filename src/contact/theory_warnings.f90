@@ -10,7 +10,7 @@ module asperity_theory_warnings
   public :: theory_warning, warning_kind, warning_kinds, warn, take_worse
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
-            of_no_summit, of_scan_lines, of_spikes, of_area
+            of_no_summit, of_scan_lines, of_spikes, of_area, of_flat_map
 
   !> Contact radius over the radius of the smaller sphere.
   integer, parameter :: of_contact_radius = 1
@@ -46,6 +46,8 @@ module asperity_theory_warnings
   integer, parameter :: of_spikes = 15
   !> What interaction says that areas may be off by, where that is more than the tolerance.
   integer, parameter :: of_area = 16
+  !> A map whose heights differ by rounding alone.
+  integer, parameter :: of_flat_map = 17
 
   !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`.
   type :: warning_kind
@@ -112,7 +114,10 @@ module asperity_theory_warnings
       'set map_despike = ''on'' where they are no part of the surface'), &
     warning_kind('area', 0.0_real64, .true., &
       'the area is less sure than the tolerance', 'is its estimated error', &
-      'take the area with this error, loads and approaches keep the tolerance')]
+      'take the area with this error, loads and approaches keep the tolerance'), &
+    warning_kind('flat_map', 0.0_real64, .false., &
+      'the map is flat', 'is the range of heights after levelling', &
+      'check the level and the digits of the map if it should be rough')]
 
   !> One kind of warning at one position.
   type :: theory_warning

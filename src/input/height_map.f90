@@ -11,7 +11,16 @@ module asperity_height_map
 
   public :: height_map, change_unit, length_units, unit_number, unit_ratio, plain_unit, &
             no_height, is_measured, is_length, make_room, read_height, expected_length, &
-            number_text, most_samples, digit_of, no_power
+            number_text, most_samples, digit_of, no_power, edge_names, index_beside, level_mean, &
+            level_names, level_none, level_plane, usual_level
+
+  !> Edges: the half-space goes on without load beyond a free map; a periodic map repeats itself.
+  character(len=*), parameter :: edge_names(2) = [character(len=8) :: 'free', 'periodic']
+  !> Levels from which heights are measured: the plane of least squares, the mean height, or the
+  !> heights as they are.
+  integer, parameter :: level_plane = 1, level_mean = 2, level_none = 3
+  !> Their names in scenes and on the command line.
+  character(len=*), parameter :: level_names(3) = [character(len=5) :: 'plane', 'mean', 'none']
 
   !> Stands for the height of a sample that was not measured.
   real(real64), parameter :: no_height = -huge(1.0_real64)
@@ -43,6 +52,7 @@ module asperity_height_map
     real(real64) :: digit = 0.0_real64
     logical :: own_spacing = .true.             !! the spacing is that of the file
     type(problem_list) :: notes                 !! what is odd about the file, no error
+    logical :: periodic = .false.               !! it repeats itself along x and y: it has no edge
   end type height_map
 
 contains
@@ -53,6 +63,27 @@ contains
 
     is_measured = height > 0.5_real64 * no_height
   end function is_measured
+
+  !> The level of a map for which none is asked: the plane of least squares of a free map, the mean
+  !> of a periodic one, which an inclined plane would make discontinuous at its ends.
+  elemental integer function usual_level(periodic) result(level)
+    logical, intent(in) :: periodic  !! whether the map is
+
+    level = merge(level_mean, level_plane, periodic)
+  end function usual_level
+
+  !> The column or row that a step leads to: beyond an end of a periodic map its other end, beyond
+  !> the edge of a free one 0.
+  elemental integer function index_beside(place, number, periodic) result(there)
+    integer, intent(in) :: place      !! column or row, with the step; may lie beyond an end
+    integer, intent(in) :: number     !! columns or rows of the map
+    logical, intent(in) :: periodic   !! whether the map is
+
+    there = place
+    if (place >= 1 .and. place <= number) return
+    there = 0
+    if (periodic) there = 1 + modulo(place - 1, number)
+  end function index_beside
 
   !> Whether a number will do as a spacing or a scale.
   elemental logical function is_length(value)

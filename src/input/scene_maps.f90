@@ -2,8 +2,8 @@
 module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_height_map, only: change_unit, height_map, length_units, number_text, plain_unit, &
-                                 unit_number
+  use asperity_height_map, only: change_unit, edge_names, height_map, length_units, level_names, &
+                                 level_plane, number_text, plain_unit, unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, read_height_map
   use asperity_input_text, only: quoted
   use asperity_kinds, only: int64, real64
@@ -16,11 +16,10 @@ module asperity_scene_maps
 
   public :: check_map_scene, is_map, read_maps
 
-  character(len=*), parameter :: edge_words(2) = [character(len=8) :: 'free', 'periodic'], &
-                                 despike_words(2) = [character(len=3) :: 'off', 'on']
+  character(len=*), parameter :: despike_words(2) = [character(len=3) :: 'off', 'on']
   ! Names of &surfaces that a map alone has.
-  character(len=*), parameter :: own_names(4) = &
-    [character(len=11) :: 'map_edge', 'map_unit', 'map_spacing', 'map_despike']
+  character(len=*), parameter :: own_names(5) = &
+    [character(len=11) :: 'map_edge', 'map_level', 'map_unit', 'map_spacing', 'map_despike']
 
 contains
 
@@ -50,7 +49,7 @@ contains
     edge = 1
     despike = 1
     unit = 0
-    call fields%take_word('surfaces', 'map_edge', edge_words, edge)
+    call fields%take_word('surfaces', 'map_edge', edge_names, edge)
     call fields%take_word('surfaces', 'map_despike', despike_words, despike)
     sides = count([upper /= '', lower /= ''])
     call take_spacing()
@@ -67,6 +66,11 @@ contains
     associate (maps => checked%map)
       maps%periodic = edge == 2
       maps%despike = despike == 2
+      maps%level = usual_level(maps%periodic)
+      call fields%take_word('surfaces', 'map_level', level_names, maps%level)
+      if (maps%periodic .and. maps%level == level_plane) &
+        call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane would ' // &
+             'not be periodic: found ''plane'', expected ''mean'' or ''none''')
       if (upper /= '') call read_one(upper, 1, maps%upper)
       if (lower /= '') call read_one(lower, 2, maps%lower)
       if (other_files%count() > 0) return
@@ -106,6 +110,7 @@ contains
                            'map_spacing', &
                            sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2)
       if (allocated(failure)) call found%add(file // ': ' // failure)
+      map%periodic = checked%map%periodic
       call other_files%append(found)
       call checked%notes%append(map%notes)
     end subroutine read_one

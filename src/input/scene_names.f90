@@ -35,7 +35,7 @@ contains
     type(known_name), allocatable :: table(:)  !! all names
 
     table = [in_group('surfaces', [character(len=12) :: 'deck', 'upper', 'lower', 'radius', &
-                                   'nominal_area', 'units', 'map_edge', 'map_unit', &
+                                   'nominal_area', 'units', 'map_edge', 'map_level', 'map_unit', &
                                    'map_spacing', 'map_despike']), &
              in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio', &
                                    'contact_modulus']), &

@@ -10,7 +10,7 @@ module asperity_scene_values
                                    effect_off, effect_on, effect_words, hold_approach, &
                                    hold_load, hold_words, known_effects
   use asperity_files, only: same_name
-  use asperity_height_map, only: height_map
+  use asperity_height_map, only: height_map, level_plane
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
   implicit none
@@ -121,6 +121,7 @@ module asperity_scene_values
     type(height_map) :: upper      !! as it was read; without columns: there is none
     type(height_map) :: lower      !! as it was read; without columns: there is none
     logical :: periodic = .false.  !! they repeat themselves
+    integer :: level = level_plane !! from which heights are measured
     logical :: despike = .false.   !! single outliers are taken out of them
   end type scene_map
 

@@ -48,9 +48,8 @@ module asperity_map_contact
 contains
 
   !> Presses a map, to a level of the flat or to a load.
-  recursive subroutine press_map(map, periodic, modulus, answer, load, tolerance)
-    type(height_map), intent(in) :: map               !! at least one sample measured
-    logical, intent(in) :: periodic                   !! it repeats itself
+  recursive subroutine press_map(map, modulus, answer, load, tolerance)
+    type(height_map), intent(in) :: map               !! at least one pixel measured
     real(real64), intent(in) :: modulus               !! combined, more than 0
     type(map_answer), intent(inout) :: answer         !! level: given where there is no load
     real(real64), intent(in), optional :: load        !! more than 0
@@ -63,7 +62,7 @@ contains
     integer :: i
 
     padded = shape(map%height)
-    if (.not. periodic) padded = [padded_length(2 * size(map%height, 1) - 1), &
+    if (.not. map%periodic) padded = [padded_length(2 * size(map%height, 1) - 1), &
                                   padded_length(2 * size(map%height, 2) - 1)]
     if (.not. has_memory(nint(bytes_padded * product(padded) + bytes_across * padded(1) * &
                               size(map%height, 2) + bytes_plain * size(map%height), int64))) then
@@ -81,7 +80,7 @@ contains
         answer%ending = solve_ending(.true., 0.0_real64, 0)
         return
       end if
-      if (periodic .and. .not. answer%level * count(is_measured(map%height)) > &
+      if (map%periodic .and. .not. answer%level * count(is_measured(map%height)) > &
           sum(map%height, mask=is_measured(map%height))) then
         answer%failure = 'the flat is not above the mean height of a map that repeats itself'
         return
@@ -102,7 +101,7 @@ contains
         half = half_map(map)
         start%level = answer%level
         start%interrupt = answer%interrupt
-        call press_map(half, periodic, modulus, start, load, closed_start)
+        call press_map(half, modulus, start, load, closed_start)
         if (allocated(start%failure)) then
           answer%failure = start%failure
           return
@@ -117,7 +116,7 @@ contains
       end if
     end if
     associate (force => answer%pressure)
-      if (periodic) then
+      if (map%periodic) then
         call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
                                         map%spacing(2) / map%spacing(1))
       else
@@ -148,8 +147,10 @@ contains
     if (allocated(answer%failure) .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
   end subroutine press_map
 
-  !> The map at half its resolution: of four samples the mean of their mean and the highest, which
-  !> presses most nearly as they do (measured; the mean alone is too low, the highest too high).
+  !> The map at half its resolution: of four pixels the mean of their mean and the highest, which
+  !> presses most nearly as they do (measured; the mean alone is too low, the highest too high). A
+  !> periodic map keeps its lengths: of an odd number of columns or rows the pixels of the half are
+  !> a little less than twice as wide.
   pure type(height_map) function half_map(map) result(half)
     type(height_map), intent(in) :: map  !! any; a single row stays one
     integer :: i, j, n
@@ -157,6 +158,8 @@ contains
     half%columns = (map%columns + 1) / 2
     half%rows = (map%rows + 1) / 2
     half%spacing = merge(2, 1, shape(map%height) > 1) * map%spacing
+    half%periodic = map%periodic
+    if (map%periodic) half%spacing = map%spacing * shape(map%height) / [half%columns, half%rows]
     allocate (half%height(half%columns, half%rows), source=no_height)
     do j = 1, size(half%height, 2)
       do i = 1, size(half%height, 1)

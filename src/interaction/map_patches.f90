@@ -1,19 +1,21 @@
-!> The spots of a pressed map: samples under pressure that share a side.
+!> Contact patches of a height map: pixels under pressure that share a side.
 module asperity_map_patches
   use asperity_constants, only: pi
-  use asperity_height_map, only: height_map
-  use asperity_kinds, only: real64
+  use asperity_height_map, only: height_map, is_measured
+  use asperity_kinds, only: not_computed, real64
   implicit none
   private
 
   public :: find_patches, map_patch
 
-  !> One spot. Lengths from the centre of the map's first sample, in its unit.
+  !> One patch. Lengths from the centre of the map's first pixel, in its unit.
   type :: map_patch
-    real(real64) :: x = 0.0_real64                 !! centre of its pressure
-    real(real64) :: y = 0.0_real64                 !! centre of its pressure
+    !> Centre of pressure. On a periodic map it lies from 0 to below the map's length; a patch that
+    !> spans the map in a direction has no centre there: `not_computed`.
+    real(real64) :: x = 0.0_real64
+    real(real64) :: y = 0.0_real64                 !! likewise
     real(real64) :: load = 0.0_real64              !! on it
-    real(real64) :: area = 0.0_real64              !! of its samples, corrected at the rim
+    real(real64) :: area = 0.0_real64              !! of its pixels, corrected at the rim
     real(real64) :: highest = 0.0_real64           !! of its pressures, mean over a sample
     real(real64) :: top = -huge(1.0_real64)        !! its highest sample
     integer :: samples = 0                         !! how many
@@ -21,25 +23,34 @@ module asperity_map_patches
     integer :: along(2) = 0                        !! it goes on there; first and last row
   end type map_patch
 
-  ! Samples over-count an area by that times the sides on its rim (Yastrebov, Anciaux and Molinari,
-  ! Tribol. Int. 114 (2017) 161, eq. 2).
+  ! Pixels over-estimate an area by this fraction of a pixel for each side between a pressed and an
+  ! open pixel, as the rim of the patch passes somewhere between their centres (Yastrebov, Anciaux
+  ! and Molinari, Tribol. Int. 114 (2017) 161, eq. 2). At the edge of a free map and at missing
+  ! pixels the body ends: such a side is no rim.
   real(real64), parameter :: rim_of_samples = (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
+
+  ! Pixels: above the error of a centre of pressure when gaps are closed to 1e-9 of the range of
+  ! heights (chosen; test: two balls in test/unit/map_suite.f90).
+  real(real64), parameter :: centre_error = 1.0e-6_real64
 
 contains
 
-  !> Finds the spots, in the order of their first samples, along x first.
-  subroutine find_patches(map, periodic, pressure, patches, spot)
-    type(height_map), intent(in) :: map            !! the heights
-    logical, intent(in) :: periodic                !! it repeats itself
-    real(real64), intent(in) :: pressure(:, :)     !! on each
+  !> Finds the patches, in the order of their first pixels, along x first.
+  subroutine find_patches(map, pressure, patches, spot)
+    type(height_map), intent(in) :: map            !! heights; knows whether it is periodic
+    real(real64), intent(in) :: pressure(:, :)     !! of each pixel, 0 or more
     type(map_patch), allocatable, intent(out) :: patches(:)
-    integer, allocatable, intent(out), optional :: spot(:, :)  !! of every sample; 0: none
+    integer, allocatable, intent(out), optional :: spot(:, :)  !! patch of each pixel; 0: none
     integer, allocatable :: label(:, :), stack(:, :)
+    ! How many lengths of a periodic map lie between a pixel and where its patch was entered.
+    integer, allocatable :: windings(:, :, :)
     type(map_patch), allocatable :: larger(:)
+    logical :: spans(2)
     integer :: deep, i, j, n
 
     allocate (label(size(pressure, 1), size(pressure, 2)), source=0)
     allocate (stack(2, count(pressure > 0.0_real64)), patches(16))
+    if (map%periodic) allocate (windings(2, map%columns, map%rows), source=0)
     n = 0
     do j = 1, size(pressure, 2)
       do i = 1, size(pressure, 1)
@@ -54,27 +65,32 @@ contains
         deep = 1
         stack(:, 1) = [i, j]
         label(i, j) = n
+        spans = .false.
         do while (deep > 0)
           call take(stack(1, deep), stack(2, deep), patches(n))
         end do
+        associate (patch => patches(n))
+          patch%x = centre_of(1, patch%x / patch%load)
+          patch%y = centre_of(2, patch%y / patch%load)
+        end associate
       end do
     end do
     patches = patches(:n)
-    patches%x = patches%x / patches%load * map%spacing(1)
-    patches%y = patches%y / patches%load * map%spacing(2)
     patches%load = patches%load * product(map%spacing)
     patches%area = patches%area * product(map%spacing)
     if (present(spot)) call move_alloc(label, spot)
 
   contains
 
-    ! The topmost sample of the stack goes to its spot, its neighbours on the stack. Places are
-    ! those by which a spot was reached: one that goes on beyond an end of a periodic map is whole.
+    ! Adds the topmost pixel of the stack to its patch and puts its neighbours on the stack. Indices
+    ! on the stack are unwrapped: a patch that goes on beyond an end of a periodic map is in one
+    ! piece. A pixel that is reached by two paths of different windings lies on a closed path
+    ! around the map.
     subroutine take(across, along, patch)
       integer, value :: across, along
       type(map_patch), intent(inout) :: patch
       integer, parameter :: step(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
-      integer :: k, next(2), place(2), sides
+      integer :: k, next(2), place(2), sides, winding(2)
 
       deep = deep - 1
       place = home(across, along)
@@ -91,14 +107,17 @@ contains
       sides = 0
       do k = 1, 4
         next = home(across + step(1, k), along + step(2, k))
-        if (any(next < 1 .or. next > shape(pressure))) then
-          sides = sides + 1
-        else if (.not. pressure(next(1), next(2)) > 0.0_real64) then
-          sides = sides + 1
+        if (any(next < 1 .or. next > shape(pressure))) cycle
+        winding = ([across, along] + step(:, k) - next) / shape(pressure)
+        if (.not. pressure(next(1), next(2)) > 0.0_real64) then
+          if (is_measured(map%height(next(1), next(2)))) sides = sides + 1
         else if (label(next(1), next(2)) == 0) then
           deep = deep + 1
           stack(:, deep) = [across, along] + step(:, k)
           label(next(1), next(2)) = n
+          if (map%periodic) windings(:, next(1), next(2)) = winding
+        else if (map%periodic) then
+          spans = spans .or. windings(:, next(1), next(2)) /= winding
         end if
       end do
       patch%area = patch%area + (1.0_real64 - rim_of_samples * sides)
@@ -109,8 +128,21 @@ contains
       integer :: place(2)
 
       place = [across, along]
-      if (periodic) place = 1 + modulo(place - 1, shape(pressure))
+      if (map%periodic) place = 1 + modulo(place - 1, shape(pressure))
     end function home
+
+    ! Length from the first pixel, of an unwrapped centre in pixels.
+    pure real(real64) function centre_of(axis, centre) result(place)
+      integer, intent(in) :: axis
+      real(real64), intent(in) :: centre
+
+      place = centre
+      if (map%periodic) place = modulo(centre, real(size(pressure, axis), real64))
+      ! An error must not move a centre from the begin of a periodic map to its end.
+      if (map%periodic .and. size(pressure, axis) - place < centre_error) place = 0.0_real64
+      place = place * map%spacing(axis)
+      if (spans(axis)) place = not_computed
+    end function centre_of
 
   end subroutine find_patches
 

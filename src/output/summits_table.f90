@@ -1,10 +1,10 @@
 !> What `asperity summits` prints, and the surface that it writes.
 module asperity_summits_table
   use asperity_csv, only: csv_line
-  use asperity_height_map, only: height_map, number_text
+  use asperity_height_map, only: height_map, level_names, number_text
   use asperity_kinds, only: int64, real64
   use asperity_map_statistics, only: map_statistics
-  use asperity_map_levelling, only: level_names
+  use asperity_map_levelling, only: is_flat
   use asperity_map_summits, only: map_summits, rule_contact, rule_names
   use asperity_printable, only: printable
   use asperity_summit_spheres, only: radius_names
@@ -34,7 +34,9 @@ contains
                      number_text(int(map%rows, int64)) // ' samples, level: ' // &
                      trim(level_names(choices%level)) // ', rule: ' // &
                      trim(rule_names(choices%rule)) // ', radius: ' // &
-                     trim(radius_names(choices%radius)))
+                     trim(radius_names(choices%radius)) // &
+                     trim(merge(', edge: periodic', '                ', map%periodic)))
+    if (is_flat(map)) call buffer%line('The map is flat: its heights differ by rounding alone.')
     call buffer%line('')
     call whole('samples', found%samples)
     call whole('missing', found%missing)

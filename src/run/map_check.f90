@@ -26,7 +26,6 @@ module asperity_map_check
   type :: map_seen
     type(height_map) :: map        !! it, or coarser
     integer :: coarser = 1         !! samples in one of those, a side
-    logical :: periodic = .false.  !! it repeats itself
     logical :: by_load = .true.    !! the scene gives loads, else levels
     real(real64) :: closed = closed_fully  !! what gaps are closed to, of the range of heights
     type(map_answer) :: answer     !! how it was pressed last
@@ -68,9 +67,8 @@ contains
   end function stiffness_between
 
   !> Presses a map as far as a scene does at last, and says whether its summits can stand for it.
-  subroutine see_map(map, periodic, loading, seen, failure)
+  subroutine see_map(map, loading, seen, failure)
     type(height_map), intent(in) :: map                    !! levelled
-    logical, intent(in) :: periodic                        !! it repeats itself
     type(map_loading), intent(in) :: loading               !! how far it is pressed
     type(map_seen), intent(inout) :: seen                  !! nothing but who can end it; pressed
     character(len=:), allocatable, intent(out) :: failure  !! why they cannot, or it cannot be
@@ -78,7 +76,6 @@ contains
     real(real64) :: last, share
     character(len=4) :: digits
 
-    seen%periodic = periodic
     seen%by_load = loading%by_load
     seen%map = map
     do while (size(seen%map%height, kind=int64) > merge(seen%most, seen%most_coarser, &
@@ -90,14 +87,14 @@ contains
     last = loading%values(size(loading%values))
     if (.not. seen%by_load) then
       seen%answer%level = last
-      call press_map(seen%map, periodic, loading%modulus, seen%answer, tolerance=seen%closed)
+      call press_map(seen%map, loading%modulus, seen%answer, tolerance=seen%closed)
     else if (last > 0.0_real64) then
-      call press_map(seen%map, periodic, loading%modulus, seen%answer, last, seen%closed)
+      call press_map(seen%map, loading%modulus, seen%answer, last, seen%closed)
     end if
     if (allocated(seen%answer%failure)) &
       failure = 'the map beside its summits: ' // seen%answer%failure
     if (allocated(failure) .or. .not. allocated(seen%answer%pressure)) return
-    call find_patches(seen%map, periodic, seen%answer%pressure, patches)
+    call find_patches(seen%map, seen%answer%pressure, patches)
     share = sum(patches%area) / area_of_map(seen%map)
     if (share > percolation) then
       write (digits, '(f4.2)') share
@@ -127,7 +124,7 @@ contains
       ! By load it was pressed as far. Else from its coarser ones again: what they come to tells.
       if (.not. seen%by_load) then
         if (allocated(answer%pressure)) deallocate (answer%pressure)
-        call press_map(seen%map, seen%periodic, modulus, answer, state%vertical_load, seen%closed)
+        call press_map(seen%map, modulus, answer, state%vertical_load, seen%closed)
       end if
       if (allocated(answer%failure)) then
         failure = 'beside its summits: ' // answer%failure
@@ -150,7 +147,7 @@ contains
       end if
       check%uncertain = check%uncertain / check%rms_height
       if (.not. stiffness > 0.0_real64) return
-      call press_map(seen%map, seen%periodic, modulus, answer, &
+      call press_map(seen%map, modulus, answer, &
                      (1.0_real64 + stiffness_step) * state%vertical_load, seen%closed)
       if (allocated(answer%failure)) failure = 'beside its summits: ' // answer%failure
       check%stiffness_difference = stiffness * (level - beyond - answer%level) / &
@@ -164,7 +161,7 @@ contains
       real(real64), intent(in) :: level
 
       at_level%level = level
-      call press_map(seen%map, seen%periodic, modulus, at_level, tolerance=seen%closed)
+      call press_map(seen%map, modulus, at_level, tolerance=seen%closed)
       load = at_level%load
     end function load_at
 
@@ -205,15 +202,19 @@ contains
 
     ! From the first sample to the middle of the first of those that are coarser.
     first = 0.5_real64 * (1.0_real64 - 1.0_real64 / seen%coarser)
-    call find_patches(seen%map, seen%periodic, seen%answer%pressure, patches, spot)
+    call find_patches(seen%map, seen%answer%pressure, patches, spot)
     if (seen%coarser == 1) check%area_difference = area / sum(patches%area) - 1.0_real64
     allocate (has_summit(0:size(patches)), source=.false.)
     do k = 1, size(summits%x)
       i = 1 + nint(summits%x(k) / seen%map%spacing(1) - first)
       j = 1 + nint(summits%y(k) / seen%map%spacing(2) - first)
+      if (seen%map%periodic) then
+        i = 1 + modulo(i - 1, seen%map%columns)
+        j = 1 + modulo(j - 1, seen%map%rows)
+      end if
       has_summit(spot(min(max(i, 1), seen%map%columns), min(max(j, 1), seen%map%rows))) = .true.
     end do
-    call find_shares(map, seen%periodic, seen%answer%pressure, patches, &
+    call find_shares(map, seen%answer%pressure, patches, &
                      limit_of_spikes(map, seen%coarser), check%shares)
     check%shares%without_summit = sum(patches%load, mask=.not. has_summit(1:)) / sum(patches%load)
   end subroutine share_out

@@ -5,12 +5,13 @@ module asperity_map_press_solver
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_contact, only: map_answer, press_map
   use asperity_map_despiking, only: limit_of_spikes
+  use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
   use asperity_map_shares, only: find_shares, map_shares, warn_of_shares
   use asperity_position_solver, only: position_solver
   use asperity_scene_results, only: effect_header
-  use asperity_theory_warnings, only: take_worse, theory_warning
+  use asperity_theory_warnings, only: of_flat_map, take_worse, theory_warning, warn
   implicit none
   private
 
@@ -20,7 +21,6 @@ module asperity_map_press_solver
   type, extends(position_solver) :: map_press_solver
     private
     type(height_map), pointer :: map => null()
-    logical :: periodic = .false.
     type(map_loading) :: loading
     real(real64) :: spike_limit = 0.0_real64
     real(real64) :: tolerance = 0.0_real64
@@ -31,9 +31,8 @@ module asperity_map_press_solver
 contains
 
   !> Makes a map ready to be pressed.
-  subroutine make_map_solver(map, periodic, loading, tolerance, solver)
+  subroutine make_map_solver(map, loading, tolerance, solver)
     type(height_map), intent(in), target :: map       !! levelled; must outlive the solver
-    logical, intent(in) :: periodic                   !! it repeats itself
     type(map_loading), intent(in) :: loading          !! how far it is pressed
     real(real64), intent(in) :: tolerance             !! share of the load that may be left out
     class(position_solver), allocatable, intent(out) :: solver
@@ -41,7 +40,6 @@ contains
 
     allocate (new)
     new%map => map
-    new%periodic = periodic
     new%loading = loading
     new%tolerance = tolerance
     new%spike_limit = limit_of_spikes(map, 1)
@@ -80,21 +78,22 @@ contains
     answer%interrupt = self%interrupt
     do i = m, self%states
       if (self%loading%by_load .and. self%loading%values(i) > 0.0_real64) then
-        call press_map(self%map, self%periodic, self%loading%modulus, answer, &
+        call press_map(self%map, self%loading%modulus, answer, &
                        self%loading%values(i))
       else
         answer%level = maxval(self%map%height)
         if (.not. self%loading%by_load) answer%level = self%loading%values(i)
-        call press_map(self%map, self%periodic, self%loading%modulus, answer)
+        call press_map(self%map, self%loading%modulus, answer)
       end if
       if (allocated(answer%failure)) then
         failure = answer%failure
         return
       end if
-      call find_patches(self%map, self%periodic, answer%pressure, patches)
-      call find_shares(self%map, self%periodic, answer%pressure, patches, self%spike_limit, shares)
+      call find_patches(self%map, answer%pressure, patches)
+      call find_shares(self%map, answer%pressure, patches, self%spike_limit, shares)
       if (allocated(warnings)) deallocate (warnings)
       call warn_of_shares(shares, self%tolerance, warnings)
+      if (is_flat(self%map)) call warn(warnings, of_flat_map, 0.0_real64)
       call take_worse(result%warnings, warnings, i)
       call tell_state(self, answer, patches, keep_rows, result, i)
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &

@@ -4,7 +4,7 @@ module asperity_map_scene
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
-  use asperity_map_levelling, only: level_map, level_plane
+  use asperity_map_levelling, only: level_map
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
   use asperity_numeral, only: rounded_decimal
   use asperity_scene_values, only: combined_modulus, control_approach, control_pressure, &
@@ -43,8 +43,8 @@ contains
       else where
         map%height = no_height
       end where
-      ! Samples may be missing in one of them only.
-      call level_map(map, level_plane)
+      ! Pixels may be missing in one of them only.
+      call level_map(map, maps%level)
     end associate
 
   contains
@@ -53,9 +53,9 @@ contains
       type(height_map), intent(inout) :: one
       integer(int64) :: spikes
 
-      call level_map(one, level_plane)
+      call level_map(one, scene_in%map%level)
       if (scene_in%map%despike .and. .not. allocated(failure)) &
-        call despike_map(one, level_plane, .false., spikes, failure)
+        call despike_map(one, scene_in%map%level, .false., spikes, failure)
     end subroutine make_level
 
   end subroutine join_maps

@@ -30,9 +30,8 @@ module asperity_map_shares
 contains
 
   !> Finds the shares of a map that was pressed as it is or coarser.
-  subroutine find_shares(map, periodic, pressure, patches, spike_limit, shares)
+  subroutine find_shares(map, pressure, patches, spike_limit, shares)
     type(height_map), intent(in) :: map         !! at its full resolution
-    logical, intent(in) :: periodic             !! it repeats itself, and has no edge
     real(real64), intent(in) :: pressure(:, :)  !! on its samples, or on squares of them
     type(map_patch), intent(in) :: patches(:)   !! its spots
     real(real64), intent(in) :: spike_limit     !! `limit_of_spikes` of it
@@ -52,7 +51,7 @@ contains
         if (on_spike(i, j)) shares%on_spikes = shares%on_spikes + pressure(i, j) / total
       end do
     end do
-    if (periodic) return
+    if (map%periodic) return
     associate (n => size(pressure, 1), m => size(pressure, 2))
       shares%on_edge = 1.0_real64 - sum(pressure(1 + edge:n - edge, 1 + edge:m - edge)) / total
       ! Beyond the radius r of a round punch of radius 1: sqrt(1 - r**2) (Johnson, eq. 3.34).

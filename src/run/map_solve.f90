@@ -56,7 +56,7 @@ contains
       if (allocated(failure)) return
     end if
     seen%answer%interrupt = options%interrupt
-    call see_map(map, scene_in%map%periodic, loading, seen, failure)
+    call see_map(map, loading, seen, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'
     if (allocated(failure) .and. mode == effect_auto) then
       call solve_samples(scene_in, map, options, results, failure)
@@ -98,7 +98,7 @@ contains
     results%arithmetic = 'real64'
     call load_the_map(scene_in, map, loading, failure)
     if (allocated(failure)) return
-    call make_map_solver(map, scene_in%map%periodic, loading, &
+    call make_map_solver(map, loading, &
                          scene_in%effects%number('tolerance'), solver)
     allocate (results%effects)
     call name_map_columns(scene_in%effects%mode('interaction'), results%effects)

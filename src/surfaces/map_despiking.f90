@@ -5,7 +5,7 @@
 !> places. For Gaussian distances eight medians are 5.4 deviations. It becomes the median. The map
 !> is levelled again, and looked at again, until none is left.
 module asperity_map_despiking
-  use asperity_height_map, only: height_map, is_measured, no_height
+  use asperity_height_map, only: height_map, index_beside, is_measured, no_height
   use asperity_kinds, only: int64, real64
   use asperity_map_levelling, only: level_map
   use asperity_process, only: has_memory
@@ -129,11 +129,15 @@ contains
     integer, intent(in) :: column, row
     real(real64), intent(in), optional :: from
     real(real64) :: sorted(window), z
-    integer :: i, j, k, number
+    integer :: across, along, i, j, k, number
 
     number = 0
-    do j = max(1, row - reach), min(map%rows, row + reach)
-      do i = max(1, column - reach), min(map%columns, column + reach)
+    do along = row - reach, row + reach
+      j = index_beside(along, map%rows, map%periodic)
+      if (j == 0) cycle
+      do across = column - reach, column + reach
+        i = index_beside(across, map%columns, map%periodic)
+        if (i == 0) cycle
         z = map%height(i, j)
         if (.not. is_measured(z)) cycle
         if (present(from)) z = abs(z - from)

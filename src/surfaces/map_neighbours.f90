@@ -1,6 +1,6 @@
 !> A sample of a map with its eight neighbours.
 module asperity_map_neighbours
-  use asperity_height_map, only: height_map, is_measured
+  use asperity_height_map, only: height_map, index_beside, is_measured
   use asperity_kinds, only: real64
   implicit none
   private
@@ -11,8 +11,8 @@ contains
 
   !> The sample and its neighbours, `near(0, 0)` the sample itself.
   !>
-  !> Beyond the edge of the map, and where a sample is missing, stands what is found on the other
-  !> side: the edge is a mirror. What is missing on both sides stays missing.
+  !> Beyond the edge of a free map, and where a pixel is missing, the pixel on the opposite side is
+  !> used: the edge is a mirror. What is missing on both sides stays missing.
   pure function neighbourhood(map, column, row) result(near)
     type(height_map), intent(in) :: map  !! the map
     integer, intent(in) :: column, row   !! of the sample
@@ -37,8 +37,8 @@ contains
     pure integer function inside(place, step, number)
       integer, intent(in) :: place, step, number
 
-      inside = place + step
-      if (inside < 1 .or. inside > number) inside = place - step
+      inside = index_beside(place + step, number, map%periodic)
+      if (inside == 0) inside = place - step
     end function inside
 
   end function neighbourhood

@@ -10,7 +10,7 @@
 !> and J. I. McCool, Wear 107 (1986) 37. It holds for an isotropic Gaussian surface.
 module asperity_map_statistics
   use asperity_constants, only: pi
-  use asperity_height_map, only: height_map, is_measured
+  use asperity_height_map, only: height_map, index_beside, is_measured
   use asperity_kinds, only: int64, real64
   use asperity_map_summits, only: map_summits
   implicit none
@@ -78,7 +78,7 @@ contains
     type(map_statistics), intent(inout) :: found
     real(real64) :: sums(4), row_sums(4), mean, row_sum
     integer(int64) :: numbers(4), measured
-    integer :: i, j
+    integer :: across(-2:0), along(-2:0), i, j
 
     found%samples = int(map%columns, int64) * map%rows
     measured = 0_int64
@@ -101,10 +101,12 @@ contains
       row_sum = 0.0_real64
       do i = 1, map%columns
         if (is_measured(map%height(i, j))) row_sum = row_sum + (map%height(i, j) - mean)**2
-        if (i > 1) call first_difference(1, map%height(i - 1:i, j))
-        if (j > 1) call first_difference(2, map%height(i, j - 1:j))
-        if (i > 2) call second_difference(3, map%height(i - 2:i, j))
-        if (j > 2) call second_difference(4, map%height(i, j - 2:j))
+        across = index_beside([i - 2, i - 1, i], map%columns, map%periodic)
+        along = index_beside([j - 2, j - 1, j], map%rows, map%periodic)
+        if (across(-1) > 0) call first_difference(1, map%height(across(-1:), j))
+        if (along(-1) > 0) call first_difference(2, map%height(i, along(-1:)))
+        if (across(-2) > 0) call second_difference(3, map%height(across, j))
+        if (along(-2) > 0) call second_difference(4, map%height(i, along))
       end do
       sums = sums + row_sums
       found%m0 = found%m0 + row_sum

@@ -11,7 +11,7 @@
 !> neighbours.
 module asperity_map_summits
   use, intrinsic :: iso_c_binding, only: c_bool
-  use asperity_height_map, only: height_map, is_measured
+  use asperity_height_map, only: height_map, index_beside, is_measured
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
   use asperity_map_neighbours, only: neighbourhood
@@ -31,8 +31,8 @@ module asperity_map_summits
 
   !> Summits, from profile to profile, those of ridges behind the others. Lengths as in the map.
   type :: map_summits
-    real(real64), allocatable :: x(:)         !! along a profile, from its first sample
-    real(real64), allocatable :: y(:)         !! from the first profile
+    real(real64), allocatable :: x(:)         !! along a profile, from its first pixel; of a periodic
+    real(real64), allocatable :: y(:)         !! map from 0 to below its length; from the first profile
     real(real64), allocatable :: height(:)    !! above the plane of the map
     real(real64), allocatable :: radius(:)    !! more than 0
     integer :: on_ridges = 0                  !! of them, the last ones, fill ridges
@@ -117,9 +117,12 @@ contains
   pure logical function is_inner(map, i, j)
     type(height_map), intent(in) :: map
     integer, intent(in) :: i, j
+    integer :: columns(3), rows(3)
 
-    is_inner = i > 1 .and. i < map%columns .and. j > 1 .and. j < map%rows
-    if (is_inner) is_inner = all(is_measured(map%height(i - 1:i + 1, j - 1:j + 1)))
+    columns = index_beside([i - 1, i, i + 1], map%columns, map%periodic)
+    rows = index_beside([j - 1, j, j + 1], map%rows, map%periodic)
+    is_inner = minval([columns, rows]) > 0
+    if (is_inner) is_inner = all(is_measured(map%height(columns, rows)))
   end function is_inner
 
   ! How many neighbours are higher than a sample, and how many just as high. What a mirror shows
@@ -128,12 +131,16 @@ contains
     type(height_map), intent(in) :: map
     integer, intent(in) :: i, j
     integer, intent(out) :: higher, equal
-    integer :: k, m
+    integer :: column, k, m, row
 
     higher = 0
     equal = -1
-    do m = max(1, j - 1), min(map%rows, j + 1)
-      do k = max(1, i - 1), min(map%columns, i + 1)
+    do row = j - 1, j + 1
+      m = index_beside(row, map%rows, map%periodic)
+      if (m == 0) cycle
+      do column = i - 1, i + 1
+        k = index_beside(column, map%columns, map%periodic)
+        if (k == 0) cycle
         if (map%height(k, m) > map%height(i, j)) higher = higher + 1
         if (map%height(k, m) >= map%height(i, j)) equal = equal + 1
       end do
@@ -150,7 +157,7 @@ contains
     logical, intent(out) :: is_summit
     character(len=:), allocatable, intent(out) :: failure
     type(place_list) :: waiting
-    integer :: i, j, k, m, higher, equal
+    integer :: column_beside, equal, higher, i, j, k, m, row_beside
 
     is_summit = .false.
     if (.not. allocated(seen)) then
@@ -171,8 +178,12 @@ contains
       call compare(map, i, j, higher, equal)
       if (higher > 0) is_summit = .false.
       if (rule == rule_eight) is_summit = is_summit .and. is_inner(map, i, j)
-      do m = max(1, j - 1), min(map%rows, j + 1)
-        do k = max(1, i - 1), min(map%columns, i + 1)
+      do row_beside = j - 1, j + 1
+        m = index_beside(row_beside, map%rows, map%periodic)
+        if (m == 0) cycle
+        do column_beside = i - 1, i + 1
+          k = index_beside(column_beside, map%columns, map%periodic)
+          if (k == 0) cycle
           if (seen(k, m)) cycle
           if (map%height(k, m) < map%height(i, j) .or. map%height(k, m) > map%height(i, j)) cycle
           seen(k, m) = .true._c_bool
@@ -235,13 +246,16 @@ contains
     ! Whether a summit, or a ridge's sample, is too near.
     pure logical function is_near_one(column, row)
       integer, intent(in) :: column, row
-      integer :: step, other
+      integer :: k, m, other, step
 
       is_near_one = .true.
-      do step = -min(reach, row - 1), min(reach, map%rows - row)
-        do other = -min(reach, column - 1), min(reach, map%columns - column)
-          if (taken(column + other, row + step) .and. &
-              real(step**2 + other**2, real64) < least_squared_distance) return
+      do step = -reach, reach
+        m = index_beside(row + step, map%rows, map%periodic)
+        if (m == 0) cycle
+        do other = -reach, reach
+          k = index_beside(column + other, map%columns, map%periodic)
+          if (k == 0) cycle
+          if (taken(k, m) .and. real(step**2 + other**2, real64) < least_squared_distance) return
         end do
       end do
       is_near_one = .false.
@@ -294,6 +308,10 @@ contains
         call top_of(neighbourhood(map, i, j), sharpest * map%spacing**2, step, rise)
       summits%x(k) = (i - 1 + step(1)) * map%spacing(1)
       summits%y(k) = (j - 1 + step(2)) * map%spacing(2)
+      if (map%periodic) then
+        summits%x(k) = modulo(summits%x(k), map%columns * map%spacing(1))
+        summits%y(k) = modulo(summits%y(k), map%rows * map%spacing(2))
+      end if
       summits%height(k) = map%height(i, j) + rise
     end do
     if (kept == places%number) return

@@ -1,10 +1,10 @@
 !> From the file of a height map to its summits: read, put in a unit, levelled, outliers taken out.
 module asperity_summits_of_file
-  use asperity_height_map, only: change_unit, height_map
+  use asperity_height_map, only: change_unit, height_map, level_plane, usual_level
   use asperity_height_map_reader, only: read_height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
-  use asperity_map_levelling, only: level_map, level_plane
+  use asperity_map_levelling, only: level_map
   use asperity_map_summits, only: find_summits, map_summits, rule_eight, usual_radius
   use asperity_problems, only: problem_list
   implicit none
@@ -15,7 +15,8 @@ module asperity_summits_of_file
   !> How it is done.
   type :: summit_choices
     integer :: rule = rule_eight               !! what a summit is
-    integer :: level = level_plane             !! what heights count from
+    logical :: periodic = .false.              !! the map repeats itself
+    integer :: level = 0                       !! from which heights are measured; 0: the usual one
     integer :: radius = 0                      !! rule for radii; 0: that of the rule
     integer :: unit = 0                        !! of `length_units`; 0: the file's own
     logical :: despike = .false.               !! take single outliers out
@@ -37,6 +38,10 @@ contains
     character(len=:), allocatable, intent(out) :: failure   !! why not
 
     spikes = -1_int64
+    if (choices%level == 0) choices%level = usual_level(choices%periodic)
+    if (choices%periodic .and. choices%level == level_plane) &
+      call problems%add('level: a periodic map without its plane would not be periodic: found ' // &
+                        'plane, expected mean or none')
     call read_height_map(path, choices%spacing, choices%progress, map, problems, failure)
     if (problems%count() > 0 .or. allocated(failure)) return
     if (choices%unit > 0) then
@@ -60,6 +65,8 @@ contains
     character(len=:), allocatable, intent(out) :: failure   !! why not
 
     spikes = -1_int64
+    if (choices%level == 0) choices%level = usual_level(choices%periodic)
+    map%periodic = choices%periodic
     call level_map(map, choices%level)
     if (choices%despike) call despike_map(map, choices%level, choices%progress, spikes, failure)
     if (choices%radius == 0) choices%radius = usual_radius(choices%rule)

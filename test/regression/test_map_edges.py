@@ -1,0 +1,365 @@
+"""Laws of height maps: what is done to a map knows its edge, and no choice of axes matters.
+
+A periodic map may be rolled, any map transposed, mirrored or turned, its heights shifted, a free
+map tilted: nothing but places changes. The truth of each law is the same map before the change; the
+values themselves are held against numpy in test_map_scene.py and against Westergaard here.
+"""
+
+import csv
+import subprocess
+
+import numpy as np
+import pytest
+
+from map_press_truth import press
+
+MODULUS = 3.0
+CHANGES = ("rolled", "transposed", "mirrored along x", "mirrored along y", "turned", "shifted",
+           "tilted", "lifted far")
+# Of the range of heights, the load, the area: gaps are closed to 1e-9 of the range of heights.
+SAME = 1e-9
+
+
+class Map:
+    """Heights indexed [y, x], spacings along x and y, whether it is periodic."""
+
+    def __init__(self, height, spacing, periodic):
+        self.height, self.spacing, self.periodic = height, spacing, periodic
+
+    def write(self, path):
+        np.savetxt(path, self.height, fmt="%.17g")
+
+    def area(self):
+        return np.count_nonzero(~np.isnan(self.height)) * self.spacing[0] * self.spacing[1]
+
+
+def random_map(seed):
+    random = np.random.default_rng(seed)
+    rows, columns = (int(n) for n in random.integers(6, 34, 2))
+    if seed % 4 == 0:
+        rows = columns
+    kind = seed % 3
+    height = random.standard_normal((rows, columns))
+    if kind > 0:
+        q = np.hypot(np.fft.fftfreq(rows)[:, None], np.fft.fftfreq(columns)[None, :])
+        q[0, 0] = 1.0
+        height = np.fft.ifft2(q ** (-0.9 * kind) * np.fft.fft2(height)).real
+    height = (height - height.mean()) / height.std()
+    if seed % 5 == 1:
+        height += 1e6
+    if seed % 6 == 2:
+        height[random.random(height.shape) < 0.05] = np.nan
+        height[0, 0] = 0.0
+    spacing = (0.5, float(random.choice([0.5, 0.4, 1.1])))
+    return Map(height, spacing, periodic=seed % 2 == 0), random
+
+
+def changed(of, how, random):
+    height, spacing = of.height, of.spacing
+    rows, columns = height.shape
+    if how == "rolled":
+        height = np.roll(height, random.integers(1, 30, 2), (0, 1))
+    elif how == "transposed":
+        height, spacing = height.T, spacing[::-1]
+    elif how == "mirrored along x":
+        height = height[:, ::-1]
+    elif how == "mirrored along y":
+        height = height[::-1]
+    elif how == "turned":
+        height, spacing = np.rot90(height), spacing[::-1]
+    elif how == "shifted":
+        height = height + 7.25
+    elif how == "lifted far":
+        height = height + 1e6
+    else:
+        height = height + (0.375 * np.arange(columns) - 0.25 * np.arange(rows)[:, None])
+    return Map(height, spacing, of.periodic)
+
+
+def laws_of(of, random):
+    known = [how for how in CHANGES
+             if (how != "rolled" or of.periodic) and (how != "tilted" or not of.periodic)]
+    return random.choice(known, 2, replace=False)
+
+
+def command(asperity, folder, *words):
+    return subprocess.run([asperity, *words], cwd=folder, capture_output=True, text=True,
+                          check=False, timeout=120)
+
+
+def rows_of(path):
+    with open(path, encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def column(rows, name):
+    return np.array([float(row[name]) if row[name] else np.nan for row in rows])
+
+
+def solve(asperity, folder, of, pressure, interaction="boundary", name="m"):
+    """Last state and contacts, sorted by load, of a map pressed by a nominal pressure."""
+    of.write(folder / f"{name}.txt")
+    (folder / f"{name}.scene").write_text(
+        f"&surfaces upper = 'plane', lower = '{name}.txt', "
+        f"map_spacing = {of.spacing[0]!r}, {of.spacing[1]!r}, "
+        f"map_edge = '{'periodic' if of.periodic else 'free'}' /\n"
+        f"&material contact_modulus = {MODULUS} /\n"
+        f"&loading control = 'pressure', value = {float(pressure)!r} /\n"
+        f"&effects interaction = '{interaction}' /\n")
+    run = command(asperity, folder, "solve", f"{name}.scene", "--quiet", "--threads", "1",
+                  "--positions", "p.csv", "--contacts", "c.csv")
+    assert run.returncode == 0, run.stderr
+    contacts = rows_of(folder / "c.csv")
+    order = np.argsort(column(contacts, "load"))
+    return rows_of(folder / "p.csv")[0], [contacts[i] for i in order], run.stderr
+
+
+def summits(asperity, folder, of, rule, name="m"):
+    """The statistics that are printed, and the summits sorted by height."""
+    of.write(folder / f"{name}.txt")
+    run = command(asperity, folder, "summits", f"{name}.txt", "--rule", rule, "--spacing",
+                  f"{of.spacing[0]!r},{of.spacing[1]!r}", "--edge",
+                  "periodic" if of.periodic else "free", "--output", "s.csv")
+    assert run.returncode == 0, run.stderr
+    rows = rows_of(folder / "s.csv")
+    return run.stdout, np.array(sorted((float(row["height"]), float(row["radius"]))
+                                       for row in rows)).reshape(-1, 2)
+
+
+def printed(text, name):
+    for line in text.splitlines():
+        if line.startswith(name):
+            value = line[len(name):].split()[0]
+            return np.nan if value == "-" else float(value)
+    raise AssertionError(f"no {name} in:\n{text}")
+
+
+@pytest.mark.parametrize("part", range(8))
+def test_laws_of_pixels(asperity, tmp_path, tally, part):
+    """200 maps, each under a load of 1e-3 to 30 of what their slopes call for, two changes each."""
+    worst = 0.0
+    for seed in range(part, 200, 8):
+        of, random = random_map(seed)
+        slope = np.nanstd(np.diff(of.height, axis=0)) / of.spacing[1]
+        pressure = MODULUS * slope * 10 ** random.uniform(-3, 1.5)
+        scale = np.nanmax(of.height) - np.nanmin(of.height)
+        one, contacts, _ = solve(asperity, tmp_path, of, pressure)
+        load = sum(column(contacts, "load"))
+        assert load == pytest.approx(pressure * of.area(), rel=1e-12)
+        for how in laws_of(of, random):
+            two, others, _ = solve(asperity, tmp_path, changed(of, how, random), pressure)
+            case = f"map {seed}, {how}"
+            assert one["contacts"] == two["contacts"], case
+            noise = 1e-9 if how == "lifted far" or seed % 5 == 1 else 0.0
+            errors = [abs(float(one["approach"]) - float(two["approach"])) / scale,
+                      abs(float(one["area"]) / float(two["area"]) - 1),
+                      np.abs(column(contacts, "area") - column(others, "area")).max() / of.area(),
+                      np.abs(column(contacts, "load") - column(others, "load")).max() / load,
+                      np.abs(np.sort(column(contacts, "maximum_pressure"))
+                             - np.sort(column(others, "maximum_pressure"))).max()
+                      / column(contacts, "maximum_pressure").max()]
+            assert max(errors) < SAME + 100 * noise, (case, errors)
+            worst = max([worst, *errors])
+            tally.add("map laws, pixels", len(errors), len(errors), 0)
+    print("worst", worst)
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_laws_of_summits(asperity, tmp_path, tally, part):
+    """Both rules: heights, radii and statistics of 200 maps, two changes each."""
+    for seed in range(part, 200, 4):
+        of, random = random_map(seed)
+        rule = ("eight", "contact")[seed // 2 % 2]
+        one = summits(asperity, tmp_path, of, rule)
+        for how in laws_of(of, random):
+            two = summits(asperity, tmp_path, changed(of, how, random), rule)
+            case = f"map {seed}, {rule}, {how}"
+            same = 1e-8 if how == "lifted far" or seed % 5 == 1 else 1e-11
+            assert len(one[1]) == len(two[1]), case
+            # By rule contact a radius is at most that of a ridge: one over a difference of heights.
+            np.testing.assert_allclose(one[1][:, 0], two[1][:, 0], rtol=0, atol=same, err_msg=case)
+            np.testing.assert_allclose(1 / np.sort(one[1][:, 1]), 1 / np.sort(two[1][:, 1]),
+                                       rtol=0, atol=100 * same, err_msg=case)
+            for name in ("rms height", "rms slope", "Nayak's alpha", "density of summits"):
+                assert printed(one[0], name) == pytest.approx(printed(two[0], name), rel=100 * same,
+                                                              nan_ok=True), (case, name)
+            tally.add("map laws, summits", len(one[1]), len(one[1]), 0)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_flat_maps(asperity, tmp_path, periodic):
+    """What levelling leaves of a plane is rounding: no summits, and full contact at any load."""
+    y, x = np.mgrid[:12, :16]
+    planes = [np.full(x.shape, 7.3e5), 0 * x + 0.1]
+    if not periodic:
+        planes += [0.1 * x + 0.3 * y, 1e6 + 1e-3 * x / 3, 123.4 * x - 77.7 * y + 1e5]
+    for height in planes:
+        of = Map(height.astype(float), (1.0, 0.7), periodic)
+        for pressure in (1e-9, 1e-3, 1.0):
+            state, contacts, told = solve(asperity, tmp_path, of, pressure)
+            assert float(state["area_fraction"]) == pytest.approx(1.0, rel=1e-12)
+            assert len(contacts) == 1
+            assert "the map is flat" in told
+        for rule in ("eight", "contact"):
+            text, found = summits(asperity, tmp_path, of, rule)
+            assert len(found) == 0
+            assert "map is flat" in text
+    rough = Map(np.random.default_rng(1).standard_normal((12, 16)) * 1e-9 + 1.0, (1.0, 1.0), periodic)
+    state, contacts, told = solve(asperity, tmp_path, rough, 1e-12)
+    assert float(state["area_fraction"]) < 0.9 and "the map is flat" not in told
+
+
+def test_from_first_touch_to_far_beyond_full_contact(asperity, tmp_path, tally):
+    """100 maps from 4 x 4 to 300 x 200 pixels at 20 pressures from 1e-6 to 10 times full contact:
+    all are solved, area and load grow, and full contact has the area of the map exactly."""
+    random = np.random.default_rng(7)
+    for number in range(100):
+        columns, rows = 4 + int(296 * random.random() ** 3), 4 + int(196 * random.random() ** 3)
+        height = random.standard_normal((rows, columns))
+        if number % 3:
+            q = np.hypot(np.fft.fftfreq(rows)[:, None], np.fft.fftfreq(columns)[None, :])
+            q[0, 0] = 1.0
+            height = np.fft.ifft2(q ** -1.8 * np.fft.fft2(height)).real
+            height /= height.std()
+        if number % 10 == 3:
+            height = np.round(height * 2)
+        of = Map(height, (1.0, float(random.choice([1.0, 0.5, 3.0]))), number % 2 == 0)
+        # Full contact: pressures of -E q h/2 are above 0, of a mean of some rms slopes.
+        full = MODULUS * 4 * sum(np.diff(height, axis=a).std() / of.spacing[1 - a] for a in (0, 1))
+        of.write(tmp_path / "m.txt")
+        values = ", ".join(repr(float(p)) for p in np.geomspace(1e-6, 10, 20) * full)
+        (tmp_path / "m.scene").write_text(
+            f"&surfaces upper = 'plane', lower = 'm.txt', map_spacing = {of.spacing[0]}, "
+            f"{of.spacing[1]}, map_edge = '{'periodic' if of.periodic else 'free'}' /\n"
+            f"&material contact_modulus = {MODULUS} /\n"
+            f"&loading control = 'pressure', value = {values} /\n"
+            "&effects interaction = 'boundary' /\n")
+        run = command(asperity, tmp_path, "solve", "m.scene", "--quiet", "--curve", "c.csv")
+        assert run.returncode == 0, (number, run.stderr)
+        states = rows_of(tmp_path / "c.csv")
+        area = column(states, "area") / of.area()
+        assert len(states) == 20
+        assert area.max() < 1 + 1e-12 and np.all(np.diff(column(states, "sample_area")
+                                                         if "sample_area" in states[0] else area)
+                                                 > -1e-12)
+        if of.periodic:
+            assert area[-1] == pytest.approx(1.0, abs=1e-12), number
+        tally.add("map pressures", 20, 20, 0)
+
+
+def test_area_of_a_punch_and_of_full_contact(asperity, tmp_path):
+    """The rim of a patch is corrected between a pressed and an open pixel only: a punch whose
+    surroundings are missing, and a map in full contact, have the area of their pixels."""
+    punch = np.full((20, 30), np.nan)
+    punch[:6, :17] = 1.0
+    state, contacts, _ = solve(asperity, tmp_path, Map(punch, (1.0, 0.5), False), 1e-6)
+    assert float(state["area"]) == pytest.approx(6 * 17 * 0.5, rel=1e-12)
+    random = np.random.default_rng(3)
+    for periodic in (False, True):
+        height = random.standard_normal((24, 40))
+        height[random.random(height.shape) < 0.1] = np.nan
+        height[0, 0] = 0.0
+        of = Map(height, (0.3, 0.2), periodic)
+        state, _, _ = solve(asperity, tmp_path, of, 1e4 * MODULUS)
+        assert float(state["area_fraction"]) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_centres_on_a_periodic_map(asperity, tmp_path):
+    """Centres lie in the map; a patch that spans it in a direction has none there."""
+    y, x = np.mgrid[:64, :48]
+    wave = 2 * np.pi / np.array([48, 64])
+    hill = np.cos(wave[0] * (x - 10.5)) + np.cos(wave[1] * (y + 0.5))
+    _, contacts, _ = solve(asperity, tmp_path, Map(hill, (2.0, 1.0), True), 1e-3)
+    assert [(float(c["x"]), float(c["y"])) for c in contacts] == [(pytest.approx(21.0),
+                                                                  pytest.approx(63.5))]
+    ridge = np.cos(wave[0] * (x - 5.0)) + 1e-9 * hill
+    _, contacts, _ = solve(asperity, tmp_path, Map(ridge, (2.0, 1.0), True), 1e-3)
+    assert [(float(c["x"]), c["y"]) for c in contacts] == [(pytest.approx(10.0, abs=1e-6), "")]
+    diagonal = np.cos(2 * np.pi * (x / 48 + y / 64))
+    _, contacts, _ = solve(asperity, tmp_path, Map(diagonal, (2.0, 1.0), True), 1e-3)
+    assert [(c["x"], c["y"]) for c in contacts] == [("", "")]
+
+
+def westergaard(share):
+    """Area fraction and greatest pressure over p* = pi E A/L, at a share of p*."""
+    if share >= 1:
+        return 1.0, 1 + share
+    return 2 / np.pi * np.arcsin(np.sqrt(share)), 2 * np.sqrt(share)
+
+
+def test_a_cosine_of_any_phase(asperity, tmp_path, tally):
+    """Westergaard (1939), over eight phases: the greatest pressure within 1 % at 256 pixels, the
+    width of the contact within half a pixel on each side (and 5 % of that), both better with each doubling in the root
+    mean square, which is within 1 % at 256 pixels."""
+    for share in (0.1, 0.5, 0.9, 1.1):
+        before = None
+        for n in (64, 128, 256, 512, 1024):
+            errors = []
+            for phase in np.linspace(0, 1, 8, endpoint=False):
+                height = np.tile(1e-3 * np.cos(2 * np.pi * (np.arange(n) + phase) / n), (4, 1))
+                full = np.pi * MODULUS * 1e-3 / n
+                state, contacts, _ = solve(asperity, tmp_path, Map(height, (1.0, 1.0), True),
+                                           share * full)
+                area, greatest = westergaard(share)
+                errors.append((float(state["area_fraction"]) / area - 1,
+                               column(contacts, "maximum_pressure").max() / (greatest * full) - 1))
+            errors = np.abs(errors)
+            assert np.all(errors[:, 0] < 1.05 / (n * area)), (share, n, errors)
+            mean = np.sqrt((errors ** 2).mean(axis=0))
+            if n == 256:
+                assert mean.max() < 0.01 and errors[:, 1].max() < 0.01, (share, errors)
+            if before is not None:
+                assert np.all((mean < before) | (mean < 1e-6)), (share, n, mean, before)
+            before = mean
+            tally.add("Westergaard", errors.size, errors.size, 0)
+
+
+def test_numpy_on_periodic_maps(asperity, tmp_path, tally):
+    """20 random periodic maps against numpy on the map as it is, without levelling."""
+    for seed in range(0, 40, 2):
+        of, random = random_map(seed)
+        if np.isnan(of.height).any():
+            continue
+        height = of.height - of.height.mean()
+        pressure = MODULUS * 10 ** random.uniform(-2, 0.5) * np.abs(np.diff(height, axis=0)).mean()
+        level, pressures = press(height.T, of.spacing, MODULUS, pressure * of.area(),
+                                 periodic=True, closed=1e-11)
+        state, contacts, _ = solve(asperity, tmp_path, of, pressure)
+        assert float(state["approach"]) == pytest.approx(level, abs=1e-8 * np.ptp(height))
+        assert column(contacts, "maximum_pressure").max() == pytest.approx(pressures.max(),
+                                                                           rel=1e-8)
+        tally.add("numpy, periodic maps", 2, 2, 0)
+
+
+def test_a_plane_asked_of_a_periodic_map(asperity, tmp_path):
+    """Without its plane a periodic map would not be periodic: refused, in both commands."""
+    np.savetxt(tmp_path / "m.txt", np.eye(5))
+    (tmp_path / "m.scene").write_text(
+        "&surfaces upper = 'plane', lower = 'm.txt', map_spacing = 1, 1, map_edge = 'periodic',\n"
+        "  map_level = 'plane' /\n&material contact_modulus = 1 /\n"
+        "&loading control = 'load', value = 1 /\n&effects interaction = 'boundary' /\n")
+    run = command(asperity, tmp_path, "solve", "m.scene")
+    assert run.returncode == 2 and run.stderr.startswith("m.scene:2:3: map_level: "), run.stderr
+    run = command(asperity, tmp_path, "summits", "m.txt", "--spacing", "1,1", "--edge", "periodic",
+                  "--level", "plane")
+    assert run.returncode == 2 and "level" in run.stderr
+
+
+def test_levels_of_a_scene(asperity, tmp_path):
+    """The separation counts from the level that is asked for."""
+    height = np.random.default_rng(5).standard_normal((16, 24)) + 3.0
+    height += 0.05 * np.arange(24)
+    found = {}
+    for how in ("plane", "mean", "none"):
+        np.savetxt(tmp_path / "m.txt", height, fmt="%.17g")
+        (tmp_path / "m.scene").write_text(
+            f"&surfaces upper = 'plane', lower = 'm.txt', map_spacing = 1, 1, map_level = '{how}' /\n"
+            "&material contact_modulus = 1 /\n&loading control = 'load', value = 20 /\n"
+            "&effects interaction = 'boundary' /\n")
+        run = command(asperity, tmp_path, "solve", "m.scene", "--quiet", "--positions", "p.csv")
+        assert run.returncode == 0, run.stderr
+        found[how] = float(rows_of(tmp_path / "p.csv")[0]["approach"])
+    level, _ = press((height - height.mean()).T, (1.0, 1.0), 1.0, 20.0)
+    assert found["mean"] == pytest.approx(level, abs=1e-8)
+    assert found["none"] == pytest.approx(level + height.mean(), abs=1e-8)
+    assert abs(found["plane"] - level) > 0.01
