@@ -6,7 +6,8 @@ module asperity_contact_state
   implicit none
   private
 
-  public :: contact_state, start_state, answer_all, total_load, total_vertical_load, load_asked_for
+  public :: contact_state, start_state, answer_all, in_contact
+  public :: total_load, total_vertical_load, load_asked_for
 
   ! Fewest pairs for which threads are started.
   integer, parameter :: many = 1000
@@ -52,6 +53,16 @@ contains
     end do
     !$omp end parallel do
   end subroutine answer_all
+
+  !> Whether a pair counts: it has a contact circle or a load, or is just at first touch.
+  elemental logical function in_contact(state, i)
+    type(contact_state), intent(in) :: state  !! the contacts
+    integer, intent(in) :: i                  !! the pair
+
+    in_contact = state%answers(i)%contact_radius > 0.0_real64 .or. &
+                 abs(state%answers(i)%load) > 0.0_real64 .or. &
+                 .not. (state%penetration(i) < 0.0_real64 .or. state%penetration(i) > 0.0_real64)
+  end function in_contact
 
   !> Sum of the forces normal to the contacts.
   pure real(real64) function total_load(state)

@@ -10,7 +10,8 @@ module asperity_scene_loading
   use asperity_scene_values, only: control_limit, control_pressure, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
-                                   criterion_words, effect_off, is_load, scene, scene_loading
+                                   criterion_words, effect_off, effect_on, effect_words, &
+                                   is_load, scene, scene_loading
   implicit none
   private
 
@@ -25,7 +26,9 @@ contains
   subroutine read_loading(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(inout) :: checked        !! its loading is filled
+    integer :: events
 
+    events = effect_off
     associate (loading => checked%loading)
       call fields%take_word('loading', 'control', control_words, loading%control)
       call read_path(fields, loading)
@@ -34,6 +37,11 @@ contains
                                fields%comma_pair('loading', 'value') // ' in value of ' // &
                                '&loading: two values of a path, no decimal comma')
       call fields%take_whole('loading', 'points', 0, most_points, loading%points)
+      call fields%take_word('loading', 'events', effect_words(:effect_on), events)
+      loading%events = events == effect_on
+      if (loading%events .and. allocated(loading%path)) &
+        call fields%complain_of('loading', 'events', 'found beside several values, ' // &
+                                'expected one value: a path has its points alone')
       ! What a refused control would need is not known.
       if (loading%control == 0) return
       call need(fields, 'loading', 'value', loading%control /= control_limit, &

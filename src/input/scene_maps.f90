@@ -10,7 +10,7 @@ module asperity_scene_maps
   use asperity_number_ranges, only: above_zero
   use asperity_problems, only: problem_list, real_text
   use asperity_scene_fields, only: scene_fields
-  use asperity_scene_values, only: control_limit, effect_boundary, effect_off, scene
+  use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_off, scene
   implicit none
   private
 
@@ -205,6 +205,10 @@ contains
                                     'the same everywhere, and two maps share a grid')
     if (fields%has_group('tilt')) &
       call fields%complain_of_group('tilt', 'found beside a map, expected none: it is levelled')
+    if (checked%loading%events .and. &
+        any(checked%effects%mode('interaction') == [effect_auto, effect_boundary])) &
+      call fields%complain_of('loading', 'events', 'found beside a map, expected none unless ' // &
+                              'interaction is ''off'' or ''coupled''')
     if (checked%effects%mode('interaction') /= effect_boundary) return
     if (checked%loading%control == control_limit) &
       call fields%complain_of_group('loading', 'no control: the samples of a map have no ' // &

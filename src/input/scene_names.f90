@@ -42,7 +42,7 @@ contains
              in_group('motion', [character(len=9) :: 'x_first', 'x_step', 'y_first', 'y_step', &
                                  'positions']), &
              in_group('tilt', [character(len=11) :: 'upper_slope', 'lower_slope', 'rotation']), &
-             in_group('loading', [character(len=7) :: 'control', 'value', 'points']), &
+             in_group('loading', [character(len=7) :: 'control', 'value', 'points', 'events']), &
              in_group('limit', [character(len=12) :: 'criterion', 'value', 'hardness', &
                                 'yield_stress']), &
              in_group('effects', known_effects%name), in_group('effects', effect_numbers%name)]

@@ -91,7 +91,8 @@ module asperity_scene_values
     !> Separations, loads or pressures, one after the other, up and down; allocated when there are
     !> several.
     type(decimal_value), allocatable :: path(:)
-    integer :: points = 0               !! states on the way; 0 or 1 is the end state only
+    integer :: points = 0               !! states after first touch; 0 or 1: the end state only
+    logical :: events = .false.         !! also a state wherever a contact begins
   end type scene_loading
 
   !> When a contact is at its limit.

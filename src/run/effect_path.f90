@@ -1,8 +1,11 @@
 !> The states of a position, one after the other: on the way to its end, along a path of loads or
 !> approaches, and through a hold.
 module asperity_effect_path
+  use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_state, only: contact_state, in_contact
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_effect_sequence, only: first_failure, simulate
   use asperity_kernel_real64, only: closings_on_the_way
   use asperity_kinds, only: real64
   use asperity_scene_values, only: control_pressure, effect_off, hold_load, is_load, scene
@@ -29,14 +32,14 @@ module asperity_effect_path
 
 contains
 
-  !> The states of loading. `points` equal parts lie between one value of a path and the next. With
-  !! neighbours counted there are these alone: contacts begin later then than each would alone.
-  subroutine plan_states(scene_in, pairs, closing, steps, failure)
+  !> The states of loading. `points` equal parts lie between one value of a path and the next.
+  subroutine plan_states(scene_in, pairs, effects, closing, steps, failure)
     type(scene), intent(in) :: scene_in                       !! checked values
     type(contact_pairs), intent(in) :: pairs                  !! the position
+    type(effect_box), intent(in) :: effects(:)                !! of the scene
     real(real64), intent(in) :: closing                       !! the end, without a path
     type(path_step), allocatable, intent(out) :: steps(:)     !! at least one
-    !> a load of the path becomes 0 in the unit of the pairs
+    !> a load of the path becomes 0 in the unit of the pairs, or why a beginning is not found
     character(len=:), allocatable, intent(out) :: failure
     real(real64), allocatable :: closings(:), gaps(:)
     real(real64) :: from, to
@@ -44,7 +47,12 @@ contains
 
     if (.not. allocated(scene_in%loading%path)) then
       allocate (gaps(0))
-      if (scene_in%effects%mode('interaction') == effect_off) gaps = pairs%list%gap
+      if (scene_in%loading%events) then
+        gaps = pairs%list%gap
+        if (scene_in%effects%mode('interaction') /= effect_off) &
+          call find_beginnings(pairs, effects, closing, gaps, failure)
+        if (allocated(failure)) return
+      end if
       call closings_on_the_way(scene_in%loading%points, gaps, closing, closings)
       allocate (steps(size(closings)))
       steps%value = closings
@@ -79,6 +87,54 @@ contains
     ! The curve begins at first touch.
     if (parts == 1) steps = steps(2:)
   end subroutine plan_states
+
+  ! The closings, up to the last, at which contacts begin that are lowered by others. A contact
+  ! penetrates by less than the closing since it began: the closing less the deepest penetration of
+  ! the contacts that are new leads down to the first beginning, never past it. A contact that
+  ! begins with a jump is found by halving.
+  subroutine find_beginnings(pairs, effects, last, closings, failure)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: last
+    real(real64), allocatable, intent(out) :: closings(:)          ! ascending, from first touch on
+    character(len=:), allocatable, intent(inout) :: failure
+    ! Error of a beginning over the last closing (chosen: the accuracy of a solve at a closing).
+    real(real64), parameter :: precision = 1.0e-10_real64
+    type(contact_state) :: state
+    type(effect_outcome), allocatable :: outcomes(:)
+    logical, dimension(size(pairs%list)) :: begun, fresh, first
+    real(real64) :: at, low, high
+    integer :: i
+
+    closings = [0.0_real64]
+    begun = .not. pairs%list%gap > 0.0_real64
+    at = last
+    do
+      low = closings(size(closings))
+      high = last
+      do
+        call simulate(pairs, effects, at, 0.0_real64, state, outcomes, .true.)
+        call first_failure(effects, outcomes, failure)
+        if (allocated(failure)) return
+        fresh = in_contact(state, [(i, i=1, size(fresh))]) .and. .not. begun
+        if (any(fresh)) then
+          high = at
+          first = fresh
+          at = max(low, high - maxval(state%penetration, fresh))
+          if (high - at <= precision * last) exit
+        else if (.not. at < last) then
+          return
+        else
+          low = at
+        end if
+        if (high - low <= precision * last) exit
+        if (.not. at > low) at = 0.5_real64 * (low + high)
+      end do
+      closings = [closings, high]
+      begun = begun .or. first
+      at = last
+    end do
+  end subroutine find_beginnings
 
   !> The states of a hold after the last state of loading.
   subroutine plan_hold(scene_in, steps)

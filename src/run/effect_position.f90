@@ -55,7 +55,7 @@ contains
                          called_for, found, failure)
       if (allocated(failure)) return
     end if
-    call plan_states(scene_in, pairs, closing, steps, failure)
+    call plan_states(scene_in, pairs, effects, closing, steps, failure)
     if (allocated(failure)) return
     allocate (hold(0))
     if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, hold)

@@ -4,7 +4,7 @@ module asperity_effect_rows
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
-  use asperity_contact_state, only: contact_state, start_state
+  use asperity_contact_state, only: contact_state, in_contact, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
@@ -132,16 +132,6 @@ contains
     call set_state_values(pairs, effects, outcomes, result)
     allocate (result%effects(size(effects)), result%contact_values(0, columns))
   end subroutine add_nothing
-
-  ! Whether a pair counts: it has a contact circle or a load, or is just at first touch.
-  pure logical function in_contact(state, i)
-    type(contact_state), intent(in) :: state
-    integer, intent(in) :: i
-
-    in_contact = state%answers(i)%contact_radius > 0.0_real64 .or. &
-                 abs(state%answers(i)%load) > 0.0_real64 .or. &
-                 .not. (state%penetration(i) < 0.0_real64 .or. state%penetration(i) > 0.0_real64)
-  end function in_contact
 
   ! Estimated relative error of a state: what `auto` left out and what the effects that were
   ! simulated say of themselves.

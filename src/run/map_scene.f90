@@ -102,7 +102,7 @@ contains
     end associate
   end subroutine summits_of_scene
 
-  !> The loads or levels of a scene, one after the other.
+  !> The loads or levels of a scene, one after the other; a curve begins at first touch.
   subroutine load_the_map(scene_in, map, loading, failure)
     type(scene), intent(in) :: scene_in           !! not under control of a limit
     type(height_map), intent(in) :: map           !! joined
@@ -127,7 +127,7 @@ contains
     parts = max(1, scene_in%loading%points)
     from = 0.0_real64
     if (.not. loading%by_load) from = maxval(map%height)
-    allocate (loading%values(0))
+    allocate (loading%values(merge(1, 0, parts > 1)), source=from)
     do i = 1, size(ends)
       to = unit * decimal_to_real64(ends(i))
       if (loading%by_load .and. ends(i)%digits > 0 .and. &

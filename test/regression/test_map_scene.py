@@ -91,7 +91,9 @@ def test_missing_samples_and_a_curve(asperity, tmp_path):
                                                         "points": 3})
     found = solve(asperity, scene, curve=True)
     assert found.status == 0, found.stderr
-    for k, row in enumerate(found.curve, 1):
+    assert len(found.curve) == 4 and float(found.curve[0]["load"]) == 0.0
+    assert float(found.curve[0]["approach"]) == pytest.approx(np.nanmax(level(height)))
+    for k, row in enumerate(found.curve[1:], 1):
         flat, pressure = press(level(height), sides, E, load * k / 3)
         assert abs(float(row["approach"]) / flat - 1) < 1e-6
         assert not pressure[10:14, 5:8].any()

@@ -254,7 +254,8 @@ def test_curve_passes_through_every_event(loading, asperity, tmp_path):
     upper, lower = both_surfaces(5)
     groups = {"limit": {"criterion": "load", "value": 3000.0}, **TILTED}
     run = solve(asperity, write_csv_scene(tmp_path, upper, lower, **groups,
-                                          loading={**loading, "points": 8}), curve=True)
+                                          loading={**loading, "points": 8, "events": "on"},
+                                          effects={"interaction": "off"}), curve=True)
     assert run.status == 0, run.stderr
     truth = Truth(exact_csv_scene(upper, lower, **groups, loading=loading))
     events = 0
@@ -442,7 +443,8 @@ def curve_of_deck(asperity, root, tmp_path, x):
     scene = write_scene(tmp_path / "curve.scene",
                         surfaces={"deck": str(root / "data" / "thesis.deck")},
                         motion={"x_first": x, "positions": 1},
-                        loading={"control": "limit", "points": 14})
+                        loading={"control": "limit", "points": 14, "events": "on"},
+                        effects={"interaction": "off"})
     rows = [row for row in solve(asperity, scene, curve=True).curve if float(row["load"]) > 0.0]
     return (np.array([float(row[name]) for row in rows])
             for name in ("load", "decrease", "area"))

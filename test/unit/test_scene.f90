@@ -331,6 +331,7 @@ contains
     call read_scene('data/examples/position_56.scene', long, problems)
     call check(error, problems%text(), '', 'problems of position 56')
     call check(error, long%loading%points, 50, 'points')
+    call check(error, long%loading%events .and. .not. bare%loading%events, 'events')
   end subroutine test_thesis_scene
 
   subroutine test_csv_scene(error)

@@ -1,0 +1,169 @@
+"""The states of a position: `points` and `events` of &loading.
+
+References: the number asked for; equal parts of the compression; on a plane the height of a summit
+below the highest, at which its isolated contact begins; Johnson's closed form of the displacement
+beside a Hertzian contact (Contact Mechanics, 1985, eq. 3.42a), by which a contact begins later.
+"""
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+from made_maps import self_affine
+from surfaces_csv import records, solve, write_scene, write_surface
+
+E, RADIUS = 1000.0, 2.0
+# Heights are multiples of 1/8, so that the compression at which a contact begins is exact.
+CAPS = [(0.0, 0.0, 1.0, RADIUS), (2.0, 0.0, 0.875, RADIUS), (0.0, 4.0, 0.625, RADIUS),
+        (5.0, 5.0, -0.5, RADIUS)]
+CONTROLS = {
+    "limit": {"control": "limit"},
+    "approach": {"control": "approach", "value": 0.5},
+    "load": {"control": "load", "value": 700.0},
+    "vertical_load": {"control": "vertical_load", "value": 700.0},
+    "pressure": {"control": "pressure", "value": 7.0}}
+MODES = ("off", "coupled", "boundary", "auto", None)
+
+
+def pressed(asperity, folder, loading, mode, caps=CAPS, options=(), **groups):
+    effects = {} if mode is None else {"effects": {"interaction": mode}}
+    scene = write_scene(
+        folder / "caps.scene",
+        surfaces={"upper": "plane", "lower": write_surface(folder / "caps.csv", caps),
+                  "nominal_area": 100.0},
+        material={"contact_modulus": E}, limit={"value": 500.0}, loading=loading, **effects,
+        **groups)
+    return solve(asperity, scene, *options, curve=True)
+
+
+def numbers(rows, name):
+    return np.array([float(row[name]) for row in rows])
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("control", CONTROLS)
+def test_points_are_the_states(asperity, tmp_path, control, mode):
+    for points, states in ((0, 1), (1, 1), (2, 3), (5, 6)):
+        run = pressed(asperity, tmp_path, CONTROLS[control] | {"points": points}, mode)
+        assert run.status == 0, run.stderr
+        assert len(run.curve) == int(run.positions[0]["steps"]) == states
+        closed = numbers(run.curve, "decrease")
+        assert closed[-1] > 0.25, "fewer than two contacts"
+        if points > 1:
+            assert np.abs(closed / closed[-1] - np.linspace(0, 1, states)).max() < 1e-9
+            assert float(run.curve[0]["load"]) == 0 and run.curve[0]["contacts"] == "1"
+
+
+@pytest.mark.parametrize("arithmetic", ("ibm370", "real32", "real128"))
+def test_points_in_every_arithmetic(asperity, tmp_path, arithmetic):
+    for events, states in (("off", 6), ("on", 8)):
+        run = pressed(asperity, tmp_path, CONTROLS["load"] | {"points": 5, "events": events}, "off",
+                      options=("--arithmetic", arithmetic))
+        assert len(run.curve) == states, run.stderr
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+def test_events_of_isolated_contacts(asperity, tmp_path, control):
+    """Points and events together; the events alone; a contact carries nothing where it begins."""
+    for mode, caps in (("off", CAPS), ("auto", [(x, 1e6 * y, h, r) for x, y, h, r in CAPS[::2]])):
+        gaps = [1.0 - cap[2] for cap in caps]
+        for points in (0, 4):
+            run = pressed(asperity, tmp_path,
+                          CONTROLS[control] | {"points": points, "events": "on"}, mode, caps)
+            assert run.status == 0, run.stderr
+            closed = numbers(run.curve, "decrease")
+            begun = [gap for gap in gaps if gap <= closed[-1]]
+            assert len(begun) > 1
+            parts = [closed[-1] * k / 4 for k in range(4)] if points else []
+            assert np.array_equal(closed, sorted({*begun, *parts, closed[-1]}))
+            for number, gap in enumerate(begun, 1):
+                step = str(int(np.flatnonzero(closed == gap)[0]) + 1)
+                rows = [row for row in run.contacts if row["step"] == step]
+                assert len(rows) == number and float(rows[-1]["load"]) == 0.0
+
+
+def lowered(a):
+    """How far a contact of radius a at (0, 0) lowers the second cap, which touches a little beyond
+    its summit, where the surface is lower: the least of its height and the displacement."""
+    s = np.linspace(0.0, 0.2, 100_001)
+    r = 2.0 + s
+    beside = ((2 * a**2 - r**2) * np.arcsin(a / r) + a * np.sqrt(r**2 - a**2)) / (np.pi * RADIUS)
+    return (s**2 / (2 * RADIUS) + beside).min()
+
+
+@pytest.mark.parametrize("mode", MODES[1:4])
+@pytest.mark.parametrize("control", CONTROLS)
+def test_events_of_contacts_that_interact(asperity, tmp_path, control, mode):
+    run = pressed(asperity, tmp_path, CONTROLS[control] | {"points": 3, "events": "on"}, mode,
+                  CAPS[:2])
+    assert run.status == 0, run.stderr
+    closed = numbers(run.curve, "decrease")
+    assert len(closed) == 5 and (np.diff(closed) > 0).all()
+    event = next(i for i, row in enumerate(run.curve) if row["contacts"] == "2")
+    low, high = 0.3, 0.7
+    for _ in range(50):
+        a = 0.5 * (low + high)
+        low, high = (a, high) if a**2 / RADIUS - lowered(a) < 0.125 else (low, a)
+    # On cells it is a sphere, not a paraboloid, and the load is good to 1e-3.
+    bound = 1e-7 if run.positions[0]["interaction"] == "coupled" else 1e-2
+    assert closed[event] == pytest.approx(a**2 / RADIUS, rel=bound)
+    step = [row for row in run.contacts if row["step"] == str(event + 1)]
+    assert float(step[1]["load"]) < 1e-6 * float(step[0]["load"])
+
+
+def test_a_path_has_its_points_alone(asperity, tmp_path):
+    path = {"control": "load", "value": (500.0, 100.0, 700.0), "points": 4}
+    for mode in ("off", "coupled"):
+        run = pressed(asperity, tmp_path, path, mode)
+        assert len(run.curve) == 1 + 3 * 4, run.stderr
+        run = pressed(asperity, tmp_path, path | {"events": "on"}, mode)
+        assert run.status == 2 and "events: found beside several values" in run.stderr
+
+
+def test_a_map_has_its_points_alone(asperity, tmp_path):
+    heights, _ = self_affine((24, 24), 3, shortest=6)
+    np.savetxt(tmp_path / "map.txt", 1e-3 * heights)
+    for mode, events in (("boundary", 2), ("auto", 2), ("coupled", 0)):
+        for word, status in (("off", 0), ("on", events)):
+            scene = write_scene(
+                tmp_path / "map.scene",
+                surfaces={"upper": "plane", "lower": "map.txt", "map_spacing": (0.02, 0.02)},
+                material={"contact_modulus": E}, effects={"interaction": mode},
+                loading={"control": "load", "value": 0.01, "points": 4, "events": word})
+            run = solve(asperity, scene, curve=True)
+            assert run.status == status, run.stderr
+            if word == "off":
+                assert len(run.curve) == 5 and float(run.curve[0]["load"]) == 0.0
+            elif status:
+                assert "events: found beside a map" in run.stderr
+
+
+@pytest.mark.parametrize("word", ("'yes'", "on", "1"))
+def test_events_is_a_word(asperity, tmp_path, word):
+    (tmp_path / "a.scene").write_text(f"&surfaces deck = 'a.deck' / &loading events = {word} /\n")
+    run = solve(asperity, tmp_path / "a.scene")
+    assert run.status == 2 and "events: found" in run.stderr
+    assert "expected 'off' or 'on'" in run.stderr
+
+
+def test_five_points_of_many_contacts(asperity, tmp_path):
+    """2264 of 1e5 asperities on 1e5 touch: six states, and below 300 MB with every list written."""
+    (tmp_path / "spec").write_text(
+        "&surfaces number = 100000, length = 1000., width = 1000. /\n"
+        "&heights mean = .5, deviation = .1, lowest_deviation = -3, highest_deviation = 3 /\n"
+        "&radii mean = 1. /\n")
+    subprocess.run([asperity, "generate", "spec", "--upper", "u.csv", "--lower", "l.csv"],
+                   cwd=tmp_path, check=True, capture_output=True)
+    scene = write_scene(
+        tmp_path / "many.scene",
+        surfaces={"upper": "u.csv", "lower": "l.csv", "nominal_area": 1e6},
+        material={"elastic_modulus": (2e5, 2e5), "poisson_ratio": (0.3, 0.3)},
+        loading={"control": "pressure", "value": 5.0, "points": 5}, effects={"interaction": "off"})
+    child = os.posix_spawn(asperity, [asperity, "solve", scene, "--quiet", "--curve",
+                                      tmp_path / "curve.csv", "--json", tmp_path / "all.json",
+                                      "--html", tmp_path / "page.html"], os.environ)
+    _, status, used = os.wait4(child, 0)
+    assert status == 0
+    assert len(records(tmp_path / "curve.csv")) == 6
+    assert used.ru_maxrss < 300_000
