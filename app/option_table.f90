@@ -110,8 +110,8 @@ module asperity_option_table
       'eight (default): higher than all eight neighbours; contact: to be pressed: edges ' // &
       'mirrored, ridges filled'), &
     option_entry('summits', '--level', 'NAME', &
-      'level of the heights: plane of least squares (default of a free map), mean (default of a ' // &
-      'periodic one), or none: as they are'), &
+      'level of the heights: plane of least squares (default of a free map), mean (default of ' // &
+      'a periodic one), or none: as they are'), &
     option_entry('summits', '--edge', 'NAME', &
       'free (default), or periodic: the map repeats itself'), &
     option_entry('summits', '--radius', 'NAME', &

@@ -69,8 +69,8 @@ contains
       maps%level = usual_level(maps%periodic)
       call fields%take_word('surfaces', 'map_level', level_names, maps%level)
       if (maps%periodic .and. maps%level == level_plane) &
-        call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane would ' // &
-             'not be periodic: found ''plane'', expected ''mean'' or ''none''')
+        call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane ' // &
+             'would not be periodic: found ''plane'', expected ''mean'' or ''none''')
       if (upper /= '') call read_one(upper, 1, maps%upper)
       if (lower /= '') call read_one(lower, 2, maps%lower)
       if (other_files%count() > 0) return

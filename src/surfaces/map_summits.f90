@@ -31,8 +31,9 @@ module asperity_map_summits
 
   !> Summits, from profile to profile, those of ridges behind the others. Lengths as in the map.
   type :: map_summits
-    real(real64), allocatable :: x(:)         !! along a profile, from its first pixel; of a periodic
-    real(real64), allocatable :: y(:)         !! map from 0 to below its length; from the first profile
+    !> Along a profile from its first pixel, and from the first profile; on a periodic map from 0 to
+    !> below its length.
+    real(real64), allocatable :: x(:), y(:)
     real(real64), allocatable :: height(:)    !! above the plane of the map
     real(real64), allocatable :: radius(:)    !! more than 0
     integer :: on_ridges = 0                  !! of them, the last ones, fill ridges

@@ -204,7 +204,8 @@ def test_flat_maps(asperity, tmp_path, periodic):
             text, found = summits(asperity, tmp_path, of, rule)
             assert len(found) == 0
             assert "map is flat" in text
-    rough = Map(np.random.default_rng(1).standard_normal((12, 16)) * 1e-9 + 1.0, (1.0, 1.0), periodic)
+    heights = np.random.default_rng(1).standard_normal((12, 16)) * 1e-9 + 1.0
+    rough = Map(heights, (1.0, 1.0), periodic)
     state, contacts, told = solve(asperity, tmp_path, rough, 1e-12)
     assert float(state["area_fraction"]) < 0.9 and "the map is flat" not in told
 
@@ -289,8 +290,8 @@ def westergaard(share):
 
 def test_a_cosine_of_any_phase(asperity, tmp_path, tally):
     """Westergaard (1939), over eight phases: the greatest pressure within 1 % at 256 pixels, the
-    width of the contact within half a pixel on each side (and 5 % of that), both better with each doubling in the root
-    mean square, which is within 1 % at 256 pixels."""
+    width of the contact within half a pixel on each side (and 5 % of that), both better with each
+    doubling in the root mean square, which is within 1 % at 256 pixels."""
     for share in (0.1, 0.5, 0.9, 1.1):
         before = None
         for n in (64, 128, 256, 512, 1024):
@@ -353,7 +354,8 @@ def test_levels_of_a_scene(asperity, tmp_path):
     for how in ("plane", "mean", "none"):
         np.savetxt(tmp_path / "m.txt", height, fmt="%.17g")
         (tmp_path / "m.scene").write_text(
-            f"&surfaces upper = 'plane', lower = 'm.txt', map_spacing = 1, 1, map_level = '{how}' /\n"
+            "&surfaces upper = 'plane', lower = 'm.txt', map_spacing = 1, 1,\n"
+            f"  map_level = '{how}' /\n"
             "&material contact_modulus = 1 /\n&loading control = 'load', value = 20 /\n"
             "&effects interaction = 'boundary' /\n")
         run = command(asperity, tmp_path, "solve", "m.scene", "--quiet", "--positions", "p.csv")

@@ -47,7 +47,7 @@ def load_for(height, sides, share):
 
 
 def rim_area(pressed, sides, periodic):
-    """Yastrebov et al. 2017: less .118 of the sides on the rim; at the edge of a free map is none."""
+    """Yastrebov et al. 2017: less .118 of the sides on the rim; a free map has none at its edge."""
     pad = np.pad(pressed, 1, mode="wrap" if periodic else "edge")
     edges = ((pad[1:-1, 1:-1] & ~pad[2:, 1:-1]).sum() + (pad[1:-1, 1:-1] & ~pad[:-2, 1:-1]).sum()
              + (pad[1:-1, 1:-1] & ~pad[1:-1, 2:]).sum() + (pad[1:-1, 1:-1] & ~pad[1:-1, :-2]).sum())
