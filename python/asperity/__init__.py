@@ -47,7 +47,7 @@ class Results:
         self.summary: str = outcome.text(_c.REPORT)
         #: what lies outside a theory, a line a kind; they were raised as `TheoryWarning`, too
         self.warnings: list[str] = outcome.lines(_c.WARNINGS)
-        #: oddities of a deck that are no errors
+        #: oddities of a deck, a scene or a map that are no errors
         self.notes: list[str] = outcome.lines(_c.NOTES)
 
     def __str__(self) -> str:
@@ -65,6 +65,8 @@ class Summits(Table):
             name: cells[0] for name, cells in Table(outcome, _c.STATISTICS).items()}
         #: what the program prints, as text
         self.summary: str = outcome.text(_c.REPORT)
+        #: oddities of the map's file that are no errors
+        self.notes: list[str] = outcome.lines(_c.NOTES)
 
 
 def solve(scene: Path | Mapping[str, Mapping], *, arithmetic: str = "real64",

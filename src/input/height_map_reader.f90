@@ -1,13 +1,13 @@
 !> Reads a height map; what kind of file it is, its content tells.
 module asperity_height_map_reader
   use asperity_height_map, only: height_map, is_measured, number_text
-  use asperity_input_text, only: blanks, lower_case, text_start
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list
   use asperity_sdf_header, only: is_sdf, magic_length, read_binary_header, read_text_header, &
                                  sdf_header
   use asperity_sdf_samples, only: read_sdf_samples
-  use asperity_text_layout, only: comment_signs, is_numeric_line, is_surface_header, names_points
+  use asperity_text_layout, only: head_length, is_numeric_line, is_surface_header, read_front, &
+                                  text_layout
   use asperity_text_map, only: read_text_map
   use asperity_token_reader, only: token_reader
   implicit none
@@ -17,8 +17,6 @@ module asperity_height_map_reader
 
   character(len=*), parameter :: expected = 'a surface data file (ISO 25178-71), a matrix of ' // &
     'heights, or x,y,z lines'
-  !> Bytes of a file's beginning that tell what it is.
-  integer, parameter :: head_length = 65536
   ! Fewer samples a side have no summit.
   integer, parameter :: fewest = 3
   ! Squares of flatter maps would not fit in a double.
@@ -29,36 +27,26 @@ contains
   !> Whether a file is a height map by its beginning: surface data, numbers, or the names x, y, z;
   !> not the names of a surface. Four numbers with commas are a surface whose names were forgotten,
   !> unless a spacing tells that they are heights.
-  pure logical function is_height_map(head, has_spacing)
+  logical function is_height_map(head, has_spacing)
     character(len=*), intent(in) :: head    !! `head_length` bytes, or the whole file
     logical, intent(in) :: has_spacing      !! a spacing is given
+    type(text_layout) :: layout
+    type(problem_list) :: problems, notes
     character(len=:), allocatable :: line
-    integer :: at, length, i
-    logical :: own
+    integer :: i
 
     is_height_map = is_sdf(head(:min(len(head), magic_length)))
     if (is_height_map) return
-    own = has_spacing
-    is_height_map = own
-    at = text_start(head)
-    do while (at <= len(head))
-      length = scan(head(at:), achar(10) // achar(13)) - 1
-      if (length < 0) length = len(head) - at + 1
-      line = head(at + verify(head(at:at + length - 1) // '.', blanks) - 1:at + length - 1)
-      at = at + length + 1
-      if (line == '') cycle
-      if (scan(line(1:1), comment_signs) == 1) then
-        ! A width of the map tells its spacing.
-        own = own .or. index(lower_case(line), 'width') > 0
-        cycle
-      end if
-      if (is_numeric_line(line)) then
-        is_height_map = own .or. count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
-      else
-        is_height_map = names_points(line) .or. (has_spacing .and. .not. is_surface_header(line))
-      end if
-      return
-    end do
+    call problems%start('')
+    call notes%start('')
+    call read_front(head, layout, line, problems, notes)
+    is_height_map = has_spacing .or. layout%names_line > 0 .or. all(layout%extent > 0.0_real64)
+    if (is_numeric_line(line)) then
+      is_height_map = is_height_map .or. &
+                      count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
+    else if (is_surface_header(line)) then
+      is_height_map = .false.
+    end if
   end function is_height_map
 
   !> Reads and checks a map. With problems, or when `failure` is allocated because there is no

@@ -71,6 +71,8 @@ contains
       if (maps%periodic .and. maps%level == level_plane) &
         call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane ' // &
              'would not be periodic: found ''plane'', expected ''mean'' or ''none''')
+      ! What was refused of it hides what a map needs.
+      if (fields%has('surfaces', 'map_spacing') .and. any(spacing%digits == 0_int64)) return
       if (upper /= '') call read_one(upper, 1, maps%upper)
       if (lower /= '') call read_one(lower, 2, maps%lower)
       if (other_files%count() > 0) return

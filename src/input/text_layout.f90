@@ -5,7 +5,7 @@
 module asperity_text_layout
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: number_text, plain_unit, unit_number
-  use asperity_input_text, only: blanks, lower_case, quoted
+  use asperity_input_text, only: blanks, lower_case, quoted, text_start
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
@@ -13,10 +13,10 @@ module asperity_text_layout
   implicit none
   private
 
-  public :: text_layout, find_layout, is_numeric_line, is_surface_header, names_points, &
-            comment_signs
+  public :: text_layout, find_layout, read_front, is_numeric_line, is_surface_header, head_length
 
-  !> Signs that begin a line of comment.
+  !> Bytes of a file's beginning that tell what it is, with all lines in front of the numbers.
+  integer, parameter :: head_length = 262144
   character(len=*), parameter :: comment_signs = '#%'
   integer, parameter :: unit_length = 16, most_names = 4
   character(len=*), parameter :: axis(3) = ['x', 'y', 'z']
@@ -70,15 +70,41 @@ contains
     type(problem_list), intent(inout) :: problems  !! what can be read in two ways
     type(problem_list), intent(inout) :: notes     !! names the same file
     type(cell_counts) :: counts
-    character(len=:), allocatable :: text
-    integer :: column, line
+    character(len=:), allocatable :: head, text
 
+    call file%again()
+    call file%take(head_length, head)
+    call read_front(head, layout, text, problems, notes)
+    if (layout%first_line == 0) return
+    if (is_surface_header(text)) &
+      call problems%add_at(layout%first_line, 1, 'found a surface: name it in &surfaces of a ' // &
+                           'scene; expected a height map, with z for height if this is one')
     call file%start('', '')
     call file%again()
-    do
-      call file%next_line(text, line, column)
-      if (.not. allocated(text)) return
-      text = trimmed(text)
+    call file%skip_to(layout%first_line)
+    call count_cells(file, layout, counts, problems)
+    call choose_separator(layout, counts, problems, notes)
+  end subroutine find_layout
+
+  !> Reads the lines in front of the first number: comments, and the names x, y, z.
+  subroutine read_front(head, layout, text, problems, notes)
+    character(len=*), intent(in) :: head                !! the beginning of the file
+    type(text_layout), intent(inout) :: layout          !! gets what they say
+    character(len=:), allocatable, intent(out) :: text  !! the line behind them; empty: none
+    type(problem_list), intent(inout) :: problems       !! units that contradict each other
+    type(problem_list), intent(inout) :: notes          !! what is not understood
+    integer :: at, last, line
+
+    text = ''
+    at = text_start(head)
+    line = 0
+    do while (at <= len(head))
+      line = line + 1
+      last = at + scan(head(at:), achar(10) // achar(13)) - 2
+      if (last < at - 1) last = len(head)
+      text = trimmed(head(at:last))
+      at = last + 2
+      if (index(head(last + 1:min(last + 2, len(head))), achar(13) // achar(10)) == 1) at = at + 1
       if (text == '') cycle
       if (scan(text(1:1), comment_signs) == 1) then
         call read_comment(trimmed(text(verify(text // '.', comment_signs):)), line, layout, &
@@ -86,18 +112,12 @@ contains
       else if (layout%names_line == 0 .and. names_points(text)) then
         call take_names(columns_named(text), line, layout, problems)
       else
-        if (is_surface_header(text)) &
-          call problems%add_at(line, 1, 'found a surface: name it in &surfaces of a scene; ' // &
-                               'expected a height map, with z for height if this is one')
-        exit
+        layout%first_line = line
+        return
       end if
     end do
-    layout%first_line = line
-    call file%again()
-    call file%skip_to(line)
-    call count_cells(file, layout, counts, problems)
-    call choose_separator(layout, counts, problems, notes)
-  end subroutine find_layout
+    text = ''
+  end subroutine read_front
 
   ! Text without blanks and tabulators around it.
   pure function trimmed(text) result(inner)
@@ -134,9 +154,9 @@ contains
                         any(found%name == 'height') .and. scan(text, ',;' // achar(9)) > 0
   end function is_surface_header
 
-  !> Whether a line names the columns of x,y,z lines.
+  ! Whether a line names the columns of x,y,z lines.
   pure logical function names_points(text)
-    character(len=*), intent(in) :: text  !! the line
+    character(len=*), intent(in) :: text
     type(column_list) :: found
 
     found = columns_named(text)
@@ -268,21 +288,20 @@ contains
     unit = unit(:min(len(unit), unit_length))
   end function bare_unit
 
-  ! Whether a comment speaks of a unit of length.
+  ! Whether a comment speaks of a unit of length: a word, for `m` and `in` between brackets.
   pure logical function has_unit(text)
     character(len=*), intent(in) :: text
-    character(len=:), allocatable :: rest, word
-    integer :: at
+    character(len=:), allocatable :: words
+    integer :: i
 
-    has_unit = index(lower_case(text), 'unit') > 0
-    rest = text // ' '
-    do while (.not. has_unit .and. rest /= '')
-      rest = rest(verify(rest // '.', blanks // ',;:=/"'''):)
-      at = scan(rest // ' ', blanks // ',;:=/"''')
-      word = rest(:at - 1)
-      rest = rest(min(at, len(rest) + 1):)
-      has_unit = unit_number(bare_unit(word)) > 0 .and. (len(word) > 1 .and. word /= 'in')
+    words = ' ' // plain_unit(lower_case(text)) // ' '
+    has_unit = index(words, 'unit') > 0 .or. scan(words, '[') > 0 .or. &
+               any([index(words, '(m)'), index(words, '(in)')] > 0)
+    do i = 1, len(words)
+      if (verify(words(i:i), ',;:=/"''()') == 0) words(i:i) = ' '
     end do
+    has_unit = has_unit .or. any([index(words, ' um '), index(words, ' nm '), &
+                                  index(words, ' mm '), index(words, ' cm ')] > 0)
   end function has_unit
 
   ! Counts lines and cells, and what stands between them.
@@ -479,9 +498,7 @@ contains
           call refuse([a_comma, a_decimal_comma], 'found commas with and without a blank, and ' // &
                       'no point in the file: separators or decimals')
         else if (modulo(layout%columns, 2) == 0) then
-          if ((counts%least(0) == counts%most(0) .and. .not. counts%signed(0) .and. &
-               (any([counts%least(1), counts%most(1)] /= counts%least(0)) .or. &
-                counts%signed(1))) .or. (counts%zero_first(0) .and. .not. counts%zero_first(1))) &
+          if (may_be_decimals(counts)) &
             call refuse([a_decimal_comma], 'found commas alone, no point in the file, and ' // &
                         'second numbers of a pair that look like decimals of the first')
           if (problems%count() == 0) &
@@ -518,5 +535,20 @@ contains
     end subroutine refuse
 
   end subroutine choose_separator
+
+  ! Whether of all whole numbers between commas every second one may be the decimals of the one
+  ! before it: all have as many digits, without a sign. A tenth of decimals begins with 0, so of
+  ! many numbers as long as the others, of which none does, none is a fraction.
+  pure logical function may_be_decimals(counts)
+    type(cell_counts), intent(in) :: counts
+    integer(int64), parameter :: many = 200_int64
+    logical :: alike
+
+    alike = all([counts%least(1), counts%most(1)] == counts%least(0)) .and. &
+            .not. counts%signed(1)
+    may_be_decimals = counts%least(0) == counts%most(0) .and. .not. counts%signed(0) .and. &
+      (.not. alike .or. counts%least(0) == 1 .or. counts%gaps(a_decimal_comma) < many)
+    may_be_decimals = may_be_decimals .or. (counts%zero_first(0) .and. .not. counts%zero_first(1))
+  end function may_be_decimals
 
 end module asperity_text_layout

@@ -158,22 +158,26 @@ contains
     end if
   end subroutine set_unit
 
-  ! Whether the first two columns of a matrix are places of a grid, each once and half of all or
-  ! more: x,y,z lines.
+  ! Whether the first two columns of a matrix are the places of a grid, each once, or half of them
+  ! or more: x,y,z lines.
   pure logical function is_list_of_points(height)
     real(real64), intent(in) :: height(:, :)
     integer, parameter :: most_columns = 6
     integer, allocatable :: place(:, :)
     integer :: levels(2), i
+    integer(int64) :: lines  ! of a full grid
     logical, allocatable :: taken(:, :)
 
     is_list_of_points = .false.
-    if (size(height, 1) > most_columns .or. .not. all(is_measured(height(:2, :)))) return
+    if (size(height, 1) < 3 .or. size(height, 1) > most_columns) return
+    if (.not. all(is_measured(height(:2, :)))) return
     allocate (place(size(height, 2), 2))
     do i = 1, 2
       call count_levels(height(i, :), place(:, i), levels(i))
     end do
-    if (minval(levels) < 3 .or. product(int(levels, int64)) > 2_int64 * size(height, 2)) return
+    lines = product(int(levels, int64))
+    if (lines /= size(height, 2) .and. &
+        (minval(levels) < 3 .or. lines > 2_int64 * size(height, 2))) return
     allocate (taken(levels(1), levels(2)))
     taken(:, :) = .false.
     do i = 1, size(height, 2)

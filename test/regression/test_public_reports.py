@@ -101,6 +101,8 @@ def test_decimal_commas_are_read_where_they_are_without_doubt(separator, maps):
     ("2,990;3,010;1,125\n" * 4, "thousands or decimals"),
     ("1.234,5;2.345,6;1.111,1\n" * 4, "found a comma and a semicolon"),
     ("2,99,3,01,2,87,3,30\n" * 4, "found commas alone"),
+    (rows_of(HEIGHTS, ",", form="{:.1f}".format).replace(".", ","), "found commas alone"),
+    (rows_of(10 + HEIGHTS, ",", form="{:.2f}".format).replace(".", ","), "found commas alone"),
     ("1,2,3 4,5,6\n" * 4, "found a blank and a comma"),
 ])
 def test_doubtful_commas_are_refused(text, found, maps):
@@ -127,6 +129,7 @@ def test_doubtful_commas_are_refused(text, found, maps):
     ("1 2 3\n4 5 inf\n7 8 9\n", "2:5: found 'inf', expected a height"),
     (POINTS, "1:1: OPTION given, but the first two columns are places"),
     ("".join(POINTS.splitlines(keepends=True)[:-3]), "1:1: OPTION given, but the first two"),
+    (points_of(HEIGHTS[:2]), "1:1: OPTION given, but the first two columns are places"),
     ("x y z\n" + POINTS, "1:1: OPTION given, but x,y,z lines have their own"),
     ("# x, y, z\n" + POINTS.replace(" ", ","), "1:1: OPTION given, but x,y,z lines have their"),
 ])
@@ -135,6 +138,18 @@ def test_a_shape_is_no_guess(text, found, maps):
                          (maps.scene(text, SPACING), "map_spacing")):
         assert re.search(rf"\bF:? ?{re.escape(found.replace('OPTION', option))}", done.stderr), \
             done.stderr
+
+
+def test_whole_numbers_between_commas_are_read(maps):
+    """Where they are no decimals: an odd number of columns, signs, digits of any number, or many
+    numbers without a 0 before them."""
+    rng = np.random.default_rng(3)
+    for heights in (rng.integers(0, 300, (12, 16)), rng.integers(-9, 9, (12, 16)),
+                    rng.integers(0, 9, (12, 15)), rng.integers(1000, 9999, (24, 16))):
+        done = maps.summits(rows_of(heights, ",", form=str), SPACING)
+        assert done.found == maps.summits(rows_of(heights, form=str), SPACING).found is not None
+        assert ("note: commas without a decimal point" in done.stderr) == \
+            (heights.shape[1] == 16)
 
 
 def test_heights_of_three_columns_are_a_matrix(maps):
