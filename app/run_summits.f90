@@ -40,7 +40,7 @@ contains
     choices = summit_choices(rule=line%rule, level=line%level, periodic=line%edge == 2, &
                              radius=line%radius, &
                              unit=line%unit, despike=line%despike, spacing=line%spacing, &
-                             progress=.true.)
+                             progress=.true., prefix='--')
     if (line%cost) then
       call try_rows(line, choices, outcome)
       return
@@ -70,7 +70,8 @@ contains
     type(work_cost) :: cost
     integer(int64) :: spikes
 
-    call read_height_map(line%input, line%spacing, .true., map, outcome%problems, outcome%failure)
+    call read_height_map(line%input, line%spacing, .true., map, outcome%problems, outcome%failure, &
+                         '--spacing')
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
     cost%pieces = 'rows of ' // decimal_text(map%columns) // ' samples'
     cost%total = map%rows

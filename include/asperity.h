@@ -15,6 +15,10 @@
  * Threads: nothing is remembered between calls. Calls may run at once in several threads, also on
  * the same scene. One outcome must not be freed while another thread uses it.
  *
+ * Every argument is checked. One that is refused gives an outcome with ASPERITY_BAD_INPUT, whose text
+ * names the argument as it is called here, says what was found and what is expected. Pointers may be
+ * NULL where it is said below; elsewhere NULL is refused, too.
+ *
  * Units: any consistent set, as in a scene file. With mm and N, moduli and pressures are N/mm2.
  * A card deck brings cm, N and N/cm2. Angles are radians. Texts are UTF-8 and end with a null
  * character; arrays have one cell a row, without gaps.
@@ -63,23 +67,25 @@ enum {
 };
 #define ASPERITY_WORD_LENGTH 16
 
-/* One surface: summits of spherical asperities, lengths in the unit of the scene. The numbers are
- * copied: they may go when asperity_build_scene has come back. */
+/* One surface: summits of spherical asperities, lengths in the unit of the scene. All numbers are
+ * finite, and no pointer is NULL unless count is 0. The numbers are copied: they may go when
+ * asperity_build_scene has come back. */
 typedef struct {
   int count;            /* asperities; 0: a plane, and the rest is not looked at */
   int radii;            /* how many radii: count, or 1 for all */
   const double *x, *y;  /* [count] places on the reference plane */
-  const double *height; /* [count] above the reference plane */
+  const double *height; /* [count] above the reference plane, less than twice the radius */
   const double *radius; /* [radii] of the summits, more than 0 */
 } asperity_surface;
 
 /* How a scene is solved. All bytes zero: the defaults. */
 typedef struct {
   const char *arithmetic; /* "real64" (also for NULL), "real32", "real128" or "ibm370" */
-  double accuracy;        /* relative error of every total that is allowed: the cheapest arithmetic
-                             that has it is taken; 0: none is asked for */
+  double accuracy;        /* relative error of every total that is allowed, less than 1: the cheapest
+                             arithmetic that has it is taken; 0: none is asked for */
   int totals_only;        /* not 0: contacts are not kept, their table has no rows */
-  int threads;            /* 0: as many as OpenMP gives; the results are the same for any number */
+  int threads;            /* at most 9999; 0: as many as OpenMP gives; the results are the same for
+                             any number */
   const int *interrupt;   /* NULL, or a number that another thread or a signal's handler makes other
                              than 0 to end the call: it goes no further than the states that are
                              under way, and fails with "interrupted" */
@@ -91,7 +97,8 @@ typedef struct {
   const char *level;  /* "plane" (also for NULL), "mean" or "none" */
   const char *radius; /* "neighbours", "geometric" or "paraboloid"; NULL: that of the rule */
   const char *unit;   /* "m", "mm", "um", "nm", "cm" or "in"; NULL: that of the file */
-  double spacing[2];  /* along x and y, of a matrix in a text file; 0 for other files */
+  double spacing[2];  /* along x and y, of a matrix in a text file, from 1e-30 to 1e30; 0 for other
+                         files */
   int despike;        /* not 0: single outliers are taken out */
 } asperity_summits_options;
 
@@ -107,11 +114,12 @@ typedef struct {
 const char *asperity_get_version(void);
 
 /* Reads a scene file, or a card deck, with the files that it names. */
-asperity_outcome *asperity_read_scene(const char *path);
+asperity_outcome *asperity_read_scene(const char *scene);
 
 /* A scene from the text of its groups, "&material ... / &loading ... /", and two surfaces; one of
  * them may be a plane. With NULL for both the text has &surfaces, which names files, and messages
- * call the text "scene". */
+ * call the text "scene". A number with _real64 behind it, as in 0.1_real64, is the double nearest to
+ * it; without, it is the decimal itself. */
 asperity_outcome *asperity_build_scene(const char *groups, const asperity_surface *upper,
                                        const asperity_surface *lower);
 
@@ -122,17 +130,17 @@ asperity_outcome *asperity_solve_scene(const asperity_outcome *scene,
                                        const asperity_options *options);
 
 /* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
- * (also for NULL), "real32", "real64" or "real128". positions: [number] from 1 to 100, whose
+ * (also for NULL), "real32", "real64" or "real128". tables: [number] positions from 1 to 100, whose
  * contact tables are printed; NULL: those of the thesis, 13, 55 and 56. */
 asperity_outcome *asperity_make_report(const char *deck, const char *arithmetic,
-                                       const int *positions, int number);
+                                       const int *tables, int number);
 
 /* Finds the summits of a measured height map. options may be NULL. */
 asperity_outcome *asperity_summits(const char *map, const asperity_summits_options *options);
 
 /* Makes the two random surfaces of a specification: of a file, or, where groups is not NULL, of the
  * text of its groups. surface: which of the ensemble, from 1. */
-asperity_outcome *asperity_generate(const char *path, const char *groups, int surface);
+asperity_outcome *asperity_generate(const char *specification, const char *groups, int surface);
 
 /* ASPERITY_DONE, ASPERITY_NOT_COMPUTED or ASPERITY_BAD_INPUT. */
 int asperity_status(const asperity_outcome *outcome);

@@ -18,11 +18,11 @@ module asperity
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, rule_eight, rule_names
   use asperity_original, only: arithmetic_names, run_in_arithmetic
   use asperity_original_records, only: original_records, original_request, thesis_tables
-  use asperity_problems, only: problem_list, problem_place
+  use asperity_problems, only: decimal_text, problem_list, problem_place
   use asperity_report, only: write_report
   use asperity_result_arrays, only: add_reals, array_column, array_table, make_arrays
   use asperity_result_table, only: of_contacts, of_positions, of_states
-  use asperity_run_options, only: run_options
+  use asperity_run_options, only: check_options, run_options
   use asperity_scene_reader, only: build_scene, parse_scene, read_scene
   use asperity_scene_results, only: effect_header, kinds_of_warnings, last_state, map_record, &
                                     scene_results
@@ -42,7 +42,7 @@ module asperity
   private
 
   ! Scenes.
-  public :: scene, scene_map, scene_surface, problem_list, problem_place
+  public :: scene, scene_map, scene_surface, problem_list, problem_place, decimal_text
   public :: read_scene, parse_scene, take_surface, plane_surface, build_scene
   ! Measured maps and their summits.
   public :: height_map, is_measured, no_height, read_height_map
@@ -59,7 +59,7 @@ module asperity
   public :: card_deck, read_card_deck, run_in_arithmetic, arithmetic_names
   public :: original_request, original_records, thesis_tables, write_report
   ! Running scenes.
-  public :: solve, run_options, version
+  public :: solve, run_options, check_options, version
   ! Results.
   public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header, &
             map_record

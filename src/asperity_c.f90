@@ -8,6 +8,7 @@
 module asperity_c
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
   use asperity, only: add_reals, arithmetic_names, array_table, build_scene, card_deck, &
+                      check_options, decimal_text, &
                       generate_surface, generated_surface, generation_spec, height_map, &
                       length_units, level_names, list_warnings, make_arrays, map_statistics, &
                       map_summits, measure_map, of_contacts, original_records, original_request, &
@@ -60,7 +61,8 @@ contains
     call begin(new, handle)
     if (.not. associated(new)) return
     allocate (new%scene_in)
-    call read_scene(text_of(path), new%scene_in, new%problems)
+    call require_text('scene', path, new%problems)
+    if (new%problems%count() == 0) call read_scene(text_of(path), new%scene_in, new%problems)
     call finish(new)
   end function c_read_scene
 
@@ -76,11 +78,13 @@ contains
     call begin(new, handle)
     if (.not. associated(new)) return
     allocate (new%scene_in)
+    if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
     if (.not. (c_associated(upper) .or. c_associated(lower))) then
-      call parse_scene('scene', text_of(groups), new%scene_in, new%problems)
+      if (new%problems%count() == 0) &
+        call parse_scene('scene', text_of(groups), new%scene_in, new%problems)
     else
-      call take('upper', upper, surfaces(1), new%problems)
-      call take('lower', lower, surfaces(2), new%problems)
+      call take('surfaces.upper', upper, surfaces(1), new%problems)
+      call take('surfaces.lower', lower, surfaces(2), new%problems)
       if (new%problems%count() == 0) &
         call build_scene(surfaces(1), surfaces(2), text_of(groups), new%scene_in, new%problems)
     end if
@@ -95,16 +99,31 @@ contains
       type(problem_list), intent(inout) :: problems
       type(c_surface), pointer :: numbers
       real(c_double), pointer :: x(:), y(:), height(:), radius(:)
+      integer :: before
 
       if (.not. c_associated(given)) then
-        call problems%add(which // ' surface: found none beside one that is given as arrays, ' // &
+        call problems%add(which // ': found NULL beside a surface that is given as arrays, ' // &
                           'expected both, or a plane')
         return
       end if
       call c_f_pointer(given, numbers)
       if (numbers%count == 0_c_int) then
         surface = plane_surface()
-      else
+        return
+      end if
+      before = problems%count()
+      if (numbers%count < 0_c_int) then
+        call problems%add(which // '.count: found ' // decimal_text(numbers%count) // &
+                          ', expected 0 for a plane, or more')
+      else if (all(numbers%radii /= [1_c_int, numbers%count])) then
+        call problems%add(which // '.radii: found ' // decimal_text(numbers%radii) // &
+                          ', expected 1 or ' // decimal_text(numbers%count) // ', as many as x')
+      end if
+      call require_numbers(which // '.x', numbers%x, problems)
+      call require_numbers(which // '.y', numbers%y, problems)
+      call require_numbers(which // '.height', numbers%height, problems)
+      call require_numbers(which // '.radius', numbers%radius, problems)
+      if (problems%count() == before) then
         call c_f_pointer(numbers%x, x, [numbers%count])
         call c_f_pointer(numbers%y, y, [numbers%count])
         call c_f_pointer(numbers%height, height, [numbers%count])
@@ -169,17 +188,18 @@ contains
     if (which > 0) chosen%arithmetic = arithmetic_names(which)
     chosen%accuracy = options%accuracy
     chosen%keep_contacts = options%totals_only == 0_c_int
-    chosen%threads = max(0, options%threads)
+    chosen%threads = options%threads
+    call check_options(chosen, problems)
     if (c_associated(options%interrupt)) &
       call c_f_pointer(options%interrupt, chosen%interrupt%number)
   end subroutine set_options
 
   !> `asperity_make_report`.
-  type(c_ptr) function c_report(path, arithmetic, positions, number) &
+  type(c_ptr) function c_report(path, arithmetic, tables, number) &
     bind(c, name='asperity_make_report') result(handle)
     type(c_ptr), value :: path         !! card deck
     type(c_ptr), value :: arithmetic   !! name; null: ibm370
-    type(c_ptr), value :: positions    !! whose contact tables are printed; null: as in the thesis
+    type(c_ptr), value :: tables       !! positions whose are printed; null: as in the thesis
     integer(c_int), value :: number    !! of them
     type(outcome), pointer :: new
     type(card_deck) :: deck
@@ -191,15 +211,19 @@ contains
 
     call begin(new, handle)
     if (.not. associated(new)) return
-    call read_card_deck(text_of(path), deck, new%problems)
+    call require_text('deck', path, new%problems)
+    if (new%problems%count() == 0) call read_card_deck(text_of(path), deck, new%problems)
     which = 1
     call take_word('arithmetic', arithmetic, arithmetic_names, which, new%problems)
-    request%keep_contacts(thesis_tables) = .not. c_associated(positions)
-    if (c_associated(positions) .and. number > 0_c_int) then
-      call c_f_pointer(positions, printed, [number])
+    request%keep_contacts(thesis_tables) = .not. c_associated(tables)
+    if (c_associated(tables) .and. number < 0_c_int) then
+      call new%problems%add('number: found ' // decimal_text(number) // ', expected 0 or more')
+    else if (c_associated(tables)) then
+      call c_f_pointer(tables, printed, [number])
       do i = 1, size(printed)
         if (printed(i) < 1 .or. printed(i) > size(request%keep_contacts)) then
-          call new%problems%add('positions: found one that is not from 1 to 100')
+          call new%problems%add('tables: found ' // decimal_text(printed(i)) // &
+                                ', expected positions from 1 to 100')
         else
           request%keep_contacts(printed(i)) = .true.
         end if
@@ -242,6 +266,7 @@ contains
       chosen%spacing = options%spacing
       chosen%despike = options%despike /= 0_c_int
     end if
+    call require_text('map', path, new%problems)
     if (new%problems%count() == 0) &
       call summits_of_file(text_of(path), chosen, map, summits, spikes, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
@@ -297,10 +322,14 @@ contains
     if (c_associated(groups)) then
       call parse_generation_spec('specification', text_of(groups), spec, new%problems)
     else
-      call read_generation_spec(text_of(path), spec, new%problems)
+      call require_text('specification', path, new%problems)
+      if (new%problems%count() == 0) &
+        call read_generation_spec(text_of(path), spec, new%problems)
     end if
     if (new%problems%count() == 0 .and. (member < 1 .or. member > spec%ensemble)) &
-      call new%problems%add('surface: found a number that is not in the ensemble of ' // spec%file)
+      call new%problems%add('surface: found ' // decimal_text(member) // ', which is not in the ' // &
+                            'ensemble of ' // spec%file // ', expected a number from 1 to ' // &
+                            decimal_text(spec%ensemble))
     do side = 1, 2
       if (new%problems%count() > 0 .or. allocated(new%failure)) exit
       call plan_surface(spec, side, plan)
@@ -321,6 +350,28 @@ contains
     call add_reals(table, 'height', height)
     call add_reals(table, 'radius', radius)
   end subroutine set_surface
+
+  ! That an array is there.
+  subroutine require_numbers(name, address, problems)
+    character(len=*), intent(in) :: name
+    type(c_ptr), intent(in) :: address
+    type(problem_list), intent(inout) :: problems
+
+    if (.not. c_associated(address)) call problems%add(name // ': found NULL, expected numbers')
+  end subroutine require_numbers
+
+  ! That the name of a file is there.
+  subroutine require_text(name, address, problems)
+    character(len=*), intent(in) :: name
+    type(c_ptr), intent(in) :: address
+    type(problem_list), intent(inout) :: problems
+
+    if (.not. c_associated(address)) then
+      call problems%add(name // ': found NULL, expected a path')
+    else if (text_of(address) == '') then
+      call problems%add(name // ': found an empty text, expected a path')
+    end if
+  end subroutine require_text
 
   ! A word of a list; a null pointer leaves the choice as it is.
   subroutine take_word(name, word, known, choice, problems)

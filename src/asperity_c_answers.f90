@@ -1,6 +1,6 @@
 !> What C looks at in an outcome of a call: its status, texts, problems, tables; and its end.
 module asperity_c_answers
-  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use asperity, only: version
   use asperity_c_outcome, only: has_column, look_at, not_computed, outcome, text_failure, texts, &
                                 type_double, type_int, type_word
@@ -70,12 +70,15 @@ contains
   end function c_problems
 
   !> `asperity_get_problem`.
-  subroutine c_get_problem(handle, number, problem) bind(c, name='asperity_get_problem')
+  subroutine c_get_problem(handle, number, place) bind(c, name='asperity_get_problem')
     type(c_ptr), value :: handle              !! outcome
     integer(c_int), value :: number           !! of the problem, from 0
-    type(c_problem), intent(out) :: problem   !! the problem; empty when there is none
+    type(c_ptr), value :: place               !! of the problem; empty when there is none
     type(outcome), pointer :: it
+    type(c_problem), pointer :: problem
 
+    if (.not. c_associated(place)) return
+    call c_f_pointer(place, problem)
     call look_at(handle, it)
     problem = c_problem(c_loc(no_text_letters), 0_c_int, 0_c_int, c_loc(no_text_letters))
     if (.not. associated(it)) return

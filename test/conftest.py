@@ -3,7 +3,11 @@
 Tests run side by side (pytest-xdist), in any order: each writes in its own `tmp_path` alone.
 """
 
+import importlib
 import os
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -16,7 +20,8 @@ settings.load_profile("fixed")
 
 
 # Tests that share what takes long to make: all of such a file run in one process.
-TOGETHER = ("test_archive.py", "test_accuracy.py", "test_effects.py", "test_python.py")
+TOGETHER = ("test_archive.py", "test_accuracy.py", "test_effects.py", "test_python.py",
+            "test_python_arguments.py", "test_python_copies.py", "test_c_arguments.py")
 
 
 class Tally:
@@ -101,6 +106,34 @@ def asperity():
     if not os.access(path, os.X_OK):
         pytest.fail(f"no executable at {path}")
     return path
+
+
+@pytest.fixture(scope="session")
+def venv(tmp_path_factory):
+    """A fresh venv with the package and nothing else: pip install ./python, without a network."""
+    build("release")
+    start = time.monotonic()
+    folder = tmp_path_factory.mktemp("venv")
+    path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
+    for command in ([sys.executable, "-m", "venv", folder],
+                    [folder / "bin" / "pip", "install", "-q", "--no-index",
+                     "--disable-pip-version-check", "./python"]):
+        done = subprocess.run(command, cwd=ROOT, env={**os.environ, "PATH": path},
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=500)
+        assert done.returncode == 0, done.stdout + done.stderr
+    print(f"pip install ./python: {time.monotonic() - start:.1f} s")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def package(venv):
+    """The package in this process, which has numpy."""
+    folder = str(next(venv.glob("lib/python*/site-packages")))
+    sys.path.insert(0, folder)
+    try:
+        yield importlib.import_module("asperity")
+    finally:
+        sys.path.remove(folder)
 
 
 def pytest_terminal_summary(terminalreporter, config):

@@ -6,9 +6,8 @@ import ctypes
 import os
 import threading
 import warnings
-from array import array
-from collections.abc import Iterator, Mapping
-from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_void_p
+from collections.abc import Callable, Iterator, Mapping
+from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_void_p
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,8 +15,9 @@ from typing import NamedTuple
 NOT_COMPUTED, BAD_INPUT = 1, 2
 FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT = 1, 2, 3, 4, 5
 POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER = 1, 2, 3, 4, 5, 6, 7
-WORD, WORD_LENGTH = 3, 16
-CELLS = {1: (c_double, "d"), 2: (c_int, "i")}
+WORD_LENGTH = 16
+# Of the types of columns: bytes of a cell, and its code for `memoryview`; a word is 16 letters.
+CELLS = {1: (8, "d"), 2: (4, "i"), 3: (WORD_LENGTH, "c")}
 
 
 class Surface(Structure):
@@ -95,8 +95,11 @@ class InputError(ValueError):
     """The input is bad. `problems` has all that is wrong with it, in the order found."""
 
     def __init__(self, problems: list[Problem]):
-        super().__init__("\n".join(map(str, problems)))
+        super().__init__(problems)
         self.problems = problems
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.problems))
 
 
 class ComputeError(RuntimeError):
@@ -108,13 +111,19 @@ class TheoryWarning(UserWarning):
 
 
 class Outcome:
-    """What a call of the library gave; freed with the last that refers to it."""
+    """What a call of the library gave, and the one place that has its address. Nothing in the
+    library's memory is handed out: what is got from here is a copy."""
+
+    _free = staticmethod(_C.asperity_free)
 
     def __init__(self, handle: int | None):
         self.handle = handle
 
     def __del__(self):
-        _C.asperity_free(self.handle)
+        self._free(self.handle)
+
+    def __reduce__(self):
+        raise TypeError("an outcome of the library cannot be copied")
 
     def text(self, which: int) -> str:
         return _C.asperity_text(self.handle, which).decode(errors="replace")
@@ -131,11 +140,23 @@ class Outcome:
                                  one.column or None, one.text.decode(errors="replace")))
         return found
 
-    def checked(self) -> Outcome:
-        """Itself, when all has gone well; its warnings become Python's."""
+    def columns(self, which: int) -> dict[str, tuple[str, bytes]]:
+        """The columns of a table by name: the code of their cells, and the cells."""
+        rows, found = _C.asperity_rows(self.handle, which), {}
+        for number in range(_C.asperity_columns(self.handle, which)):
+            place = self.handle, which, number
+            size, code = CELLS[_C.asperity_column_type(*place)]
+            cells = (c_char * (size * rows)).from_address(_C.asperity_column(*place)).raw \
+                if rows else b""
+            found[_C.asperity_column_name(*place).decode()] = code, cells
+        return found
+
+    def checked(self, named: Callable[[Problem], Problem] = lambda problem: problem) -> Outcome:
+        """Itself, when all has gone well; its warnings become Python's. `named` says what the
+        caller calls the place of a problem."""
         status = _C.asperity_status(self.handle)
         if status == BAD_INPUT:
-            raise InputError(self.problems())
+            raise InputError([named(problem) for problem in self.problems()])
         if status == NOT_COMPUTED:
             failure = self.text(FAILURE)
             raise MemoryError(failure) if self.handle is None else ComputeError(failure)
@@ -148,39 +169,30 @@ class Outcome:
 class Table(Mapping):
     """Columns by name, in the order of the CSV files, all as long as `rows`.
 
-    A column of numbers is a read-only `memoryview` on the library's own memory, of doubles or of
-    whole numbers (yes and no are 1 and 0): it indexes, iterates and has a length, and numpy takes
-    it without a copy, as in `numpy.asarray(table["load"])`. Cells that are empty in the files are
-    NaN. A column of words is a tuple of `str`.
+    A column of numbers is a read-only `memoryview`, of doubles or of whole numbers (yes and no are
+    1 and 0): it indexes, iterates and has a length, and numpy takes it without a copy, as in
+    `numpy.asarray(table["load"])`. Cells that are empty in the files are NaN. A column of words is
+    a tuple of `str`. A table can be copied and pickled.
     """
 
-    def __init__(self, outcome: Outcome, which: int):
-        self.rows: int = _C.asperity_rows(outcome.handle, which)
-        self._outcome, self._which = outcome, which
-        self._numbers = {
-            _C.asperity_column_name(outcome.handle, which, number).decode(): number
-            for number in range(_C.asperity_columns(outcome.handle, which))}
+    def __init__(self, columns: dict[str, tuple[str, bytes]]):
+        self._columns = columns
+        code, cells = next(iter(columns.values()), ("c", b""))
+        self.rows: int = len(cells) // {code: size for size, code in CELLS.values()}[code]
 
     def __getitem__(self, name: str) -> memoryview | tuple[str, ...]:
-        place = self._outcome.handle, self._which, self._numbers[name]
-        kind, address = _C.asperity_column_type(*place), _C.asperity_column(*place)
-        if kind == WORD:
-            letters = ctypes.string_at(address, WORD_LENGTH * self.rows).decode("ascii")
-            return tuple(letters[i:i + WORD_LENGTH].rstrip()
-                         for i in range(0, len(letters), WORD_LENGTH))
-        cell, code = CELLS[kind]
-        if not self.rows:
-            return memoryview(array(code)).toreadonly()
-        cells = (cell * self.rows).from_address(address)
-        # The view holds the array, the array the outcome, the outcome the memory.
-        cells.outcome = self._outcome
-        return memoryview(cells).cast("B").cast(code).toreadonly()
+        code, cells = self._columns[name]
+        if code != "c":
+            return memoryview(cells).cast(code)
+        letters = cells.decode("ascii")
+        return tuple(letters[i:i + WORD_LENGTH].rstrip()
+                     for i in range(0, len(letters), WORD_LENGTH))
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._numbers)
+        return iter(self._columns)
 
     def __len__(self) -> int:
-        return len(self._numbers)
+        return len(self._columns)
 
     def __repr__(self) -> str:
         return f"<{self.rows} rows of {', '.join(self)}>"
@@ -193,10 +205,14 @@ def call(name: str, *arguments, interrupt: c_int | None = None) -> Outcome:
     knows `interrupt` with the next position, and holds what it was given until then.
     """
     outcomes: list[Outcome] = []
+    errors: list[BaseException] = []
 
     def work():
-        handles = (getattr(value, "handle", value) for value in arguments)
-        outcomes.append(Outcome(getattr(_C, f"asperity_{name}")(*handles)))
+        try:
+            handles = (getattr(value, "handle", value) for value in arguments)
+            outcomes.append(Outcome(getattr(_C, f"asperity_{name}")(*handles)))
+        except BaseException as error:
+            errors.append(error)
 
     thread = threading.Thread(target=work, name=f"asperity {name}", daemon=True)
     thread.start()
@@ -206,4 +222,6 @@ def call(name: str, *arguments, interrupt: c_int | None = None) -> Outcome:
         if interrupt is not None:
             interrupt.value = 1
         raise
+    if errors:
+        raise errors[0]
     return outcomes[0]

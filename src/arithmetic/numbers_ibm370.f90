@@ -1,6 +1,6 @@
 !> What the algorithms need of System/370 short arithmetic, under the names the IEEE kinds use.
 module asperity_numbers_ibm370
-  use asperity_decimal, only: decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_hex32, only: cut_to_integer => hex32_to_integer, from_real64 => hex32_from_real64, &
                             hex32, hex32_from_decimal, hex32_from_word, hex32_word, &
                             three_halves_power, to_real64 => hex32_to_real64, &
@@ -22,7 +22,11 @@ contains
     type(decimal_value), intent(in) :: value  !! exact decimal
     type(hex32) :: number                     !! the number not above it in magnitude
 
-    number = hex32_from_decimal(value%digits, value%exponent)
+    if (value%twos /= 0) then
+      number = from_real64(decimal_to_real64(value))
+    else
+      number = hex32_from_decimal(value%digits, value%exponent)
+    end if
   end function decimal_number
 
   !> number * 16**power; zero or the largest number where the exponent leaves its range.

@@ -1,23 +1,28 @@
 !> Bytes of a file, block by block, so that a large file needs no more memory than a block.
 !>
-!> Every input can be read a second time. Of a pipe all blocks are kept for that, and it may have
-!> 100000000 bytes.
+!> Every input can be read a second time. A pipe or a device, which gives its bytes once, is
+!> therefore read to its end when it is opened, and may have 100000000 bytes.
 module asperity_byte_reader
   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char, c_size_t
   use asperity_kinds, only: int64
   use asperity_problems, only: decimal_text
-  use asperity_system_calls, only: posix_close, posix_lseek, posix_open, posix_read, system_reason
+  use asperity_system_calls, only: posix_close, posix_lseek, posix_open, posix_read, &
+                                   system_error, system_reason
   implicit none
   private
 
   public :: byte_reader
 
   integer(c_int), parameter :: read_only = 0_c_int, from_start = 0_c_int, from_end = 2_c_int
-  integer, parameter :: block_size = 65536, longest_pipe = 100000000
+  integer, parameter :: block_size = 65536
+  ! Bytes of a pipe or device, which may never end, and of a file that is held in memory whole.
+  integer, parameter :: longest_pipe = 100000000, longest_file = 1000000000
+  ! EINTR: a signal came before the first byte.
+  integer, parameter :: interrupted = 4
 
   !> A file that is being read. The bytes at hand are `block(at:used)`.
   type :: byte_reader
-    character(len=:), allocatable :: block     !! bytes; of a pipe all so far
+    character(len=:), allocatable :: block     !! bytes; all of a pipe
     integer :: at = 1                          !! next byte of the block
     integer :: used = 0                        !! bytes in the block
     integer(int64) :: before = 0_int64         !! bytes before the block
@@ -28,6 +33,7 @@ module asperity_byte_reader
     procedure :: open => open_file   !! from the first byte on
     procedure :: more                !! brings the next block
     procedure :: take                !! the next bytes
+    procedure :: take_whole          !! all bytes
     procedure :: count_bytes         !! how many the file has
     procedure :: rewind => go_back   !! from the first byte on, once more
     procedure :: close => close_file !! ends it
@@ -50,6 +56,13 @@ contains
     known = posix_lseek(self%descriptor, 0_c_long, from_end)
     place = posix_lseek(self%descriptor, 0_c_long, from_start)
     if (known > 0_c_long .and. place == 0_c_long) self%length = int(known, int64)
+    if (self%length >= 0_int64) return
+    do
+      call self%more()
+      if (self%at > self%used .or. allocated(self%failure)) exit
+    end do
+    self%at = 1
+    call self%close()
   end subroutine open_file
 
   !> Brings the next block; there is none when `at > used` afterwards.
@@ -61,10 +74,9 @@ contains
 
     kept = 0
     if (self%length < 0_int64) kept = self%used
-    if (allocated(self%failure)) return
+    if (allocated(self%failure) .or. self%descriptor < 0_c_int) return
     if (kept > longest_pipe) then
-      self%failure = 'cannot be read: more than ' // decimal_text(longest_pipe) // &
-                     ' bytes from a pipe'
+      self%failure = 'cannot be read: more than ' // decimal_text(longest_pipe) // ' bytes'
       return
     end if
     if (kept + block_size > len(self%block)) then
@@ -72,11 +84,16 @@ contains
       larger(:kept) = self%block(:kept)
       call move_alloc(larger, self%block)
     end if
-    got = posix_read(self%descriptor, self%block(kept + 1:), int(block_size, c_size_t))
+    do
+      got = posix_read(self%descriptor, self%block(kept + 1:), int(block_size, c_size_t))
+      if (got >= 0_c_size_t .or. system_error() /= interrupted) exit
+    end do
     if (got < 0_c_size_t) self%failure = 'cannot be read: ' // system_reason()
     self%before = self%before + int(self%used - kept, int64)
     self%at = kept + 1
     self%used = kept + max(0, int(got))
+    if (got == 0_c_size_t .and. self%before < self%length) &
+      self%failure = 'cannot be read whole: it became shorter while it was read'
   end subroutine more
 
   !> The next bytes; fewer than asked for at the end of the file.
@@ -99,23 +116,32 @@ contains
     if (got < number) bytes = bytes(:got)
   end subroutine take
 
-  !> How many bytes the file has. A pipe is read to its end for that.
-  integer(int64) function count_bytes(self)
-    class(byte_reader), intent(inout) :: self  !! the file; its place stays
-    integer :: place
+  !> All bytes, from the first one on; `failure` is allocated when they cannot be had.
+  subroutine take_whole(self, bytes)
+    class(byte_reader), intent(inout) :: self           !! at the first byte
+    character(len=:), allocatable, intent(out) :: bytes !! the bytes
 
     if (self%length < 0_int64) then
-      place = self%at
-      do
-        self%at = self%used + 1
-        call self%more()
-        if (self%at > self%used) exit
-      end do
-      self%at = place
-      count_bytes = int(self%used, int64)
-    else
-      count_bytes = self%length
+      call self%take(self%used, bytes)
+      return
     end if
+    ! A folder can have any length, but refuses to be read: that is what to report.
+    if (self%at > self%used) call self%more()
+    if (self%length > int(longest_file, int64) .and. .not. allocated(self%failure)) &
+      self%failure = 'cannot be read: more than ' // decimal_text(longest_file) // ' bytes'
+    if (allocated(self%failure)) return
+    call self%take(int(self%length), bytes)
+    if (self%at > self%used) call self%more()
+    if (self%at <= self%used) &
+      self%failure = 'cannot be read whole: it became longer while it was read'
+  end subroutine take_whole
+
+  !> How many bytes the file has.
+  pure integer(int64) function count_bytes(self)
+    class(byte_reader), intent(in) :: self  !! the file
+
+    count_bytes = self%length
+    if (self%length < 0_int64) count_bytes = int(self%used, int64)
   end function count_bytes
 
   !> Goes back to the first byte.
@@ -135,7 +161,7 @@ contains
     class(byte_reader), intent(inout) :: self  !! the file
     integer(c_int) :: status
 
-    if (self%descriptor > 2_c_int) status = posix_close(self%descriptor)
+    if (self%descriptor >= 0_c_int) status = posix_close(self%descriptor)
     self%descriptor = -1_c_int
   end subroutine close_file
 

@@ -1,4 +1,4 @@
-!> Decimal numbers kept exactly, so that each arithmetic converts them by its own rule.
+!> Decimal numbers, and doubles, kept exactly, so that each arithmetic converts them by its own rule.
 module asperity_decimal
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_kinds, only: int64, real128, real64
@@ -6,11 +6,13 @@ module asperity_decimal
   private
 
   public :: decimal_value, decimal_to_real64, decimal_numeral, decimal_order, decimal_beyond
+  public :: exact_double
 
-  !> The number digits * 10**exponent.
+  !> The number digits * 10**exponent, or, where `twos` is not 0, digits * 2**twos.
   type :: decimal_value
     integer(int64) :: digits = 0_int64  !! all digits, with the sign
     integer :: exponent = 0             !! power of ten
+    integer :: twos = 0                 !! power of two; 0: the number is a decimal
   end type decimal_value
 
   ! Powers of ten that are exact in 113 bits and leave the quotient below rightly rounded.
@@ -39,7 +41,9 @@ contains
     real(real64) :: nearest                   !! the nearest double
     character(len=40) :: numeral
 
-    if (value%exponent <= 0 .and. value%exponent >= -most_exact_power) then
+    if (value%twos /= 0) then
+      nearest = scale(real(value%digits, real64), value%twos)
+    else if (value%exponent <= 0 .and. value%exponent >= -most_exact_power) then
       nearest = quotient_in_doubles(value%digits, -value%exponent)
     else if (value%exponent >= 0 .and. value%exponent <= most_positive_power) then
       nearest = real(real(value%digits, real128) * powers(value%exponent), real64)
@@ -80,11 +84,28 @@ contains
     nearest = q + (((high - product) - rest) + low) / exact_powers(power)
   end function quotient_in_doubles
 
+  !> A double as it is, to the last bit.
+  elemental function exact_double(number) result(value)
+    real(real64), intent(in) :: number  !! finite
+    type(decimal_value) :: value        !! the same number
+
+    if (abs(number) < 2.0_real64**53 .and. .not. abs(number - aint(number)) > 0.0_real64) then
+      value%digits = int(number, int64)
+    else
+      value%twos = exponent(number) - digits(number)
+      value%digits = int(scale(number, -value%twos), int64)
+    end if
+  end function exact_double
+
   !> The least n with |value| < 10**n; a very negative number for zero.
   elemental integer function decimal_order(value)
     type(decimal_value), intent(in) :: value  !! exact decimal
     integer(int64) :: rest
 
+    if (value%twos /= 0) then
+      decimal_order = floor(log10(abs(decimal_to_real64(value)))) + 1
+      return
+    end if
     decimal_order = value%exponent
     rest = abs(value%digits)
     if (rest == 0_int64) decimal_order = -huge(decimal_order)
@@ -107,7 +128,8 @@ contains
     if (decimal_order(value) < 38) return
     order = ceiling(log10(largest))
     decimal_beyond = decimal_order(value) > order
-    if (decimal_order(value) /= order) return
+    if (value%twos /= 0) decimal_beyond = abs(real(decimal_to_real64(value), real128)) > largest
+    if (decimal_order(value) /= order .or. value%twos /= 0) return
     leading = abs(real(value%digits, real128)) * 10.0_real128**(value%exponent - order + 18)
     decimal_beyond = leading > largest / 10.0_real128**(order - 18)
   end function decimal_beyond

@@ -1,12 +1,11 @@
 !> Files read at once, and the two standard streams. What is written as a file is the matter of
 !> `asperity_output_files`.
 module asperity_files
-  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_long, c_null_char, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_int, c_size_t
+  use asperity_byte_reader, only: byte_reader
   use asperity_kinds, only: int64
   use asperity_printable, only: printable
-  use asperity_problems, only: decimal_text
-  use asperity_system_calls, only: posix_close, posix_lseek, posix_open, posix_read, &
-                                   posix_usleep, posix_write, system_error, system_reason
+  use asperity_system_calls, only: posix_usleep, posix_write, system_error, system_reason
   implicit none
   private
 
@@ -16,12 +15,8 @@ module asperity_files
   !> Descriptors of the standard streams.
   integer(c_int), parameter :: standard_output = 1_c_int, standard_error = 2_c_int
 
-  integer(c_int), parameter :: read_only = 0_c_int, from_end = 2_c_int, from_start = 0_c_int
   ! EAGAIN: a pipe that does not wait is full.
   integer(c_int), parameter :: full_for_now = 11_c_int, wait_microseconds = 1000_c_int
-  ! Bytes of a file, and of a pipe or device: one that never ends must not fill the memory.
-  integer, parameter :: longest_file = 1000000000, longest_pipe = 100000000
-  integer, parameter :: block_size = 65536
 
 contains
 
@@ -39,58 +34,13 @@ contains
     character(len=*), intent(in) :: path                         !! the file
     character(len=:), allocatable, intent(out) :: text           !! its bytes
     character(len=:), allocatable, intent(out) :: failure        !! why not
-    character(len=:), allocatable :: larger
-    character(len=block_size) :: block
-    integer(c_long) :: known, place
-    integer(c_size_t) :: got
-    integer(c_int) :: descriptor, status
-    integer :: used, longest
+    type(byte_reader) :: file
 
-    text = ''
-    descriptor = posix_open(path // c_null_char, read_only)
-    if (descriptor < 0) then
-      failure = path // ': cannot be opened: ' // system_reason()
-      return
-    end if
-    known = posix_lseek(descriptor, 0_c_long, from_end)
-    place = posix_lseek(descriptor, 0_c_long, from_start)
-    longest = longest_pipe
-    if (known > 0_c_long .and. place == 0_c_long) longest = longest_file
-    used = 0
-    if (known <= int(longest, c_long)) then
-      deallocate (text)
-      ! As long as the file: it need not be copied to be cut.
-      allocate (character(len=max(0, int(known))) :: text)
-      do while (used <= longest)
-        if (used < len(text)) then
-          got = posix_read(descriptor, text(used + 1:), int(len(text) - used, c_size_t))
-        else
-          got = posix_read(descriptor, block, int(len(block), c_size_t))
-        end if
-        if (got < 0_c_size_t) failure = path // ': cannot be read: ' // system_reason()
-        if (got <= 0_c_size_t) exit
-        if (used == len(text)) then
-          allocate (character(len=2 * used + block_size) :: larger)
-          larger(:used) = text
-          larger(used + 1:used + int(got)) = block(:got)
-          call move_alloc(larger, text)
-        end if
-        used = used + int(got)
-      end do
-      if (used <= longest .and. used < len(text)) text = text(:used)
-    end if
-    if (known > int(longest, c_long) .or. used > longest) then
-      text = ' '
-      ! A folder can have any length, but refuses to be read: that is what to tell.
-      got = posix_read(descriptor, text, 1_c_size_t)
-      if (got < 0_c_size_t) then
-        failure = path // ': cannot be read: ' // system_reason()
-      else
-        failure = path // ': cannot be read: more than ' // decimal_text(longest) // ' bytes'
-      end if
-      text = ''
-    end if
-    status = posix_close(descriptor)
+    call file%open(path)
+    if (.not. allocated(file%failure)) call file%take_whole(text)
+    if (allocated(file%failure)) failure = path // ': ' // file%failure
+    call file%close()
+    if (allocated(failure)) text = ''
   end subroutine read_whole_file
 
   !> Writes to standard output; `failure` is allocated when that is not possible.

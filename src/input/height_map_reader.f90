@@ -1,8 +1,8 @@
 !> Reads a height map; what kind of file it is, its content tells.
 module asperity_height_map_reader
-  use asperity_height_map, only: height_map, is_measured, number_text
+  use asperity_height_map, only: expected_length, height_map, is_length, is_measured, number_text
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: problem_list, real_text
   use asperity_sdf_header, only: is_sdf, magic_length, read_binary_header, read_text_header, &
                                  sdf_header
   use asperity_sdf_samples, only: read_sdf_samples
@@ -13,7 +13,7 @@ module asperity_height_map_reader
   implicit none
   private
 
-  public :: read_height_map, is_height_map, head_length
+  public :: read_height_map, take_height_map, is_height_map, head_length
 
   character(len=*), parameter :: expected = 'a surface data file (ISO 25178-71), a matrix of ' // &
     'heights, or x,y,z lines'
@@ -51,40 +51,59 @@ contains
 
   !> Reads and checks a map. With problems, or when `failure` is allocated because there is no
   !> memory for it, the map is not to be used.
-  subroutine read_height_map(path, spacing, progress, map, problems, failure, option, shared)
+  subroutine read_height_map(path, spacing, progress, map, problems, failure, option)
     character(len=*), intent(in) :: path                    !! the file; `-` is standard input
     real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
     logical, intent(in) :: progress                         !! tell how far it has come
     type(height_map), intent(out) :: map                    !! its samples
     type(problem_list), intent(inout) :: problems           !! all that is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
-    character(len=*), intent(in), optional :: option        !! that gives the spacing; --spacing
-    logical, intent(in), optional :: shared   !! no spacing for a map that has its own; .false.
+    character(len=*), intent(in), optional :: option        !! that gives the spacing; `spacing`
     type(token_reader) :: file
-    type(sdf_header) :: header
-    character(len=:), allocatable :: magic, spacing_option
-    integer :: before
-    logical :: if_needed
+    character(len=:), allocatable :: name
 
-    spacing_option = '--spacing'
-    if (present(option)) spacing_option = option
-    if_needed = .false.
-    if (present(shared)) if_needed = shared
-    call problems%start(path)
-    before = problems%count()
-    map%unit = ''
-    call map%notes%start(path)
     if (path == '-') then
       call file%open('/dev/stdin')
     else
       call file%open(path)
     end if
+    name = 'spacing'
+    if (present(option)) name = option
+    call take_height_map(path, file, spacing, name, .false., progress, map, problems, failure)
+    call file%close()
+  end subroutine read_height_map
+
+  !> The same of a file that is open.
+  subroutine take_height_map(path, file, spacing, option, shared, progress, map, problems, failure)
+    character(len=*), intent(in) :: path                    !! name for the messages
+    type(token_reader), intent(inout) :: file               !! at its first byte
+    real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
+    character(len=*), intent(in) :: option                  !! that gives it, for the messages
+    logical, intent(in) :: shared             !! no spacing for a map that has its own
+    logical, intent(in) :: progress                         !! tell how far it has come
+    type(height_map), intent(out) :: map                    !! its samples
+    type(problem_list), intent(inout) :: problems           !! all that is wrong
+    character(len=:), allocatable, intent(out) :: failure   !! why not
+    type(sdf_header) :: header
+    character(len=:), allocatable :: magic
+    integer :: before
+
+    call problems%start(path)
+    before = problems%count()
+    map%unit = ''
+    call map%notes%start(path)
+    if (.not. (all(abs(spacing) <= 0.0_real64) .or. all(is_length(spacing)))) then
+      call problems%add(option // ': found ' // real_text(spacing(1)) // ', ' // &
+                        real_text(spacing(2)) // ', expected two numbers, each ' // &
+                        expected_length // ', or 0 for both')
+      return
+    end if
     call file%take(magic_length, magic)
     if (allocated(file%failure)) then
       call problems%add_at(1, 1, file%failure // ', expected ' // expected)
     else if (is_sdf(magic)) then
-      if (any(spacing > 0.0_real64) .and. .not. if_needed) &
-        call problems%add_in_file(spacing_option // ' given, but the file has its own, ' // &
+      if (any(spacing > 0.0_real64) .and. .not. shared) &
+        call problems%add_in_file(option // ' given, but the file has its own, ' // &
                                   'expected none')
       if (scan(magic(1:1), 'aA') == 1) then
         call read_text_header(file, magic, header, problems)
@@ -98,15 +117,14 @@ contains
     else if (is_binary(magic)) then
       call problems%add_at(1, 1, 'found a control character, expected ' // expected)
     else
-      call read_text_map(file, spacing, spacing_option, if_needed, progress, map, problems, failure)
+      call read_text_map(file, spacing, option, shared, progress, map, problems, failure)
     end if
     if (allocated(file%failure) .and. problems%count() == before) &
       call problems%add_in_file('byte ' // number_text(file%before + int(file%at, int64)) // &
                                 ': ' // file%failure)
-    call file%close()
     if (allocated(failure)) failure = path // ': ' // failure
     if (problems%count() == before .and. .not. allocated(failure)) call check_map(map, problems)
-  end subroutine read_height_map
+  end subroutine take_height_map
 
   ! Whether the first bytes are none of a text.
   pure logical function is_binary(bytes)

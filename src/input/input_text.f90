@@ -1,6 +1,6 @@
 !> Text files that a user writes: read whole, and what their readers share.
 module asperity_input_text
-  use asperity_files, only: read_whole_file
+  use asperity_byte_reader, only: byte_reader
   use asperity_problems, only: problem_list
   implicit none
   private
@@ -16,20 +16,38 @@ module asperity_input_text
 contains
 
   !> Reads a file whole; that it cannot be read is told as a problem at its beginning.
-  subroutine read_text(path, kind, text, problems)
+  subroutine read_text(path, kind, text, problems, opened)
     character(len=*), intent(in) :: path                !! the file; `-` is standard input
     character(len=*), intent(in) :: kind                !! what it should be, for the message
     character(len=:), allocatable, intent(out) :: text  !! its bytes
     type(problem_list), intent(inout) :: problems       !! names this file from now on
-    character(len=:), allocatable :: place, failure
+    class(byte_reader), intent(inout), optional :: opened  !! the file, at its first byte
+    type(byte_reader) :: file
 
     call problems%start(path)
-    place = path
-    if (path == '-') place = '/dev/stdin'
-    call read_whole_file(place, text, failure)
-    ! The failure begins with the path, and so does the problem.
-    if (allocated(failure)) &
-      call problems%add_at(1, 1, failure(len(place) + 3:) // ', expected ' // kind)
+    if (present(opened)) then
+      call take(opened)
+    else
+      if (path == '-') then
+        call file%open('/dev/stdin')
+      else
+        call file%open(path)
+      end if
+      call take(file)
+      call file%close()
+    end if
+
+  contains
+
+    subroutine take(from)
+      class(byte_reader), intent(inout) :: from
+
+      if (.not. allocated(from%failure)) call from%take_whole(text)
+      if (.not. allocated(from%failure)) return
+      call problems%add_at(1, 1, from%failure // ', expected ' // kind)
+      text = ''
+    end subroutine take
+
   end subroutine read_text
 
   !> Tells the first byte that no text has.

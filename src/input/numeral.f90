@@ -2,14 +2,17 @@
 !>
 !> At most 18 digits are kept; a longer number is rounded at its 18th digit.
 module asperity_numeral
-  use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_decimal, only: decimal_to_real64, decimal_value, exact_double
   use asperity_kinds, only: int64, real64
   implicit none
   private
 
   public :: read_numeral, read_whole_number, decimal_sum, is_a_double, rounded_decimal
+  public :: read_double_numeral, without_kind
 
   integer, parameter :: most_digits = 18
+  ! Behind a number: the nearest double is meant, to its last bit, as with a literal of Fortran.
+  character(len=*), parameter :: double_kind = '_real64'
   ! No number written with an exponent beyond this can be a double, whatever its length.
   integer, parameter :: largest_exponent = 100000000
 
@@ -68,6 +71,30 @@ contains
     good = is_a_double(value)
     if (.not. good) value = decimal_value()
   end subroutine read_numeral
+
+  !> The same, and the double nearest to a number that ends with `_real64`.
+  pure subroutine read_double_numeral(token, value, good)
+    character(len=*), intent(in) :: token      !! the token, without blanks
+    type(decimal_value), intent(out) :: value  !! the number, exactly; 0 when refused
+    logical, intent(out) :: good               !! whether the token is such a number
+
+    call read_numeral(without_kind(token), value, good)
+    if (good .and. len(without_kind(token)) < len(token)) &
+      value = exact_double(decimal_to_real64(value))
+  end subroutine read_double_numeral
+
+  !> A number without `_real64` behind it.
+  pure function without_kind(token) result(number)
+    character(len=*), intent(in) :: token    !! any token
+    character(len=:), allocatable :: number  !! what is before it
+    integer :: last
+
+    last = len(token) - len(double_kind)
+    number = token
+    if (last > 0) then
+      if (token(last + 1:) == double_kind) number = token(:last)
+    end if
+  end function without_kind
 
   !> Reads a whole token as a default integer.
   pure subroutine read_whole_number(token, value, good)

@@ -1,7 +1,9 @@
 !> What a card deck brings into a scene, from inches and psi to cm and N.
 module asperity_scene_deck
-  use asperity_card_deck, only: card_deck, model_cards, parse_card_deck, read_card_deck
+  use asperity_card_deck, only: card_deck, model_cards, parse_card_deck
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_input_text, only: read_text
+  use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64
   use asperity_numeral, only: decimal_sum, is_a_double
   use asperity_problems, only: decimal_text, problem_list
@@ -41,11 +43,15 @@ contains
     character(len=*), intent(in), optional :: text !! the deck, when it has been read already
     type(card_deck) :: deck
     type(problem_list) :: found
+    character(len=:), allocatable :: own_text
 
     if (present(text)) then
       call parse_card_deck(path, text, deck, found)
     else
-      call read_card_deck(path, deck, found)
+      call read_text(path, 'a card deck', own_text, found)
+      if (found%count() == 0) call parse_card_deck(path, own_text, deck, found)
+      target_scene%upper%checksum = checksum(own_text)
+      target_scene%lower%checksum = target_scene%upper%checksum
     end if
     if (found%count() == 0) then
       target_scene%from_deck = .true.

@@ -11,7 +11,7 @@ module asperity_scene_fields
   use asperity_kinds, only: int64
   use asperity_namelist_text, only: namelist_text, parse_namelist
   use asperity_number_ranges, only: expected_numbers, in_range
-  use asperity_numeral, only: read_numeral, read_whole_number
+  use asperity_numeral, only: read_double_numeral, read_whole_number, without_kind
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_names, only: find_names, known_name, one_of
   use asperity_word_hint, only: did_you_mean
@@ -133,7 +133,7 @@ contains
     if (at == 0) return
     used = 0
     do i = at + 1, at + self%list%items(at)%values
-      call read_numeral(self%list%value_text(i), value, good)
+      call read_double_numeral(self%list%value_text(i), value, good)
       good = good .and. .not. self%list%items(i)%is_quoted
       if (good) good = in_range(value, range)
       if (.not. good) call self%refuse_value(name, i, trim(expected_numbers(range)))
@@ -222,21 +222,34 @@ contains
     end do
   end subroutine take_names
 
-  !> Takes one of several words between quotes, as its number; 0 when it is none of them.
+  !> Takes one of several words between quotes, as its number; 0 when it is none of them. For `on`
+  !> and `off` true and false will do.
   subroutine take_word(self, group, name, words, number)
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: words(:)    !! the words
     integer, intent(inout) :: number            !! which of them; 0 when refused
+    character(len=:), allocatable :: word
     integer :: at
 
     if (.not. self%has(group, name)) return
     number = 0
     at = self%values_of(group, name, 1)
     if (at == 0) return
-    if (self%list%items(at + 1)%is_quoted) &
-      number = findloc(words == lower_case(self%list%value_text(at + 1)), .true., 1)
+    word = lower_case(self%list%value_text(at + 1))
+    ! A logical constant of a namelist.
+    if (.not. self%list%items(at + 1)%is_quoted) then
+      select case (word)
+      case ('true', '.true.')
+        word = 'on'
+      case ('false', '.false.')
+        word = 'off'
+      case default
+        word = ''
+      end select
+    end if
+    number = findloc(words == word, .true., 1)
     if (number == 0) &
       call self%refuse_value(name, at + 1, one_of(words) // &
                              did_you_mean(lower_case(self%list%value_text(at + 1)), words))
@@ -379,7 +392,7 @@ contains
     character(len=:), allocatable :: found
 
     first = self%list%items(i)%first
-    found = quoted(self%list%value_text(i))
+    found = quoted(without_kind(self%list%value_text(i)))
     if (self%list%items(i)%is_quoted) then
       first = first - 1
       found = 'the text ' // found

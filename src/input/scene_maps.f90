@@ -2,19 +2,22 @@
 module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_height_map, only: change_unit, edge_names, height_map, length_units, level_names, &
-                                 level_plane, number_text, plain_unit, unit_number, usual_level
-  use asperity_height_map_reader, only: head_length, is_height_map, read_height_map
+  use asperity_height_map, only: change_unit, edge_names, expected_length, height_map, is_length, &
+                                 length_units, level_names, level_plane, number_text, plain_unit, unit_number, usual_level
+  use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: quoted
+  use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero
   use asperity_problems, only: problem_list, real_text
   use asperity_scene_fields, only: scene_fields
-  use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_off, scene
+  use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_off, scene, &
+                                   scene_surface
+  use asperity_token_reader, only: token_reader
   implicit none
   private
 
-  public :: check_map_scene, is_map, read_maps
+  public :: check_map_scene, checksum_of_pipe, is_map, read_maps
 
   character(len=*), parameter :: despike_words(2) = [character(len=3) :: 'off', 'on']
   ! Names of &surfaces that a map alone has.
@@ -24,34 +27,42 @@ module asperity_scene_maps
 contains
 
   !> Whether a file is a height map, as `read_height_map` takes it.
-  logical function is_map(path, has_spacing)
-    character(len=*), intent(in) :: path    !! the file
-    logical, intent(in) :: has_spacing      !! of a matrix of heights
-    type(byte_reader) :: file
+  logical function is_map(file, has_spacing)
+    class(byte_reader), intent(inout) :: file  !! open, at its first byte; afterwards, too
+    logical, intent(in) :: has_spacing         !! of a matrix of heights
     character(len=:), allocatable :: head
 
-    call file%open(path)
     call file%take(head_length, head)
     is_map = .not. allocated(file%failure)
     if (is_map) is_map = is_height_map(head, has_spacing)
-    call file%close()
+    call file%rewind()
   end function is_map
 
-  !> Reads the maps that a scene names in the place of surfaces; '' is none.
-  subroutine read_maps(upper, lower, fields, checked, other_files)
-    character(len=*), intent(in) :: upper, lower      !! the files
+  !> Checksum of what a pipe gave, which cannot be read again; blank for a file.
+  function checksum_of_pipe(file) result(word)
+    class(byte_reader), intent(in) :: file  !! that was read
+    character(len=8) :: word                !! hexadecimal
+
+    word = ''
+    if (file%length < 0_int64) word = checksum(file%block(:file%used))
+  end function checksum_of_pipe
+
+  !> Reads the maps that a scene names in the place of surfaces, whose files are set; '' is none.
+  subroutine read_maps(files, fields, checked, other_files)
+    type(token_reader), intent(inout) :: files(2)     !! of both, open
     type(scene_fields), intent(inout) :: fields       !! the scene's text
     type(scene), intent(inout) :: checked             !! gets the maps
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
     type(decimal_value) :: spacing(2, 2)
     integer :: despike, edge, sides, unit(2)
+    logical :: has_spacing
 
     edge = 1
     despike = 1
     unit = 0
     call fields%take_word('surfaces', 'map_edge', edge_names, edge)
     call fields%take_word('surfaces', 'map_despike', despike_words, despike)
-    sides = count([upper /= '', lower /= ''])
+    sides = count([checked%upper%file /= '', checked%lower%file /= ''])
     call take_spacing()
     if (sides == 2 .and. fields%value_count('surfaces', 'map_unit') == 2) then
       call fields%take_units('surfaces', 'map_unit', length_units, unit)
@@ -71,18 +82,17 @@ contains
       if (maps%periodic .and. maps%level == level_plane) &
         call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane ' // &
              'would not be periodic: found ''plane'', expected ''mean'' or ''none''')
-      ! What was refused of it hides what a map needs.
-      if (fields%has('surfaces', 'map_spacing') .and. any(spacing%digits == 0_int64)) return
-      if (upper /= '') call read_one(upper, 1, maps%upper)
-      if (lower /= '') call read_one(lower, 2, maps%lower)
+      if (has_spacing .and. .not. all(is_length(decimal_to_real64(spacing)))) return
+      if (checked%upper%file /= '') call read_one(checked%upper, 1, maps%upper)
+      if (checked%lower%file /= '') call read_one(checked%lower, 2, maps%lower)
       if (other_files%count() > 0) return
       if (fields%has('surfaces', 'map_spacing') .and. sides == 2 .and. &
           maps%upper%own_spacing .and. maps%lower%own_spacing) &
         call fields%complain_of('surfaces', 'map_spacing', 'found although both maps have ' // &
                                 'their own, expected none')
-      if (upper /= '') call convert(upper, 1, maps%upper, maps%lower)
-      if (lower /= '') call convert(lower, 2, maps%lower, maps%upper)
-      if (upper /= '' .and. lower /= '') call compare_grids(maps%upper, maps%lower, fields)
+      if (maps%upper%columns > 0) call convert(checked%upper%file, 1, maps%upper, maps%lower)
+      if (maps%lower%columns > 0) call convert(checked%lower%file, 2, maps%lower, maps%upper)
+      if (sides == 2) call compare_grids(maps%upper, maps%lower, fields)
     end associate
 
   contains
@@ -90,6 +100,7 @@ contains
     ! A pair for all maps, or one for each.
     subroutine take_spacing()
       type(decimal_value) :: values(4)
+      integer :: bad
 
       if (sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 4) then
         call fields%take_numbers('surfaces', 'map_spacing', above_zero, values)
@@ -98,20 +109,27 @@ contains
         values(3:) = values(:2)
       end if
       spacing = reshape(values, [2, 2])
+      has_spacing = any(values%digits > 0_int64)
+      bad = findloc(is_length(decimal_to_real64(values)), .false., 1)
+      if (has_spacing .and. bad > 0) &
+        call fields%complain_of('surfaces', 'map_spacing', 'found ' // &
+             real_text(decimal_to_real64(values(bad))) // ', expected ' // expected_length)
     end subroutine take_spacing
 
-    subroutine read_one(file, side, map)
-      character(len=*), intent(in) :: file
+    subroutine read_one(surface, side, map)
+      type(scene_surface), intent(inout) :: surface
       integer, intent(in) :: side
       type(height_map), intent(out) :: map
       type(problem_list) :: found
       character(len=:), allocatable :: failure
 
       ! One pair beside two maps is that of the one that has no spacing.
-      call read_height_map(file, decimal_to_real64(spacing(:, side)), .true., map, found, failure, &
+      call take_height_map(surface%file, files(side), decimal_to_real64(spacing(:, side)), &
                            'map_spacing', &
-                           sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2)
-      if (allocated(failure)) call found%add(file // ': ' // failure)
+                           sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2, &
+                           .true., map, found, failure)
+      surface%checksum = checksum_of_pipe(files(side))
+      if (allocated(failure)) call found%add(surface%file // ': ' // failure)
       map%periodic = checked%map%periodic
       call other_files%append(found)
       call checked%notes%append(map%notes)

@@ -1,16 +1,19 @@
 !> Group &surfaces of a scene: a card deck, or two CSV files, of which one may be a plane.
 module asperity_scene_surfaces
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_files, only: same_name
   use asperity_height_map, only: plain_unit
   use asperity_input_text, only: quoted
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
   use asperity_scene_fields, only: scene_fields
-  use asperity_scene_maps, only: is_map, read_maps
+  use asperity_scene_maps, only: checksum_of_pipe, is_map, read_maps
   use asperity_scene_values, only: scene, scene_motion, scene_surface
   use asperity_surface_csv, only: read_surface_csv, surface_table
+  use asperity_system_calls, only: canonical_path
+  use asperity_token_reader, only: token_reader
   implicit none
   private
 
@@ -55,18 +58,70 @@ contains
       if (allocated(deck)) &
         call surfaces_from_deck(beside(path, deck), checked, not_asked_for, other_files)
     else if (fields%has('surfaces', 'upper') .and. fields%has('surfaces', 'lower')) then
-      call read_csv_files(path, upper, lower, fields, checked, other_files)
+      call read_files(path, upper, lower, fields, checked, other_files)
     else
       call fields%complain_of_group('surfaces', 'a surface is missing: expected deck, or both ' // &
                                     'upper and lower, in &surfaces')
     end if
   end subroutine read_surfaces
 
-  !> The two CSV files, or one and a plane; the scene's radius serves those that have no radius
-  !> column.
-  subroutine read_csv_files(path, upper, lower, fields, checked, other_files)
+  !> Two files, or one and a plane: maps or CSV files, as their first bytes tell. Each is opened
+  !> once, as a pipe gives its bytes once.
+  subroutine read_files(path, upper, lower, fields, checked, other_files)
     character(len=*), intent(in) :: path
     character(len=:), allocatable, intent(in) :: upper, lower
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(inout) :: checked
+    type(problem_list), intent(inout) :: other_files
+    type(token_reader) :: files(2)
+    logical :: maps(2)
+
+    checked%upper%is_plane = is_plane(upper)
+    checked%lower%is_plane = is_plane(lower)
+    if (checked%upper%is_plane .and. checked%lower%is_plane) then
+      call fields%complain_of('surfaces', 'lower', 'found two planes, expected one at most')
+      return
+    end if
+    call look_at(upper, files(1), maps(1))
+    if (allocated(upper) .and. allocated(lower) .and. files(1)%length < 0 .and. &
+        files(1)%used > 0) then
+      if (same_name(canonical_path(beside(path, upper)), canonical_path(beside(path, lower)))) then
+        call fields%complain_of('surfaces', 'lower', 'found ' // quoted(lower) // ', the pipe ' // &
+                                'of upper, expected another file: a pipe can be read only once')
+        return
+      end if
+    end if
+    call look_at(lower, files(2), maps(2))
+    if (any(maps)) then
+      call take_maps(path, upper, lower, files, maps, fields, checked, other_files)
+    else
+      call read_csv_files(path, upper, lower, files, fields, checked, other_files)
+    end if
+    call files(1)%close()
+    call files(2)%close()
+
+  contains
+
+    ! Opens the file of a surface, and finds out whether it is a map.
+    subroutine look_at(name, file, names_map)
+      character(len=:), allocatable, intent(in) :: name
+      type(token_reader), intent(inout) :: file
+      logical, intent(out) :: names_map
+
+      names_map = .false.
+      if (.not. allocated(name) .or. is_plane(name)) return
+      call file%open(beside(path, name))
+      names_map = is_map(file, fields%has('surfaces', 'map_spacing'))
+    end subroutine look_at
+
+  end subroutine read_files
+
+  !> The two CSV files, or one and a plane; the scene's radius serves those that have no radius
+  !> column.
+  subroutine read_csv_files(path, upper, lower, files, fields, checked, other_files)
+    character(len=*), intent(in) :: path
+    character(len=:), allocatable, intent(in) :: upper, lower
+    type(token_reader), intent(inout) :: files(2)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
@@ -79,16 +134,6 @@ contains
     lower_unit = ''
     upper_has_radius = .true.
     lower_has_radius = .true.
-    checked%upper%is_plane = is_plane(upper)
-    checked%lower%is_plane = is_plane(lower)
-    if (checked%upper%is_plane .and. checked%lower%is_plane) then
-      call fields%complain_of('surfaces', 'lower', 'found two planes, expected one at most')
-      return
-    end if
-    if (names_map(path, upper, fields) .or. names_map(path, lower, fields)) then
-      call take_maps(path, upper, lower, fields, checked, other_files)
-      return
-    end if
     if (checked%upper%is_plane .or. checked%lower%is_plane) then
       call fields%take_pair('surfaces', 'radius', above_zero, radius)
     else
@@ -97,14 +142,14 @@ contains
     if (checked%upper%is_plane) then
       checked%upper = plane_surface()
     else if (allocated(upper)) then
-      call surface_from_csv(beside(path, upper), radius(1), checked%upper, upper_has_radius, &
-                            upper_unit, checked%notes, other_files)
+      call surface_from_csv(beside(path, upper), files(1), radius(1), checked%upper, &
+                            upper_has_radius, upper_unit, checked%notes, other_files)
     end if
     if (checked%lower%is_plane) then
       checked%lower = plane_surface()
     else if (allocated(lower)) then
-      call surface_from_csv(beside(path, lower), radius(2), checked%lower, lower_has_radius, &
-                            lower_unit, checked%notes, other_files)
+      call surface_from_csv(beside(path, lower), files(2), radius(2), checked%lower, &
+                            lower_has_radius, lower_unit, checked%notes, other_files)
     end if
     if (upper_unit /= '' .and. lower_unit /= '' .and. upper_unit /= lower_unit) &
       call fields%complain_of('surfaces', 'lower', 'found unit ' // quoted(lower_unit) // &
@@ -132,44 +177,42 @@ contains
   end subroutine read_csv_files
 
   ! Maps of one or both surfaces; the other one is a plane.
-  subroutine take_maps(path, upper, lower, fields, checked, other_files)
+  subroutine take_maps(path, upper, lower, files, maps, fields, checked, other_files)
     character(len=*), intent(in) :: path
     character(len=:), allocatable, intent(in) :: upper, lower
+    type(token_reader), intent(inout) :: files(2)
+    logical, intent(in) :: maps(2)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
 
-    checked%upper = plane_surface()
-    checked%lower = plane_surface()
-    if (names_map(path, upper, fields)) checked%upper%file = beside(path, upper)
-    if (names_map(path, lower, fields)) checked%lower%file = beside(path, lower)
-    call refuse_summits('upper', upper, checked%upper%file)
-    call refuse_summits('lower', lower, checked%lower%file)
-    call read_maps(checked%upper%file, checked%lower%file, fields, checked, other_files)
+    call take('upper', upper, files(1), maps(1), checked%upper)
+    call take('lower', lower, files(2), maps(2), checked%lower)
+    call read_maps(files, fields, checked, other_files)
 
   contains
 
-    subroutine refuse_summits(which, name, file)
-      character(len=*), intent(in) :: which, file
+    subroutine take(which, name, file, names_map, surface)
+      character(len=*), intent(in) :: which
       character(len=:), allocatable, intent(in) :: name
+      type(token_reader), intent(in) :: file
+      logical, intent(in) :: names_map
+      type(scene_surface), intent(out) :: surface
 
-      if (file == '' .and. .not. is_plane(name)) &
+      surface = plane_surface()
+      if (.not. allocated(name) .or. is_plane(name)) return
+      if (names_map) then
+        surface%file = beside(path, name)
+      else if (allocated(file%failure)) then
+        call other_files%start(beside(path, name))
+        call other_files%add_at(1, 1, file%failure // ', expected a map')
+      else
         call fields%complain_of('surfaces', which, 'found no map beside a map, expected ' // &
                                 '''plane'' or a map on the same grid')
-    end subroutine refuse_summits
+      end if
+    end subroutine take
 
   end subroutine take_maps
-
-  ! Whether a name is that of a height map.
-  logical function names_map(path, name, fields)
-    character(len=*), intent(in) :: path
-    character(len=:), allocatable, intent(in) :: name
-    type(scene_fields), intent(in) :: fields
-
-    names_map = .false.
-    if (allocated(name)) names_map = name /= 'plane'
-    if (names_map) names_map = is_map(beside(path, name), fields%has('surfaces', 'map_spacing'))
-  end function names_map
 
   ! Whether the word for a plane stands in the place of a file. A file of that name is ./plane.
   pure logical function is_plane(name)
@@ -199,8 +242,9 @@ contains
   end subroutine refuse_beside_deck
 
   !> Fills the numbers of one surface from a CSV file; a common radius of 0 is none.
-  subroutine surface_from_csv(path, common_radius, surface, has_radius, unit, notes, problems)
+  subroutine surface_from_csv(path, file, common_radius, surface, has_radius, unit, notes, problems)
     character(len=*), intent(in) :: path
+    type(token_reader), intent(inout) :: file  ! open, at its first byte
     type(decimal_value), intent(in) :: common_radius
     type(scene_surface), intent(inout) :: surface
     logical, intent(out) :: has_radius
@@ -210,10 +254,11 @@ contains
     type(problem_list) :: found
 
     if (common_radius%digits > 0_int64) then
-      call read_surface_csv(path, table, found, decimal_to_real64(common_radius))
+      call read_surface_csv(path, table, found, decimal_to_real64(common_radius), opened=file)
     else
-      call read_surface_csv(path, table, found)
+      call read_surface_csv(path, table, found, opened=file)
     end if
+    surface%checksum = checksum_of_pipe(file)
     call problems%append(found)
     surface%file = path
     ! A file that could not be read shall not be blamed for a missing radius too.
@@ -242,17 +287,18 @@ contains
 
   !> A surface from numbers in memory. What is wrong with them is told.
   subroutine take_surface(which, x, y, height, radius, surface, problems)
-    character(len=*), intent(in) :: which          !! `upper` or `lower`, for the messages
+    character(len=*), intent(in) :: which          !! the name of the surface, for the messages
     real(real64), intent(in) :: x(:), y(:)         !! summits on the reference plane
     real(real64), intent(in) :: height(:)          !! summits above it, as many
     real(real64), intent(in) :: radius(:)          !! as many, more than 0; or one for all
     type(scene_surface), intent(out) :: surface    !! the same
     type(problem_list), intent(inout) :: problems  !! what is wrong
+    integer :: before
 
     surface%file = ''
     if (any([size(y), size(height)] /= size(x)) .or. all(size(radius) /= [1, size(x)]) .or. &
         size(x) == 0) then
-      call problems%add(which // ' surface: found ' // decimal_text(size(x)) // ' x, ' // &
+      call problems%add(which // ': found ' // decimal_text(size(x)) // ' x, ' // &
                         decimal_text(size(y)) // ' y, ' // decimal_text(size(height)) // &
                         ' heights and ' // decimal_text(size(radius)) // ' radii, expected ' // &
                         'as many of each, or one radius, and at least one asperity')
@@ -263,12 +309,32 @@ contains
     surface%height = height
     surface%radius = spread(radius(1), 1, size(x))
     if (size(radius) == size(x)) surface%radius = radius
-    if (.not. all(abs([x, y, height, radius]) <= huge(x))) &
-      call problems%add(which // ' surface: found a number that is not finite')
-    if (.not. all(radius > 0.0_real64)) &
-      call problems%add(which // ' surface: found radius(' // &
-                        decimal_text(findloc(radius > 0.0_real64, .false., 1)) // &
-                        '), expected more than 0')
+    before = problems%count()
+    call check('x', x, abs(x) <= huge(x), 'a finite number')
+    call check('y', y, abs(y) <= huge(y), 'a finite number')
+    call check('height', height, abs(height) <= huge(height), 'a finite number')
+    call check('radius', radius, radius > 0.0_real64 .and. radius <= huge(radius), &
+               'a finite number more than 0')
+    ! A sphere does not stand higher than its diameter.
+    if (problems%count() == before) &
+      call check('height', height, height / 2 < surface%radius, 'less than twice the radius')
+
+  contains
+
+    ! Adds the first number of an array that is not good.
+    subroutine check(name, numbers, good, expected)
+      character(len=*), intent(in) :: name, expected
+      real(real64), intent(in) :: numbers(:)
+      logical, intent(in) :: good(:)
+      integer :: i
+
+      i = findloc(good, .false., 1)
+      if (i > 0) &
+        call problems%add(which // '.' // name // ': found ' // real_text(numbers(i)) // &
+                          ' as number ' // decimal_text(i) // ' of ' // &
+                          decimal_text(size(numbers)) // ', expected ' // expected)
+    end subroutine check
+
   end subroutine take_surface
 
   !> The path of a file that a scene names: as it is, or beside the scene.

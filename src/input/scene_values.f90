@@ -62,6 +62,7 @@ module asperity_scene_values
   !> One surface, as it lies in its file: not rotated, mirrored, tilted or moved.
   type :: scene_surface
     character(len=:), allocatable :: file                     !! where it was read from; '': nowhere
+    character(len=8) :: checksum = ''                         !! of a pipe's bytes; blank: of none
     logical :: is_plane = .false.                             !! a flat: it has no asperity
     real(real64), allocatable :: x(:), y(:)                   !! summits on the reference plane
     real(real64), allocatable :: height(:)                    !! summits above the reference plane

@@ -4,6 +4,7 @@
 !> in any order; `radius` may be left out. Reading takes time and memory in proportion to the file.
 !> A long file is read by all threads, each its pieces.
 module asperity_surface_csv
+  use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: a_surface, other_kind
   use asperity_input_text, only: check_text, line_end, quoted, read_text, text_start
@@ -35,14 +36,15 @@ module asperity_surface_csv
 contains
 
   !> Reads and checks a surface. With problems the table is not to be used.
-  subroutine read_surface_csv(path, table, problems, common_radius)
+  subroutine read_surface_csv(path, table, problems, common_radius, opened)
     character(len=*), intent(in) :: path                !! the file
     type(surface_table), intent(out) :: table           !! its numbers
     type(problem_list), intent(out) :: problems         !! all that is wrong
     real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
+    class(byte_reader), intent(inout), optional :: opened !! the file, at its first byte
     character(len=:), allocatable :: text
 
-    call read_text(path, 'comma-separated numbers', text, problems)
+    call read_text(path, 'comma-separated numbers', text, problems, opened)
     if (problems%count() == 0) call parse_surface_csv(path, text, table, problems, common_radius)
   end subroutine read_surface_csv
 

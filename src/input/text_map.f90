@@ -76,7 +76,7 @@ contains
         return
       end if
     end if
-    if (points) call read_points(file, layout, progress, map, problems, failure)
+    if (points) call read_points(file, layout, option, progress, map, problems, failure)
     map%own_spacing = points .or. .not. given
     if (problems%count() > 0 .or. allocated(failure)) return
     if (given .and. any(layout%extent > 0.0_real64)) call compare_extent()
@@ -262,9 +262,10 @@ contains
   end subroutine read_matrix
 
   ! Reads `x,y,z` lines, in any order.
-  subroutine read_points(file, layout, progress, map, problems, failure)
+  subroutine read_points(file, layout, option, progress, map, problems, failure)
     type(token_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
+    character(len=*), intent(in) :: option
     logical, intent(in) :: progress
     type(height_map), intent(inout) :: map
     type(problem_list), intent(inout) :: problems
@@ -283,7 +284,7 @@ contains
     call file%skip_to(layout%first_line)
     call file%next(ahead)
     do while (ahead%length > 0)
-      call next_point(file, layout, ahead, words, cells, values, good, power, problems)
+      call next_point(file, layout, option, ahead, words, cells, values, good, power, problems)
       ! Where the first line is none the file is of another kind: that is one mistake, not many.
       if (cells /= 3 .and. lines == 0_int64) return
       if (.not. good) cycle
@@ -317,7 +318,7 @@ contains
     call file%skip_to(layout%first_line)
     call file%next(ahead)
     do done = 1_int64, lines
-      call next_point(file, layout, ahead, words, cells, values, good, power, problems)
+      call next_point(file, layout, option, ahead, words, cells, values, good, power, problems)
       do i = 1, 2
         place(i) = 1 + nint((values(i) - along(i)%first) / map%spacing(i))
         if (abs(values(i) - along(i)%first - (place(i) - 1) * map%spacing(i)) > &
@@ -342,9 +343,10 @@ contains
   end subroutine read_points
 
   ! The line that begins with the word ahead, which becomes the first of the next line.
-  subroutine next_point(file, layout, ahead, words, cells, values, good, power, problems)
+  subroutine next_point(file, layout, option, ahead, words, cells, values, good, power, problems)
     type(token_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
+    character(len=*), intent(in) :: option
     type(token), intent(inout) :: ahead
     type(token), intent(out) :: words(3)
     integer, intent(out) :: cells
@@ -368,7 +370,7 @@ contains
       good = .false.
       call problems%add_at(line, words(1)%column, 'found ' // decimal_text(cells) // &
                            ' cells or an empty one, expected x,y,z; a matrix of heights needs ' // &
-                           'its spacing: --spacing X,Y, in a scene map_spacing')
+                           'its ' // option // ' along x and y')
       return
     end if
     do i = 1, 3

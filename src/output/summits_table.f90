@@ -1,5 +1,6 @@
 !> What `asperity summits` prints, and the surface that it writes.
 module asperity_summits_table
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_csv, only: csv_line
   use asperity_height_map, only: height_map, level_names, number_text
   use asperity_kinds, only: int64, real64
@@ -82,8 +83,8 @@ contains
       digits(2) = ''
       write (digits(1), '(es22.14e3)') value
       if (present(theory)) write (digits(2), '(es12.4e3)') theory
-      if (size(summits%x) == 0 .and. present(theory)) digits(1) = '-'
-      if (.not. found%alpha > 0.0_real64) digits(2) = ''
+      if (ieee_is_nan(value)) digits(1) = '-'
+      if (ieee_is_nan(found%alpha)) digits(2) = ''
       unit = ''
       if (power > 0) unit = map%unit
       if (power == 2 .and. map%unit /= '') unit = map%unit // '2'

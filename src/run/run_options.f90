@@ -3,10 +3,14 @@ module asperity_run_options
   use asperity_interruption, only: interruption
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
+  use asperity_problems, only: decimal_text, problem_list, real_text
   implicit none
   private
 
-  public :: run_options
+  public :: check_options, run_options
+
+  ! More threads than this are a slip.
+  integer, parameter :: most_threads = 9999
 
   !> The choices. As they stand: exact events in doubles, contacts kept, all cores, nothing shown.
   type :: run_options
@@ -26,5 +30,20 @@ module asperity_run_options
     type(kept_file), allocatable :: more_files(:)
     type(interruption) :: interrupt = interruption()  !! another thread can end the run, which fails
   end type run_options
+
+contains
+
+  !> Adds what is wrong with the choices that are numbers.
+  subroutine check_options(options, problems)
+    type(run_options), intent(in) :: options       !! any
+    type(problem_list), intent(inout) :: problems  !! a line for each
+
+    if (.not. (options%accuracy >= 0.0_real64 .and. options%accuracy < 1.0_real64)) &
+      call problems%add('accuracy: found ' // real_text(options%accuracy) // ', expected a ' // &
+                        'relative error of more than 0 and less than 1, or 0 for none')
+    if (options%threads < 0 .or. options%threads > most_threads) &
+      call problems%add('threads: found ' // decimal_text(options%threads) // ', expected a ' // &
+                        'number from 1 to ' // decimal_text(most_threads) // ', or 0 for all cores')
+  end subroutine check_options
 
 end module asperity_run_options

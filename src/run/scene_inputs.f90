@@ -16,8 +16,8 @@ module asperity_scene_inputs
 
 contains
 
-  !> Lists the files. The text of the scene is known, files of surfaces are read again: `failure` is
-  !> allocated when one cannot be.
+  !> Lists the files. The text of the scene is known, and the checksum of a surface that came through
+  !> a pipe; files of surfaces are read again: `failure` is allocated when one cannot be.
   subroutine list_inputs(scene_in, inputs, failure)
     type(scene), intent(in) :: scene_in                     !! read
     type(input_file), intent(out) :: inputs(3)              !! the scene, then its surfaces
@@ -29,13 +29,13 @@ contains
     inputs(1)%checksum = checksum(scene_in%text)
     inputs(2)%path = ''
     inputs(3)%path = ''
-    call add_file(scene_in%upper%file)
-    call add_file(scene_in%lower%file)
+    call add_file(scene_in%upper%file, scene_in%upper%checksum)
+    call add_file(scene_in%lower%file, scene_in%lower%checksum)
 
   contains
 
-    subroutine add_file(path)
-      character(len=*), intent(in) :: path
+    subroutine add_file(path, known)
+      character(len=*), intent(in) :: path, known
       character(len=:), allocatable :: text
       integer :: i
 
@@ -43,12 +43,12 @@ contains
       do i = 1, used
         if (same_name(path, inputs(i)%path)) return
       end do
-      call read_whole_file(path, text, failure)
-      if (allocated(failure)) return
-      if (len(text) == 0) failure = path // ': cannot be read again for its checksum'
       used = used + 1
       inputs(used)%path = path
-      inputs(used)%checksum = checksum(text)
+      inputs(used)%checksum = known
+      if (known /= '') return
+      call read_whole_file(path, text, failure)
+      if (.not. allocated(failure)) inputs(used)%checksum = checksum(text)
     end subroutine add_file
 
   end subroutine list_inputs

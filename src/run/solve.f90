@@ -6,7 +6,8 @@ module asperity_solve
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
-  use asperity_run_options, only: run_options
+  use asperity_problems, only: problem_list
+  use asperity_run_options, only: check_options, run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_off, scene
   use asperity_surface_solve, only: needs_doubles, solve_surfaces
@@ -26,9 +27,16 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(run_options), intent(in), optional :: options     !! absent: those of `run_options()`
     type(run_options) :: chosen
+    type(problem_list) :: problems
     !$ integer :: usual
 
     if (present(options)) chosen = options
+    call check_options(chosen, problems)
+    if (problems%count() > 0) then
+      failure = problems%text()
+      failure = failure(:len(failure) - 1)
+      return
+    end if
     ! A position by itself, or a map, may use the threads within.
     !$ usual = omp_get_max_threads()
     !$ if (chosen%threads > 0) call omp_set_num_threads(chosen%threads)

@@ -9,6 +9,7 @@
 !> the summits' means as in A. W. Bush, R. D. Gibson, G. P. Keogh, Mech. Res. Commun. 3 (1976) 169
 !> and J. I. McCool, Wear 107 (1986) 37. It holds for an isotropic Gaussian surface.
 module asperity_map_statistics
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use asperity_constants, only: pi
   use asperity_height_map, only: height_map, index_beside, is_measured
   use asperity_kinds, only: int64, real64
@@ -19,7 +20,7 @@ module asperity_map_statistics
   public :: map_statistics, measure_map
 
   !> What was measured. Lengths in the unit of the map. What needs summits or slopes that are not
-  !> there is 0.
+  !> there is NaN once the map is measured.
   type :: map_statistics
     integer(int64) :: samples = 0_int64         !! of the grid
     integer(int64) :: missing = 0_int64         !! of them not measured
@@ -50,6 +51,12 @@ contains
     real(real64) :: m2, m4
     integer :: number
 
+    associate (nan => ieee_value(0.0_real64, ieee_quiet_nan))
+      found = map_statistics(alpha=nan, density=nan, mean_height=nan, height_deviation=nan, &
+                             mean_curvature=nan, mean_radius=nan, expected_density=nan, &
+                             expected_height=nan, expected_deviation=nan, expected_curvature=nan, &
+                             m2=nan, m4=nan)
+    end associate
     call measure_moments(map, found)
     found%rms_height = sqrt(found%m0)
     found%rms_slope = sqrt(sum(found%m2))
@@ -61,6 +68,7 @@ contains
       found%mean_curvature = sum(1.0_real64 / summits%radius) / number
       found%mean_radius = sum(summits%radius) / number
     end if
+    if (any(ieee_is_nan([found%m2, found%m4]))) return
     m2 = 0.5_real64 * sum(found%m2)
     m4 = 0.5_real64 * sum(found%m4)
     if (.not. (m2 > 0.0_real64 .and. m4 > 0.0_real64)) return
@@ -112,8 +120,8 @@ contains
       found%m0 = found%m0 + row_sum
     end do
     found%m0 = found%m0 / real(measured, real64)
-    found%m2 = sums(1:2) / real(max(1_int64, numbers(1:2)), real64) / map%spacing**2
-    found%m4 = sums(3:4) / real(max(1_int64, numbers(3:4)), real64) / map%spacing**4
+    where (numbers(1:2) > 0_int64) found%m2 = sums(1:2) / real(numbers(1:2), real64) / map%spacing**2
+    where (numbers(3:4) > 0_int64) found%m4 = sums(3:4) / real(numbers(3:4), real64) / map%spacing**4
 
   contains
 

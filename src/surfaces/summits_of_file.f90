@@ -1,12 +1,15 @@
 !> From the file of a height map to its summits: read, put in a unit, levelled, outliers taken out.
 module asperity_summits_of_file
-  use asperity_height_map, only: change_unit, height_map, level_plane, usual_level
+  use asperity_height_map, only: change_unit, height_map, length_units, level_names, level_plane, &
+                                 usual_level
   use asperity_height_map_reader, only: read_height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
   use asperity_map_levelling, only: level_map
-  use asperity_map_summits, only: find_summits, map_summits, rule_eight, usual_radius
-  use asperity_problems, only: problem_list
+  use asperity_map_summits, only: find_summits, map_summits, rule_eight, rule_names, &
+                                  usual_radius
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_summit_spheres, only: radius_names
   implicit none
   private
 
@@ -22,6 +25,7 @@ module asperity_summits_of_file
     logical :: despike = .false.               !! take single outliers out
     real(real64) :: spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
     logical :: progress = .false.              !! tell how far it is, on a terminal
+    character(len=2) :: prefix = ''            !! of a choice's name in messages: `--`, or none
   end type summit_choices
 
 contains
@@ -40,20 +44,38 @@ contains
     spikes = -1_int64
     if (choices%level == 0) choices%level = usual_level(choices%periodic)
     if (choices%periodic .and. choices%level == level_plane) &
-      call problems%add('level: a periodic map without its plane would not be periodic: found ' // &
-                        'plane, expected mean or none')
-    call read_height_map(path, choices%spacing, choices%progress, map, problems, failure)
+      call problems%add(trim(choices%prefix) // 'level: a periodic map without its plane would ' // &
+                        'not be periodic: found plane, expected mean or none')
+    call check_choice('rule', choices%rule, 1, size(rule_names))
+    call check_choice('level', choices%level, 1, size(level_names))
+    call check_choice('radius', choices%radius, 0, size(radius_names))
+    call check_choice('unit', choices%unit, 0, size(length_units))
+    if (problems%count() > 0) return
+    call read_height_map(path, choices%spacing, choices%progress, map, problems, failure, &
+                         trim(choices%prefix) // 'spacing')
     if (problems%count() > 0 .or. allocated(failure)) return
     if (choices%unit > 0) then
       if (map%unit == '') then
-        call problems%add('--unit: ' // path // ' has no unit, expected none: its lengths are ' // &
-                          'written as they are')
+        call problems%add(trim(choices%prefix) // 'unit: ' // path // ' has no unit, ' // &
+                          'expected none: its lengths are written as they are')
         return
       end if
       call change_unit(map, choices%unit)
     end if
     call summits_of_samples(map, choices, summits, spikes, failure)
     if (allocated(failure)) failure = path // ': ' // failure
+
+  contains
+
+    subroutine check_choice(name, choice, least, most)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: choice, least, most
+
+      if (choice < least .or. choice > most) &
+        call problems%add(name // ': found ' // decimal_text(choice) // ', expected a number ' // &
+                          'from ' // decimal_text(least) // ' to ' // decimal_text(most))
+    end subroutine check_choice
+
   end subroutine summits_of_file
 
   !> The same of a map that was read: levels it and takes outliers out as chosen.

@@ -112,6 +112,103 @@ def test_deck_from_a_pipe(run, command):
     assert done.stdout.replace(b"/dev/stdin", b"t.deck") == expected
 
 
+CAPS = "x,y,height,radius\n" + "".join(
+    f"{i % 30},{i // 30},{0.001 * (i * 37 % 101):.3f},2\n" for i in range(300))
+HEIGHTS = "".join(" ".join(f"{0.01 * ((i * j * 37 + 11 * j) % 103):.2f}" for i in range(40)) + "\n"
+                  for j in range(40))
+
+
+def hand_over(writing, text, by_line):
+    """Writes a text at once, or slowly and line by line, and closes the pipe."""
+    with os.fdopen(writing, "wb", buffering=0) as pipe:
+        for part in text.splitlines(keepends=True) if by_line else [text]:
+            pipe.write(part.encode())
+            if by_line:
+                time.sleep(0.0005)
+
+
+@pytest.mark.parametrize("by_line", [False, True], ids=("block", "lines"))
+@pytest.mark.parametrize("side", ["upper", "lower"])
+@pytest.mark.parametrize("text", [CAPS, HEIGHTS], ids=("caps", "map"))
+@pytest.mark.parametrize("source", ["pipe", "/dev/stdin", "/dev/fd/N"])
+def test_surface_from_a_pipe(asperity, tmp_path, source, text, side, by_line):
+    """A surface or a map through a named pipe, standard input or a substituted process is whole:
+    the results are those of the file, and so is its checksum."""
+    def scene(path):
+        other = "lower" if side == "upper" else "upper"
+        spacing = ", map_spacing = 0.01, 0.01" if text == HEIGHTS else ""
+        return (f"&surfaces {side} = '{path}', {other} = 'plane'{spacing} / &material "
+                "contact_modulus = 1e3 / &loading control = 'load', value = 1e-3 / "
+                "&effects interaction = 'off' /\n")
+    (tmp_path / "file").write_text(text)
+    (tmp_path / "f.scene").write_text(scene("file"))
+    words = [asperity, "solve", "f.scene", "--quiet", "--json", "f.json", "--positions", "-",
+             "--html", "f.html"]
+    expected = subprocess.run(words, cwd=tmp_path, capture_output=True, timeout=60, check=True)
+    reading, writing = os.pipe()
+    (tmp_path / "f.scene").write_text(scene(source.replace("N", str(reading))))
+    if source == "pipe":
+        os.mkfifo(tmp_path / "pipe")
+        os.close(writing)
+        with subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE) as child:
+            # Waits for the reader.
+            hand_over(os.open(tmp_path / "pipe", os.O_WRONLY), text, by_line)
+            found = child.communicate(timeout=60)
+            status = child.returncode
+    else:
+        with subprocess.Popen(words, cwd=tmp_path, stdin=reading, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, pass_fds=[reading]) as child:
+            hand_over(writing, text, by_line)
+            found = child.communicate(timeout=60)
+            status = child.returncode
+    os.close(reading)
+    assert (status, found[0]) == (0, expected.stdout), found[1]
+    checksums = [re.findall(r'"checksum": "(\w+)"', (tmp_path / "f.json").read_text())]
+    (tmp_path / "f.scene").write_text(scene("file"))
+    subprocess.run(words, cwd=tmp_path, capture_output=True, timeout=60, check=True)
+    checksums.append(re.findall(r'"checksum": "(\w+)"', (tmp_path / "f.json").read_text()))
+    assert len(checksums[0]) == 2 and checksums[0][1] == checksums[1][1]
+
+
+def test_deck_of_a_scene_from_a_pipe(run, tmp_path):
+    (tmp_path / "d.scene").write_text("&surfaces deck = '/dev/stdin' /\n")
+    done = run("solve", "d.scene", "--json", "d.json", stdin=None, input=DECK.read_bytes())
+    assert done.returncode == 0
+    (tmp_path / "d.scene").write_text("&surfaces deck = 't.deck' /\n")
+    assert run("solve", "d.scene", "--json", "e.json").returncode == 0
+    [[_, piped], [_, read]] = [re.findall(r'"checksum": "(\w+)"', (tmp_path / name).read_text())
+                               for name in ("d.json", "e.json")]
+    assert piped == read
+
+
+def test_one_pipe_for_two_surfaces(run, tmp_path):
+    """It gives its bytes once: what cannot be read whole is refused."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "again").symlink_to("pipe")
+    for lower in ("pipe", "again"):
+        (tmp_path / "two.scene").write_text(f"&surfaces upper = 'pipe', lower = '{lower}' /\n")
+        writer = threading.Thread(target=(tmp_path / "pipe").write_text, args=[CAPS])
+        writer.start()
+        done = run("solve", "two.scene", timeout=20)
+        writer.join(20)
+        assert done.returncode == 2
+        assert f"two.scene:1:27: lower: found '{lower}', the pipe of upper" in done.stderr.decode()
+    (tmp_path / "two.scene").write_text("&surfaces upper = '/dev/stdin', lower = '/dev/fd/0' /\n")
+    done = run("solve", "two.scene", stdin=None, input=CAPS.encode(), timeout=20)
+    assert done.returncode == 2
+
+
+def test_no_file_beside_a_map(run, tmp_path):
+    (tmp_path / "m.txt").write_text(HEIGHTS)
+    (tmp_path / "m.scene").write_text(
+        "&surfaces upper = 'm.txt', lower = 'none.txt', map_spacing = 1., 1. / "
+        "&material contact_modulus = 1. / &loading control = 'load', value = 1. /\n")
+    done = run("solve", "m.scene")
+    assert one_line(done) == ("none.txt:1:1: cannot be opened: No such file or directory, "
+                              "expected a map")
+
+
 def test_endless_input(run):
     done = run("/dev/zero", timeout=20)
     assert done.returncode == 2

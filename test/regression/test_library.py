@@ -171,6 +171,6 @@ def test_project_outside(asperity, tmp_path):
     first, rest = re.search(r"^(0 F [^\n]*)\n(.*)", done.stdout, re.M | re.S).groups()
     expected = 4 / 3 * 2e5 / (2 * (1 - 0.3**2)) * np.sqrt(0.5) * 0.01**1.5
     assert float(first.split()[2]) == pytest.approx(expected, rel=1e-14)
-    assert "upper surface: found 1 x, 2 y, 1 heights and 1 radii" in rest
-    assert "lower surface: found radius(1), expected more than 0" in rest
+    assert "upper: found 1 x, 2 y, 1 heights and 1 radii" in rest
+    assert "lower.radius: found -1.000000E+000 as number 1 of 1, expected a finite number more than 0" in rest
     assert "found &surfaces beside surfaces that are given as arrays" in rest

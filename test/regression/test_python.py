@@ -1,7 +1,6 @@
 """The Python package and the C interface: built from the checkout as a user does it, and used."""
 
 import csv
-import importlib
 import json
 import math
 import os
@@ -26,33 +25,6 @@ BALL = [(0.1, 0.1, 0.01, 10.0)]
 STEEL = {"elastic_modulus": (210e3, 70e3), "poisson_ratio": (0.3, 0.33)}
 CURVE = {"control": "load", "value": 25.0, "points": 5}
 FILES = {"positions": "--positions", "states": "--curve", "contacts": "--contacts"}
-
-
-@pytest.fixture(scope="module")
-def venv(tmp_path_factory):
-    """A fresh venv with the package and nothing else: pip install ./python, without a network."""
-    build("release")
-    start = time.monotonic()
-    folder = tmp_path_factory.mktemp("venv")
-    path = os.pathsep.join((str(ROOT / ".venv" / "bin"), os.environ["PATH"]))
-    for command in ([sys.executable, "-m", "venv", folder],
-                    [folder / "bin" / "pip", "install", "-q", "--no-index",
-                     "--disable-pip-version-check", "./python"]):
-        done = subprocess.run(command, cwd=ROOT, env={**os.environ, "PATH": path},
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=500)
-        assert done.returncode == 0, done.stdout + done.stderr
-    print(f"pip install ./python: {time.monotonic() - start:.1f} s")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def package(venv):
-    """The package in this process, which has numpy."""
-    sys.path.insert(0, str(next(venv.glob("lib/python*/site-packages"))))
-    try:
-        yield importlib.import_module("asperity")
-    finally:
-        sys.path.pop(0)
 
 
 def run(venv, *words, cwd=ROOT, timeout=100):
@@ -203,7 +175,7 @@ def test_generate(package, tmp_path):
 # ---------------------------------------------------------------- arrays
 
 def test_arrays_without_a_copy(package):
-    """What numpy takes is the library's memory, which stays as long as anybody looks at it."""
+    """What numpy takes is the table's memory, which stays as long as anything refers to it."""
     results = package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE))
     column = np.asarray(results.states["load"])
     again = np.asarray(results.states["load"])
@@ -269,12 +241,13 @@ def test_problems(package, tmp_path):
 
 
 @pytest.mark.parametrize("change, told", [
-    ({"upper": {"x": [0.0]}}, "upper surface: found no y, height, radius"),
+    ({"upper": {"x": [0.0]}}, "surfaces.upper: found no y, height, radius"),
     ({"upper": {**dict.fromkeys("xy", [0.0]), "height": [0.0, 1.0], "radius": 1.0}},
-     "upper surface: found 1 x, 1 y, 2 heights and 1 radii"),
+     "surfaces.upper: found 1 x, 1 y, 2 heights and 1 radii"),
     ({"upper": {**dict.fromkeys("xy", []), "height": [], "radius": 1.0}}, "at least one asperity"),
-    ({"upper": {**dict.fromkeys("xy", [0.0]), "height": [math.nan], "radius": 1.0}}, "not finite"),
-    ({"upper": "u.csv"}, "upper surface: found 'u.csv' beside a surface of arrays"),
+    ({"upper": {**dict.fromkeys("xy", [0.0]), "height": [math.nan], "radius": 1.0}},
+     "surfaces.upper.height: found NaN as number 1 of 1, expected a finite number"),
+    ({"upper": "u.csv"}, "surfaces.upper: found 'u.csv' beside a surface of arrays"),
     ({"lower": "plane", "upper": "plane"}, "two planes")])
 def test_bad_surfaces(package, change, told):
     scene = scene_as_dict(BALL, BUMPS, loading=CURVE)

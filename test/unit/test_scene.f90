@@ -2,9 +2,15 @@
 !>
 !> In the texts of these tests a `|` stands for a line end.
 module asperity_test_scene
-  use asperity_decimal, only: decimal_numeral, decimal_to_real64, decimal_value
-  use asperity_kinds, only: int64, real128, real64
-  use asperity_numeral, only: decimal_sum, read_numeral
+  use asperity_byte_reader, only: byte_reader
+  use asperity_decimal, only: decimal_numeral, decimal_order, decimal_to_real64, decimal_value, &
+                              exact_double
+  use asperity_hex32, only: operator(==)
+  use asperity_kinds, only: int64, real128, real32, real64
+  use asperity_numbers_ibm370, only: double_ibm370 => from_real64, number_ibm370 => decimal_number
+  use asperity_numbers_real128, only: number_128 => decimal_number
+  use asperity_numbers_real32, only: number_32 => decimal_number
+  use asperity_numeral, only: decimal_sum, read_double_numeral, read_numeral
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: parse_scene, read_scene
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
@@ -37,6 +43,7 @@ contains
             new_unittest('numbers are read exactly', test_numerals), &
             new_unittest('what is no number is refused', test_bad_numerals), &
             new_unittest('quick conversion equals the library''s', test_decimal_to_real64), &
+            new_unittest('doubles are kept exactly', test_doubles), &
             new_unittest('sums of decimals', test_decimal_sum), &
             new_unittest('a deck in a scene, and the defaults', test_deck_defaults), &
             new_unittest('a deck in the place of a scene', test_bare_deck), &
@@ -53,6 +60,8 @@ contains
             new_unittest('effects', test_effects), &
             new_unittest('all problems of all files are told', test_all_problems), &
             new_unittest('files that cannot be read', test_unreadable), &
+            new_unittest('a file that changes while it is read', test_changing_file), &
+            new_unittest('true and false', test_true_and_false), &
             new_unittest('good surface files', test_good_csv), &
             new_unittest('long surface files', test_long_csv), &
             new_unittest('bad surface files', test_bad_csv), &
@@ -107,6 +116,98 @@ contains
       call check(error, .not. good, '"' // trim(bad(i)) // '" was taken for a number')
     end do
   end subroutine test_bad_numerals
+
+  !> A number with `_real64` is the double nearest to it, to the last bit, in every arithmetic.
+  subroutine test_doubles(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=24), parameter :: numbers(*) = [character(len=24) :: '0.1', '-0.3', '20.', &
+      '-0.', '9999999.999983', '1e300', '-1.7976931348623157e308', '2.2250738585072014e-308', &
+      '4503599627370497.5', '9007199254740993', '123456789012345678901', '1e-30', '5e22', '1e-12']
+    character(len=12), parameter :: bad(*) = [character(len=12) :: 'nan_real64', 'inf_real64', &
+      '_real64', '1_real6', '1_real641', '1_real32', '1e400_real64']
+    type(decimal_value) :: value
+    character(len=24) :: numeral
+    real(real64) :: double
+    logical :: good
+    integer :: i
+
+    do i = 1, size(numbers)
+      numeral = numbers(i)
+      read (numeral, *) double
+      call read_double_numeral(trim(numbers(i)) // '_real64', value, good)
+      call check(error, good, trim(numbers(i)) // ' was refused')
+      call check(error, abs(decimal_to_real64(value) - double) <= 0, trim(numbers(i)) // ', double')
+      call check(error, abs(number_128(value) - double) <= 0, trim(numbers(i)) // ' in real128')
+      if (abs(double) < 1e38_real64 .and. abs(double) > 1e-37_real64) &
+        call check(error, abs(number_32(value) - real(double, real32)) <= 0, &
+                   trim(numbers(i)) // ' in real32')
+      if (abs(double) < 1e70_real64) &
+        call check(error, number_ibm370(value) == double_ibm370(double), &
+                   trim(numbers(i)) // ' in ibm370')
+    end do
+    do i = 1, size(bad)
+      call read_double_numeral(trim(bad(i)), value, good)
+      call check(error, .not. good, trim(bad(i)) // ' was taken for a number')
+    end do
+    call check(error, decimal_order(exact_double(0.1_real64)), 0, 'order of 0.1')
+    call check(error, decimal_order(exact_double(1234.5_real64)), 4, 'order of 1234.5')
+  end subroutine test_doubles
+
+  !> What was cut or has grown since it was opened is not taken for the whole file.
+  subroutine test_changing_file(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=*), parameter :: path = 'build/changing.txt'
+    character(len=:), allocatable :: text
+    type(byte_reader) :: file
+    integer :: change
+
+    do change = -1, 1
+      call write_lines(20000)
+      call file%open(path)
+      call write_lines(20000 + 10000 * change)
+      call file%take_whole(text)
+      call file%close()
+      if (change == 0) then
+        call check(error, .not. allocated(file%failure), 'a file was refused')
+        call check(error, len(text), 200000, 'length of a file')
+      else
+        call check(error, allocated(file%failure), 'a part of a file was taken for the whole')
+      end if
+    end do
+
+  contains
+
+    subroutine write_lines(number)
+      integer, intent(in) :: number
+      integer :: unit
+
+      open (newunit=unit, file=path, status='replace', action='write', access='stream')
+      write (unit) repeat('123456789' // new_line('a'), number)
+      close (unit)
+    end subroutine write_lines
+
+  end subroutine test_changing_file
+
+  !> They stand for on and off, and for nothing else.
+  subroutine test_true_and_false(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=*), parameter :: rest = ', plastic_yield_stress = 1. /'
+    character(len=7), parameter :: words(4) = [character(len=7) :: '.true.', 'True', '.FALSE.', &
+                                               'false']
+    type(scene) :: found
+    type(problem_list) :: problems
+    integer :: i
+
+    do i = 1, size(words)
+      call parse_scene(place, deck // '&effects plasticity = ' // trim(words(i)) // rest, found, &
+                       problems)
+      call check(error, problems%text(), '', trim(words(i)))
+      call check(error, (found%effects%mode('plasticity') /= effect_off) .eqv. i < 3, words(i))
+    end do
+    call parse_scene(place, deck // '&effects tolerance = True /', found, problems)
+    call check(error, problems%text(), place // ':1:60: tolerance: found ''True'', expected a ' // &
+               'number more than 0 and less than 1' // new_line('a'), 'a number')
+  end subroutine test_true_and_false
 
   !> Digits of all lengths, all exponents on either side of the quick range, and what is nearest to
   !> the middle of two doubles, as the library reads them: it rounds correctly.

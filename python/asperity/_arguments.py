@@ -1,0 +1,280 @@
+"""Arguments of Python as the library takes them. What it could not take is refused by its name.
+
+The ranges of numbers are checked by the library itself, for all languages.
+"""
+
+from __future__ import annotations
+
+import difflib
+import operator
+import os
+import re
+import reprlib
+from array import array
+from collections.abc import Mapping
+from ctypes import POINTER, byref, c_double, cast
+
+from ._library import InputError, Problem, Surface
+
+COLUMNS = ("x", "y", "height", "radius")
+INT = range(-2**31, 2**31)  #: C's int
+A_PATH = "a path"
+# Behind a number in the text of a scene: the double itself is meant, not a decimal.
+DOUBLE = "_real64"
+PLAIN = (bool, int, float, complex, str, bytes, type(None))
+
+
+def wrong(name: str, found: str, expected: str) -> InputError:
+    """The error for a value that is refused."""
+    return InputError([Problem(None, None, None, f"{name}: found {found}, expected {expected}")])
+
+
+def wrong_type(name: str, value, expected: str) -> TypeError:
+    """The error for a value of a type that is refused."""
+    return TypeError(f"{name}: found {shown(value)}, expected {expected}")
+
+
+def shown(value) -> str:
+    """A value for a message; of a large one its type."""
+    try:
+        return reprlib.repr(value) if isinstance(value, PLAIN) else f"a {type(value).__name__}"
+    except ValueError:  # an int of thousands of digits
+        return f"a large {type(value).__name__}"
+
+
+def is_text(value) -> bool:
+    return isinstance(value, (str, bytes, os.PathLike))
+
+
+def path(name: str, value, expected: str = A_PATH) -> bytes:
+    """A path, or any other text, as the system has it."""
+    try:
+        coded = os.fsencode(value)
+    except TypeError:
+        raise wrong_type(name, value, expected) from None
+    except UnicodeEncodeError:
+        raise wrong(name, ascii(value), f"{expected} that the system can encode") from None
+    if b"\0" in coded:
+        raise wrong(name, shown(os.fspath(value)), f"{expected} without null characters")
+    return coded
+
+
+def word(name: str, value) -> bytes:
+    value = unwrapped(name, value)
+    if not isinstance(value, str):
+        raise wrong_type(name, value, "a word")
+    return path(name, value, "a word")
+
+
+def unwrapped(name: str, value):
+    """What is in an array without dimensions, or in a scalar of numpy; else the value itself."""
+    if getattr(value, "shape", None) != () or not hasattr(value, "item"):
+        return value
+    refuse_mask(name, value)
+    return value.item()
+
+
+def refuse_mask(name: str, values):
+    is_any_masked = getattr(getattr(values, "mask", None), "any", None)
+    if is_any_masked is not None and is_any_masked():
+        raise wrong(name, "a masked value", "none: leave out what is masked")
+
+
+def number(name: str, value, expected: str = "a number") -> float:
+    value = unwrapped(name, value)
+    if isinstance(value, (bool, complex)) or getattr(value, "ndim", 0) or not (
+            hasattr(type(value), "__float__") or hasattr(type(value), "__index__")):
+        raise wrong_type(name, value, expected)
+    try:
+        return float(value)
+    except TypeError:
+        raise wrong_type(name, value, expected) from None
+    except (OverflowError, ValueError):
+        raise wrong(name, shown(value), f"{expected} within the range of a double") from None
+
+
+def whole(name: str, value, expected: str) -> int:
+    """A whole number that C's int can hold."""
+    value = unwrapped(name, value)
+    try:
+        found = operator.index(value)
+    except TypeError:
+        raise wrong_type(name, value, expected) from None
+    if isinstance(value, bool):
+        raise wrong_type(name, value, expected)
+    if found not in INT:
+        raise wrong(name, shown(found), expected)
+    return found
+
+
+def flag(name: str, value) -> bool:
+    value = unwrapped(name, value)
+    if not isinstance(value, int) or value not in (0, 1):
+        raise wrong_type(name, value, "True or False")
+    return bool(value)
+
+
+def several(name: str, values, expected: str) -> list:
+    """The members of a sequence, in their order."""
+    refuse_mask(name, values)
+    if values is None or is_text(values) or isinstance(values, (bytearray, Mapping, set, frozenset)):
+        raise wrong_type(name, values, expected)
+    try:
+        return list(values)
+    except TypeError:
+        raise wrong_type(name, values, expected) from None
+
+
+def doubles(name: str, values):
+    """An array of C's doubles: in the memory of what has a writable buffer of them, else a copy."""
+    expected = "numbers, an array of one dimension"
+    if hasattr(type(values), "__array__"):
+        refuse_mask(name, values)
+        try:
+            import numpy
+            cells = numpy.asarray(values)
+        except (ImportError, TypeError, ValueError):
+            raise wrong_type(name, values, expected) from None
+        if cells.ndim > 1:
+            raise wrong(name, f"{cells.ndim} dimensions", expected)
+        if cells.dtype.kind not in "fiuO":
+            raise TypeError(f"{name}: found an array of {cells.dtype}, expected {expected}")
+        values = cells.reshape(-1)
+        if cells.dtype.kind != "O":
+            values = numpy.require(values, numpy.float64, ("C", "W", "A")).data
+    try:
+        view = memoryview(values)
+    except TypeError:
+        view = None
+    if isinstance(values, (bytes, bytearray)) or view is None or view.format != "d" or \
+            view.ndim != 1 or not view.c_contiguous:
+        if hasattr(type(values), "__float__") and not hasattr(type(values), "__iter__"):
+            values = (values,)
+        members = several(name, values, expected)
+        try:
+            if not set(map(type, members)) <= {float, int}:
+                raise OverflowError
+            view = memoryview(array("d", members))
+        except OverflowError:
+            view = memoryview(array("d", [
+                number(f"{name}[{i}]", value) for i, value in enumerate(members)]))
+    elif view.readonly:
+        view = memoryview(array("d", bytes(view)))
+    return (c_double * len(view)).from_buffer(view) if len(view) else (c_double * 0)()
+
+
+def pair(name: str, values):
+    """Two numbers, along x and y."""
+    found = doubles(name, values)
+    if len(found) != 2:
+        raise wrong(name, f"{len(found)} numbers", "two numbers, along x and y")
+    return tuple(found)
+
+
+def surfaces(groups: Mapping):
+    """The group `surfaces` of a scene, without its arrays, and the two surfaces that they are, for
+    C; none where both are files."""
+    given = groups.get("surfaces")
+    if not isinstance(given, Mapping):
+        return groups, (None, None)
+    sides = {side: value for side, value in given.items() if side in ("upper", "lower")}
+    if all(map(is_text, sides.values())):
+        return groups, (None, None)
+    others = {name: value for name, value in given.items() if name not in sides}
+    rest = {**groups, "surfaces": others}
+    if not others:
+        del rest["surfaces"]
+    return rest, tuple(byref(_surface(f"surfaces.{side}", sides.get(side)))
+                       for side in ("upper", "lower"))
+
+
+def _surface(name: str, columns) -> Surface:
+    """One surface for the library, which reads the arrays where they are."""
+    if is_text(columns):
+        file = os.fsdecode(path(name, columns))
+        if file == "plane":
+            return Surface()
+        raise wrong(name, f"{shown(file)} beside a surface of arrays", "arrays or 'plane'")
+    known = getattr(getattr(columns, "dtype", None), "names", None)
+    if known is None and hasattr(type(columns), "keys"):
+        known = [key for key in columns.keys() if isinstance(key, str)]
+    if known is None:
+        raise wrong_type(name, columns, "a path, 'plane', or a mapping with x, y, height and radius")
+    missing = [column for column in COLUMNS if column not in known]
+    if missing:
+        near = [(column, match) for column in missing for match in
+                difflib.get_close_matches(column, set(known).difference(COLUMNS), 1)]
+        raise wrong(name, f"no {', '.join(missing)}", "x, y, height and radius" + "".join(
+            f"; did you mean {column!r} by {match!r}?" for column, match in near[:1]))
+    x, y, height, radius = (doubles(f"{name}.{column}", columns[column]) for column in COLUMNS)
+    count = len(x)
+    if count == 0 or {len(y), len(height)} != {count} or len(radius) not in (1, count):
+        raise wrong(name, f"{count} x, {len(y)} y, {len(height)} heights and {len(radius)} radii",
+                    "as many of each, or one radius, and at least one asperity")
+    return Surface(count, len(radius), *(cast(cells, POINTER(c_double))
+                                         for cells in (x, y, height, radius)))
+
+
+class Groups:
+    """Groups as a scene file has them, one a line, and what stands where in it."""
+
+    def __init__(self, kind: str, groups: Mapping, suffix: str = ""):
+        self.kind = kind
+        self.text = b""
+        self._places: list[tuple[str, list[tuple[int, str]]]] = []
+        for group, names in groups.items():
+            self._check_name(kind, group)
+            if not isinstance(names, Mapping):
+                raise wrong_type(group, names, "a dict of names and values")
+            line, places = f"&{group} ".encode(), []
+            for name, value in names.items():
+                self._check_name(group, name)
+                places.append((len(line) + 1, name))
+                line += f"{name} = ".encode() + _values(f"{group}.{name}", value, suffix) + b", "
+            self.text += line.removesuffix(b", ") + b" /\n"
+            self._places.append((group, places))
+
+    @staticmethod
+    def _check_name(where: str, name):
+        if not isinstance(name, str):
+            raise wrong_type(where, name, "a text as a name")
+        if not re.fullmatch(r"[a-zA-Z_]\w*", name, re.ASCII):
+            raise wrong(where, shown(name), "a name of letters, digits and _")
+
+    def named(self, problem: Problem) -> Problem:
+        """A problem with the group and name it is of, in place of a line and column."""
+        if problem.file != self.kind or problem.line is None:
+            return problem
+        text, where = problem.text, self.kind
+        if problem.line <= len(self._places):
+            where, places = self._places[problem.line - 1]
+            names = [name for column, name in places if column <= problem.column]
+            other = re.search(r"&(\w+)", text)
+            if names:
+                text = text.removeprefix(f"{names[-1].lower()}: ")
+                where = f"{where}.{names[-1]}"
+            elif other:
+                where = other[1]
+        return Problem(None, None, None, f"{where}: {text}")
+
+
+def _values(name: str, value, suffix: str) -> bytes:
+    """The values of a name as a scene file has them."""
+    if is_text(value) or not hasattr(type(value), "__iter__") or getattr(value, "shape", 1) == ():
+        return _value(name, value, suffix)
+    expected = "a number, a text, or several in one row"
+    return b", ".join(_value(name, one, suffix) for one in several(name, value, expected))
+
+
+def _value(name: str, value, suffix: str) -> bytes:
+    value = unwrapped(name, value)
+    if is_text(value):
+        coded = path(name, value, "a text")
+        if re.search(rb"[\0-\x1f\x7f]", coded):
+            raise wrong(name, shown(os.fsdecode(coded)), "a text without control characters")
+        return b"'" + coded.replace(b"'", b"''") + b"'"
+    if isinstance(value, bool):
+        return str(value).encode()
+    if hasattr(type(value), "__index__") and abs(operator.index(value)) < 10**18:
+        return str(operator.index(value)).encode()
+    return (repr(number(name, value, "a number or a text")) + suffix).encode()

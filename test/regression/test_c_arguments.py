@@ -1,0 +1,159 @@
+"""What C gives the library: null pointers, counts and numbers out of range, under valgrind."""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+from builds import ROOT
+
+pytestmark = pytest.mark.once
+
+PROGRAM = r"""
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "asperity.h"
+
+static int wrong = 0;
+
+/* An outcome must have this status, and say this. */
+static asperity_outcome *expect(int status, const char *text, asperity_outcome *outcome)
+{
+  int text_number = status == ASPERITY_BAD_INPUT ? ASPERITY_PROBLEMS : ASPERITY_FAILURE;
+  const char *found = asperity_text(outcome, text_number);
+  if (asperity_status(outcome) != status || !strstr(found, text)) {
+    printf("line of '%s': status %d, %s\n", text, asperity_status(outcome), found);
+    wrong++;
+  }
+  return outcome;
+}
+
+static void refused(const char *text, asperity_outcome *outcome)
+{
+  asperity_free(expect(ASPERITY_BAD_INPUT, text, outcome));
+}
+
+#define GROUPS "&material contact_modulus = 1e3 / &loading control = 'load', value = 1. /"
+
+static void surface(const char *text, int count, int radii, const double *x, const double *y,
+                    const double *height, const double *radius)
+{
+  const asperity_surface bad = {count, radii, x, y, height, radius}, plane = {0, 0, 0, 0, 0, 0};
+  asperity_outcome *scene = expect(ASPERITY_BAD_INPUT, text,
+                                   asperity_build_scene(GROUPS, &bad, &plane));
+  refused(text, asperity_solve_scene(scene, NULL));
+  asperity_free(scene);
+}
+
+static void option(const char *text, const asperity_outcome *scene, double accuracy, int threads,
+                   const char *arithmetic)
+{
+  const asperity_options options = {arithmetic, accuracy, 0, threads, NULL};
+  refused(text, asperity_solve_scene(scene, &options));
+}
+
+static void map(const char *text, const char *path, double along_x, double along_y)
+{
+  asperity_summits_options options = {NULL, NULL, NULL, NULL, {along_x, along_y}, 0};
+  refused(text, asperity_summits(path, &options));
+}
+
+int main(int words, char **word)
+{
+  const double x[] = {0., 1.}, y[] = {0., 0.}, z[] = {.1, .1}, r[] = {1., 1.};
+  const double high[] = {.1, 2.}, flat[] = {1., 0.}, endless[] = {1., INFINITY}, none[] = {0., NAN};
+  const asperity_surface good = {2, 2, x, y, z, r}, plane = {0, 0, NULL, NULL, NULL, NULL};
+  const int tables[] = {13, 101};
+  asperity_problem problem = {NULL, 0, 0, NULL};
+  (void)words;
+
+  refused("scene: found NULL, expected a path", asperity_read_scene(NULL));
+  refused("scene: found an empty text", asperity_read_scene(""));
+  refused("groups: found NULL, expected a text", asperity_build_scene(NULL, NULL, NULL));
+  refused("groups: found NULL, expected a text", asperity_build_scene(NULL, &good, &plane));
+  refused("surfaces.lower: found NULL", asperity_build_scene(GROUPS, &good, NULL));
+  refused("surfaces.upper: found NULL", asperity_build_scene(GROUPS, NULL, &good));
+  refused("found two planes", asperity_build_scene(GROUPS, &plane, &plane));
+  surface("surfaces.upper.x: found NULL, expected numbers", 2, 2, NULL, y, z, r);
+  surface("surfaces.upper.y: found NULL, expected numbers", 2, 2, x, NULL, z, r);
+  surface("surfaces.upper.height: found NULL, expected numbers", 2, 2, x, y, NULL, r);
+  surface("surfaces.upper.radius: found NULL, expected numbers", 2, 1, x, y, z, NULL);
+  surface("surfaces.upper.radius: found NULL, expected numbers", 2, 2, NULL, NULL, NULL, NULL);
+  surface("surfaces.upper.count: found -1, expected 0 for a plane", -1, 1, x, y, z, r);
+  surface("surfaces.upper.radii: found 3, expected 1 or 2", 2, 3, x, y, z, r);
+  surface("surfaces.upper.radii: found 0, expected 1 or 2", 2, 0, x, y, z, r);
+  surface("surfaces.upper.radii: found -7, expected 1 or 2", 2, -7, x, y, z, r);
+  surface("surfaces.upper.x: found Infinity as number 2 of 2, expected a f", 2, 2, endless, y, z, r);
+  surface("surfaces.upper.y: found NaN as number 2 of 2, expected a finite", 2, 2, x, none, z, r);
+  surface("surfaces.upper.radius: found 0.", 2, 2, x, y, z, flat);
+  surface("surfaces.upper.radius: found Infinity", 2, 2, x, y, z, endless);
+  surface("surfaces.upper.height: found 2.000000E+000 as number 2 of 2, expected less than twice",
+          2, 2, x, y, high, r);
+
+  asperity_outcome *scene = asperity_build_scene(GROUPS, &good, &plane);
+  option("accuracy: found NaN, expected a relative error", scene, NAN, 0, NULL);
+  option("accuracy: found Infinity, expected", scene, INFINITY, 0, NULL);
+  option("accuracy: found -1.", scene, -1., 0, NULL);
+  option("accuracy: found 1.", scene, 1., 0, NULL);
+  option("threads: found -1, expected a number from 1 to 9999", scene, 0., -1, NULL);
+  option("threads: found 10000, expected", scene, 0., 10000, NULL);
+  option("arithmetic: found real16, expected one of", scene, 0., 0, "real16");
+  option("arithmetic: found , expected one of", scene, 0., 0, "");
+  asperity_outcome *solved = expect(ASPERITY_DONE, "", asperity_solve_scene(scene, NULL));
+  asperity_free(expect(ASPERITY_NOT_COMPUTED, "no scene", asperity_solve_scene(NULL, NULL)));
+  asperity_free(expect(ASPERITY_NOT_COMPUTED, "no scene", asperity_solve_scene(solved, NULL)));
+
+  refused("deck: found NULL, expected a path", asperity_make_report(NULL, NULL, NULL, 0));
+  refused("tables: found 101, expected positions", asperity_make_report(word[1], NULL, tables, 2));
+  refused("number: found -1, expected 0 or more", asperity_make_report(word[1], NULL, tables, -1));
+  refused("map: found NULL, expected a path", asperity_summits(NULL, NULL));
+  map("spacing: found Infinity, 1.", word[2], INFINITY, 1.);
+  map("spacing: found NaN, 1.", word[2], NAN, 1.);
+  map("spacing: found 1.000000E-160, 1.", word[2], 1e-160, 1e-160);
+  map("spacing: found 1.000000E+031, 1.", word[2], 1e31, 1.);
+  map("spacing: found -1.", word[2], -1., 1.);
+  map("spacing: found 0.", word[2], 0., 1.);
+  refused("specification: found NULL, expected a path", asperity_generate(NULL, NULL, 1));
+  refused("surface: found 0, which is not in the ensemble", asperity_generate(
+    NULL, "&surfaces number = 9, length = 1., width = 1. / &heights mean = 1., deviation = 1. /"
+    "&radii mean = 9. /", 0));
+
+  /* What looks at an outcome. */
+  asperity_get_problem(scene, 0, NULL);
+  asperity_get_problem(NULL, -1, &problem);
+  if (!problem.file || !problem.text || *problem.file || *problem.text) wrong++;
+  for (int which = -1; which < 9; which++) {
+    if (!asperity_text(NULL, which) || !asperity_text(solved, which)) wrong++;
+    if (asperity_rows(NULL, which) || asperity_columns(NULL, which)) wrong++;
+    if (asperity_column(NULL, which, 0) || asperity_column(solved, which, -1)) wrong++;
+    if (asperity_column_name(solved, which, 1000) || asperity_column(solved, which, 1000)) wrong++;
+  }
+  if (asperity_problem_count(NULL)) wrong++;
+  asperity_free(NULL);
+  asperity_free(solved);
+  asperity_free(scene);
+  return wrong;
+}
+"""
+
+
+def test_bad_arguments_under_valgrind(venv, tmp_path):
+    """Each is refused with a status and a text that names it; nothing that is not there is read,
+    and nothing is left over."""
+    library = next(venv.glob("lib/python*/site-packages/asperity"))
+    (tmp_path / "a.c").write_text(PROGRAM)
+    subprocess.run(["gcc", "-std=c99", "-g", "-Wall", "-Wextra", "-Werror", "-I", ROOT / "include",
+                    "a.c", "-o", "a", "-L", library, "-lasperity", f"-Wl,-rpath,{library}"],
+                   cwd=tmp_path, check=True, timeout=100)
+    (tmp_path / "m.txt").write_text("0 1 0\n1 3 1\n0 1 0\n")
+    words = [tmp_path / "a", ROOT / "data/thesis.deck", tmp_path / "m.txt"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0 and done.stdout == done.stderr == "", done.stdout + done.stderr
+    if not shutil.which("valgrind"):
+        pytest.skip("no valgrind here (bash .ci/setup trouble)")
+    done = subprocess.run(["valgrind", "-q", "--error-exitcode=99", "--leak-check=full",
+                           "--errors-for-leak-kinds=definite,indirect", *words],
+                          env={**os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True,
+                          text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
