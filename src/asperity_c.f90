@@ -327,7 +327,8 @@ contains
         call read_generation_spec(text_of(path), spec, new%problems)
     end if
     if (new%problems%count() == 0 .and. (member < 1 .or. member > spec%ensemble)) &
-      call new%problems%add('surface: found ' // decimal_text(member) // ', which is not in the ' // &
+      call new%problems%add('surface: found ' // decimal_text(member) // &
+                            ', which is not in the ' // &
                             'ensemble of ' // spec%file // ', expected a number from 1 to ' // &
                             decimal_text(spec%ensemble))
     do side = 1, 2

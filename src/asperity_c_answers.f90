@@ -1,6 +1,7 @@
 !> What C looks at in an outcome of a call: its status, texts, problems, tables; and its end.
 module asperity_c_answers
-  use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_char, c_int, c_loc, &
+                                         c_null_char, c_null_ptr, c_ptr
   use asperity, only: version
   use asperity_c_outcome, only: has_column, look_at, not_computed, outcome, text_failure, texts, &
                                 type_double, type_int, type_word

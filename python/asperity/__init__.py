@@ -87,8 +87,8 @@ def solve(scene: Path | Mapping[str, Mapping], *, arithmetic: str = "real64",
     threads: 0: all cores; at most 9999. The results are the same for any number.
 
     Raises InputError with all that is wrong with the scene or an argument, TypeError for a value of
-    a type that cannot be taken, and ComputeError when the scene cannot be solved. Each names what is
-    wrong as it was given, as in `surfaces.upper.height`. What lies outside a theory is a
+    a type that cannot be taken, and ComputeError when the scene cannot be solved. Each names what
+    is wrong as it was given, as in `surfaces.upper.height`. What lies outside a theory is a
     TheoryWarning. Ctrl-C works.
     """
     interrupt = c_int(0)
@@ -119,7 +119,8 @@ def report(deck: Path, arithmetic: str = "ibm370",
     Raises InputError for a bad deck, ComputeError where the original would have gone astray.
     """
     expected = "positions from 1 to 100"
-    positions = [_a.whole("tables", one, expected) for one in _a.several("tables", tables, expected)]
+    positions = [_a.whole("tables", one, expected)
+                 for one in _a.several("tables", tables, expected)]
     return _c.call("make_report", _a.path("deck", deck), _a.word("arithmetic", arithmetic),
                    (c_int * max(1, len(positions)))(*positions), len(positions)
                    ).checked().text(_c.REPORT)
@@ -135,7 +136,8 @@ def summits(map: Path, *, rule: str = "eight", level: str = "plane", radius: str
     level: heights count from the `plane` of least squares, from the `mean`, or as they are, `none`.
     radius: `neighbours`, `geometric` or `paraboloid`; None: that of the rule.
     unit: `m`, `mm`, `um`, `nm`, `cm` or `in`, of all lengths that are given; None: the file's own.
-    spacing: of a matrix, along x and y, in its unit, from 1e-30 to 1e30; other files have their own.
+    spacing: of a matrix, along x and y, in its unit, from 1e-30 to 1e30; other files have their
+        own.
     despike: take single outliers out.
 
     Raises InputError for a bad map, ComputeError where there is not enough memory for it.

@@ -117,7 +117,8 @@ def flag(name: str, value) -> bool:
 def several(name: str, values, expected: str) -> list:
     """The members of a sequence, in their order."""
     refuse_mask(name, values)
-    if values is None or is_text(values) or isinstance(values, (bytearray, Mapping, set, frozenset)):
+    if (values is None or is_text(values)
+            or isinstance(values, (bytearray, Mapping, set, frozenset))):
         raise wrong_type(name, values, expected)
     try:
         return list(values)
@@ -199,7 +200,8 @@ def _surface(name: str, columns) -> Surface:
     if known is None and hasattr(type(columns), "keys"):
         known = [key for key in columns.keys() if isinstance(key, str)]
     if known is None:
-        raise wrong_type(name, columns, "a path, 'plane', or a mapping with x, y, height and radius")
+        raise wrong_type(name, columns,
+                         "a path, 'plane', or a mapping with x, y, height and radius")
     missing = [column for column in COLUMNS if column not in known]
     if missing:
         near = [(column, match) for column in missing for match in

@@ -1,4 +1,5 @@
-!> Decimal numbers, and doubles, kept exactly, so that each arithmetic converts them by its own rule.
+!> Decimal numbers, and doubles, kept exactly, so that each arithmetic converts them by its own
+!> rule.
 module asperity_decimal
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_kinds, only: int64, real128, real64

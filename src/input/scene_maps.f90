@@ -3,7 +3,8 @@ module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: change_unit, edge_names, expected_length, height_map, is_length, &
-                                 length_units, level_names, level_plane, number_text, plain_unit, unit_number, usual_level
+                                 length_units, level_names, level_plane, number_text, &
+                                 plain_unit, unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: quoted
   use asperity_kept_records, only: checksum

@@ -109,7 +109,8 @@ contains
       logical, intent(out) :: names_map
 
       names_map = .false.
-      if (.not. allocated(name) .or. is_plane(name)) return
+      if (.not. allocated(name)) return
+      if (is_plane(name)) return
       call file%open(beside(path, name))
       names_map = is_map(file, fields%has('surfaces', 'map_spacing'))
     end subroutine look_at
@@ -200,7 +201,8 @@ contains
       type(scene_surface), intent(out) :: surface
 
       surface = plane_surface()
-      if (.not. allocated(name) .or. is_plane(name)) return
+      if (.not. allocated(name)) return
+      if (is_plane(name)) return
       if (names_map) then
         surface%file = beside(path, name)
       else if (allocated(file%failure)) then

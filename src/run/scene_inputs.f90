@@ -16,8 +16,8 @@ module asperity_scene_inputs
 
 contains
 
-  !> Lists the files. The text of the scene is known, and the checksum of a surface that came through
-  !> a pipe; files of surfaces are read again: `failure` is allocated when one cannot be.
+  !> Lists the files. The text of the scene is known, and the checksum of a surface that came
+  !> through a pipe; files of surfaces are read again: `failure` is allocated when one cannot be.
   subroutine list_inputs(scene_in, inputs, failure)
     type(scene), intent(in) :: scene_in                     !! read
     type(input_file), intent(out) :: inputs(3)              !! the scene, then its surfaces

@@ -120,8 +120,10 @@ contains
       found%m0 = found%m0 + row_sum
     end do
     found%m0 = found%m0 / real(measured, real64)
-    where (numbers(1:2) > 0_int64) found%m2 = sums(1:2) / real(numbers(1:2), real64) / map%spacing**2
-    where (numbers(3:4) > 0_int64) found%m4 = sums(3:4) / real(numbers(3:4), real64) / map%spacing**4
+    where (numbers(1:2) > 0_int64) &
+      found%m2 = sums(1:2) / real(numbers(1:2), real64) / map%spacing**2
+    where (numbers(3:4) > 0_int64) &
+      found%m4 = sums(3:4) / real(numbers(3:4), real64) / map%spacing**4
 
   contains
 

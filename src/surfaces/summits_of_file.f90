@@ -44,7 +44,8 @@ contains
     spikes = -1_int64
     if (choices%level == 0) choices%level = usual_level(choices%periodic)
     if (choices%periodic .and. choices%level == level_plane) &
-      call problems%add(trim(choices%prefix) // 'level: a periodic map without its plane would ' // &
+      call problems%add(trim(choices%prefix) // &
+                        'level: a periodic map without its plane would ' // &
                         'not be periodic: found plane, expected mean or none')
     call check_choice('rule', choices%rule, 1, size(rule_names))
     call check_choice('level', choices%level, 1, size(level_names))

@@ -84,7 +84,8 @@ int main(int words, char **word)
   surface("surfaces.upper.radii: found 3, expected 1 or 2", 2, 3, x, y, z, r);
   surface("surfaces.upper.radii: found 0, expected 1 or 2", 2, 0, x, y, z, r);
   surface("surfaces.upper.radii: found -7, expected 1 or 2", 2, -7, x, y, z, r);
-  surface("surfaces.upper.x: found Infinity as number 2 of 2, expected a f", 2, 2, endless, y, z, r);
+  surface("surfaces.upper.x: found Infinity as number 2 of 2, expected a f",
+          2, 2, endless, y, z, r);
   surface("surfaces.upper.y: found NaN as number 2 of 2, expected a finite", 2, 2, x, none, z, r);
   surface("surfaces.upper.radius: found 0.", 2, 2, x, y, z, flat);
   surface("surfaces.upper.radius: found Infinity", 2, 2, x, y, z, endless);

@@ -172,5 +172,6 @@ def test_project_outside(asperity, tmp_path):
     expected = 4 / 3 * 2e5 / (2 * (1 - 0.3**2)) * np.sqrt(0.5) * 0.01**1.5
     assert float(first.split()[2]) == pytest.approx(expected, rel=1e-14)
     assert "upper: found 1 x, 2 y, 1 heights and 1 radii" in rest
-    assert "lower.radius: found -1.000000E+000 as number 1 of 1, expected a finite number more than 0" in rest
+    assert ("lower.radius: found -1.000000E+000 as number 1 of 1, "
+            "expected a finite number more than 0") in rest
     assert "found &surfaces beside surfaces that are given as arrays" in rest

@@ -53,7 +53,7 @@ BAD = {
 
 
 def scene(**changes):
-    """Two caps under a plane. A name of a change is `group` or `group__name`, with `__` for a dot."""
+    """Two caps under a plane. A change is named `group` or `group__name`, `__` for a dot."""
     cap = {"x": [0.0, 9.0], "y": [0.0, 0.0], "height": [1.0, 1.0], "radius": [2.0, 2.0]}
     groups = {"surfaces": {"upper": cap, "lower": "plane", "nominal_area": 100.0},
               "material": {"contact_modulus": 1000.0},

@@ -61,7 +61,7 @@ def test_copies(package, how):
 
 
 def test_cycles_and_finalizers(package):
-    """A finalizer of garbage in a cycle still reads the column, in whichever order it is collected."""
+    """A finalizer of garbage in a cycle still reads the column, in any order of collection."""
     found = []
 
     class Holder:
