@@ -205,7 +205,7 @@ contains
       call check(error, (found%effects%mode('plasticity') /= effect_off) .eqv. i < 3, words(i))
     end do
     call parse_scene(place, deck // '&effects tolerance = True /', found, problems)
-    call check(error, problems%text(), place // ':1:60: tolerance: found ''True'', expected a ' // &
+    call check(error, problems%text(), place // ':1:58: tolerance: found ''True'', expected a ' // &
                'number more than 0 and less than 1' // new_line('a'), 'a number')
   end subroutine test_true_and_false
 
