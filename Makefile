@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
-.PHONY: setup clean laws maps fault-table pages machine
+.PHONY: setup clean laws maps fault-table pages machine mutants
 
 DECK ?= data/thesis.deck
 
@@ -64,6 +64,10 @@ laws: ## random scenes with effects, each under one law (RUNS=20000); misses in 
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/metamorphic.py --exe "$$exe" \
 	  --runs $(or $(RUNS),20000) --keep build/laws && \
 	  .venv/bin/python test/hard/map_laws.py --exe "$$exe" --runs $(or $(RUNS),1500)
+
+mutants: ## changed lines that no test notices (SEED=1 NUMBER=25), continued where it was cut short
+	@bash .ci/setup build test
+	@.venv/bin/python tools/mutate.py --seed $(or $(SEED),1) --number $(or $(NUMBER),25)
 
 maps: ## how good summits are, on maps pressed against their truth; docs/accuracy-map.html
 	@bash .ci/setup build test bench

@@ -18,7 +18,7 @@ PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*
                 *ROOT.glob("docs/effects/*.md")])
 COMMANDS = ("", "solve", "accuracy", "generate", "study", "summits")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
-FOLDERS = "app|data|docs|example|include|python|reference_output|src|test|[.]ci"
+FOLDERS = "app|data|docs|example|include|python|reference_output|src|test|tools|[.]ci"
 PATH = re.compile(rf"(?<![\w./-])(?:{FOLDERS})/[\w.*/-]*[\w*/]")
 SOURCE = re.compile(r"[\w*]+[.](?:f90|F90|inc|py)")
 MODULE = re.compile(r"\basperity_[a-z0-9_]+\b")
