@@ -167,7 +167,8 @@ def test_a_mutant_is_found_and_undone(mutate, tmp_path, monkeypatch, capsys):
     assert [mutant["outcome"] for mutant in record["mutants"]] == ["noticed"]
 
     # Continued: the first is not run again; those drawn now are in the function without a test.
-    assert mutate.main(["--number", "3", "--folder", "src/asperity_small.f90"]) == 1
+    assert mutate.main(["--number", "3", "--jobs", "2", "--folder",
+                        "src/asperity_small.f90"]) == 1
     record_now = json.loads((tmp_path / "build/mutants/seed-1.json").read_text())
     assert record_now["mutants"][0] == record["mutants"][0]
     assert [mutant["outcome"] for mutant in record_now["mutants"][1:]] == ["survived"] * 2
@@ -179,4 +180,4 @@ def test_a_mutant_is_found_and_undone(mutate, tmp_path, monkeypatch, capsys):
     assert mutate.tracked_files() == tracked
     for name, text in PROJECT.items():
         assert (tmp_path / name).read_text(encoding="utf-8") == text
-        assert (tmp_path / "build/mutants/tree" / name).read_text(encoding="utf-8") == text
+        assert (tmp_path / "build/mutants/copy1/tree" / name).read_text(encoding="utf-8") == text

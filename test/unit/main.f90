@@ -27,6 +27,7 @@ program unit_tests
   use asperity_test_cards, only: collect_cards
   use asperity_test_hex32, only: collect_hex32
   use asperity_test_overlap, only: collect_overlap
+  use asperity_test_printable, only: collect_printable
   use asperity_test_report_fields, only: collect_report_fields
   use asperity_test_scene, only: collect_scene
   implicit none
@@ -36,6 +37,7 @@ program unit_tests
   call run_suite('hex32', collect_hex32, tally)
   call run_suite('overlap', collect_overlap, tally)
   call run_suite('cards', collect_cards, tally)
+  call run_suite('printable text', collect_printable, tally)
   call run_suite('report fields', collect_report_fields, tally)
   call run_suite('scene', collect_scene, tally)
   call run_suite('circles', collect_circles, tally)

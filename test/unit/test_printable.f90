@@ -1,0 +1,87 @@
+!> Tests of text that is shown on a terminal: which bytes of UTF-8 (RFC 3629) are kept.
+module asperity_test_printable
+  use asperity_printable, only: printable
+  use asperity_testing, only: check, error_type, new_unittest, unittest_type
+  implicit none
+  private
+
+  public :: collect_printable
+
+  ! Letters at the ends of what two, three and four bytes hold, and some between.
+  integer, parameter :: letters(14) = [161, 233, 1417, 2047, 2048, 2309, 2661, 8364, 55295, 64256, &
+                                       65536, 68096, 85196, 128512]
+
+contains
+
+  !> Lists the tests.
+  subroutine collect_printable(suite)
+    !> all tests of this module
+    type(unittest_type), allocatable, intent(out) :: suite(:)
+
+    suite = [ &
+            new_unittest('letters of two to four bytes are kept', test_letters), &
+            new_unittest('a letter in more bytes than it needs is not kept', test_too_long), &
+            new_unittest('broken letters are not kept, those beside them are', test_broken) &
+            ]
+  end subroutine collect_printable
+
+  subroutine test_letters(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=:), allocatable :: text
+    integer :: i
+
+    do i = 1, size(letters)
+      text = 'a' // encoded(letters(i), bytes_of(letters(i))) // 'z'
+      call check(error, printable(text), text, 'letter of its own length')
+    end do
+  end subroutine test_letters
+
+  subroutine test_too_long(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=:), allocatable :: text
+    integer :: bytes, i
+
+    do i = 1, size(letters)
+      do bytes = bytes_of(letters(i)) + 1, 4
+        text = 'a' // encoded(letters(i), bytes) // 'z'
+        call check(error, printable(text), 'a' // repeat('?', bytes) // 'z', 'longer than needed')
+      end do
+    end do
+    call check(error, printable(encoded(127, 2)), '??', '127 in two bytes')
+  end subroutine test_too_long
+
+  subroutine test_broken(error)
+    type(error_type), allocatable, intent(out) :: error
+    character(len=:), allocatable :: euro
+
+    euro = encoded(8364, 3)
+    call check(error, printable(euro(:2)), '??', 'end of the text')
+    call check(error, printable(euro(:2) // 'a'), '??a', 'a letter instead of the last byte')
+    call check(error, printable(euro(2:) // euro), '??' // euro, 'begins within a letter')
+    call check(error, printable(achar(27) // '[1m'), '?[1m', 'escape')
+    call check(error, printable(encoded(8238, 3)), '???', 'turns the direction')
+  end subroutine test_broken
+
+  ! Bytes a letter needs, by the table of RFC 3629, section 3.
+  pure integer function bytes_of(code)
+    integer, intent(in) :: code
+
+    bytes_of = merge(2, merge(3, 4, code <= int(z'FFFF')), code <= int(z'7FF'))
+  end function bytes_of
+
+  ! A letter in so many bytes: six bits in each but the first, the highest come first.
+  pure function encoded(code, bytes) result(text)
+    integer, intent(in) :: code, bytes
+    character(len=bytes) :: text
+    integer, parameter :: marks(2:4) = [int(z'C0'), int(z'E0'), int(z'F0')]
+    integer :: i, rest
+
+    rest = code
+    do i = bytes, 2, -1
+      text(i:i) = achar(128 + mod(rest, 64))
+      rest = rest / 64
+    end do
+    text(1:1) = achar(marks(bytes) + rest)
+  end function encoded
+
+end module asperity_test_printable
