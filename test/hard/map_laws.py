@@ -115,7 +115,9 @@ def random_scene(seed):
         effects |= {"plasticity": rng.choice(["on", "auto"]),
                     "plastic_yield_stress": modulus * rng.choice([1e-3, 1e-2])}
     surfaces = {"map_spacing": sides}
-    if effects["interaction"] != "off" and rng.random() < 0.3:
+    # The summits of a periodic map are solved without its images: no law holds at its seam.
+    if effects["interaction"] != "off" and rng.random() < 0.3 \
+            and effects["interaction"] == "boundary":
         surfaces["map_edge"] = "periodic"
     return MapScene(maps, {"surfaces": surfaces, "material": material, "loading": loading,
                            "effects": effects}, rng.random() < 0.3)
@@ -215,6 +217,9 @@ def top_of(scene):
 def law_changed(change):
     def law(scene, exe, folder, _rng):
         of_map, swap = CHANGES[change]
+        if change == "raised and tilted" and scene.groups["surfaces"].get("map_edge"):
+            # Tilted, it would not be periodic.
+            return None
         return same_after(scene, mapped(scene, of_map, swap), exe, folder)
     return law
 
