@@ -56,7 +56,6 @@ contains
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
     type(decimal_value) :: spacing(2, 2)
     integer :: despike, edge, sides, unit(2)
-    logical :: has_spacing
 
     edge = 1
     despike = 1
@@ -83,7 +82,9 @@ contains
       if (maps%periodic .and. maps%level == level_plane) &
         call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane ' // &
              'would not be periodic: found ''plane'', expected ''mean'' or ''none''')
-      if (has_spacing .and. .not. all(is_length(decimal_to_real64(spacing)))) return
+      ! What was refused of it hides what a map needs.
+      if (fields%has('surfaces', 'map_spacing') .and. &
+          .not. all(is_length(decimal_to_real64(spacing)))) return
       if (checked%upper%file /= '') call read_one(checked%upper, 1, maps%upper)
       if (checked%lower%file /= '') call read_one(checked%lower, 2, maps%lower)
       if (other_files%count() > 0) return
@@ -110,9 +111,8 @@ contains
         values(3:) = values(:2)
       end if
       spacing = reshape(values, [2, 2])
-      has_spacing = any(values%digits > 0_int64)
       bad = findloc(is_length(decimal_to_real64(values)), .false., 1)
-      if (has_spacing .and. bad > 0) &
+      if (any(values%digits > 0_int64) .and. bad > 0) &
         call fields%complain_of('surfaces', 'map_spacing', 'found ' // &
              real_text(decimal_to_real64(values(bad))) // ', expected ' // expected_length)
     end subroutine take_spacing
