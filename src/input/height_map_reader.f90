@@ -6,8 +6,8 @@ module asperity_height_map_reader
   use asperity_sdf_header, only: is_sdf, magic_length, read_binary_header, read_text_header, &
                                  sdf_header
   use asperity_sdf_samples, only: read_sdf_samples
-  use asperity_text_layout, only: head_length, is_numeric_line, is_surface_header, read_front, &
-                                  text_layout
+  use asperity_text_header, only: head_length, is_numeric_line, is_surface_header, read_header, &
+                                  text_header
   use asperity_text_map, only: read_text_map
   use asperity_token_reader, only: token_reader
   implicit none
@@ -30,7 +30,7 @@ contains
   logical function is_height_map(head, has_spacing)
     character(len=*), intent(in) :: head    !! `head_length` bytes, or the whole file
     logical, intent(in) :: has_spacing      !! a spacing is given
-    type(text_layout) :: layout
+    type(text_header) :: header
     type(problem_list) :: problems, notes
     character(len=:), allocatable :: line
     integer :: i
@@ -39,8 +39,8 @@ contains
     if (is_height_map) return
     call problems%start('')
     call notes%start('')
-    call read_front(head, layout, line, problems, notes)
-    is_height_map = has_spacing .or. layout%names_line > 0 .or. all(layout%extent > 0.0_real64)
+    call read_header(head, header, line, problems, notes)
+    is_height_map = has_spacing .or. header%names_line > 0 .or. all(header%extent > 0.0_real64)
     if (is_numeric_line(line)) then
       is_height_map = is_height_map .or. &
                       count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
