@@ -12,8 +12,8 @@ module asperity_scene_maps
   use asperity_number_ranges, only: above_zero
   use asperity_problems, only: problem_list, real_text
   use asperity_scene_fields, only: scene_fields
-  use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_off, scene, &
-                                   scene_surface
+  use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &
+                                   effect_off, effect_words, scene, scene_surface, solves_pixels
   use asperity_token_reader, only: token_reader
   implicit none
   private
@@ -211,7 +211,7 @@ contains
   subroutine check_map_scene(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(in) :: checked           !! all groups are read
-    integer :: i
+    integer :: i, mode
 
     if (.not. allocated(checked%map)) then
       do i = 1, size(own_names)
@@ -226,17 +226,21 @@ contains
                                     'the same everywhere, and two maps share a grid')
     if (fields%has_group('tilt')) &
       call fields%complain_of_group('tilt', 'found beside a map, expected none: it is levelled')
-    if (checked%loading%events .and. &
-        any(checked%effects%mode('interaction') == [effect_auto, effect_boundary])) &
+    mode = checked%effects%mode('interaction')
+    if (checked%loading%events .and. any(mode == [effect_auto, effect_boundary])) &
       call fields%complain_of('loading', 'events', 'found beside a map, expected none unless ' // &
                               'interaction is ''off'' or ''coupled''')
-    if (checked%effects%mode('interaction') /= effect_boundary) return
+    if (checked%map%periodic .and. mode == effect_coupled) &
+      call fields%complain_of('effects', 'interaction', 'the summits of a periodic map are ' // &
+           'solved without its images: found ''coupled'', expected ''boundary'' or ''auto'', ' // &
+           'which solve its pixels')
+    if (.not. solves_pixels(checked)) return
     if (checked%loading%control == control_limit) &
-      call fields%complain_of_group('loading', 'no control: the samples of a map have no ' // &
+      call fields%complain_of_group('loading', 'no control: the pixels of a map have no ' // &
            'limit, expected control = ''approach'', ''load'', ''vertical_load'' or ''pressure''')
     if (count(checked%effects%modes /= effect_off) > 1) &
-      call fields%complain_of_group('effects', 'found another effect beside interaction = ' // &
-           '''boundary'', expected none: the samples of a map are elastic')
+      call fields%complain_of_group('effects', 'found another effect beside interaction = ''' // &
+           trim(effect_words(mode)) // ''', expected none: the pixels of a map are elastic')
   end subroutine check_map_scene
 
 end module asperity_scene_maps

@@ -23,7 +23,7 @@ module asperity_scene_values
             criterion_hardy, criterion_words
   public :: hold_load, hold_approach, hold_words
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
-  public :: thesis_limit_load, is_thesis_sweep, compliance, combined_modulus
+  public :: thesis_limit_load, is_thesis_sweep, compliance, combined_modulus, solves_pixels
 
   !> Closing ends at the approach at which a contact reaches the limit.
   integer, parameter :: control_limit = 1
@@ -247,5 +247,16 @@ contains
                                        compliance(lower%elastic_modulus, lower%poisson_ratio))
     end associate
   end function combined_modulus
+
+  !> Whether a scene with a map is always solved on its pixels: asked for, or needed, as the summits
+  !> of a periodic map are solved without its images.
+  pure logical function solves_pixels(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values, with a map
+
+    associate (mode => scene_in%effects%mode('interaction'))
+      solves_pixels = mode == effect_boundary .or. &
+                      (mode == effect_auto .and. scene_in%map%periodic)
+    end associate
+  end function solves_pixels
 
 end module asperity_scene_values

@@ -63,7 +63,7 @@ contains
 
     padded = shape(map%height)
     if (.not. map%periodic) padded = [padded_length(2 * size(map%height, 1) - 1), &
-                                  padded_length(2 * size(map%height, 2) - 1)]
+                                      padded_length(2 * size(map%height, 2) - 1)]
     if (.not. has_memory(nint(bytes_padded * product(padded) + bytes_across * padded(1) * &
                               size(map%height, 2) + bytes_plain * size(map%height), int64))) then
       answer%failure = 'no memory for the samples of the map'

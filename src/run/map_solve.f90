@@ -15,7 +15,7 @@ module asperity_map_solve
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: combined_modulus, control_approach, control_limit, effect_auto, &
-                                   effect_boundary, effect_off, scene
+                                   effect_off, scene, solves_pixels
   use asperity_surface_solve, only: solve_surfaces
   use asperity_theory_warnings, only: take_worse, theory_warning
   implicit none
@@ -45,7 +45,7 @@ contains
     mode = scene_in%effects%mode('interaction')
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
-    if (mode == effect_boundary) then
+    if (solves_pixels(scene_in)) then
       call solve_samples(scene_in, map, options, results, failure)
       return
     end if

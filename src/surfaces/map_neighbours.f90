@@ -37,7 +37,9 @@ contains
     pure integer function inside(place, step, number)
       integer, intent(in) :: place, step, number
 
-      inside = index_beside(place + step, number, map%periodic)
+      inside = place + step
+      if (inside >= 1 .and. inside <= number) return
+      inside = index_beside(inside, number, map%periodic)
       if (inside == 0) inside = place - step
     end function inside
 

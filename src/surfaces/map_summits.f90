@@ -114,39 +114,62 @@ contains
     if (.not. is_lower) is_lower = map%height(min(map%columns, i + 1), j) > map%height(i, j)
   end function is_lower
 
-  ! Whether all eight neighbours are there.
+  ! Columns and rows of the pixels beside one: eight, fewer at the edge of a free map.
+  pure subroutine list_neighbours(map, i, j, columns, rows, number)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: i, j
+    integer, intent(out) :: columns(8), rows(8), number
+    integer :: k, m, place(2)
+    logical :: inside
+
+    inside = i > 1 .and. i < map%columns .and. j > 1 .and. j < map%rows
+    number = 0
+    do m = -1, 1
+      do k = -1, 1
+        if (k == 0 .and. m == 0) cycle
+        place = [i + k, j + m]
+        if (.not. inside) place = index_beside(place, [map%columns, map%rows], map%periodic)
+        if (min(place(1), place(2)) == 0) cycle
+        number = number + 1
+        columns(number) = place(1)
+        rows(number) = place(2)
+      end do
+    end do
+  end subroutine list_neighbours
+
+  ! Whether all eight neighbours are measured.
   pure logical function is_inner(map, i, j)
     type(height_map), intent(in) :: map
     integer, intent(in) :: i, j
-    integer :: columns(3), rows(3)
+    integer :: columns(8), rows(8), k, number
 
-    columns = index_beside([i - 1, i, i + 1], map%columns, map%periodic)
-    rows = index_beside([j - 1, j, j + 1], map%rows, map%periodic)
-    is_inner = minval([columns, rows]) > 0
-    if (is_inner) is_inner = all(is_measured(map%height(columns, rows)))
+    call list_neighbours(map, i, j, columns, rows, number)
+    is_inner = number == 8
+    do k = 1, number
+      is_inner = is_inner .and. is_measured(map%height(columns(k), rows(k)))
+    end do
   end function is_inner
 
-  ! How many neighbours are higher than a sample, and how many just as high. What a mirror shows
+  ! How many neighbours are higher than a pixel, and how many just as high. What a mirror shows
   ! is one of them.
   pure subroutine compare(map, i, j, higher, equal)
     type(height_map), intent(in) :: map
     integer, intent(in) :: i, j
     integer, intent(out) :: higher, equal
-    integer :: column, k, m, row
+    integer :: columns(8), rows(8), k, number
 
+    call list_neighbours(map, i, j, columns, rows, number)
     higher = 0
-    equal = -1
-    do row = j - 1, j + 1
-      m = index_beside(row, map%rows, map%periodic)
-      if (m == 0) cycle
-      do column = i - 1, i + 1
-        k = index_beside(column, map%columns, map%periodic)
-        if (k == 0) cycle
-        if (map%height(k, m) > map%height(i, j)) higher = higher + 1
-        if (map%height(k, m) >= map%height(i, j)) equal = equal + 1
-      end do
+    equal = 0
+    do k = 1, number
+      associate (beside => map%height(columns(k), rows(k)))
+        if (beside > map%height(i, j)) then
+          higher = higher + 1
+        else if (beside >= map%height(i, j)) then
+          equal = equal + 1
+        end if
+      end associate
     end do
-    equal = equal - higher
   end subroutine compare
 
   ! Walks over the plateau of a sample, once. It is a summit when nothing beside it is higher, and,
@@ -158,7 +181,7 @@ contains
     logical, intent(out) :: is_summit
     character(len=:), allocatable, intent(out) :: failure
     type(place_list) :: waiting
-    integer :: column_beside, equal, higher, i, j, k, m, row_beside
+    integer :: columns(8), rows(8), equal, higher, i, j, k, number
 
     is_summit = .false.
     if (.not. allocated(seen)) then
@@ -179,18 +202,13 @@ contains
       call compare(map, i, j, higher, equal)
       if (higher > 0) is_summit = .false.
       if (rule == rule_eight) is_summit = is_summit .and. is_inner(map, i, j)
-      do row_beside = j - 1, j + 1
-        m = index_beside(row_beside, map%rows, map%periodic)
-        if (m == 0) cycle
-        do column_beside = i - 1, i + 1
-          k = index_beside(column_beside, map%columns, map%periodic)
-          if (k == 0) cycle
-          if (seen(k, m)) cycle
-          if (map%height(k, m) < map%height(i, j) .or. map%height(k, m) > map%height(i, j)) cycle
-          seen(k, m) = .true._c_bool
-          call add_place(map, k, m, waiting, failure)
-          if (allocated(failure)) return
-        end do
+      call list_neighbours(map, i, j, columns, rows, number)
+      do k = 1, number
+        if (seen(columns(k), rows(k))) cycle
+        if (abs(map%height(columns(k), rows(k)) - map%height(i, j)) > 0.0_real64) cycle
+        seen(columns(k), rows(k)) = .true._c_bool
+        call add_place(map, columns(k), rows(k), waiting, failure)
+        if (allocated(failure)) return
       end do
     end do
   end subroutine look_at_plateau

@@ -115,10 +115,10 @@ def random_scene(seed):
         effects |= {"plasticity": rng.choice(["on", "auto"]),
                     "plastic_yield_stress": modulus * rng.choice([1e-3, 1e-2])}
     surfaces = {"map_spacing": sides}
-    # The summits of a periodic map are solved without its images: no law holds at its seam.
-    if effects["interaction"] != "off" and rng.random() < 0.3 \
-            and effects["interaction"] == "boundary":
+    if effects["interaction"] != "off" and rng.random() < 0.3:
+        # `coupled` is refused of a periodic map.
         surfaces["map_edge"] = "periodic"
+        effects = {"interaction": rng.choice(["boundary", "auto"]), "tolerance": 0.01}
     return MapScene(maps, {"surfaces": surfaces, "material": material, "loading": loading,
                            "effects": effects}, rng.random() < 0.3)
 

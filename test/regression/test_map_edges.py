@@ -273,6 +273,10 @@ def test_centres_on_a_periodic_map(asperity, tmp_path):
     _, contacts, _ = solve(asperity, tmp_path, Map(hill, (2.0, 1.0), True), 1e-3)
     assert [(float(c["x"]), float(c["y"])) for c in contacts] == [(pytest.approx(21.0),
                                                                   pytest.approx(63.5))]
+    corner = np.cos(wave[0] * x) + np.cos(wave[1] * y)
+    _, contacts, _ = solve(asperity, tmp_path, Map(corner, (2.0, 1.0), True), 1e-3)
+    assert [(float(c["x"]), float(c["y"])) for c in contacts] == [(pytest.approx(0.0, abs=1e-5),
+                                                                  pytest.approx(0.0, abs=1e-5))]
     ridge = np.cos(wave[0] * (x - 5.0)) + 1e-9 * hill
     _, contacts, _ = solve(asperity, tmp_path, Map(ridge, (2.0, 1.0), True), 1e-3)
     assert [(float(c["x"]), c["y"]) for c in contacts] == [(pytest.approx(10.0, abs=1e-6), "")]
@@ -365,3 +369,27 @@ def test_levels_of_a_scene(asperity, tmp_path):
     assert found["mean"] == pytest.approx(level, abs=1e-8)
     assert found["none"] == pytest.approx(level + height.mean(), abs=1e-8)
     assert abs(found["plane"] - level) > 0.01
+
+
+def test_summits_of_a_periodic_map_are_not_solved(asperity, tmp_path):
+    """`coupled` leaves the images out: refused. `auto` solves the pixels, as `boundary` does."""
+    height = np.random.default_rng(11).standard_normal((40, 48))
+    q = np.hypot(np.fft.fftfreq(40)[:, None], np.fft.fftfreq(48)[None, :])
+    height = np.fft.ifft2(np.exp(-(q / 0.08) ** 2) * np.fft.fft2(height)).real
+    of = Map(height / height.std(), (0.5, 0.5), True)
+    for pressure in (1e-3, 0.05, 0.5):
+        auto, _, _ = solve(asperity, tmp_path, of, pressure, "auto")
+        boundary, _, _ = solve(asperity, tmp_path, of, pressure)
+        for name in ("approach", "area", "load", "contacts"):
+            assert auto[name] == boundary[name]
+    run = command(asperity, tmp_path, "solve", "m.scene")
+    assert run.returncode == 0
+    text = (tmp_path / "m.scene").read_text()
+    (tmp_path / "m.scene").write_text(text.replace("'boundary'", "'coupled'"))
+    run = command(asperity, tmp_path, "solve", "m.scene")
+    assert run.returncode == 2
+    assert "without its images: found 'coupled', expected 'boundary' or 'auto'" in run.stderr
+    asked = text.replace("'boundary'", "'auto'").replace("'pressure', value = 0.5", "'limit'")
+    (tmp_path / "m.scene").write_text(asked + "&limit criterion = 'load', value = 1 /\n")
+    run = command(asperity, tmp_path, "solve", "m.scene")
+    assert run.returncode == 2 and "pixels of a map have no limit" in run.stderr

@@ -247,7 +247,7 @@ def test_commands_that_take_no_map(asperity, tmp_path):
     (("'plane'", "'small.txt'"), "expected the same grid"),
     (("control = 'load', value = 0.001", "control = 'limit'"), "have no limit"),
     (("'boundary'", "'boundary', friction = 'on', friction_coefficient = .1"),
-     "samples of a map are elastic"),
+     "pixels of a map are elastic"),
     ((", map_spacing = (0.1, 0.1)", ""), "spacing"),
     (("'map.txt'", "'caps.csv'"), "found without a map"),
 ])

@@ -37,6 +37,7 @@ contains
       new_unittest('two balls far apart are two spots, also across the end', two_spots), &
       new_unittest('a coarser map says what all samples do', coarser_map), &
       new_unittest('nothing touches; a flat below the mean height is refused', refused), &
+      new_unittest('far beyond full contact more load is that of a punch', far_beyond_full_contact), &
       new_unittest('units of length and load scale by powers of two', scaled)]
   end subroutine collect_maps
 
@@ -305,6 +306,31 @@ contains
     call press_map(map, ball_modulus, answer)
     call check(error, allocated(answer%failure), 'a flat below the mean height has no answer')
   end subroutine refused
+
+  ! In full contact pressures are linear in the load: more load adds that of a flat punch. The
+  ! displacements are 1e6 times the heights, whose share of a gap is near rounding.
+  subroutine far_beyond_full_contact(error)
+    !> failure
+    type(error_type), allocatable, intent(out) :: error
+    type(height_map) :: map, flat
+    type(map_answer) :: answers(2), punch
+    real(real64), parameter :: load = 1.0e10_real64
+    integer :: i
+
+    map = waves(64, 0.9_real64, 0.7_real64, 0.23_real64, 0.41_real64)
+    flat = map
+    flat%height(:, :) = 0.0_real64
+    call press_map(flat, ball_modulus, punch, load)
+    call check(error, .not. allocated(punch%failure), 'a punch is solved')
+    do i = 1, 2
+      call press_map(map, ball_modulus, answers(i), i * load)
+      call check(error, .not. allocated(answers(i)%failure), 'a load far beyond is solved')
+      if (allocated(error)) return
+      call check(error, all(answers(i)%pressure > 0.0_real64), 'all pixels are in contact')
+    end do
+    call check(error, maxval(abs(answers(2)%pressure - answers(1)%pressure - punch%pressure)) < &
+               1.0e-8_real64 * maxval(punch%pressure), 'more load is that of a punch')
+  end subroutine far_beyond_full_contact
 
   subroutine scaled(error)
     !> failure
