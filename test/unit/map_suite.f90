@@ -37,7 +37,7 @@ contains
       new_unittest('two balls far apart are two spots, also across the end', two_spots), &
       new_unittest('a coarser map says what all samples do', coarser_map), &
       new_unittest('nothing touches; a flat below the mean height is refused', refused), &
-      new_unittest('far beyond full contact more load is that of a punch', far_beyond_full_contact), &
+      new_unittest('far beyond full contact load adds a punch', far_beyond_full_contact), &
       new_unittest('units of length and load scale by powers of two', scaled)]
   end subroutine collect_maps
 
