@@ -414,3 +414,16 @@ def test_a_tolerance_of_areas(asperity, tmp_path):
         assert abs(float(row["area"]) / want - 1) < 0.01
     assert float(fine["cells"]) > 2 * float(usual["cells"])
     assert float(fine["area_error_estimate"]) < 0.7 * float(usual["area_error_estimate"])
+
+
+def test_the_reason_of_an_arithmetic_without_the_range(asperity, tmp_path):
+    """real32 ends at 3.4e38: what it says of a modulus of 2e18 and a load of 1e50 is told, not that
+    time was short."""
+    (tmp_path / "u.csv").write_text("x,y,height,radius\n0,0,1e18,2e20\n1e20,0,9e17,2e20\n")
+    rows, text = study(asperity, write_scene(
+        tmp_path / "far.scene", surfaces={"upper": "u.csv", "lower": "plane"},
+        material={"elastic_modulus": (2e18, 2e18), "poisson_ratio": (0.3, 0.3)},
+        loading={"control": "load", "value": 1e50}), tmp_path)
+    of = {row["way"]: row for row in rows}["real32; exact events"]
+    assert not of["seconds"] and "out of the range of this arithmetic" in of["left_out"]
+    assert "out of the range of this arithmetic" in text

@@ -327,3 +327,45 @@ def test_same_bytes_again(mode, sweeps, asperity, tmp_path):
     assert again.status == 0, again.stderr
     assert again.positions == first.positions and again.contacts == first.contacts
     assert effects_part(again.stdout) == effects_part(first.stdout)
+
+
+def caps_on_a_plane(folder, loading, modulus=1.0, length=1.0, **effects):
+    """Two caps of radius 2 and height 1, 0.9 apart, on a plane, in units of one's own."""
+    (folder / "two.csv").write_text("x,y,height,radius\n" + "".join(
+        f"{x * length!r},0,{length!r},{2 * length!r}\n" for x in (0.0, 0.9)))
+    return write_scene(folder / "two.scene",
+                       surfaces={"upper": "two.csv", "lower": "plane",
+                                 "nominal_area": 4 * length ** 2},
+                       material={"contact_modulus": 1e3 * modulus}, loading=loading,
+                       effects={"interaction": "coupled", **effects})
+
+
+def test_influence_is_the_load_over_that_of_isolated_contacts(asperity, tmp_path, tally):
+    """Hertz' load of two isolated contacts at the same separation, in closed form."""
+    for compression in (0.01, 0.05):
+        found = solve(asperity, caps_on_a_plane(
+            tmp_path, {"control": "approach", "value": 1 - compression}))
+        assert found.status == 0, found.stderr
+        isolated = 2 * 4 / 3 * 1e3 * 2.0 ** 0.5 * compression ** 1.5
+        row = found.positions[0]
+        assert float(row["interaction_influence"]) == pytest.approx(
+            float(row["load"]) / isolated - 1, abs=1e-12)
+        assert -0.5 < float(row["interaction_influence"]) < -0.01
+        tally.add("influence of interaction", 1, 1)
+
+
+@pytest.mark.parametrize("modulus, length", [(1.0, 1.0), (1e6, 1e-6), (1e-6, 1e3)])
+def test_a_path_of_pressures_in_any_units(asperity, tmp_path, modulus, length):
+    """The nominal pressure of each state is the one asked for, and the compression scales with the
+    unit of length."""
+    pressures = [1.0, 4.0, 2.0]
+    found = solve(asperity, caps_on_a_plane(
+        tmp_path, {"control": "pressure", "value": tuple(p * modulus for p in pressures)},
+        modulus, length), curve=True)
+    assert found.status == 0, found.stderr
+    np.testing.assert_allclose(column(found.curve, "nominal_pressure"),
+                               np.array(pressures) * modulus, rtol=1e-9)
+    plain = solve(asperity, caps_on_a_plane(
+        tmp_path, {"control": "pressure", "value": tuple(pressures)}), curve=True)
+    np.testing.assert_allclose(1 - column(found.curve, "approach") / length,
+                               1 - column(plain.curve, "approach"), rtol=1e-9)
