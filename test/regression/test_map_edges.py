@@ -114,12 +114,12 @@ def solve(asperity, folder, of, pressure, interaction="boundary", name="m"):
     return rows_of(folder / "p.csv")[0], [contacts[i] for i in order], run.stderr
 
 
-def summits(asperity, folder, of, rule, name="m"):
+def summits(asperity, folder, of, rule, *options, name="m"):
     """The statistics that are printed, and the summits sorted by height."""
     of.write(folder / f"{name}.txt")
     run = command(asperity, folder, "summits", f"{name}.txt", "--rule", rule, "--spacing",
                   f"{of.spacing[0]!r},{of.spacing[1]!r}", "--edge",
-                  "periodic" if of.periodic else "free", "--output", "s.csv")
+                  "periodic" if of.periodic else "free", "--output", "s.csv", *options)
     assert run.returncode == 0, run.stderr
     rows = rows_of(folder / "s.csv")
     return run.stdout, np.array(sorted((float(row["height"]), float(row["radius"]))
@@ -184,6 +184,26 @@ def test_laws_of_summits(asperity, tmp_path, tally, part):
                 assert printed(one[0], name) == pytest.approx(printed(two[0], name), rel=100 * same,
                                                               nan_ok=True), (case, name)
             tally.add("map laws, summits", len(one[1]), len(one[1]), 0)
+
+
+def test_spikes_on_the_seam(asperity, tmp_path):
+    """The pixels around a spike at the end of a periodic map are those of both ends: rolled to the
+    middle, as many spikes are taken out and the same heights are left. (Not the same summits: a
+    spike becomes as high as a neighbour, and of equal ridges the first one is filled.)"""
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        q = np.hypot(np.fft.fftfreq(24)[:, None], np.fft.fftfreq(30)[None, :])
+        height = np.fft.ifft2(np.exp(-(q / 0.12) ** 2)
+                              * np.fft.fft2(random.standard_normal((24, 30)))).real
+        height /= height.std()
+        for place in ((0, 7), (11, 0), (23, 29), (12, 15)):
+            height[place] += 6.0
+        one = summits(asperity, tmp_path, Map(height, (1.0, 1.0), True), "contact", "--despike")
+        two = summits(asperity, tmp_path, Map(np.roll(height, (9, 13), (0, 1)), (1.0, 1.0), True),
+                      "contact", "--despike")
+        assert printed(one[0], "spikes taken out") == printed(two[0], "spikes taken out") > 0
+        for name in ("rms height", "rms slope", "Nayak's alpha"):
+            assert printed(one[0], name) == pytest.approx(printed(two[0], name), rel=1e-10)
 
 
 @pytest.mark.parametrize("periodic", [False, True])

@@ -188,6 +188,13 @@ contains
     call check(error, answer%level < before, 'the rest comes deeper')
     half = half_map(map)
     call check(error, all(shape(half%height) == [48, 16]), 'half the samples, rounded up')
+    map%periodic = .true.
+    half = half_map(map)
+    call check(error, half%periodic, 'the half of a periodic map is periodic')
+    call check(error, all(abs(half%spacing * shape(half%height) / (map%spacing * &
+                                                                   shape(map%height)) - 1) < &
+                          1.0e-14_real64), 'of the same lengths')
+    map%periodic = .false.
     ! One sample alone is Love's square: 4 asinh(1) p s/(pi E) at its centre.
     map = height_map(columns=1, rows=1, spacing=[0.1_real64, 0.1_real64])
     map%height = reshape([0.5_real64], [1, 1])
