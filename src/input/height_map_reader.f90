@@ -26,7 +26,7 @@ contains
 
   !> Whether a file is a height map by its beginning: surface data, numbers, or the names x, y, z;
   !> not the names of a surface. Four numbers with commas are a surface whose names were forgotten,
-  !> unless a spacing tells that they are heights.
+  !> unless a spacing is given, so that they are heights.
   logical function is_height_map(head, has_spacing)
     character(len=*), intent(in) :: head    !! `head_length` bytes, or the whole file
     logical, intent(in) :: has_spacing      !! a spacing is given
@@ -54,7 +54,7 @@ contains
   subroutine read_height_map(path, spacing, progress, map, problems, failure, option)
     character(len=*), intent(in) :: path                    !! the file; `-` is standard input
     real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
-    logical, intent(in) :: progress                         !! tell how far it has come
+    logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(out) :: map                    !! its samples
     type(problem_list), intent(inout) :: problems           !! all that is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
@@ -80,7 +80,7 @@ contains
     real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
     character(len=*), intent(in) :: option                  !! that gives it, for the messages
     logical, intent(in) :: shared             !! no spacing for a map that has its own
-    logical, intent(in) :: progress                         !! tell how far it has come
+    logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(out) :: map                    !! its samples
     type(problem_list), intent(inout) :: problems           !! all that is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not

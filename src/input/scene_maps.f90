@@ -168,7 +168,7 @@ contains
 
   end subroutine read_maps
 
-  ! Two maps must share a grid; what differs is told.
+  ! Two maps must share a grid; the message names what differs.
   subroutine compare_grids(upper, lower, fields)
     type(height_map), intent(in) :: upper, lower
     type(scene_fields), intent(inout) :: fields

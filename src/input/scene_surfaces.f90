@@ -65,7 +65,7 @@ contains
     end if
   end subroutine read_surfaces
 
-  !> Two files, or one and a plane: maps or CSV files, as their first bytes tell. Each is opened
+  !> Two files, or one and a plane: maps or CSV files, by their first bytes. Each is opened
   !> once, as a pipe gives its bytes once.
   subroutine read_files(path, upper, lower, fields, checked, other_files)
     character(len=*), intent(in) :: path

@@ -39,7 +39,7 @@ contains
     real(real64), intent(in) :: spacing(2)                  !! of a matrix; 0 when not given
     character(len=*), intent(in) :: option                  !! that gives it, for messages
     logical, intent(in) :: shared                           !! not for a map that has its own
-    logical, intent(in) :: progress                         !! tell how far it has come
+    logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(inout) :: map                  !! gets the samples
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not

@@ -37,7 +37,7 @@ contains
 
   !> Finds the patches, in the order of their first pixels, along x first.
   subroutine find_patches(map, pressure, patches, spot)
-    type(height_map), intent(in) :: map            !! heights; knows whether it is periodic
+    type(height_map), intent(in) :: map            !! heights, and whether the map is periodic
     real(real64), intent(in) :: pressure(:, :)     !! of each pixel, 0 or more
     type(map_patch), allocatable, intent(out) :: patches(:)
     integer, allocatable, intent(out), optional :: spot(:, :)  !! patch of each pixel; 0: none

@@ -230,7 +230,7 @@ contains
   end subroutine count_within
 
   !> The side at which the quantity that spreads most would be within the tolerance: its deviation
-  !> times the side is nearly the same for all sizes, as contacts far apart know nothing of each
+  !> times the side is nearly the same for all sizes, as contacts far apart do not influence each
   !> other. Averaged over the sizes by their number of sections; errors taken as normal.
   pure real(real64) function estimated_side(study, tolerance, confidence)
     type(area_study), intent(in) :: study

@@ -1,4 +1,4 @@
-"""Laws of height maps: what is done to a map knows its edge, and no choice of axes matters.
+"""Laws of height maps: a periodic map has no edge in any step, and no choice of axes matters.
 
 A periodic map may be rolled, any map transposed, mirrored or turned, its heights shifted, a free
 map tilted: nothing but places changes. The truth of each law is the same map before the change; the
