@@ -230,6 +230,7 @@ def test_flat_maps(asperity, tmp_path, periodic):
     assert float(state["area_fraction"]) < 0.9 and "the map is flat" not in told
 
 
+@pytest.mark.long
 def test_from_first_touch_to_far_beyond_full_contact(asperity, tmp_path, tally):
     """100 maps from 4 x 4 to 300 x 200 pixels at 20 pressures from 1e-6 to 10 times full contact:
     all are solved, area and load grow, and full contact has the area of the map exactly."""
@@ -312,6 +313,7 @@ def westergaard(share):
     return 2 / np.pi * np.arcsin(np.sqrt(share)), 2 * np.sqrt(share)
 
 
+@pytest.mark.long
 def test_a_cosine_of_any_phase(asperity, tmp_path, tally):
     """Westergaard (1939), over eight phases: the greatest pressure within 1 % at 256 pixels, the
     width of the contact within half a pixel on each side (and 5 % of that), both better with each
