@@ -92,6 +92,7 @@ contains
           maps%upper%own_spacing .and. maps%lower%own_spacing) &
         call fields%complain_of('surfaces', 'map_spacing', 'found although both maps have ' // &
                                 'their own, expected none')
+      if (fields%has('surfaces', 'map_unit') .and. any(unit == 0)) return
       if (maps%upper%columns > 0) call convert(checked%upper%file, 1, maps%upper, maps%lower)
       if (maps%lower%columns > 0) call convert(checked%lower%file, 2, maps%lower, maps%upper)
       if (sides == 2) call compare_grids(maps%upper, maps%lower, fields)
