@@ -2,7 +2,6 @@
 module asperity_run_generate
   use asperity_command_line, only: command_line, output_place, refuse_input
   use asperity_command_outcome, only: command_outcome
-  use asperity_deck_text, only: surfaces_as_deck
   use asperity_files, only: write_standard_error, write_standard_output
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                          surface_plan
@@ -11,7 +10,7 @@ module asperity_run_generate
   use asperity_kinds, only: int64
   use asperity_output_files, only: commit_files, same_file, stage_file
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_surface_text, only: surface_as_csv
+  use asperity_surface_text, only: surface_as_csv, surfaces_as_deck
   use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private

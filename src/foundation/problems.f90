@@ -1,12 +1,17 @@
 !> Problems found in a file or a command line: values that are carried to the edge of the program.
 module asperity_problems
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_printable, only: printable
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
   public :: problem_list, problem_place, decimal_text, real_text
+
+  !> An integer as text without blanks.
+  interface decimal_text
+    module procedure :: short_decimal, long_decimal
+  end interface decimal_text
 
   ! So many problems of a file are written out, and so many in a row that say the same of other
   ! lines; the rest is counted. Enough to see what is wrong everywhere, and no flood from a file
@@ -197,22 +202,35 @@ contains
   end function problem_text
 
   !> An integer as text without blanks.
-  pure function decimal_text(value) result(text)
+  pure function short_decimal(value) result(text)
     integer, intent(in) :: value           !! any integer
     character(len=:), allocatable :: text  !! its decimal digits, with sign when negative
-    character(len=12) :: digits
+
+    text = long_decimal(int(value, int64))
+  end function short_decimal
+
+  !> The same for any integer of 64 bits.
+  pure function long_decimal(value) result(text)
+    integer(int64), intent(in) :: value    !! any integer
+    character(len=:), allocatable :: text  !! its decimal digits, with sign when negative
+    character(len=20) :: digits
 
     write (digits, '(i0)') value
     text = trim(digits)
-  end function decimal_text
+  end function long_decimal
 
-  !> A number as text of seven digits, without blanks.
-  pure function real_text(value) result(text)
-    real(real64), intent(in) :: value      !! any number
-    character(len=:), allocatable :: text  !! as `1.234567E+005`
-    character(len=16) :: digits
+  !> A number as text without blanks: of seven digits, or as an edit descriptor has it.
+  pure function real_text(value, form) result(text)
+    real(real64), intent(in) :: value              !! any number
+    character(len=*), intent(in), optional :: form  !! edit descriptor, of a width up to 32
+    character(len=:), allocatable :: text          !! as `1.234567E+005` without `form`
+    character(len=32) :: digits
 
-    write (digits, '(es16.6e3)') value
+    if (present(form)) then
+      write (digits, '(' // form // ')') value
+    else
+      write (digits, '(es16.6e3)') value
+    end if
     text = trim(adjustl(digits))
   end function real_text
 

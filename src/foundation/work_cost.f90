@@ -3,7 +3,7 @@
 module asperity_work_cost
   use asperity_files, only: read_whole_file
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_progress, only: duration
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -36,14 +36,12 @@ contains
     type(work_cost), intent(in) :: cost       !! what was tried
     type(text_buffer), intent(inout) :: text  !! gets the lines
     real(real64) :: bytes, now, seconds
-    character(len=20) :: digits
 
     call cpu_time(now)
     seconds = max(0.0_real64, merge(now, cost%ended, cost%ended < 0.0_real64) - cost%begun)
-    write (digits, '(f20.3)') seconds
     call text%line('work: ' // decimal_text(cost%total) // ' ' // &
                    cost%pieces(:len(cost%pieces) - merge(1, 0, cost%total == 1)) // ', tried ' // &
-                   decimal_text(cost%tried) // ' in ' // trim(adjustl(digits)) // ' s')
+                   decimal_text(cost%tried) // ' in ' // real_text(seconds, 'f20.3') // ' s')
     if (cost%most_seconds < huge(seconds)) then
       call text%line('time: at most ' // duration(cost%most_seconds) // &
                      ' and the end of what is under way then')

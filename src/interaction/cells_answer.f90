@@ -1,7 +1,6 @@
 !> What the pressures on the cells of a cluster mean for its contacts.
 module asperity_cells_answer
-  use asperity_cells_gap, only: gap_at, gap_shape
-  use asperity_cells_lattice, only: cell_lattice
+  use asperity_cells_lattice, only: cell_lattice, gap_at, gap_shape
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending

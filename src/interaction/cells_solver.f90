@@ -6,9 +6,8 @@
 module asperity_cells_solver
   use asperity_cell_convolution, only: cell_convolution
   use asperity_cells_answer, only: area_error, cell_contact, cells_answer, load_error, tell
-  use asperity_cells_gap, only: gap_shape, shape_of_gap
   use asperity_cells_influence, only: mean_influence
-  use asperity_cells_lattice, only: box_of, cell_lattice, lay_cells
+  use asperity_cells_lattice, only: box_of, cell_lattice, gap_shape, lay_cells, shape_of_gap
   use asperity_cells_outside, only: add_outside, field_of_cells, outside_field
   use asperity_cells_relax, only: relax
   use asperity_constants, only: pi

@@ -4,7 +4,7 @@ module asperity_area_study_table
   use asperity_csv, only: csv_line
   use asperity_greenwood_integrals, only: quantities
   use asperity_kinds, only: real64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_study_spec, only: against_plane, reference_integral, study_spec
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -152,18 +152,13 @@ contains
   pure function short(number) result(text)
     real(real64), intent(in) :: number
     character(len=:), allocatable :: text
-    character(len=14) :: digits
 
-    if (abs(number) >= 0.1_real64 .and. abs(number) < 1.0e5_real64) then
-      write (digits, '(g14.6)') number
-    else if (abs(number) > 1.0e-99_real64 .and. abs(number) < 1.0e99_real64) then
-      write (digits, '(es12.5)') number
-    else if (abs(number) > 0.0_real64) then
-      write (digits, '(es14.5e3)') number
-    else
-      digits = '0'
-    end if
-    text = trim(adjustl(digits))
+    text = '0'
+    if (abs(number) > 0.0_real64) text = real_text(number, 'es14.5e3')
+    if (abs(number) > 1.0e-99_real64 .and. abs(number) < 1.0e99_real64) &
+      text = real_text(number, 'es12.5')
+    if (abs(number) >= 0.1_real64 .and. abs(number) < 1.0e5_real64) &
+      text = real_text(number, 'g14.6')
   end function short
 
   !> The same without zeros at the end.
@@ -181,12 +176,9 @@ contains
   pure function percent(share) result(text)
     real(real64), intent(in) :: share
     character(len=:), allocatable :: text
-    character(len=12) :: digits
 
     text = '-'
-    if (.not. abs(share) < 1.0e4_real64) return
-    write (digits, '(f10.2)') 100 * share
-    text = trim(adjustl(digits)) // '%'
+    if (abs(share) < 1.0e4_real64) text = real_text(100 * share, 'f10.2') // '%'
   end function percent
 
 end module asperity_area_study_table

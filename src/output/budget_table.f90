@@ -1,9 +1,8 @@
 !> The error budget as a table: plus-or-minus of every total, by source.
 module asperity_budget_table
-  use asperity_error_budget, only: budget_line, error_budget
+  use asperity_error_budget, only: budget_line, error_budget, model_budget, of_approach, of_area, &
+                                   of_load, share_given, share_measured, share_unknown
   use asperity_kinds, only: real64
-  use asperity_model_budget, only: model_budget, of_approach, of_area, of_load, share_given, &
-                                   share_measured, share_unknown
   use asperity_scene_values, only: effect_boundary, effect_words
   use asperity_text_buffer, only: text_buffer
   implicit none

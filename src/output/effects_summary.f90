@@ -2,7 +2,7 @@
 module asperity_effects_summary
   use asperity_kinds, only: not_computed, real64
   use asperity_position_lists, only: counted, percent, positions_text
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: effect_auto, effect_words
   use asperity_text_buffer, only: text_buffer
@@ -80,7 +80,6 @@ contains
     real(real64), allocatable :: area(:), closing(:), influence(:), left_out(:), residual(:)
     character(len=:), allocatable :: word, head, why
     integer :: first, m, number, simulated_at
-    character(len=10) :: digits
 
     number = size(results%positions)
     allocate (simulated(number), so(number), influence(number), left_out(number), &
@@ -113,8 +112,8 @@ contains
       call add(head, word // ': simulated at ' // counted(simulated_at, 'position'))
     end if
     if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
-      write (digits, '(g10.3)') header%plasticity_index
-      call add('', 'plasticity index of the surfaces ' // trim(adjustl(digits)))
+      call add('', 'plasticity index of the surfaces ' // &
+               real_text(header%plasticity_index, 'g10.3'))
     end if
 
     ! The ways in which it was simulated, in the order in which they first occur.
@@ -134,9 +133,8 @@ contains
         call add('', 'at the load asked for: closing ' // greatest(closing) // ', area ' // &
                  greatest(area))
       first = maxloc(residual, 1)
-      write (digits, '(es9.1e3)') residual(first)
-      call add('', 'converged everywhere, largest residual ' // trim(adjustl(digits)) // &
-                 at_position(first))
+      call add('', 'converged everywhere, largest residual ' // &
+               real_text(residual(first), 'es9.1e3') // at_position(first))
     end if
     if (simulated_at < number .and. header%modes(e) == effect_auto) then
       first = maxloc(left_out, 1)

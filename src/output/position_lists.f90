@@ -1,7 +1,7 @@
 !> Counts, shares and lists of positions in words.
 module asperity_position_lists
   use asperity_kinds, only: real64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   implicit none
   private
 
@@ -58,24 +58,19 @@ contains
   pure function percent(share) result(text)
     real(real64), intent(in) :: share      !! 1: all of it
     character(len=:), allocatable :: text  !! with its sign
-    character(len=12) :: digits
 
     if (abs(share) >= 1.0e4_real64) then
-      write (digits, '(es12.1e3)') share
-      text = trim(adjustl(digits)) // ' times'
-      return
+      text = real_text(share, 'es12.1e3') // ' times'
     else if (abs(share) >= 0.1_real64) then
-      write (digits, '(f12.1)') 100.0_real64 * share
+      text = real_text(100.0_real64 * share, 'f12.1') // ' %'
     else if (abs(share) >= 0.01_real64) then
-      write (digits, '(f12.2)') 100.0_real64 * share
+      text = real_text(100.0_real64 * share, 'f12.2') // ' %'
     else if (abs(share) >= 0.0001_real64) then
-      write (digits, '(f12.3)') 100.0_real64 * share
-    else if (abs(share) > 0.0_real64) then
-      write (digits, '(es12.1e3)') 100.0_real64 * share
+      text = real_text(100.0_real64 * share, 'f12.3') // ' %'
     else
-      digits = '0'
+      text = '0 %'
+      if (abs(share) > 0.0_real64) text = real_text(100.0_real64 * share, 'es12.1e3') // ' %'
     end if
-    text = trim(adjustl(digits)) // ' %'
   end function percent
 
 end module asperity_position_lists

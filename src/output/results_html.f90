@@ -8,12 +8,11 @@ module asperity_results_html
                                 end_table, escaped, put_lines, put_row, readable
   use asperity_html_plans, only: put_plans
   use asperity_kinds, only: real64
-  use asperity_map_table, only: write_map_table
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_summary, only: uses_samples, write_heading, write_remarks
+  use asperity_summary, only: uses_samples, write_heading, write_map_table, write_remarks
   use asperity_svg_plot, only: axis_over, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: list_totals, total_line

@@ -3,14 +3,13 @@ module asperity_summary
   use asperity_contact_records, only: state_row
   use asperity_corrected_table, only: corrected_table, stage_name
   use asperity_effects_summary, only: effects_in_words, write_effects
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
                                        slope_row, total_area_row, total_difference_row, &
                                        total_load_row
-  use asperity_map_table, only: write_map_table
   use asperity_position_lists, only: counted, positions_listed
-  use asperity_problems, only: decimal_text
-  use asperity_scene_results, only: last_state, scene_results
+  use asperity_problems, only: decimal_text, real_text
+  use asperity_scene_results, only: last_state, map_record, scene_results
   use asperity_scene_values, only: control_limit, control_words, criterion_none, criterion_words, &
                                    effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
@@ -20,7 +19,7 @@ module asperity_summary
   private
 
   public :: write_summary, write_heading, write_remarks, write_corrected_table, write_choice, &
-            uses_samples
+            write_map_table, uses_samples
 
 contains
 
@@ -219,15 +218,10 @@ contains
     real(real64), intent(in) :: value
     integer, intent(in) :: decimals
     character(len=:), allocatable :: text
-    character(len=24) :: digits, format
 
-    if (abs(value) >= 10.0_real64**(14 - max(decimals, 1))) then
-      write (digits, '(sp, es24.3e3)') value
-    else
-      write (format, '("(sp, f16.", i0, ")")') max(decimals, 1)
-      write (digits, format) value
-    end if
-    text = trim(adjustl(digits))
+    text = real_text(value, 'sp, es24.3e3')
+    if (abs(value) < 10.0_real64**(14 - max(decimals, 1))) &
+      text = real_text(value, 'sp, f16.' // decimal_text(max(decimals, 1)))
   end function signed
 
   !> Where contact circles overlap, as a warning.
@@ -259,5 +253,51 @@ contains
     if (asks_for_limit(scene_in)) &
       text = ', limit by ' // trim(criterion_words(scene_in%limit%criterion))
   end function limit_text
+
+  !> Appends the comparison.
+  subroutine write_map_table(record, used, buffer)
+    type(map_record), intent(in) :: record      !! how they compare
+    logical, intent(in) :: used                 !! the results are those of the summits
+    type(text_buffer), intent(inout) :: buffer  !! the text
+
+    call buffer%line('')
+    call buffer%line('Summits against the map itself at this load, ' // resolution(record))
+    call buffer%line('  summits            ' // decimal_text(record%summits))
+    call buffer%line('  separation         ' // with_sign(record%difference) // ' rms heights off')
+    if (record%coarser > 1) &
+      call buffer%line('                     give or take ' // with_sign(record%uncertain))
+    if (record%coarser == 1) &
+      call buffer%line('  contact area       ' // with_sign(100 * record%area_difference) // &
+                       ' % off')
+    if (record%stiffness_difference > not_computed) &
+      call buffer%line('  contact stiffness  ' // with_sign(100 * record%stiffness_difference) // &
+                       ' % off')
+    associate (shares => record%shares)
+      call buffer%line('  load of the map on the edge ' // real_text(100 * shares%on_edge, 'f6.1') &
+                       // ' %, on spots without a summit ' // &
+                       real_text(100 * shares%without_summit, 'f6.1') // ' %')
+      call buffer%line('  on scan lines ' // real_text(100 * shares%on_lines, 'f6.1') // &
+                       ' %, on outliers ' // real_text(100 * shares%on_spikes, 'f6.1') // ' %')
+    end associate
+    if (.not. used) call buffer%line('  not good enough: the results are those of the samples')
+  end subroutine write_map_table
+
+  ! On how fine a map.
+  pure function resolution(record) result(text)
+    type(map_record), intent(in) :: record
+    character(len=:), allocatable :: text
+
+    text = 'all its samples'
+    if (record%coarser > 1) text = 'one of ' // decimal_text(record%coarser) // ' x ' // &
+                                   decimal_text(record%coarser) // ' samples'
+  end function resolution
+
+  pure function with_sign(number) result(text)
+    real(real64), intent(in) :: number
+    character(len=:), allocatable :: text
+
+    text = real_text(number, 'sp, f10.3')
+    if (abs(number) > 9.0e4_real64) text = real_text(number, 'es12.3e3')
+  end function with_sign
 
 end module asperity_summary

@@ -5,6 +5,7 @@ module asperity_area_study_plan
   use asperity_greenwood_integrals, only: greenwood_law, greenwood_law_of, separation_at_pressure
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: rounded_decimal
+  use asperity_problems, only: real_text
   use asperity_random_philox, only: philox_block
   use asperity_study_spec, only: against_plane, places_grid, study_spec
   implicit none
@@ -32,6 +33,8 @@ module asperity_area_study_plan
 
   ! Stream of the generator for the places of sections: 1 to 6 make the surfaces.
   integer(int64), parameter :: place_stream = 7_int64
+  ! A number in a message.
+  character(len=*), parameter :: shown = 'g14.6'
   ! The whole may be so many times as long as the least section.
   real(real64), parameter :: most_along = 1.0e4_real64
 
@@ -56,11 +59,11 @@ contains
     depth = real(plan%law%heights%highest, real64) - decimal_to_real64(plan%separation)
     if (.not. depth > 0.0_real64) then
       failure = 'no asperities can touch at the separation, expected less than ' // &
-                number_text(real(plan%law%heights%highest, real64))
+                real_text(real(plan%law%heights%highest, real64), shown)
     else if (depth >= real(plan%law%least_sum, real64)) then
       failure = 'the centres of two asperities may come level at the separation, expected ' // &
                 'more than ' // &
-                number_text(real(plan%law%heights%highest - plan%law%least_sum, real64))
+                real_text(real(plan%law%heights%highest - plan%law%least_sum, real64), shown)
     end if
     if (allocated(failure)) return
     margin = margin_at(spec, depth)
@@ -68,7 +71,7 @@ contains
     plan%extent = [least_side(spec, 1), least_side(spec, 2)] - 2 * margin
     if (minval(plan%extent) <= 0.0_real64) then
       failure = 'the surfaces are too small: expected length and width of more than ' // &
-                number_text(2 * margin) // ', as a margin of ' // number_text(margin) // &
+                real_text(2 * margin, shown) // ', as a margin of ' // real_text(margin, shown) // &
                 ' is left out'
       return
     end if
@@ -94,12 +97,12 @@ contains
       end do
     end if
     if (plan%sizes(1) > whole) then
-      failure = 'sizes: found ' // number_text(plan%sizes(1)) // ', expected at most ' // &
-                number_text(whole) // ', what the margin of ' // number_text(plan%corner(1)) // &
-                ' leaves'
+      failure = 'sizes: found ' // real_text(plan%sizes(1), shown) // ', expected at most ' // &
+                real_text(whole, shown) // ', what the margin of ' // &
+                real_text(plan%corner(1), shown) // ' leaves'
     else if (.not. plan%sizes(size(plan%sizes)) * most_along >= whole) then
-      failure = 'sizes: found ' // number_text(plan%sizes(size(plan%sizes))) // &
-                ', expected at least ' // number_text(whole / most_along)
+      failure = 'sizes: found ' // real_text(plan%sizes(size(plan%sizes)), shown) // &
+                ', expected at least ' // real_text(whole / most_along, shown)
     end if
     if (allocated(failure)) return
     allocate (plan%sections(size(plan%sizes)), plan%first(size(plan%sizes)))
@@ -180,15 +183,5 @@ contains
     least_side = minval(sides)
     if (spec%against == against_plane) least_side = sides(1)
   end function least_side
-
-  !> A number for a message.
-  pure function number_text(number) result(text)
-    real(real64), intent(in) :: number
-    character(len=:), allocatable :: text
-    character(len=14) :: digits
-
-    write (digits, '(g14.6)') number
-    text = trim(adjustl(digits))
-  end function number_text
 
 end module asperity_area_study_plan

@@ -9,7 +9,7 @@ module asperity_model_rungs
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_solver, only: make_effect_solver
   use asperity_kinds, only: int64, real64
-  use asperity_model_run, only: model_run, take_last_states, too_many_for_cells
+  use asperity_error_budget, only: model_run, take_last_states, too_many_for_cells
   use asperity_position_solver, only: position_solver
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options

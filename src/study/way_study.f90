@@ -6,6 +6,7 @@ module asperity_way_study
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records, original_request
+  use asperity_problems, only: real_text
   use asperity_progress, only: progress_line
   use asperity_reviewed_theories, only: elastic_criterion
   use asperity_run_options, only: run_options
@@ -351,14 +352,9 @@ contains
   pure function seconds_text(seconds) result(text)
     real(real64), intent(in) :: seconds
     character(len=:), allocatable :: text
-    character(len=12) :: digits
 
-    if (seconds < 1.0e5_real64) then
-      write (digits, '(f9.2)') seconds
-    else
-      write (digits, '(es9.1e3)') seconds
-    end if
-    text = trim(adjustl(digits))
+    text = real_text(seconds, 'es9.1e3')
+    if (seconds < 1.0e5_real64) text = real_text(seconds, 'f9.2')
   end function seconds_text
 
 end module asperity_way_study

@@ -1,13 +1,19 @@
-!> Numbers of units as text, and a generated surface as CSV.
+!> A generated surface as CSV, and two of them as a card deck of the original program.
 !>
-!> Every number is written exactly: all its digits, and no more.
+!> Every number is written exactly: all its digits, and no more. A deck is in inches, psi and
+!> radians; its asperities were drawn in whole thousandths (positions) and ten thousandths (heights)
+!> of an inch, which its cards hold exactly. Other numbers are rounded to their fields, with a note.
 module asperity_surface_text
+  use asperity_decimal, only: decimal_value
   use asperity_generated_surface, only: generated_surface
-  use asperity_kinds, only: int64
+  use asperity_generation_values, only: exact_value, generation_spec
+  use asperity_kinds, only: int64, real128
+  use asperity_problems, only: problem_list
+  use asperity_text_buffer, only: text_buffer
   implicit none
   private
 
-  public :: surface_as_csv, write_decimal, field_length
+  public :: surface_as_csv, surfaces_as_deck, write_decimal, field_length
 
   character(len=*), parameter :: header = 'x,y,height,radius' // achar(10)
   ! More digits than this behind the point are written with an exponent.
@@ -110,5 +116,95 @@ contains
       field(at:at) = '-'
     end if
   end subroutine write_decimal
+
+  !> The cards. What is rounded on them is told in `notes`.
+  subroutine surfaces_as_deck(spec, upper, lower, text, notes)
+    type(generation_spec), intent(in) :: spec      !! what stands beside the asperities
+    type(generated_surface), intent(in) :: upper   !! in card units
+    type(generated_surface), intent(in) :: lower   !! in card units
+    character(len=:), allocatable, intent(out) :: text  !! the whole deck
+    type(problem_list), intent(inout) :: notes     !! what was rounded
+    type(text_buffer) :: cards
+
+    call cards%append('NO  YES' // achar(10))
+    call cards%append(model(1, upper) // achar(10))
+    call cards%append(model(2, lower) // real_card(spec%deck%lower_width, 7, 4, 'lower_width') // &
+                      achar(10))
+    call cards%append(real_card(spec%deck%rotation(1), 8, 4, 'rotation') // &
+                      real_card(spec%deck%rotation(2), 8, 4, 'rotation') // &
+                      real_card(spec%deck%displacement(1), 7, 3, 'x_displacement') // &
+                      real_card(spec%deck%displacement(2), 7, 3, 'y_displacement') // achar(10))
+    call add_asperities(upper, cards)
+    call add_asperities(lower, cards)
+    text = cards%text()
+
+  contains
+
+    !> Columns 1 to 40 of a model's card.
+    function model(side, surface) result(columns)
+      integer, intent(in) :: side
+      type(generated_surface), intent(in) :: surface
+      character(len=:), allocatable :: columns
+      integer(int64) :: highest
+
+      ! The greatest height, to the next thousandth above; a sphere is no higher than its diameter.
+      highest = min((max(0_int64, maxval(surface%height)) + 9_int64) / 10_int64, &
+                    2_int64 * surface%radius(1) - 1_int64)
+      columns = card_field(int(size(surface%x), int64), 5, 0) // &
+                real_card(spec%sides(side)%radius%mean, 5, 3, 'the radius') // &
+                card_field(highest, 5, 3) // &
+                real_card(spec%deck%elastic_modulus(side), 10, 0, 'elastic_modulus') // &
+                real_card(spec%deck%poisson_ratio(side), 5, 3, 'poisson_ratio') // &
+                real_card(spec%deck%allowed_stress(side), 10, 0, 'allowed_stress')
+    end function model
+
+    !> A number on a card, rounded to its decimals.
+    function real_card(value, width, decimals, name) result(columns)
+      type(decimal_value), intent(in) :: value
+      integer, intent(in) :: width, decimals
+      character(len=*), intent(in) :: name
+      character(len=:), allocatable :: columns
+      real(real128) :: exact
+      integer(int64) :: units
+
+      exact = exact_value(value) * 10.0_real128**decimals
+      units = nint(exact, int64)
+      columns = card_field(units, width, decimals)
+      if (abs(exact - real(units, real128)) > 1.0e-15_real128) &
+        call notes%add('note: ' // name // ' is rounded to ' // trim(adjustl(columns)) // &
+                       ', as a card holds it')
+    end function real_card
+
+  end subroutine surfaces_as_deck
+
+  !> The cards of one surface's asperities.
+  subroutine add_asperities(surface, cards)
+    type(generated_surface), intent(in) :: surface
+    type(text_buffer), intent(inout) :: cards
+    integer :: i
+
+    do i = 1, size(surface%x)
+      call cards%append(card_field(surface%x(i), 6, 3) // card_field(surface%y(i), 6, 3) // &
+                        card_field(surface%height(i), 7, 4) // achar(10))
+    end do
+  end subroutine add_asperities
+
+  !> A number of units in the columns of a card. Without decimals a point ends a real number, but
+  !> not the count of asperities, which has 5 columns.
+  pure function card_field(units, width, decimals) result(columns)
+    integer(int64), intent(in) :: units
+    integer, intent(in) :: width, decimals
+    character(len=width) :: columns
+    character(len=field_length) :: field
+    integer :: first
+
+    field = ''
+    call write_decimal(units, decimals, field, first)
+    if (decimals == 0 .and. width > 5) field = field(2:) // '.'
+    ! A sign that has no column takes that of the zero before the point.
+    if (field_length - first + 1 > width .and. index(field(first:), '-0.') == 1) &
+      field(first + 1:first + 1) = '-'
+    columns = field(field_length - width + 1:)
+  end function card_field
 
 end module asperity_surface_text
