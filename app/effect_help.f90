@@ -24,7 +24,9 @@ contains
     do i = 1, size(known_effects)
       associate (effect => known_effects(i))
         call two_lines('  ' // effect%name, one_of(effect_words(pack(effect%ways, &
-                       effect%ways > 0))) // '; default ''off''', effect%meaning, text)
+                       effect%ways > 0))) // '; default ' // &
+                       trim(merge('''auto''           ', '''auto'' by numbers', &
+                                  effect%name == 'interaction')), effect%meaning, text)
         call describe_numbers(trim(effect%name), text)
       end associate
     end do

@@ -21,7 +21,7 @@ module asperity_run_solve
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: is_thesis_sweep, scene
+  use asperity_scene_values, only: is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
   use asperity_summary, only: write_choice, write_corrected_table, write_summary
   use asperity_text_buffer, only: text_buffer
@@ -160,6 +160,7 @@ contains
     type(command_line), intent(in) :: line
     type(scene), intent(in) :: scene_in
     type(problem_list), intent(inout) :: problems
+    type(scene_effects) :: written
 
     call refuse_input(line, scene_in%upper%file, problems)
     if (.not. same_name(scene_in%lower%file, scene_in%upper%file)) &
@@ -174,7 +175,9 @@ contains
       call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
                         counted(merge(1, scene_in%motion%positions, allocated(scene_in%map)), &
                                 'position') // ', expected no more parts than positions')
-    if (.not. (scene_in%effects%any_on() .or. allocated(scene_in%loading%path))) return
+    written = scene_in%effects
+    call written%drop_unwritten()
+    if (.not. (written%any_on() .or. allocated(scene_in%loading%path))) return
     if (line%arithmetic /= '' .and. line%arithmetic /= 'real64') &
       call problems%add('--arithmetic ' // line%arithmetic // ': effects and paths of several ' // &
                         'values are computed in real64, expected that or none')

@@ -3,6 +3,7 @@
 !> Numbers are doubles in the units of the scene, whatever arithmetic computed them.
 module asperity_contact_records
   use asperity_constants, only: pi
+  use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_solve_ending, only: solve_ending
   use asperity_theory_warnings, only: theory_warning
@@ -105,6 +106,8 @@ module asperity_contact_records
     !> Estimated relative error of the load or, under load control, of the approach over the
     !> closing; `not_computed`: nothing is known.
     real(real64) :: error_estimate = not_computed
+    !> Estimated influence on the load of each known effect that is off, as a share of it.
+    real(real64) :: left_out(size(known_effects)) = not_computed
     !> What lies outside a theory, at any state, by kind; not allocated: nothing.
     type(theory_warning), allocatable :: warnings(:)
     type(state_row), allocatable :: states(:)          !! at least one

@@ -10,7 +10,8 @@ module asperity_theory_warnings
   public :: theory_warning, warning_kind, warning_kinds, warn, take_worse
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
-            of_no_summit, of_scan_lines, of_spikes, of_area, of_flat_map
+            of_no_summit, of_scan_lines, of_spikes, of_area, of_flat_map, of_off, of_barred, &
+            of_error
 
   !> Contact radius over the radius of the smaller sphere.
   integer, parameter :: of_contact_radius = 1
@@ -48,14 +49,20 @@ module asperity_theory_warnings
   integer, parameter :: of_area = 16
   !> A map whose heights differ by rounding alone.
   integer, parameter :: of_flat_map = 17
+  !> Estimated influence on the load of an effect that is off.
+  integer, parameter :: of_off = 18
+  !> The same of an effect that cannot be computed with what the scene asks for.
+  integer, parameter :: of_barred = 19
+  !> Estimated error of what was simulated, where it is above the tolerance.
+  integer, parameter :: of_error = 20
 
-  !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`.
+  !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`. A star stands for the effect.
   type :: warning_kind
     character(len=16) :: name = ''             !! in one word
     real(real64) :: limit = 0.0_real64         !! below it there is none
     logical :: is_share = .false.              !! the size is told in percent
     character(len=64) :: what = ''             !! what is outside
-    character(len=64) :: measure = ''          !! what the size is of
+    character(len=68) :: measure = ''          !! what the size is of
     character(len=120) :: advice = ''          !! what to do
   end type warning_kind
 
@@ -77,11 +84,11 @@ module asperity_theory_warnings
       'set plasticity = ''auto'' or press less'), &
     warning_kind('overlapping', 0.0_real64, .false., &
       'contact circles overlap and interaction is off', 'pairs', &
-      'set interaction = ''auto'': these contacts are not independent'), &
+      'these contacts are not independent'), &
     warning_kind('crowding', 0.1_real64, .true., &
       'contacts cover much of the area and interaction is off', &
       'of the nominal area (limit 10 %)', &
-      'set interaction = ''auto'': these contacts are not independent'), &
+      'these contacts are not independent'), &
     warning_kind('tabor', 0.045_real64, .false., &
       'a contact adheres by the law for small Tabor parameters', &
       'is its Tabor parameter (limit 0.045)', &
@@ -117,7 +124,16 @@ module asperity_theory_warnings
       'take the area with this error, loads and approaches keep the tolerance'), &
     warning_kind('flat_map', 0.0_real64, .false., &
       'the map is flat', 'is the range of heights after levelling', &
-      'check the level and the digits of the map if it should be rough')]
+      'check the level and the digits of the map if it should be rough'), &
+    warning_kind('off', 0.0_real64, .true., &
+      '* is off', 'is its estimated influence on the load', 'set * = ''auto'''), &
+    warning_kind('barred', 0.0_real64, .true., &
+      '* is left out, as it cannot be computed here', 'is its estimated influence on the load', &
+      'take the load with this error'), &
+    warning_kind('error', 0.0_real64, .true., &
+      'the estimated error is above the tolerance', &
+      'is that of the load, or of the compression where a load is asked for', &
+      'take the results with this error')]
 
   !> One kind of warning at one position.
   type :: theory_warning
@@ -125,7 +141,7 @@ module asperity_theory_warnings
     integer :: state = 0                 !! state of the position at which it is worst
     integer :: contacts = 0              !! for how many contacts it holds there; 0: for the state
     real(real64) :: size = 0.0_real64    !! in the measure of the kind
-    character(len=24) :: whose = ''      !! which effects, where that is not known by the kind
+    character(len=32) :: whose = ''      !! which effects, where that is not known by the kind
   end type theory_warning
 
 contains

@@ -15,8 +15,9 @@ module asperity_contact_effect
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: effect_record
   use asperity_contact_state, only: contact_state
+  use asperity_effect_names, only: known_effects
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_off, scene_effects
+  use asperity_scene_values, only: by_word, effect_off, scene_effects
   use asperity_theory_warnings, only: theory_warning
   implicit none
   private
@@ -47,6 +48,7 @@ module asperity_contact_effect
   type, abstract :: contact_effect
     character(len=11) :: name = ''                      !! as in &effects
     integer :: mode = effect_off                        !! as in &effects
+    integer :: given = by_word                          !! by what: one of the `by_` numbers
     real(real64) :: tolerance = 0.0_real64              !! share that all may leave out together
     real(real64) :: load_tolerance = 1.0e-11_real64     !! how near a load asked for is met
     logical :: acts_in_time = .false.                   !! acts while load or approach is held
@@ -114,6 +116,7 @@ contains
 
     self%name = name
     self%mode = effects%mode(name)
+    self%given = effects%given(findloc(known_effects%name, name, 1))
     self%tolerance = effects%number('tolerance')
   end subroutine call_as
 

@@ -11,6 +11,7 @@ module asperity_effect_names
   private
 
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
+  public :: by_default, by_numbers, by_word
   public :: hold_load, hold_approach, hold_words
   public :: known_effect, known_effects, effect_number, effect_numbers
   public :: one_word, whole_number, needed_for, why_not_together
@@ -29,6 +30,13 @@ module asperity_effect_names
   character(len=*), parameter :: effect_words(5) = &
     [character(len=8) :: 'off', 'on', 'auto', 'coupled', 'boundary']
 
+  !> The scene does not mention the effect.
+  integer, parameter :: by_default = 0
+  !> The scene gives the effect's own numbers.
+  integer, parameter :: by_numbers = 1
+  !> The scene writes how the effect is simulated.
+  integer, parameter :: by_word = 2
+
   !> Creep only: the load is held.
   integer, parameter :: hold_load = 1
   !> Creep only: the approach is held.
@@ -36,12 +44,13 @@ module asperity_effect_names
   !> The words of a scene for them.
   character(len=*), parameter :: hold_words(2) = [character(len=8) :: 'load', 'approach']
 
-  !> An effect. A scene that does not name it has it off.
+  !> An effect. Where a scene does not write how it is simulated, `asperity_scene_effects` does.
   type :: known_effect
     character(len=11) :: name = ''     !! in &effects
     integer :: ways(4) = 0             !! how it may be called for, `off` first; 0: no more
     character(len=72) :: meaning = ''  !! what it adds
     character(len=56) :: needs = ''    !! of the material, beside the combined modulus
+    character(len=20) :: own(2) = ''   !! numbers that call for it where none of them is 0
   end type known_effect
 
   integer, parameter :: switch(4) = [effect_off, effect_on, effect_auto, 0]
@@ -52,11 +61,15 @@ module asperity_effect_names
                  'contacts that lower each other through the body they share'), &
     known_effect('friction', switch, &
                  'tangential force on inclined contacts, and what the rig must hold', &
-                 'shear moduli: elastic_modulus and poisson_ratio'), &
+                 'shear moduli: elastic_modulus and poisson_ratio', &
+                 [character(len=20) :: 'friction_coefficient', '']), &
     known_effect('plasticity', switch, 'flow past the elastic limit, flattening that stays', &
-                 'Poisson''s ratio of the body that yields: poisson_ratio'), &
-    known_effect('adhesion', switch, 'attraction: snap-in, pull-off'), &
-    known_effect('creep', switch, 'relaxation and creep while load or approach is held')]
+                 'Poisson''s ratio of the body that yields: poisson_ratio', &
+                 [character(len=20) :: 'plastic_yield_stress', '']), &
+    known_effect('adhesion', switch, 'attraction: snap-in, pull-off', &
+                 own=[character(len=20) :: 'work_of_adhesion', '']), &
+    known_effect('creep', switch, 'relaxation and creep while load or approach is held', &
+                 own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
 
   !> A number is one of `words`, by its place, and no range.
   integer, parameter :: one_word = -1

@@ -5,19 +5,23 @@ module asperity_scene_effects
                                    needed_for, one_word, whole_number, why_not_together
   use asperity_kinds, only: int64, real64
   use asperity_scene_fields, only: scene_fields
-  use asperity_scene_values, only: control_approach, criterion_none, effect_auto, effect_off, &
+  use asperity_scene_values, only: by_default, by_numbers, by_word, control_approach, &
+                                   control_limit, criterion_none, effect_auto, effect_off, &
                                    effect_on, effect_words, is_load, scene, scene_effects, &
-                                   scene_loading
+                                   scene_loading, solves_pixels
   implicit none
   private
 
   public :: read_effects
 
+  character(len=*), parameter :: no_way_back = 'friction is computed for surfaces that close ' // &
+    'without going back: found a path in &loading that does'
+
 contains
 
-  !> Reads the group. An effect's own numbers may stand there while it is off, so that it can be
-  !> switched off with one word; with `auto` a number that is left out is none of its kind: no work
-  !> of adhesion, no hold.
+  !> Reads the group. `interaction` is `auto` by default, every other effect where its own numbers
+  !> are given; numbers of an effect that is `off` may stay. With `auto` a number that is left out
+  !> is none of its kind: no work of adhesion, no hold.
   subroutine read_effects(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(inout) :: checked        !! with material and limit; gets the effects
@@ -26,22 +30,81 @@ contains
     associate (effects => checked%effects)
       do i = 1, size(known_effects)
         call take_mode(fields, known_effects(i), effects%modes(i))
+        if (fields%has('effects', trim(known_effects(i)%name))) effects%given(i) = by_word
       end do
       do i = 1, size(effect_numbers)
         call take_number(fields, effect_numbers(i), effects%numbers(i))
       end do
-      call require_numbers(fields, checked, .false.)
-      call require_numbers(fields, checked, .true.)
-      if (effects%mode('friction') /= effect_off .and. &
-          is_there(effects, 'friction_coefficient') .and. goes_back(checked)) &
-        call fields%complain_of('effects', 'friction', 'friction is computed for surfaces ' // &
-                                'that close without going back: found a path in &loading ' // &
-                                'that does, expected friction = ''off''')
+      ! Interaction comes last: it yields to what is asked for.
+      do i = size(known_effects), 1, -1
+        if (effects%given(i) < by_word) call take_default(fields, checked, i)
+      end do
+      call require_numbers(fields, checked)
+      if (effects%mode('friction') /= effect_off .and. rubs_back(checked)) &
+        call fields%complain_of('effects', 'friction', no_way_back // &
+                                ', expected friction = ''off''')
       if (effects%mode('adhesion') == effect_off) call refuse_pulls(fields, checked%loading)
       call check_together(fields, effects%modes)
       if (checked%contact_modulus%digits > 0_int64) call refuse_combined(fields, effects%modes)
     end associate
   end subroutine read_effects
+
+  ! An effect that the scene does not write: `auto` where it can be called for. One that cannot be
+  ! computed with the rest of the scene is left out with a note.
+  subroutine take_default(fields, checked, i)
+    type(scene_fields), intent(in) :: fields
+    type(scene), intent(inout) :: checked
+    integer, intent(in) :: i
+    character(len=:), allocatable :: name, why
+
+    name = trim(known_effects(i)%name)
+    associate (effects => checked%effects)
+      ! A group &limit says where flow begins, if loading goes on beyond it.
+      if (effects%has_numbers(i) .or. (name == 'plasticity' .and. fields%has_group('limit') .and. &
+          checked%loading%control /= control_limit)) effects%given(i) = by_numbers
+      if (effects%given(i) == by_default .and. name /= 'interaction') return
+      why = why_not(fields, checked, name)
+      if (why == '') then
+        effects%modes(i) = effect_auto
+      else
+        call checked%notes%add(checked%file // ': note: ' // name // ' is left out: ' // why)
+      end if
+    end associate
+  end subroutine take_default
+
+  ! Why an effect that is not written cannot be computed with the rest of the scene; empty: it can.
+  function why_not(fields, checked, name) result(why)
+    type(scene_fields), intent(in) :: fields
+    type(scene), intent(in) :: checked
+    character(len=*), intent(in) :: name
+    character(len=:), allocatable :: why
+    integer :: i
+
+    why = ''
+    do i = 1, size(effect_numbers)
+      associate (number => effect_numbers(i))
+        if (number%effect /= name .or. fields%has('effects', trim(number%name))) cycle
+        if (all(effect_numbers%name /= number%needed_with)) cycle
+        if (is_there(checked%effects, number%needed_with)) &
+          why = 'it needs ' // trim(number%name) // ' in &effects'
+      end associate
+    end do
+    associate (effect => known_effects(findloc(known_effects%name, name, 1)))
+      if (checked%contact_modulus%digits > 0_int64 .and. effect%needs /= '') &
+        why = needs_both(effect)
+    end associate
+    if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
+    if (.not. allocated(checked%map)) return
+    if (name /= 'interaction') then
+      if (solves_pixels(checked)) &
+        why = 'the pixels of a map are elastic: expected interaction = ''off'' beside it'
+    else
+      if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
+      if (.not. checked%map%periodic) return
+      if (checked%effects%any_on()) why = 'the pixels of a periodic map are elastic'
+      if (checked%loading%control == control_limit) why = 'the pixels of a map have no limit'
+    end if
+  end function why_not
 
   ! One of the words that an effect knows.
   subroutine take_mode(fields, effect, mode)
@@ -79,16 +142,14 @@ contains
   end subroutine take_number
 
   ! Numbers that something else needs: another choice in &effects, or that there is no limit.
-  subroutine require_numbers(fields, checked, without_limit)
+  subroutine require_numbers(fields, checked)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(in) :: checked
-    logical, intent(in) :: without_limit
     integer :: i
 
     do i = 1, size(effect_numbers)
       associate (number => effect_numbers(i))
         if (number%needed_with == '' .or. fields%has('effects', trim(number%name))) cycle
-        if ((number%needed_with == 'no limit') .neqv. without_limit) cycle
         if (is_needed(checked, number)) &
           call fields%complain_of_group('effects', 'no ' // trim(number%name) // &
                  ' in &effects: expected one with ' // needed_for(number))
@@ -130,7 +191,8 @@ contains
     if (.not. is_load(loading%control) .or. .not. fields%has('loading', 'value')) return
     bad = loading%value%digits <= 0_int64
     if (allocated(loading%path)) bad = bad .or. any(loading%path%digits < 0_int64)
-    if (bad .and. fields%has('effects', 'adhesion')) &
+    if (bad .and. (fields%has('effects', 'adhesion') .or. &
+                   fields%has('effects', 'work_of_adhesion'))) &
       call fields%complain_of('loading', 'value', 'a load of 0 or less needs adhesion: found ' // &
                               'adhesion = ''off'', expected loads above 0, or ''on'' or ''auto''')
   end subroutine refuse_pulls
@@ -144,12 +206,26 @@ contains
     do i = 1, size(modes)
       associate (effect => known_effects(i))
         if (modes(i) == effect_off .or. effect%needs == '') cycle
-        call fields%complain_of('effects', trim(effect%name), trim(effect%name) // ' needs ' // &
-                                trim(effect%needs) // ' of both surfaces in &material: found ' // &
-                                'contact_modulus in their place')
+        call fields%complain_of('effects', trim(effect%name), needs_both(effect))
       end associate
     end do
   end subroutine refuse_combined
+
+  ! `friction needs shear moduli ... of both surfaces`.
+  pure function needs_both(effect) result(text)
+    type(known_effect), intent(in) :: effect
+    character(len=:), allocatable :: text
+
+    text = trim(effect%name) // ' needs ' // trim(effect%needs) // ' of both surfaces in ' // &
+           '&material: found contact_modulus in their place'
+  end function needs_both
+
+  ! Whether friction would have to follow a path back.
+  pure logical function rubs_back(checked)
+    type(scene), intent(in) :: checked
+
+    rubs_back = is_there(checked%effects, 'friction_coefficient') .and. goes_back(checked)
+  end function rubs_back
 
   ! Whether the path of loads or approaches goes back anywhere.
   pure logical function goes_back(checked)

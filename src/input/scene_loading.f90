@@ -61,7 +61,7 @@ contains
     integer :: number
     logical :: pulls
 
-    pulls = fields%has('effects', 'adhesion')
+    pulls = fields%has('effects', 'adhesion') .or. fields%has('effects', 'work_of_adhesion')
     number = fields%value_count('loading', 'value')
     if (number <= 1 .or. loading%control == control_limit) then
       call fields%take_number('loading', 'value', &

@@ -15,7 +15,7 @@ module asperity_scene_reader
   use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
-  use asperity_scene_values, only: scene, scene_motion, scene_surface
+  use asperity_scene_values, only: by_word, scene, scene_motion, scene_surface
   implicit none
   private
 
@@ -121,6 +121,8 @@ contains
     end if
     call surfaces_from_deck(path, checked, sweep, problems, text)
     checked%motion = sweep
+    ! The thesis has no interaction.
+    checked%effects%given = by_word
     ! The first card of a deck is two words; this looks like something else.
     last = index(text // new_line('a'), new_line('a')) - 1
     if (problems%count() > 0 .and. scan(text(:last), '=,') > 0) &

@@ -6,9 +6,9 @@
 module asperity_scene_values
   use asperity_card_deck, only: card_deck
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_effect_names, only: effect_auto, effect_boundary, effect_coupled, effect_numbers, &
-                                   effect_off, effect_on, effect_words, hold_approach, &
-                                   hold_load, hold_words, known_effects
+  use asperity_effect_names, only: by_default, by_numbers, by_word, effect_auto, effect_boundary, &
+                                   effect_coupled, effect_numbers, effect_off, effect_on, &
+                                   effect_words, hold_approach, hold_load, hold_words, known_effects
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, level_plane
   use asperity_kinds, only: int64, real64
@@ -22,6 +22,7 @@ module asperity_scene_values
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
   public :: hold_load, hold_approach, hold_words
+  public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, compliance, combined_modulus, solves_pixels
 
@@ -109,6 +110,7 @@ module asperity_scene_values
   !> `asperity_effect_names` lists them.
   type :: scene_effects
     integer :: modes(size(known_effects)) = effect_off  !! of each effect, an `effect_` number
+    integer :: given(size(known_effects)) = by_default  !! by what: one of the `by_` numbers
     type(decimal_value) :: numbers(size(effect_numbers)) = effect_numbers%default  !! of all
   contains
     procedure :: mode => mode_of_effect      !! how an effect is called for
@@ -116,6 +118,9 @@ module asperity_scene_values
     procedure :: call_for => call_for_effect !! sets how an effect is called for
     procedure :: set => set_number           !! sets a number
     procedure :: any_on => any_effect_on     !! whether one of them is not off
+    procedure :: has_numbers               !! whether the numbers that call for an effect are given
+    procedure :: is_barred                   !! off because something else in the scene rules it out
+    procedure :: drop_unwritten              !! switches off what the scene does not write
   end type scene_effects
 
   !> Height maps in the place of surfaces: one under or over a plane, or two on the same grid.
@@ -201,6 +206,39 @@ contains
 
     any_effect_on = any(effects%modes /= effect_off)
   end function any_effect_on
+
+  !> Whether the numbers that call for an effect are given and not 0; false where it has none.
+  pure logical function has_numbers(effects, effect)
+    class(scene_effects), intent(in) :: effects  !! of a scene
+    integer, intent(in) :: effect                !! number of a known effect
+    integer :: i
+
+    associate (own => known_effects(effect)%own)
+      has_numbers = own(1) /= ''
+      do i = 1, count(own /= '')
+        has_numbers = has_numbers .and. effects%number(trim(own(i))) > 0.0_real64
+      end do
+    end associate
+  end function has_numbers
+
+  !> Whether an effect is off although the scene does not write that: what the scene asks for by
+  !> word cannot be computed with it.
+  pure logical function is_barred(effects, name)
+    class(scene_effects), intent(in) :: effects  !! of a scene
+    character(len=*), intent(in) :: name         !! a known effect
+    integer :: given
+
+    given = effects%given(findloc(known_effects%name, name, 1))
+    is_barred = effects%mode(name) == effect_off .and. given < by_word .and. &
+                (given == by_numbers .or. name == 'interaction')
+  end function is_barred
+
+  !> Switches off the effects that are simulated without being written, where they cannot be.
+  pure subroutine drop_unwritten(effects)
+    class(scene_effects), intent(inout) :: effects  !! of a scene
+
+    where (effects%given < by_word) effects%modes = effect_off
+  end subroutine drop_unwritten
 
   !> Whether a control asks for a load, one way or another.
   elemental logical function is_load(control)

@@ -1,5 +1,6 @@
 !> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
 module asperity_effects_summary
+  use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_position_lists, only: counted, percent, positions_text
   use asperity_problems, only: decimal_text, real_text
@@ -58,16 +59,28 @@ contains
   end subroutine write_effects
 
   !> The sentences about all effects: at how many positions each was estimated and simulated, its
-  !> measured influence, the largest estimate left out, how the solves ended.
+  !> measured influence, the largest estimate left out, how the solves ended; the estimated
+  !> influence of each that is off.
   subroutine list_effects(results, lines)
     type(scene_results), intent(in) :: results              !! solved
     type(told_line), allocatable, intent(out) :: lines(:)   !! none where there are no effects
-    integer :: e
+    character(len=:), allocatable :: text
+    real(real64) :: share
+    integer :: e, worst
 
     allocate (lines(0))
-    if (.not. allocated(results%effects)) return
-    do e = 1, size(results%effects%names)
-      call list_effect(results, results%effects, e, lines)
+    if (allocated(results%effects)) then
+      do e = 1, size(results%effects%names)
+        call list_effect(results, results%effects, e, lines)
+      end do
+    end if
+    do e = 1, size(known_effects)
+      worst = maxloc(results%positions%left_out(e), 1)
+      share = results%positions(worst)%left_out(e)
+      if (.not. share > not_computed) cycle
+      text = 'off: estimated influence on the load ' // percent(share)
+      if (size(results%positions) > 1) text = text // ' (position ' // decimal_text(worst) // ')'
+      lines = [lines, told_line(known_effects(e)%name, text)]
     end do
   end subroutine list_effects
 

@@ -63,8 +63,9 @@ contains
     character(len=12) :: digits
 
     associate (kind => warning_kinds(warning%kind))
-      text = trim(kind%what)
-      if (warning%whose /= '') text = text // ' (' // trim(warning%whose) // ')'
+      text = named(kind%what)
+      if (warning%whose /= '' .and. index(kind%what, '*') == 0) &
+        text = text // ' (' // trim(warning%whose) // ')'
       if (kind%is_share) then
         text = text // ', ' // percent(warning%size)
       else
@@ -75,8 +76,22 @@ contains
       end if
       text = text // ' ' // trim(kind%measure)
       if (warning%contacts > 0) text = text // ' at ' // counted(warning%contacts, 'contact')
-      text = text // ', ' // trim(kind%advice)
+      text = text // ', ' // named(kind%advice)
     end associate
+
+  contains
+
+    ! A phrase with the effect in the place of its star.
+    pure function named(phrase) result(text)
+      character(len=*), intent(in) :: phrase
+      character(len=:), allocatable :: text
+      integer :: at
+
+      text = trim(phrase)
+      at = index(text, '*')
+      if (at > 0) text = text(:at - 1) // trim(warning%whose) // text(at + 1:)
+    end function named
+
   end function in_words
 
 end module asperity_warning_lines

@@ -6,7 +6,7 @@ module asperity_effect_choice
   use asperity_contact_state, only: contact_state
   use asperity_effect_names, only: why_not_together
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_auto, effect_boundary
+  use asperity_scene_values, only: by_default, effect_auto, effect_boundary
   use asperity_theory_warnings, only: of_together, warn
   implicit none
   private
@@ -54,7 +54,10 @@ contains
     ! Never less than that half: what is simulated for another reason needs it, too.
     left = max(0.5_real64 * tolerance, tolerance - sum(outcomes%estimate, .not. called))
     do i = 1, number
-      if (called(order(i))) call keep_together(order(i))
+      if (called(order(i)) .and. is_asked_for(order(i))) call keep_together(order(i))
+    end do
+    do i = 1, number
+      if (called(order(i)) .and. .not. is_asked_for(order(i))) call keep_together(order(i))
     end do
 
   contains
@@ -96,7 +99,11 @@ contains
       do other = 1, size(effects)
         if (other == effect .or. .not. called(other)) cycle
         if (effects(other)%effect%mode == effect_auto) then
-          if (place_of(other) > place_of(effect)) cycle
+          if (is_asked_for(other) .neqv. is_asked_for(effect)) then
+            if (is_asked_for(effect)) cycle
+          else if (place_of(other) > place_of(effect)) then
+            cycle
+          end if
         end if
         if (why_not_together(trim(effects(effect)%effect%name), way_of(effect), &
                              trim(effects(other)%effect%name), way_of(other)) == '') cycle
@@ -107,6 +114,13 @@ contains
         return
       end do
     end subroutine keep_together
+
+    ! Whether the scene writes an effect or gives its numbers.
+    logical function is_asked_for(effect)
+      integer, intent(in) :: effect
+
+      is_asked_for = effects(effect)%effect%given > by_default
+    end function is_asked_for
 
     integer function place_of(effect)
       integer, intent(in) :: effect

@@ -2,6 +2,7 @@
 module asperity_effect_position
   use asperity_closing_at_load, only: close_to_load
   use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: asked_normal, asked_vertical, most_rows, &
                                       position_result
@@ -25,12 +26,15 @@ contains
   !> Computes all states of a position that has pairs. `simulated` is false when `auto` left all
   !> effects out and the position has nothing that the solver without effects does not know;
   !> `too_far` is true when pairs that were not listed may touch.
-  subroutine run_position(scene_in, pairs, effects, keep_rows, result, simulated, too_far, failure)
+  subroutine run_position(scene_in, pairs, effects, keep_rows, result, law, simulated, too_far, &
+                          failure)
     type(scene), intent(in) :: scene_in                    !! checked values
     type(contact_pairs), intent(in) :: pairs               !! at least one
     type(effect_box), intent(inout) :: effects(:)          !! of the scene; they remember
     logical, intent(in) :: keep_rows                       !! keep the contacts of every state
     type(position_result), intent(out) :: result           !! the states, what the effects did
+    !> of the contacts in the state of the largest compression; not allocated: it attracts
+    class(contact_law), allocatable, intent(out) :: law
     logical, intent(out) :: simulated                      !! an effect was
     logical, intent(out) :: too_far                        !! to be done again with all pairs
     character(len=:), allocatable, intent(out) :: failure  !! why not
@@ -61,8 +65,8 @@ contains
     if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, hold)
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
-    call walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, called_for, &
-              found, held, simulated, too_far, failure)
+    call walk(scene_in, pairs, effects, steps, keep_rows, result, law, state, outcomes, &
+              called_for, found, held, simulated, too_far, failure)
     ! More contacts than can be kept end the walk early.
     if (too_far .or. allocated(failure) .or. .not. allocated(result%effects)) return
     if (only_grows(steps)) call weigh_at_load(pairs, effects, held, state, result%effects)
@@ -70,14 +74,15 @@ contains
 
   ! Goes from state to state. A state that is known already, from the search for a load, is not
   ! simulated again.
-  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, state, outcomes, called_for, &
-                  found, asked, simulated, too_far, failure)
+  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, law, state, outcomes, &
+                  called_for, found, asked, simulated, too_far, failure)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(inout) :: effects(:)
     type(path_step), intent(in) :: steps(:)
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
+    class(contact_law), allocatable, intent(inout) :: law
     type(contact_state), intent(inout) :: state
     type(effect_outcome), allocatable, intent(inout) :: outcomes(:)
     logical, allocatable, intent(inout) :: called_for(:)
@@ -86,10 +91,11 @@ contains
     logical, intent(inout) :: simulated
     logical, intent(out) :: too_far
     character(len=:), allocatable, intent(out) :: failure
-    real(real64) :: closing, held
+    real(real64) :: closing, deepest, held
     integer :: e, i
 
     closing = 0.0_real64
+    deepest = -1.0_real64
     held = 0.0_real64
     too_far = .false.
     do i = 1, size(steps)
@@ -123,6 +129,11 @@ contains
         call effects(e)%effect%keep(pairs, state)
       end do
       call add_state(scene_in, pairs, effects, state, outcomes, i, keep_rows, result)
+      if (closing > deepest) then
+        deepest = closing
+        if (allocated(law)) deallocate (law)
+        if (all(state%answers%load >= 0.0_real64)) allocate (law, source=state%law)
+      end if
       if (asked < huge(asked)) then
         result%states(i)%asked = merge(asked_vertical, asked_normal, pairs%vertical)
         result%states(i)%load_asked = in_scene_units(pairs, asked, 1, 2)
@@ -179,9 +190,10 @@ contains
     real(real64) :: left
     integer :: i
 
+    acts_in_time = .false.
+    if (.not. any([(effects(i)%effect%acts_in_time, i=1, size(effects))])) return
     call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
     call choose_effects(pairs, effects, state, outcomes, called, left)
-    acts_in_time = .false.
     do i = 1, size(effects)
       acts_in_time = acts_in_time .or. (called(i) .and. effects(i)%effect%acts_in_time)
     end do

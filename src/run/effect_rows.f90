@@ -12,14 +12,15 @@ module asperity_effect_rows
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact
-  use asperity_theory_warnings, only: take_worse, theory_warning
+  use asperity_theory_warnings, only: of_error, take_worse, theory_warning, warn
   implicit none
   private
 
-  public :: add_nothing, add_state, name_columns
+  public :: add_nothing, add_state, add_without_effects, name_columns, of_compression
 
-  ! The relative error of the closing at a load over that of the load at a closing, at most.
-  real(real64), parameter :: of_closing = 0.75_real64
+  !> Largest ratio of the relative error of the compression at a load to that of the load at a
+  !> compression.
+  real(real64), parameter :: of_compression = 0.75_real64
 
 contains
 
@@ -101,14 +102,56 @@ contains
     do i = 1, size(outcomes)
       call take_worse(result%warnings, outcomes(i)%warnings, number)
     end do
-    if (number < size(result%states)) return
+    if (number == size(result%states)) &
+      call close_position(scene_in, pairs, effects, outcomes, result)
+  end subroutine add_state
+
+  !> Adds what the effects report of a state at which all of them are left out.
+  subroutine add_without_effects(scene_in, pairs, effects, state, outcomes, number, keep_rows, &
+                                 result)
+    type(scene), intent(in) :: scene_in                  !! what is solved
+    type(contact_pairs), intent(in) :: pairs             !! the position
+    type(effect_box), intent(in) :: effects(:)           !! of the scene
+    type(contact_state), intent(in) :: state             !! contacts without effects
+    type(effect_outcome), intent(inout) :: outcomes(:)   !! with the estimates
+    integer, intent(in) :: number                        !! place among the states
+    logical, intent(in) :: keep_rows                     !! the contacts are kept
+    type(position_result), intent(inout) :: result       !! states allocated; gets values, no states
+    integer :: i
+
+    do i = 1, size(effects)
+      call effects(i)%effect%leave_out(pairs, state, outcomes(i))
+      call effects(i)%effect%finish(pairs, state, outcomes(i))
+    end do
+    if (keep_rows) then
+      result%rows_used = result%rows_used + &
+                         count([(in_contact(state, i), i=1, size(pairs%list))])
+      call add_contact_values(pairs, effects, state, outcomes, result)
+    end if
+    if (number == size(result%states)) &
+      call close_position(scene_in, pairs, effects, outcomes, result)
+  end subroutine add_without_effects
+
+  ! What the effects report of a position, from its last state.
+  subroutine close_position(scene_in, pairs, effects, outcomes, result)
+    type(scene), intent(in) :: scene_in
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    type(effect_outcome), intent(in) :: outcomes(:)
+    type(position_result), intent(inout) :: result
+    type(theory_warning), allocatable :: warnings(:)
+    integer :: i
+
     call set_state_values(pairs, effects, outcomes, result)
     allocate (result%effects(size(outcomes)))
     do i = 1, size(outcomes)
       result%effects(i) = outcomes(i)%effect_record
     end do
     result%error_estimate = total_error(scene_in, outcomes)
-  end subroutine add_state
+    if (result%error_estimate > scene_in%effects%number('tolerance')) &
+      call warn(warnings, of_error, result%error_estimate)
+    call take_worse(result%warnings, warnings, size(result%states))
+  end subroutine close_position
 
   !> What the effects tell of a position at which no pair can touch.
   subroutine add_nothing(pairs, effects, result)
@@ -143,7 +186,7 @@ contains
 
     total = not_computed
     per_load = 1.0_real64
-    if (is_load(scene_in%loading%control)) per_load = of_closing
+    if (is_load(scene_in%loading%control)) per_load = of_compression
     do i = 1, size(outcomes)
       associate (outcome => outcomes(i))
         if (outcome%simulated == 'off') then

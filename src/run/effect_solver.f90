@@ -1,21 +1,29 @@
 !> Solves the positions of a scene with its effects: its contacts, then the effects called for.
 !>
 !> Effects are computed in doubles. A position at which `auto` leaves all effects out is that of the
-!> solver without effects, byte for byte.
+!> solver without effects, byte for byte. Of every effect that is off the influence on the load is
+!> estimated.
 module asperity_effect_solver
-  use asperity_contact_effect, only: effect_box
+  use asperity_arithmetics, only: solver_in
+  use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
-  use asperity_effect_list, only: list_effects
+  use asperity_contact_state, only: contact_state, start_state
+  use asperity_effect_choice, only: choose_effects
+  use asperity_effect_list, only: list_effects, list_left_out
+  use asperity_effect_names, only: known_effects, why_not_together
   use asperity_effect_position, only: run_position
-  use asperity_effect_rows, only: add_nothing, name_columns
+  use asperity_effect_rows, only: add_nothing, add_without_effects, name_columns, of_compression
+  use asperity_hertz_law, only: hertz_law
   use asperity_kernel_real64, only: empty_state, list_pairs, place_scene, placed_scene, &
                                     solve_position
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: int64, real64
   use asperity_plastic_surface, only: surface_index
   use asperity_position_solver, only: position_solver
   use asperity_scene_results, only: effect_header
-  use asperity_scene_values, only: scene
+  use asperity_scene_values, only: effect_auto, is_load, scene
+  use asperity_theory_warnings, only: of_barred, of_off, take_worse, theory_warning, warn
   implicit none
   private
 
@@ -26,7 +34,12 @@ module asperity_effect_solver
     private
     type(scene), pointer :: scene_in => null()
     type(placed_scene) :: placed
+    ! Of another arithmetic, which has no effects; not allocated: doubles.
+    class(position_solver), allocatable :: other
+    logical :: has_doubles = .true.              ! the scene can be placed in doubles
+    logical :: by_estimate = .false.             ! all effects may turn out to be negligible
     type(effect_box), allocatable :: effects(:)  ! as they are before a position
+    type(effect_box), allocatable :: left_out(:) ! those that are off, to be estimated
   contains
     procedure :: solve => solve_with_effects  !! one position
   end type effect_solver
@@ -35,8 +48,9 @@ contains
 
   !> Makes a scene ready to be solved with its effects. `failure` is allocated when a number is out
   !> of range.
-  subroutine make_effect_solver(scene_in, solver, header, failure)
+  subroutine make_effect_solver(scene_in, arithmetic, solver, header, failure)
     type(scene), intent(in), target :: scene_in            !! checked; must outlive the solver
+    character(len=*), intent(in) :: arithmetic             !! real64 where there are effects
     class(position_solver), allocatable, intent(out) :: solver
     type(effect_header), intent(out) :: header             !! what the effects tell
     character(len=:), allocatable, intent(out) :: failure  !! why not
@@ -45,19 +59,40 @@ contains
     allocate (new)
     new%scene_in => scene_in
     call list_effects(scene_in, new%effects)
+    call list_left_out(scene_in, new%left_out)
     call name_columns(new%effects, header)
     header%tolerance = scene_in%effects%number('tolerance')
     if (any(header%names == 'plasticity')) header%plasticity_index = surface_index(scene_in)
     call place_scene(scene_in, new%placed, failure)
+    if (arithmetic /= 'real64') then
+      new%has_doubles = .not. allocated(failure)
+      call solver_in(arithmetic, scene_in, solve_method(), new%other, failure)
+      if (.not. allocated(failure)) call take_from(new%other)
+    else
+      call take_from(new%placed)
+    end if
     if (allocated(failure)) return
-    new%positions = new%placed%positions
-    new%loads_differ = new%placed%loads_differ
+    new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
+                      all(header%names == 'interaction') .and. all(header%modes == effect_auto)
     ! Effects take long: a few positions are worth a thread each.
-    new%work = huge(new%work)
+    if (size(new%effects) > 0) new%work = huge(new%work)
     call move_alloc(new, solver)
+
+  contains
+
+    subroutine take_from(one)
+      class(position_solver), intent(in) :: one
+
+      new%positions = one%positions
+      new%states = one%states
+      new%work = one%work
+      new%load_precision = one%load_precision
+      new%loads_differ = one%loads_differ
+    end subroutine take_from
+
   end subroutine make_effect_solver
 
-  ! One position: its pairs, its states, or the solver without effects where none was called for.
+  ! One position: without effects where none is called for, else its pairs and its states.
   subroutine solve_with_effects(self, m, keep_rows, result, failure)
     class(effect_solver), intent(in) :: self
     integer, intent(in) :: m
@@ -67,11 +102,17 @@ contains
     type(contact_pairs) :: pairs
     type(position_result) :: told
     type(effect_box), allocatable :: effects(:)
+    class(contact_law), allocatable :: law
     logical :: simulated, too_far
 
+    if (self%by_estimate) then
+      call solve_without(self, m, keep_rows, result, simulated, failure)
+      if (allocated(failure) .or. .not. simulated) return
+    end if
     call list_pairs(self%placed, m, .false., pairs, failure)
     if (allocated(failure)) return
     if (size(pairs%list) == 0) then
+      result = position_result()
       call copy_effects(self%effects, effects)
       call add_nothing(pairs, effects, result)
       result%x_displacement = pairs%x_displacement
@@ -85,13 +126,14 @@ contains
       call list_pairs(self%placed, m, .true., pairs, failure)
       if (.not. allocated(failure)) call try(too_far)
     end if
-    if (allocated(failure) .or. simulated) return
-    told = result
-    call solve_position(self%placed, m, solve_method(), keep_rows, result, failure)
-    call move_alloc(told%effects, result%effects)
-    call move_alloc(told%contact_values, result%contact_values)
-    call move_alloc(told%state_values, result%state_values)
-    result%error_estimate = told%error_estimate
+    if (allocated(failure)) return
+    if (.not. simulated) then
+      told = result
+      call solve_position(self%placed, m, solve_method(), keep_rows, result, failure)
+      if (allocated(failure)) return
+      call move_values(told, result)
+    end if
+    call estimate_left_out(self, pairs, law, result)
 
   contains
 
@@ -101,11 +143,140 @@ contains
 
       call copy_effects(self%effects, effects)
       pairs%interrupt = self%interrupt
-      call run_position(self%scene_in, pairs, effects, keep_rows, result, simulated, too_far, &
+      call run_position(self%scene_in, pairs, effects, keep_rows, result, law, simulated, too_far, &
                         failure)
     end subroutine try
 
   end subroutine solve_with_effects
+
+  ! One position without effects, unless one is called for in one of its states.
+  subroutine solve_without(self, m, keep_rows, result, called_for, failure)
+    class(effect_solver), intent(in) :: self
+    integer, intent(in) :: m
+    logical, intent(in) :: keep_rows
+    type(position_result), intent(out) :: result
+    logical, intent(out) :: called_for
+    character(len=:), allocatable, intent(out) :: failure
+    type(contact_pairs) :: pairs
+    type(position_result) :: told
+    type(effect_box), allocatable :: effects(:)
+    type(contact_state) :: state
+    type(effect_outcome), allocatable :: outcomes(:)
+    class(contact_law), allocatable :: law
+    character(len=:), allocatable :: no_estimate
+    logical, allocatable :: called(:)
+    real(real64) :: left
+    integer :: i
+
+    called_for = .false.
+    if (allocated(self%other)) then
+      call self%other%solve(m, keep_rows, result, failure)
+      if (allocated(failure) .or. .not. self%has_doubles) return
+      call solve_position(self%placed, m, solve_method(), .false., told, no_estimate, pairs)
+      if (.not. allocated(no_estimate)) call estimate_left_out(self, pairs, law, result)
+      return
+    end if
+    call solve_position(self%placed, m, solve_method(), keep_rows, result, failure, pairs)
+    if (allocated(failure)) return
+    if (size(self%effects) > 0) then
+      call copy_effects(self%effects, effects)
+      allocate (told%states(size(result%states)))
+      if (size(pairs%list) == 0) call add_nothing(pairs, effects, told)
+      ! The end comes first: most is called for there.
+      do i = size(result%states), 1, -1
+        if (size(pairs%list) == 0) exit
+        call choose_in(i)
+        called_for = any(called)
+        if (called_for) return
+      end do
+      do i = 1, size(result%states)
+        if (size(pairs%list) == 0) exit
+        if (size(result%states) > 1) call choose_in(i)
+        call add_without_effects(self%scene_in, pairs, effects, state, outcomes, i, keep_rows, told)
+      end do
+      call move_values(told, result)
+    end if
+    call estimate_left_out(self, pairs, law, result)
+
+  contains
+
+    ! Chooses the effects of a state.
+    subroutine choose_in(number)
+      integer, intent(in) :: number
+
+      if (allocated(outcomes)) deallocate (outcomes)
+      allocate (outcomes(size(effects)))
+      call start_state(pairs, hertz_law(modulus=pairs%modulus), &
+                       compression_of(pairs, result%states(number)%closing), state)
+      call choose_effects(pairs, effects, state, outcomes, called, left)
+    end subroutine choose_in
+
+  end subroutine solve_without
+
+  ! A compression in the unit of the pairs.
+  pure real(real64) function compression_of(pairs, closing)
+    type(contact_pairs), intent(in) :: pairs
+    real(real64), intent(in) :: closing
+
+    compression_of = scale(closing, -4 * pairs%length_power)
+  end function compression_of
+
+  ! What the effects report of a position that was solved without them.
+  subroutine move_values(told, result)
+    type(position_result), intent(inout) :: told, result
+
+    call move_alloc(told%effects, result%effects)
+    call move_alloc(told%contact_values, result%contact_values)
+    call move_alloc(told%state_values, result%state_values)
+    result%error_estimate = told%error_estimate
+  end subroutine move_values
+
+  ! Estimates the influence of every effect that is off, in the state of the largest compression.
+  subroutine estimate_left_out(self, pairs, law, result)
+    class(effect_solver), intent(in) :: self
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), allocatable, intent(inout) :: law  ! of the contacts there; or Hertz
+    type(position_result), intent(inout) :: result
+    type(effect_box), allocatable :: effects(:)
+    type(contact_state) :: state
+    type(theory_warning), allocatable :: warnings(:)
+    real(real64) :: share
+    integer :: deepest, i
+
+    if (size(self%left_out) == 0) return
+    result%error_estimate = max(result%error_estimate, 0.0_real64)
+    call copy_effects(self%left_out, effects)
+    if (.not. allocated(law)) allocate (law, source=hertz_law(modulus=pairs%modulus))
+    deepest = maxloc(result%states%closing, 1)
+    call start_state(pairs, law, compression_of(pairs, result%states(deepest)%closing), state)
+    do i = 1, size(effects)
+      associate (effect => effects(i)%effect, effects_of_scene => self%scene_in%effects)
+        call effect%begin(pairs)
+        share = 0.0_real64
+        if (size(pairs%list) > 0) share = effect%estimate(pairs, state)
+        result%left_out(findloc(known_effects%name, effect%name, 1)) = share
+        result%error_estimate = result%error_estimate + &
+          merge(of_compression, 1.0_real64, is_load(self%scene_in%loading%control)) * share
+        if (.not. share > effect%tolerance) cycle
+        call warn(warnings, merge(of_barred, of_off, effects_of_scene%is_barred(effect%name) .or. &
+                                  is_ruled_out(self, effect%name)), share, whose=effect%name)
+      end associate
+    end do
+    call take_worse(result%warnings, warnings, deepest)
+  end subroutine estimate_left_out
+
+  ! Whether an effect has no common theory with one that is simulated.
+  logical function is_ruled_out(self, name)
+    class(effect_solver), intent(in) :: self
+    character(len=*), intent(in) :: name
+    integer :: i
+
+    is_ruled_out = .false.
+    do i = 1, size(self%effects)
+      is_ruled_out = is_ruled_out .or. &
+        why_not_together(trim(name), 'on', trim(self%effects(i)%effect%name), 'on') /= ''
+    end do
+  end function is_ruled_out
 
   ! Effects of one position: they remember.
   subroutine copy_effects(from, effects)

@@ -122,7 +122,7 @@ contains
                             count(is_measured(map%height), kind=int64))
     associate (answer => seen%answer)
       ! By load it was pressed as far. Else from its coarser ones again: what they come to tells.
-      if (.not. seen%by_load) then
+      if (.not. (seen%by_load .and. allocated(answer%pressure))) then
         if (allocated(answer%pressure)) deallocate (answer%pressure)
         call press_map(seen%map, modulus, answer, state%vertical_load, seen%closed)
       end if

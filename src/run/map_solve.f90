@@ -17,7 +17,7 @@ module asperity_map_solve
   use asperity_scene_values, only: combined_modulus, control_approach, control_limit, effect_auto, &
                                    effect_off, scene, solves_pixels
   use asperity_surface_solve, only: solve_surfaces
-  use asperity_theory_warnings, only: take_worse, theory_warning
+  use asperity_theory_warnings, only: of_error, take_worse, theory_warning, warn
   implicit none
   private
 
@@ -39,6 +39,7 @@ contains
     type(scene_results) :: of_summits
     type(run_options) :: of_summits_options
     integer :: mode
+    logical :: by_summits
 
     call join_maps(scene_in, map, failure)
     if (allocated(failure)) return
@@ -58,7 +59,10 @@ contains
     seen%answer%interrupt = options%interrupt
     call see_map(map, loading, seen, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'
-    if (allocated(failure) .and. mode == effect_auto) then
+    ! The pixels have no limit and know no effect but interaction.
+    by_summits = mode /= effect_auto .or. scene_in%loading%control == control_limit .or. &
+                 count(scene_in%effects%modes /= effect_off) > 1
+    if (allocated(failure) .and. .not. by_summits) then
       call solve_samples(scene_in, map, options, results, failure)
       return
     end if
@@ -75,7 +79,10 @@ contains
     if (options%interrupt%is_asked()) failure = 'interrupted'
     if (allocated(failure)) return
     of_summits%nominal_area = results%nominal_area
-    if (mode == effect_auto .and. .not. is_good_enough(scene_in, of_summits)) then
+    if (by_summits .and. mode == effect_auto .and. scene_in%loading%control /= control_limit) &
+      by_summits = has_other_effect(of_summits)
+    if (.not. by_summits) by_summits = is_good_enough(scene_in, of_summits)
+    if (.not. by_summits) then
       results%map = of_summits%map
       call solve_samples(scene_in, map, options, results, failure)
       if (allocated(failure)) failure = 'its summits are not good enough, and its samples: ' // &
@@ -142,7 +149,6 @@ contains
                           results%map, failure)
     if (allocated(failure)) return
     call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings)
-    call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
     if (scene_in%loading%control == control_approach) then
       results%positions(1)%error_estimate = abs(results%map%load_difference) + &
                                             results%map%load_uncertain
@@ -154,7 +160,18 @@ contains
       ! The closing is lost in the digits of the heights: nothing is known of it.
       results%positions(1)%error_estimate = 1.0_real64
     end if
+    if (results%positions(1)%error_estimate > scene_in%effects%number('tolerance')) &
+      call warn(warnings, of_error, results%positions(1)%error_estimate)
+    call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine check_summits
+
+  ! Whether an effect other than interaction was simulated.
+  pure logical function has_other_effect(results) result(has)
+    type(scene_results), intent(in) :: results
+
+    has = any(results%effects%names /= 'interaction' .and. &
+              results%positions(1)%effects%simulated /= 'off')
+  end function has_other_effect
 
   ! Whether `auto` is content with summits: within its tolerance, area included.
   logical function is_good_enough(scene_in, results)

@@ -4,6 +4,7 @@
 !> are read by the version of the program that wrote them, and by no other.
 module asperity_position_packet
   use asperity_contact_records, only: effect_record, position_result, state_row
+  use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int64, real64
   use asperity_theory_warnings, only: theory_warning
   implicit none
@@ -12,7 +13,8 @@ module asperity_position_packet
   public :: pack_position, unpack_position
 
   ! Words of a position without its lists, of a state, a contact, an effect and a warning.
-  integer, parameter :: of_head = 13, of_state = 13, of_row = 13, of_effect = 16, of_warning = 7
+  integer, parameter :: of_head = 13 + size(known_effects), of_state = 13, of_row = 13, &
+                        of_effect = 16, of_warning = 8
   ! One word, as the form of what is copied.
   integer(int64), parameter :: word(1) = 0_int64
 
@@ -39,6 +41,7 @@ contains
                        result%first_step_pressure, result%error_estimate], word), &
              int([merge(1, 0, result%limit_reached), result%overlapping_circles, &
                   size(result%states), result%rows_used, effects, told, values, warnings], int64), &
+             transfer(result%left_out, word), &
              [(words_of_warning(result%warnings(i)), i = 1, warnings)], &
              [(words_of_state(result%states(i)), i = 1, size(result%states))]]
     ! A contact has no gaps between its components: 4 halves of a word, then 11 words.
@@ -67,6 +70,7 @@ contains
     told = int(words(10))
     values = int(words(11:12))
     warnings = int(words(13))
+    result%left_out = transfer(words(14:of_head), result%left_out, size(result%left_out))
     allocate (result%states(states), result%rows(result%rows_used))
     at = of_head
     if (warnings > 0) allocate (result%warnings(warnings))
@@ -133,7 +137,7 @@ contains
     warning%state = int(words(2))
     warning%contacts = int(words(3))
     warning%size = transfer(words(4), warning%size)
-    warning%whose = transfer(words(5:7), warning%whose)
+    warning%whose = transfer(words(5:8), warning%whose)
   end function warning_of
 
   pure function words_of_effect(effect) result(words)

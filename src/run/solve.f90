@@ -9,7 +9,7 @@ module asperity_solve
   use asperity_problems, only: problem_list
   use asperity_run_options, only: check_options, run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: effect_off, scene
+  use asperity_scene_values, only: by_word, effect_off, scene
   use asperity_surface_solve, only: needs_doubles, solve_surfaces
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
@@ -28,6 +28,7 @@ contains
     type(run_options), intent(in), optional :: options     !! absent: those of `run_options()`
     type(run_options) :: chosen
     type(problem_list) :: problems
+    type(scene) :: written
     !$ integer :: usual
 
     if (present(options)) chosen = options
@@ -35,6 +36,14 @@ contains
     if (problems%count() > 0) then
       failure = problems%text()
       failure = failure(:len(failure) - 1)
+      return
+    end if
+    ! Effects are computed in doubles: another arithmetic leaves out those that are not written.
+    if (chosen%arithmetic /= 'real64' .and. any(scene_in%effects%given < by_word .and. &
+                                                scene_in%effects%modes /= effect_off)) then
+      written = scene_in
+      call written%effects%drop_unwritten()
+      call solve(written, results, failure, chosen)
       return
     end if
     ! A position by itself, or a map, may use the threads within.

@@ -9,7 +9,7 @@ module asperity_surface_solve
   use asperity_kinds, only: real64
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
-  use asperity_scene_results, only: scene_results
+  use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: scene
   implicit none
   private
@@ -25,12 +25,10 @@ contains
     type(scene_results), intent(inout) :: results          !! get the positions
     character(len=:), allocatable, intent(out) :: failure  !! why not
 
-    if (needs_doubles(scene_in)) then
-      call solve_effects(scene_in, chosen, results, failure)
-    else if (chosen%accuracy > 0) then
+    if (chosen%accuracy > 0 .and. .not. needs_doubles(scene_in)) then
       call solve_to_accuracy(scene_in, chosen, results, failure)
     else
-      call solve_in_arithmetic(scene_in, solve_method(), chosen, results, failure)
+      call solve_effects(scene_in, chosen, results, failure)
     end if
   end subroutine solve_surfaces
 
@@ -49,21 +47,22 @@ contains
     if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
   end subroutine solve_in_arithmetic
 
-  ! With the effects of the scene, in doubles.
+  ! With the effects of the scene, in doubles; without any in the arithmetic of the options.
   subroutine solve_effects(scene_in, options, results, failure)
     type(scene), intent(in), target :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
     class(position_solver), allocatable :: solver
+    type(effect_header) :: header
 
-    if (options%arithmetic /= 'real64') then
+    if (options%arithmetic /= 'real64' .and. needs_doubles(scene_in)) then
       failure = 'effects and paths of several values are computed in real64 only'
       return
     end if
     results%arithmetic = options%arithmetic
-    allocate (results%effects)
-    call make_effect_solver(scene_in, solver, results%effects, failure)
+    call make_effect_solver(scene_in, trim(options%arithmetic), solver, header, failure)
+    if (needs_doubles(scene_in)) results%effects = header
     if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
   end subroutine solve_effects
 
@@ -80,7 +79,7 @@ contains
     way = options
     do i = 1, size(front_arithmetics)
       way%arithmetic = front_arithmetics(i)
-      call solve_in_arithmetic(scene_in, solve_method(), way, results, failure)
+      call solve_effects(scene_in, way, results, failure)
       if (allocated(failure)) return
       results%error_bound = error_bound(trim(way%arithmetic), scene_in, results%positions)
       if (results%error_bound <= options%accuracy) then

@@ -114,7 +114,7 @@ contains
       call copy%effects%set('boundary_tolerance', tolerances(number))
     if (copy%effects%any_on()) then
       allocate (results%effects)
-      call make_effect_solver(copy, solver, results%effects, failure)
+      call make_effect_solver(copy, 'real64', solver, results%effects, failure)
     else
       call solver_in('real64', copy, solve_method(), solver, failure)
     end if

@@ -36,8 +36,15 @@ def write_surface(path, rows):
     return path.name
 
 
-def write_scene(path, **groups):
-    """One group a keyword, each a dict."""
+def write_scene(path, by_default=False, **groups):
+    """One group a keyword, each a dict. Effects that it does not name are off.
+
+    With `by_default` they are as the program has them.
+    """
+    if not by_default:
+        groups["effects"] = {**groups.get("effects", {}), **{
+            name: "off" for name in ("interaction", "plasticity")
+            if name not in groups.get("effects", {})}}
     path.write_text("".join(
         f"&{group} " + ", ".join(f"{name} = {text_of(value)}" for name, value in names.items())
         + " /\n" for group, names in groups.items()))

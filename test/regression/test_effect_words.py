@@ -15,6 +15,7 @@ from surfaces_csv import solve, write_scene
 EXAMPLES = ROOT / "data" / "examples" / "effects"
 ON = {"interaction": ("coupled", "boundary"), "friction": ("on",), "plasticity": ("on",),
       "adhesion": ("on",), "creep": ("on",)}
+NO_EFFECTS = dict.fromkeys(ON, "off")
 NUMBERS = {"friction_coefficient": 0.1, "plastic_yield_stress": 6000.0, "work_of_adhesion": 1e-3,
            "equilibrium_distance": 1e-7, "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5,
            "hold_time": 1.0,
@@ -54,7 +55,7 @@ def test_pairs(asperity, tmp_path, tally):
     refused = 0
     for first, second, first_word, second_word in pairs:
         done = run(asperity, tmp_path, loading=LIGHT,
-                   effects={first: first_word, second: second_word, **NUMBERS})
+                   effects={**NO_EFFECTS, first: first_word, second: second_word, **NUMBERS})
         interaction = second_word if second == "interaction" else first_word
         sentence = why(first, second, interaction)
         if sentence:
@@ -89,7 +90,7 @@ def test_the_page_says_what_goes_together():
 def test_auto_meets_a_refused_pair(asperity, tmp_path):
     """With `auto` the larger of two such effects is simulated; the other one is told with its size,
     only where both are called for."""
-    both = {"plasticity": "auto", "creep": "auto", **NUMBERS}
+    both = {**NO_EFFECTS, "plasticity": "auto", "creep": "auto", **NUMBERS}
     for load, met in ((1000.0, False), (6000.0, True)):
         done = run(asperity, tmp_path, effects=both, loading={"control": "load", "value": load})
         assert done.status == 0, done.stderr

@@ -4,6 +4,7 @@ The truth is reference_output/boundary; its README tells how it was made and how
 """
 
 import csv
+import re
 
 import numpy as np
 import pytest
@@ -219,7 +220,11 @@ def test_residuals(sweeps):
 
 def test_summary(sweeps, tally):
     off = sweeps.solve(interaction="off")
-    assert "effects: none" in off.stdout and "\nEffects, " not in off.stdout
+    assert "effects: none" in off.stdout
+    left_out = re.search(r"off: estimated influence on the load ([\d.]+) % \(position 18\)",
+                         off.stdout)
+    # Not below what interaction takes away there, and not far above it.
+    assert 25 < float(left_out.group(1)) < 50, off.stdout
     assert off.stdout.split("\n", 1)[1] == sweeps.solve().stdout.split("\n", 1)[1]
     coupled = sweeps.solve(interaction="coupled")
     assert "effects: interaction coupled\n" in coupled.stdout

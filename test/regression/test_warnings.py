@@ -294,7 +294,10 @@ def test_threads_tell_the_same(asperity, tmp_path):
     assert "position 18 and 2 more: contact circles overlap" in one.stderr
     told_at = np.flatnonzero(column(one.positions, "warnings")).tolist()
     assert {17, 55, 78} <= set(told_at)
-    assert {row["error_estimate"] for row in one.positions} == {""}
+    # The influence of interaction, which is off, at the compression of the limit.
+    errors = np.array(column(one.positions, "error_estimate"))
+    assert errors.min() == 0.0 and 0.3 < errors.max() < 0.5
+    assert set(np.flatnonzero(errors > 0.01)) <= set(told_at)
 
 
 def test_what_is_left_out_stays_within_one_tolerance(asperity, tmp_path):

@@ -3,6 +3,7 @@
 !> Truths are its own closed forms over the loads of Hertz.
 module asperity_new_effect_suite
   use asperity_contact_effect, only: effect_box
+  use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result
   use asperity_contact_state, only: contact_state, start_state, total_load, total_vertical_load
@@ -74,6 +75,7 @@ contains
     type(contact_pairs) :: pairs
     type(contact_state) :: hertz
     type(position_result) :: result
+    class(contact_law), allocatable :: law
     logical :: simulated, too_far
     character(len=:), allocatable :: failure
     ! The unit of force is 1/16 of the scene's, that of length 1/16, too.
@@ -89,7 +91,7 @@ contains
     call list_effects(scene_in, listed)
     call make_up(effect_on, 0.25_real64, 0.0_real64, .false., effects(1)%effect)
     call move_alloc(listed(1)%effect, effects(2)%effect)
-    call run_position(scene_in, pairs, effects, .true., result, simulated, too_far, failure)
+    call run_position(scene_in, pairs, effects, .true., result, law, simulated, too_far, failure)
     call check(error, simulated .and. .not. too_far .and. .not. allocated(failure), 'simulated')
     if (allocated(error)) return
     call check(error, result%rows_used, 2, 'contacts')
@@ -152,6 +154,7 @@ contains
     type(contact_pairs) :: pairs
     type(contact_state) :: hertz, less
     type(position_result) :: result
+    class(contact_law), allocatable :: law
     type(scene) :: scene_in
     logical :: simulated, too_far
     character(len=:), allocatable :: failure
@@ -168,7 +171,7 @@ contains
     end do
     call make_up(effect_on, 0.1_real64, 0.0_real64, .false., effects(1)%effect)
     do turn = 1, 2
-      call run_position(scene_in, pairs, effects, .false., result, simulated, too_far, failure)
+      call run_position(scene_in, pairs, effects, .false., result, law, simulated, too_far, failure)
       call check(error, simulated .and. .not. allocated(failure), 'simulated')
       call check(error, size(result%states), 3, 'states')
       if (allocated(error)) return
@@ -252,13 +255,14 @@ contains
     logical, intent(in) :: in_time
     type(scene), intent(in) :: scene_in
     type(position_result), intent(out) :: result
+    class(contact_law), allocatable :: law
     logical, intent(out) :: simulated
     type(effect_box) :: effects(1)
     logical :: too_far
     character(len=:), allocatable :: failure
 
     call make_up(mode, share, tolerance, in_time, effects(1)%effect)
-    call run_position(scene_in, pairs, effects, .true., result, simulated, too_far, failure)
+    call run_position(scene_in, pairs, effects, .true., result, law, simulated, too_far, failure)
     call check(error, .not. (too_far .or. allocated(failure)), 'a position with the effect alone')
   end subroutine run_one
 

@@ -330,7 +330,7 @@ contains
     call check(error, found%limit%from_thesis, 'the limit is the thesis''')
     ! 65*9.8/2.205 is 2600/9.
     call check_number(error, found%limit%value, 2600 / 9.0_real64, 'limit load')
-    call check(error, found%effects%mode('interaction'), effect_off, 'interaction')
+    call check(error, found%effects%mode('interaction'), effect_auto, 'interaction')
     call check(error, found%effects%number('tolerance'), 0.01_real64, 0.0_real64, 'tolerance')
     call check(error, found%notes%count(), 1, 'the deck''s eight high asperities are noted')
   end subroutine test_deck_defaults

@@ -1,0 +1,207 @@
+"""Effects of a scene that does not write how they are simulated."""
+
+import re
+
+import numpy as np
+import pytest
+
+from effect_runs import DECK
+from surfaces_csv import solve, write_csv_scene, write_scene
+
+POSITION_56 = {"surfaces": {"deck": str(DECK)}, "motion": {"x_first": 5.6, "positions": 1}}
+LOADED = {**POSITION_56, "loading": {"control": "load", "value": 1000.0}}
+# Two balls far apart, and beside each other.
+BALLS = [(0.0, 0.0, 1.0, 1.0), (30.0, 0.0, 1.0, 1.0)]
+CLOSE = [(0.0, 0.0, 1.0, 1.0), (1.5, 0.0, 1.0, 1.0)]
+
+
+def row_of(done):
+    assert done.status == 0, done.stderr
+    return done.positions[0]
+
+
+def influence_warned_of(done, effect="interaction", what="is off"):
+    """The share that a warning states; None: there is none."""
+    told = re.search(rf"position \d+: {effect} {what}, (\S+) % is its estimated influence on "
+                     r"the load, (.*)", done.stderr)
+    return told and float(told.group(1)) / 100
+
+
+def test_position_56(asperity, tmp_path):
+    """By default within 1 % of boundary elements; `off` warns of 28 % and more."""
+    default, boundary, off = (
+        solve(asperity, write_scene(tmp_path / f"{name}.scene", by_default=True, **POSITION_56,
+                                    **({"effects": {"interaction": name}} if name else {})))
+        for name in ("", "boundary", "off"))
+    truth = float(row_of(boundary)["load"])
+    assert float(row_of(default)["load"]) == pytest.approx(truth, rel=0.01)
+    assert not influence_warned_of(default)
+    lost = 1 - truth / float(row_of(off)["load"])
+    assert lost <= influence_warned_of(off) <= 2 * lost
+    assert "set interaction = 'auto'" in off.stderr
+    assert float(off.positions[0]["error_estimate"]) == pytest.approx(influence_warned_of(off),
+                                                                      rel=0.01)
+
+
+@pytest.mark.parametrize("control, value", (
+    ("load", 1000.0), ("vertical_load", 1000.0), ("pressure", 100.0), ("approach", 0.27),
+    ("limit", None), ("load", (500.0, 1000.0, 0.0))))
+def test_off_is_estimated_under_every_control(control, value, asperity, tmp_path):
+    loading = {"control": control} | ({} if value is None else {"value": value})
+    surfaces = {**POSITION_56["surfaces"], "nominal_area": 10.0}
+    off, auto = (solve(asperity, write_scene(
+        tmp_path / f"{mode}.scene", **{**POSITION_56, "surfaces": surfaces}, loading=loading,
+        effects={"interaction": mode})) for mode in ("off", "auto"))
+    assert row_of(auto)["interaction"] != "off" or control == "load"
+    assert influence_warned_of(off) > 0.1, off.stderr
+    assert "interaction  off: estimated influence on the load" in off.stdout
+
+
+def test_nothing_is_said_where_nothing_is_called_for(asperity, tmp_path):
+    """Contacts far apart: no warning, and the bytes of `off`."""
+    loading = {"loading": {"control": "load", "value": 1.0}, "motion": {"x_step": 0.1,
+                                                                       "positions": 3}}
+    runs = [solve(asperity, write_csv_scene(tmp_path, [BALLS[0]], BALLS, name=f"s{i}",
+                                            by_default=not i, **loading)) for i in range(2)]
+    assert not runs[0].stderr and not runs[1].stderr
+    for default, off in zip(runs[0].positions, runs[1].positions, strict=True):
+        assert default["interaction"] == "off"
+        assert all(default[name] == off[name] for name in off if name != "error_estimate")
+
+
+def test_a_deck_alone_has_no_effects(asperity, root, tmp_path):
+    """The thesis is met: a deck in the place of a scene stays without effects."""
+    done = solve(asperity, root / "data" / "thesis.deck", folder=tmp_path)
+    off = solve(asperity, write_scene(
+        tmp_path / "off.scene", surfaces={"deck": str(DECK)},
+        motion={"x_first": 0.1, "x_step": 0.1, "positions": 100}))
+    assert done.positions == off.positions and "effects: none" in done.stdout
+
+
+@pytest.mark.parametrize("effect, numbers", (
+    ("plasticity", {"plastic_yield_stress": 300.0}),
+    ("adhesion", {"work_of_adhesion": 1e-2, "equilibrium_distance": 1e-7}),
+    ("friction", {"friction_coefficient": 0.3}),
+    ("creep", {"relaxation_time": 1.0, "relaxed_modulus_ratio": 0.5, "hold_time": 2.0})))
+def test_an_effect_whose_numbers_are_given(effect, numbers, asperity, tmp_path):
+    """It is `auto`; without its numbers it is no effect of the scene; written off it stays off."""
+    loading = {"loading": {"control": "approach", "value": 0.27}}
+    auto, default, without = (row_of(solve(asperity, write_scene(
+        tmp_path / f"{i}.scene", by_default=True, **POSITION_56, **loading,
+        effects={"interaction": "off", **given}))) for i, given in enumerate((
+            {effect: "auto", **numbers}, numbers, {})))
+    assert default == auto and auto[effect] == "on" or effect == "friction"
+    assert effect not in without
+    off = solve(asperity, write_scene(tmp_path / "off.scene", by_default=True, **POSITION_56,
+                                      **loading, effects={effect: "off", **numbers}))
+    assert effect not in row_of(off)
+    assert f"{effect} " in off.stdout and "off: estimated influence on the load" in off.stdout
+
+
+def test_a_limit_is_where_flow_begins(asperity, tmp_path):
+    """A group &limit calls for plasticity where loading goes on beyond it."""
+    limit = {"limit": {"criterion": "load", "value": 50.0}}
+    beyond = solve(asperity, write_scene(tmp_path / "a.scene", by_default=True, **LOADED, **limit))
+    assert row_of(beyond)["plasticity"] == "on"
+    to_it = solve(asperity, write_scene(tmp_path / "b.scene", by_default=True, **POSITION_56,
+                                        **limit))
+    assert "plasticity" not in row_of(to_it)
+
+
+def test_what_is_asked_for_comes_first(asperity, tmp_path):
+    """Adhesion by its numbers beside interaction by default; then interaction by word."""
+    numbers = {"work_of_adhesion": 1e-1, "equilibrium_distance": 1e-7}
+    by_default = solve(asperity, write_scene(tmp_path / "a.scene", by_default=True, **LOADED,
+                                             effects=numbers))
+    row = row_of(by_default)
+    assert float(row["interaction_estimate"]) > float(row["adhesion_estimate"]) > 0.01
+    assert row["adhesion"] == "on" and row["interaction"] == "off"
+    told = re.search(r"\(interaction beside adhesion\), (\S+) % is the estimated",
+                     by_default.stderr)
+    assert float(told.group(1)) == pytest.approx(100 * float(row["interaction_estimate"]), rel=0.01)
+    # Both are asked for: the larger one is simulated.
+    by_word = row_of(solve(asperity, write_scene(
+        tmp_path / "b.scene", by_default=True, **LOADED,
+        effects={"interaction": "auto", **numbers})))
+    assert by_word["adhesion"] == "off" and by_word["interaction"] != "off"
+
+
+@pytest.mark.parametrize("arithmetic", ("real128", "real32", "ibm370"))
+def test_another_arithmetic_leaves_the_default_out(arithmetic, asperity, tmp_path):
+    """It is no refusal: the influence is warned of. What is written is refused."""
+    scene = write_scene(tmp_path / "a.scene", by_default=True, **POSITION_56,
+                        effects={"friction_coefficient": 0.3})
+    done = solve(asperity, scene, "--arithmetic", arithmetic)
+    assert "interaction" not in row_of(done)
+    share = influence_warned_of(done, what="is left out, as it cannot be computed here")
+    assert 0.2 < share < 0.5, done.stderr
+    write_scene(tmp_path / "a.scene", by_default=True, **POSITION_56,
+                effects={"interaction": "auto"})
+    assert solve(asperity, scene, "--arithmetic", arithmetic).status == 2
+
+
+@pytest.mark.parametrize("given, why", (
+    ({"material": {"contact_modulus": 1e5}, "effects": {"plastic_yield_stress": 100.0}},
+     "plasticity is left out: plasticity needs Poisson's ratio"),
+    ({"material": {"contact_modulus": 1e5}, "limit": {"criterion": "load", "value": 5.0}},
+     "plasticity is left out: plasticity needs Poisson's ratio"),
+    ({"loading": {"control": "load", "value": (9.0, 3.0)},
+      "effects": {"friction_coefficient": 1.0}},
+     "friction is left out: friction is computed for surfaces that close without going back"),
+    ({"effects": {"work_of_adhesion": 1.0}}, "adhesion is left out: it needs equilibrium_distance"),
+    ({"effects": {"hold_time": 1.0, "relaxation_time": 1.0}},
+     "creep is left out: it needs relaxed_modulus_ratio")))
+def test_what_cannot_be_computed_is_left_out_with_a_note(given, why, asperity, tmp_path):
+    """Such a scene is not refused, as its effects are not written."""
+    done = solve(asperity, write_scene(tmp_path / "a.scene", by_default=True,
+                                       **{**LOADED, **given}))
+    assert why in done.stderr, done.stderr
+    effect = why.split()[0]
+    assert effect not in row_of(done)
+
+
+def map_scene(folder, pressure, edge="periodic", **effects):
+    """A self-affine map of the newcomer's kind, rms height 0.1."""
+    rng = np.random.default_rng(1)
+    n, step = 128, 0.5
+    q = np.fft.fftfreq(n, step) * 2 * np.pi
+    wave = np.hypot(*np.meshgrid(q, q))
+    wave[0, 0] = 1
+    power = np.where((wave < 8 * np.pi / (n * step)) | (wave > np.pi / (4 * step)), 0, wave**-3.6)
+    heights = np.fft.ifft2(np.sqrt(power) * np.fft.fft2(rng.standard_normal((n, n)))).real
+    np.savetxt(folder / "h.txt", heights * 0.1 / heights.std())
+    return write_scene(folder / "map.scene", by_default=True,
+                       surfaces={"upper": "plane", "lower": "h.txt", "map_spacing": (step, step),
+                                 "map_edge": edge},
+                       material={"contact_modulus": 1e5},
+                       loading={"control": "pressure", "value": pressure}, effects=effects)
+
+
+def test_a_periodic_map(asperity, tmp_path):
+    """Coupled summits know no images and are refused; the default presses the pixels."""
+    refused = solve(asperity, map_scene(tmp_path, 90.0, interaction="coupled"))
+    assert refused.status == 2 and not refused.stdout
+    assert "solved without its images" in refused.stderr
+    assert "'boundary' or 'auto'" in refused.stderr
+    for pressure in (10.0, 90.0, 300.0):
+        default, boundary = (float(row_of(solve(asperity, map_scene(tmp_path, pressure, **effects),
+                                                contacts=False))["approach"])
+                             for effects in ({}, {"interaction": "boundary"}))
+        assert abs(default - boundary) < 1e-3 * 0.1
+    off = solve(asperity, map_scene(tmp_path, 90.0, interaction="off"), contacts=False)
+    assert "the estimated error is above the tolerance" in off.stderr
+    assert influence_warned_of(off) > 0.1
+    # Without a default that could be computed: summits without interaction, with a warning.
+    limit = map_scene(tmp_path, 90.0)
+    limit.write_text(re.sub("&loading.*", "&limit criterion = 'load', value = 1. /",
+                            limit.read_text()))
+    done = solve(asperity, limit, contacts=False)
+    assert "interaction is left out" in done.stderr and row_of(done)["limit_reached"] == "1"
+    assert solve(asperity, write_scene(tmp_path / "both.scene", by_default=True, **{
+        "surfaces": {"upper": "plane", "lower": "h.txt", "map_spacing": (0.5, 0.5),
+                     "map_edge": "periodic"}, "material": {"contact_modulus": 1e5},
+        "loading": {"control": "pressure", "value": 90.0},
+        "effects": {"interaction": "auto", "adhesion": "on", "work_of_adhesion": 1.0,
+                    "equilibrium_distance": 1e-3}})).status == 2
+
+
