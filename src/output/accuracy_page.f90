@@ -1,6 +1,6 @@
-!> What accuracy costs for a scene, as one page that opens anywhere: slide to the error that is
-!> needed, read the way and its time; the diagrams, and all ways as a table. It loads nothing; its
-!> script is a few lines that look into the data of the page.
+!> Accuracy and run time for a scene, as one page that opens anywhere: slide to an error, read the
+!> fastest method and its time; the diagrams, and all methods as a table. It loads nothing; its
+!> script is a few lines that read the data of the page.
 module asperity_accuracy_page
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
                                 end_table, put_row, readable
@@ -15,7 +15,7 @@ module asperity_accuracy_page
 
   public :: write_accuracy_page
 
-  ! What cannot be seen is drawn there, below the rounding of a double.
+  ! Smaller errors are drawn there, below the rounding of a double.
   real(real64), parameter :: least_drawn = 1.0e-17_real64
 
 contains
@@ -38,29 +38,28 @@ contains
         own(i) = max(row%own%largest, least_drawn)
       end associate
     end do
-    call begin_page('What accuracy costs: ' // title, buffer, with_script=.true.)
-    call buffer%line('<p>Error: the largest over the positions, relative, of the loads or, ' // &
-                     'at a given load, of the approach over the closing. Time: all ' // &
-                     'positions, one thread.</p>')
-    call begin_section('choose', 'What error do you need?', buffer)
+    call begin_page('Accuracy and run time: ' // title, buffer, with_script=.true.)
+    call buffer%line('<p>Error: largest relative error over the positions, of the load or, at ' // &
+                     'a given load, of the compression. Time: all positions, one thread.</p>')
+    call begin_section('choose', 'Fastest method for an error', buffer)
     call buffer%line('<p><label for="error">Error at most</label> ' // &
                      '<input id="error" type="range" min="-16" max="0" step="0.25" ' // &
                      'value="-2" style="width:100%"/></p>')
-    call buffer%line('<p id="answer" aria-live="polite">The page''s script is needed ' // &
-                     'here; the table below has the same.</p>')
+    call buffer%line('<p id="answer" aria-live="polite">This line needs ' // &
+                     'the script of the page; the table below holds the same values.</p>')
     call end_section(buffer)
     call begin_section('total', 'Error against time', buffer)
     call put_plot('error against the reference', 'total-plot', table, is_run, error, buffer)
     call end_section(buffer)
-    call begin_section('own', 'What each way leaves out by itself', buffer)
+    call begin_section('own', 'Error of each approximation', buffer)
     call buffer%line('<p>Arithmetic against real128, steps against exact events, effects ' // &
-                     'against the scene as it asks, neighbours against the reference. A ' // &
-                     'line is what the digits of the input mean; of a map one is of its ' // &
-                     'summits, one of its samples.</p>')
-    call put_plot('its own error', 'own-plot', table, is_run .and. &
+                     'against all effects of the scene, neighbours against the reference. ' // &
+                     'Horizontal lines: uncertainty from the rounding of the input data; for ' // &
+                     'a map one for its summits and one for its pixels.</p>')
+    call put_plot('error of the approximation', 'own-plot', table, is_run .and. &
                   table%rows%own%largest > not_computed, own, buffer)
     call end_section(buffer)
-    call begin_section('ways', 'All ways', buffer)
+    call begin_section('methods', 'All methods', buffer)
     call put_ways(table, buffer)
     call end_section(buffer)
     call buffer%line('<p>asperity ' // version // '</p>')
@@ -68,7 +67,7 @@ contains
     call end_page(buffer)
   end subroutine write_accuracy_page
 
-  ! One diagram: a dot a way, the front joined, the error of the input across.
+  ! One diagram: a dot a method, the Pareto front joined, the error of the input across.
   subroutine put_plot(name, id, table, shown, error, buffer)
     character(len=*), intent(in) :: name, id
     type(way_table), intent(in) :: table
@@ -85,9 +84,9 @@ contains
     seconds = max(seconds, 1.0e-9_real64)
     level = pack(error, shown)
     call buffer%line('<div id="' // id // '">')
-    across = axis_over('time, s', seconds, .true.)
-    call plot%begin(name // ' over time', across, axis_over(name, [level, 1.0_real64], .true.), &
-                    buffer)
+    across = axis_over('time', 's', seconds, .true.)
+    call plot%begin(name // ' over time', across, &
+                    axis_over(name, '', [level, 1.0_real64], .true.), buffer)
     if (id == 'total-plot') call put_front(pack(table%rows%seconds, table%rows%on_front), &
                                            pack(error, table%rows%on_front))
     do i = 1, size(table%rows)
@@ -124,16 +123,16 @@ contains
 
   end subroutine put_plot
 
-  ! All ways, those that were left out with the reason.
+  ! All methods, those that were not run with the reason.
   subroutine put_ways(table, buffer)
     type(way_table), intent(in) :: table
     type(text_buffer), intent(inout) :: buffer
     character(len=140) :: cells(8)
     integer :: i
 
-    call begin_table('ways of computing; front: none is clearly better', &
-                     [character(len=12) :: 'way', 'of', 'front', 'time, s', 'error', &
-                      'of the area', 'its own', 'left out'], buffer)
+    call begin_table('methods; Pareto front: no other method is faster and more accurate', &
+                     [character(len=13) :: 'method', 'family', 'Pareto front', 'time [s]', &
+                      'error', 'of the area', 'approximation', 'not run'], buffer)
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
         cells(1) = row%way%name
@@ -160,7 +159,7 @@ contains
     if (value > not_computed) text = readable(value, 2)
   end function told
 
-  ! The data, and what the slider does: the cheapest way with the error, and with a tenth of it.
+  ! The data, and the script of the slider: the fastest method for an error, and for a tenth of it.
   subroutine put_script(table, is_run, error, buffer)
     type(way_table), intent(in) :: table
     logical, intent(in) :: is_run(:)
@@ -170,7 +169,7 @@ contains
     integer :: i
 
     call buffer%line('<script>')
-    call buffer%line('const ways=[')
+    call buffer%line('const methods=[')
     do i = 1, size(table%rows)
       if (.not. is_run(i)) cycle
       write (numbers, '(es23.15e3, ",", es23.15e3)') table%rows(i)%seconds, error(i)
@@ -181,17 +180,17 @@ contains
     call buffer%line('const slider=document.getElementById("error"),' // &
                      'answer=document.getElementById("answer"),')
     call buffer%line('dots=document.querySelectorAll("#total-plot .dot");')
-    call buffer%line('function best(e){let b=-1;ways.forEach((w,i)=>{if(e>=w[2])' // &
-                     'if(b===-1||ways[b][1]>w[1])b=i});return b}')
-    call buffer%line('function say(){const e=10**Number(slider.value),b=best(e),t=best(e/10),' // &
-                     'n=e.toExponential(1);')
+    call buffer%line('function fastest(e){let b=-1;methods.forEach((m,i)=>{if(e>=m[2])' // &
+                     'if(b===-1||methods[b][1]>m[1])b=i});return b}')
+    call buffer%line('function show(){const e=10**Number(slider.value),b=fastest(e),' // &
+                     't=fastest(e/10),n="Error at most "+e.toExponential(1)+": ";')
     call buffer%line('dots.forEach((d,i)=>{d.setAttribute("r",i===b?7:3)});')
-    call buffer%line('answer.textContent=b===-1?n+": none of the ways has it.":' // &
-                     'n+": "+ways[b][0]+", "+ways[b][1].toPrecision(2)+" s, error "+' // &
-                     'ways[b][2].toExponential(1)+". Ten times better: "+(t===-1?"none has it.":')
-    call buffer%line('t===b?"the same way.":ways[t][0]+", "+(ways[t][1]/ways[b][1])' // &
-                     '.toPrecision(2)+" times the time.")}')
-    call buffer%line('slider.addEventListener("input",say);say();')
+    call buffer%line('answer.textContent=b===-1?n+"no method.":n+methods[b][0]+", "+' // &
+                     'methods[b][1].toPrecision(2)+" s, error "+methods[b][2].toExponential(1)+')
+    call buffer%line('". A tenth of this error: "+(t===-1?"no method.":t===b?' // &
+                     '"the same method.":methods[t][0]+", "+' // &
+                     '(methods[t][1]/methods[b][1]).toPrecision(2)+" times the time.")}')
+    call buffer%line('slider.addEventListener("input",show);show();')
     call buffer%line('</script>')
   end subroutine put_script
 

@@ -52,14 +52,15 @@ contains
                      '--warn:#f0b46a}}')
     call buffer%line('body{margin:0;background:var(--paper);color:var(--ink);' // &
                      'font:1rem/1.5 system-ui,sans-serif}')
-    call buffer%line('main{max-width:60rem;margin:0 auto;padding:1rem}')
+    call buffer%line('main{max-width:75rem;margin:0 auto;padding:1rem}')
     call buffer%line('h1{font-size:clamp(1.1rem,5vw,1.5rem);line-height:1.25;' // &
                      'overflow-wrap:anywhere}')
     call buffer%line('h2{font-size:1.2rem;margin:2rem 0 .5rem}')
-    call buffer%line('p,li,dd{overflow-wrap:anywhere}')
+    call buffer%line('p,li,dd,summary{overflow-wrap:anywhere}')
+    call buffer%line('p,dd{max-width:60rem}')
     call buffer%line('dt{font-weight:600}')
     call buffer%line('a{color:var(--mark)}')
-    call buffer%line('.scroll{overflow:auto;max-height:80vh}')
+    call buffer%line('.scroll{overflow:auto;max-height:48rem}')
     call buffer%line('table{border-collapse:collapse;font-variant-numeric:tabular-nums}')
     call buffer%line('caption{text-align:left;color:var(--soft)}')
     call buffer%line('th,td{padding:.15rem .75rem .15rem 0;' // &
@@ -71,17 +72,25 @@ contains
                      'background:var(--back);font-size:.85rem}')
     call buffer%line('summary{cursor:pointer;padding:.25rem 0}')
     call buffer%line('.warn{border-left:4px solid var(--warn);padding-left:.75rem}')
-    call buffer%line('svg{display:block;width:100%;max-width:34rem;height:auto}')
+    call buffer%line('.plots{display:grid;gap:1rem;' // &
+                     'grid-template-columns:repeat(auto-fit,minmax(min(100%,22rem),1fr))}')
+    call buffer%line('svg{display:block;width:100%;max-width:36rem;height:auto;' // &
+                     'margin-bottom:.5rem}')
     call buffer%line('text{fill:var(--ink);font:13px system-ui,sans-serif}')
     call buffer%line('.grid{stroke:var(--line);fill:none}')
     call buffer%line('.curve{stroke:var(--mark);stroke-width:1.5;stroke-linejoin:round;fill:none}')
     call buffer%line('.dot{fill:var(--mark)}')
-    call buffer%line('.spot{stroke:var(--mark);fill:var(--mark);fill-opacity:.35}')
+    call buffer%line('.arrow{fill:var(--ink)}')
+    call buffer%line('.bar{stroke:var(--ink);fill:none}')
+    call buffer%line('.upper,.lower{stroke:var(--soft);fill:none}')
+    call buffer%line('.upper.outline{stroke-dasharray:6 3}')
+    call buffer%line('.lower.summits{stroke-width:3.5;stroke-linecap:round}')
+    call buffer%line('.patch{stroke:var(--mark);fill:var(--mark);fill-opacity:.35}')
     call buffer%line('.many{stroke-width:.3}')
-    call buffer%line('.tip{display:none;font-size:11px}')
-    call buffer%line('.spot:hover,.spot:focus{stroke:var(--warn);fill:var(--warn);outline:none}')
-    call buffer%line('g:hover>.tip,g:focus>.tip{display:block;stroke:none;fill-opacity:1}')
-    call buffer%line('svg:hover g:focus:not(:hover)>.tip{display:none}')
+    call buffer%line('.note{display:none;font-size:11px}')
+    call buffer%line('.patch:hover,.patch:focus{stroke:var(--warn);fill:var(--warn);outline:none}')
+    call buffer%line('g:hover>.note,g:focus>.note{display:block;stroke:none;fill-opacity:1}')
+    call buffer%line('svg:hover g:focus:not(:hover)>.note{display:none}')
     call buffer%line(':focus-visible{outline:2px solid var(--mark);outline-offset:2px}')
     call buffer%line('</style>')
   end subroutine put_style
@@ -114,7 +123,7 @@ contains
 
   !> A table that scrolls by itself, with the keyboard, too.
   subroutine begin_table(caption, headers, buffer)
-    character(len=*), intent(in) :: caption      !! what it tells, as it stands
+    character(len=*), intent(in) :: caption      !! what it holds, as it stands
     character(len=*), intent(in) :: headers(:)   !! of its columns; the first heads the rows
     type(text_buffer), intent(inout) :: buffer   !! the page
     integer :: i

@@ -1,64 +1,144 @@
-!> Contacts in plan on a page: one drawing and one table a position, of its last state.
+!> Plans of contacts on a page: one drawing and one table a position, of its last state. Below the
+!> contacts lie the outlines and summits of both surfaces.
 module asperity_html_plans
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
+  use asperity_decimal, only: decimal_to_real64
+  use asperity_height_map, only: height_map
   use asperity_html_page, only: begin_table, end_table, escaped, put_row, readable
   use asperity_kinds, only: real64
   use asperity_position_lists, only: counted
   use asperity_problems, only: decimal_text
-  use asperity_scene_results, only: last_state, scene_results
+  use asperity_scene_results, only: scene_results
+  use asperity_scene_values, only: scene, scene_surface
   use asperity_svg_plot, only: plot_axis, svg_plot
   use asperity_text_buffer, only: text_buffer
-  use asperity_unit_names, only: with_unit
+  use asperity_unit_names, only: axis_units
   implicit none
   private
 
   public :: put_plans
 
-  ! A page stays below a megabyte: so many positions, circles, circles that the keyboard stops at,
-  ! and rows of tables at most.
-  integer, parameter :: most_plans = 100, most_circles = 10000, most_rows = 500, most_stops = 100
-  ! The frame is wider than so many of the largest radii.
+  ! A page stays below a megabyte: at most so many positions, contacts, contacts that the keyboard
+  ! stops at, rows of tables, and summits of a surface.
+  integer, parameter :: most_plans = 100, most_circles = 10000, most_rows = 500, most_stops = 100, &
+    most_summits = 5000
+  ! The frame is at least so many of the largest contact radii wide where no surface is drawn.
   real(real64), parameter :: least_width = 10.0_real64
+  ! Least width and height of the frame, shares of its longer side: numbers need room.
+  real(real64), parameter :: least_side(2) = [0.67_real64, 0.25_real64]
   ! Significant digits of the tables.
   integer, parameter :: digits = 6
 
+  !> All plans.
+  type :: plan_frame
+    type(plot_axis) :: across, up                !! to the right and upwards
+    real(real64), allocatable :: lower(:, :)     !! corners, then summits; without columns: none
+    real(real64), allocatable :: upper(:, :)     !! the same at no displacement
+    real(real64) :: first(2) = 0.0_real64        !! displacement in the first plan
+    integer :: plans = 0                         !! so many are drawn
+    !> What is left of the `most_` numbers.
+    integer :: circles = most_circles, rows = most_rows, stops = most_stops
+  end type plan_frame
+
 contains
 
-  !> The plans of all positions in one scale, as far as there is room; the rest is told.
-  subroutine put_plans(results, units, buffer)
+  !> The plans of all positions in one scale, as far as there is room; a note states the limits.
+  subroutine put_plans(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in         !! what was solved
     type(scene_results), intent(in) :: results  !! with their contacts
-    character(len=*), intent(in) :: units(2)    !! names of length and force, or blank
     type(text_buffer), intent(inout) :: buffer  !! the page
-    type(plot_axis) :: across, up
+    type(plan_frame) :: frame
     type(state_row) :: last
-    integer :: circles, m, plans, rows, stops
+    integer :: m, plans
 
-    call find_frame(results, across, up)
-    across%name = with_unit('x', units(1))
-    up%name = with_unit('y', units(1))
-    circles = most_circles
-    rows = most_rows
-    stops = most_stops
+    call find_surfaces(scene_in, frame)
+    call find_frame(results, frame)
+    associate (units => axis_units(scene_in))
+      frame%across%name = 'x'
+      frame%across%unit = units(1)
+      frame%up%name = 'y'
+      frame%up%unit = units(1)
+    end associate
     plans = 0
     do m = 1, size(results%positions)
-      last = last_state(results%positions(m))
+      last = state_in_plan(results, m)
       if (last%last_row < last%first_row) cycle
       plans = plans + 1
-      if (plans > most_plans .or. circles == 0) cycle
-      call put_plan(results, m, plans == 1, across, up, circles, rows, stops, buffer)
+      if (plans > most_plans .or. frame%circles == 0) cycle
+      if (plans == 1) call put_legend(scene_in, frame, buffer)
+      call put_plan(results, m, frame, buffer)
     end do
     if (plans == 0) call buffer%line('<p>No contact.</p>')
-    if (plans > most_plans .or. circles == 0 .or. rows == 0) &
+    if (plans > most_plans .or. frame%circles == 0 .or. frame%rows == 0) &
       call buffer%line('<p>The page shows ' // decimal_text(most_plans) // ' positions, ' // &
                        decimal_text(most_circles) // ' contacts and ' // &
-                       decimal_text(most_rows) // ' rows of contacts at most, first touched ' // &
-                       'first. <code>--contacts FILE</code> writes all.</p>')
+                       decimal_text(most_rows) // ' rows of contacts at most, in the order of ' // &
+                       'first touch. <code>--contacts FILE</code> writes all.</p>')
   end subroutine put_plans
 
-  ! A frame around the circles of all positions.
-  subroutine find_frame(results, across, up)
+  ! Both surfaces in plan; a plane has no outline.
+  subroutine find_surfaces(scene_in, frame)
+    type(scene), intent(in) :: scene_in
+    type(plan_frame), intent(inout) :: frame
+
+    if (allocated(scene_in%map)) then
+      frame%upper = map_in_plan(scene_in%map%upper)
+      frame%lower = map_in_plan(scene_in%map%lower)
+    else
+      frame%upper = surface_in_plan(scene_in%upper)
+      frame%lower = surface_in_plan(scene_in%lower)
+      if (scene_in%lower_is_mirrored) &
+        frame%lower(2, :) = decimal_to_real64(scene_in%lower_mirror_width) - frame%lower(2, :)
+    end if
+  end subroutine find_surfaces
+
+  ! Corners of the pixels.
+  pure function map_in_plan(map) result(points)
+    type(height_map), intent(in) :: map
+    real(real64), allocatable :: points(:, :)
+
+    allocate (points(2, 0))
+    if (map%columns == 0) return
+    associate (low => -0.5_real64 * map%spacing, &
+               high => map%spacing * ([map%columns, map%rows] - 0.5_real64))
+      points = rectangle(low, high)
+    end associate
+  end function map_in_plan
+
+  ! Corners of the rectangle around the spherical caps, and the summits, rotated.
+  function surface_in_plan(surface) result(points)
+    type(scene_surface), intent(in) :: surface
+    real(real64), allocatable :: points(:, :)
+    real(real64), allocatable :: base(:)
+    real(real64) :: angle
+
+    allocate (points(2, 0))
+    if (size(surface%x) == 0) return
+    ! Radius of a cap in its base plane; of a full hemisphere at most.
+    allocate (base(size(surface%x)))
+    base = min(max(surface%height, 0.0_real64), surface%radius)
+    base = sqrt(base) * sqrt(surface%radius + (surface%radius - base))
+    associate (x => surface%x, y => surface%y)
+      points = rectangle([minval(x - base), minval(y - base)], [maxval(x + base), maxval(y + base)])
+      if (size(x) <= most_summits) points = reshape([points, transpose(reshape([x, y], &
+                                                    [size(x), 2]))], [2, 4 + size(x)])
+    end associate
+    angle = decimal_to_real64(surface%rotation)
+    points = matmul(reshape([cos(angle), sin(angle), -sin(angle), cos(angle)], [2, 2]), points)
+  end function surface_in_plan
+
+  ! Four corners, one after the other around.
+  pure function rectangle(low, high) result(corners)
+    real(real64), intent(in) :: low(2), high(2)
+    real(real64) :: corners(2, 4)
+
+    corners = reshape([low, high(1), low(2), high, low(1), high(2)], [2, 4])
+  end function rectangle
+
+  ! A frame around the contacts and surfaces of all positions.
+  subroutine find_frame(results, frame)
     type(scene_results), intent(in) :: results
-    type(plot_axis), intent(out) :: across, up
+    type(plan_frame), intent(inout) :: frame
     type(state_row) :: last
     real(real64) :: high(2), largest, low(2), radius, room
     integer :: i, m
@@ -67,7 +147,10 @@ contains
     high = -huge(high)
     largest = 0.0_real64
     do m = 1, size(results%positions)
-      last = last_state(results%positions(m))
+      last = state_in_plan(results, m)
+      if (last%last_row < last%first_row) cycle
+      call enclose(frame%lower, [0.0_real64, 0.0_real64])
+      call enclose(frame%upper, displacement(results, m))
       do i = last%first_row, last%last_row
         associate (row => results%positions(m)%rows(i))
           radius = contact_radius(row)
@@ -78,56 +161,133 @@ contains
       end do
     end do
     if (any(low > high)) return
-    room = max(maxval(high - low), least_width * largest, &
-               1.0e-9_real64 * max(maxval(abs(low)), maxval(abs(high))))
+    room = max(maxval(high - low), 1.0e-9_real64 * max(maxval(abs(low)), maxval(abs(high))))
+    if (size(frame%lower, 2) + size(frame%upper, 2) == 0) room = max(room, least_width * largest)
     if (.not. room > 0.0_real64) room = 1.0_real64
-    do i = 1, 2
-      ! A strip, where all stand in a line.
-      radius = max(0.0_real64, 0.25_real64 * room - (high(i) - low(i)))
-      if (room > high(i) - low(i) .and. least_width * largest >= room) &
-        radius = room - (high(i) - low(i))
-      low(i) = low(i) - 0.5_real64 * radius - 0.02_real64 * room
-      high(i) = high(i) + 0.5_real64 * radius + 0.02_real64 * room
-    end do
-    across = plot_axis(low=low(1), high=high(1))
-    up = plot_axis(low=low(2), high=high(2))
+    associate (more => max(0.0_real64, merge(room, least_side * room, &
+                                             room > maxval(high - low)) - (high - low)) / 2 + &
+               0.02_real64 * room)
+      low = low - more
+      high = high + more
+    end associate
+    frame%across = plot_axis(low=low(1), high=high(1))
+    frame%up = plot_axis(low=low(2), high=high(2))
+
+  contains
+
+    subroutine enclose(points, shift)
+      real(real64), intent(in) :: points(:, :), shift(2)
+
+      if (size(points, 2) == 0) return
+      low = min(low, minval(points(:, :4), 2) + shift)
+      high = max(high, maxval(points(:, :4), 2) + shift)
+    end subroutine enclose
+
   end subroutine find_frame
 
-  subroutine put_plan(results, m, is_first, across, up, circles, rows, stops, buffer)
+  ! The last state of a position; where that has no contact the one with the largest load.
+  type(state_row) function state_in_plan(results, m, step) result(state)
     type(scene_results), intent(in) :: results
     integer, intent(in) :: m
-    logical, intent(in) :: is_first
-    type(plot_axis), intent(in) :: across, up
-    integer, intent(inout) :: circles, rows, stops
+    integer, intent(out), optional :: step
+    integer :: i
+
+    associate (states => results%positions(m)%states)
+      i = size(states)
+      if (.not. states(i)%area > 0.0_real64) i = maxloc(states%load, 1, states%contacts > 0)
+      if (i == 0) i = size(states)
+      state = states(i)
+    end associate
+    if (present(step)) step = i
+  end function state_in_plan
+
+  ! Displacement of the upper surface.
+  pure function displacement(results, m) result(shift)
+    type(scene_results), intent(in) :: results
+    integer, intent(in) :: m
+    real(real64) :: shift(2)
+
+    shift = [results%positions(m)%x_displacement, results%positions(m)%y_displacement]
+  end function displacement
+
+  ! What the marks of a plan are.
+  subroutine put_legend(scene_in, frame, buffer)
+    type(scene), intent(in) :: scene_in
+    type(plan_frame), intent(in) :: frame
+    type(text_buffer), intent(inout) :: buffer
+    character(len=:), allocatable :: text
+
+    text = '<p>Circles: contacts, each with its area.'
+    if (allocated(scene_in%map)) then
+      text = text // ' Line: outline of the map.'
+    else
+      text = text // surface_text(frame%lower, 'Lower surface: solid outline, dots for') // &
+             surface_text(frame%upper, 'Upper surface: dashed outline, crosses for')
+    end if
+    call buffer%line(text // '</p>')
+
+  contains
+
+    pure function surface_text(points, marks) result(text)
+      real(real64), intent(in) :: points(:, :)
+      character(len=*), intent(in) :: marks
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (size(points, 2) > 4) text = ' ' // marks // ' the summits.'
+      if (size(points, 2) == 4) text = ' ' // marks(:index(marks, ',') - 1) // '; more than ' // &
+                                       decimal_text(most_summits) // ' summits, not drawn.'
+    end function surface_text
+
+  end subroutine put_legend
+
+  subroutine put_plan(results, m, frame, buffer)
+    type(scene_results), intent(in) :: results
+    integer, intent(in) :: m
+    type(plan_frame), intent(inout) :: frame
     type(text_buffer), intent(inout) :: buffer
     type(svg_plot) :: plot
     type(state_row) :: last
     character(len=:), allocatable :: title
-    integer :: i, last_circle, last_in_table
+    integer :: i, last_circle, last_in_table, step
     logical :: reached
 
-    last = last_state(results%positions(m))
-    last_circle = min(last%last_row, last%first_row + circles - 1)
-    last_in_table = min(last%last_row, last%first_row + rows - 1)
-    circles = circles - (last_circle - last%first_row + 1)
-    rows = rows - (last_in_table - last%first_row + 1)
-    reached = last%last_row - last%first_row < stops
-    if (reached) stops = stops - (last%last_row - last%first_row + 1)
+    last = state_in_plan(results, m, step)
+    last_circle = min(last%last_row, last%first_row + frame%circles - 1)
+    last_in_table = min(last%last_row, last%first_row + frame%rows - 1)
+    frame%circles = frame%circles - (last_circle - last%first_row + 1)
+    frame%rows = frame%rows - (last_in_table - last%first_row + 1)
+    reached = last%last_row - last%first_row < frame%stops
+    if (reached) frame%stops = frame%stops - (last%last_row - last%first_row + 1)
+    frame%plans = frame%plans + 1
     title = counted(last%last_row - last%first_row + 1, 'contact') // ', load ' // &
             readable(last%load, digits)
+    if (step < size(results%positions(m)%states)) &
+      title = 'step ' // decimal_text(step) // ': ' // title
     if (size(results%positions) > 1) title = 'position ' // decimal_text(m) // ': ' // title
     if (size(results%positions) > 1) then
-      call buffer%line('<details' // trim(merge(' open="open"', '            ', is_first)) // &
+      call buffer%line('<details' // &
+                       trim(merge(' open="open"', '            ', frame%plans == 1)) // &
                        '><summary>' // title // '</summary>')
     else
       call buffer%line('<div>')
     end if
-    call plot%begin('contacts in plan, ' // title, across, up, buffer, is_true=.true., &
-                    is_again=.not. is_first)
-    if (.not. reached) call buffer%line('<g class="spot many">')
+    call plot%begin('plan of contacts, ' // title, frame%across, frame%up, buffer, &
+                    is_true=.true., is_again=frame%plans > 1)
+    if (frame%plans == 1) then
+      frame%first = displacement(results, m)
+      frame%upper = frame%upper + spread(frame%first, 2, size(frame%upper, 2))
+      if (size(frame%lower) > 0) call plot%surface('lower', frame%lower, buffer)
+      if (size(frame%upper) > 0) call plot%surface('upper', frame%upper, buffer)
+    else
+      if (size(frame%lower) > 0) call plot%again('lower', [0.0_real64, 0.0_real64], buffer)
+      if (size(frame%upper) > 0) &
+        call plot%again('upper', displacement(results, m) - frame%first, buffer)
+    end if
+    if (.not. reached) call buffer%line('<g class="patch many">')
     do i = last%first_row, last_circle
       associate (row => results%positions(m)%rows(i))
-        call plot%circle(row%x, row%y, contact_radius(row), says(row, reached), reached, &
+        call plot%circle(row%x, row%y, contact_radius(row), text_of(row, reached), reached, &
                          buffer)
       end associate
     end do
@@ -162,8 +322,8 @@ contains
 
   end subroutine put_plan
 
-  ! What a circle says.
-  function says(row, at_length) result(text)
+  ! Number and values of a contact.
+  function text_of(row, at_length) result(text)
     type(contact_row), intent(in) :: row
     logical, intent(in) :: at_length
     character(len=:), allocatable :: text
@@ -171,6 +331,6 @@ contains
     text = decimal_text(row%area_no) // ': load ' // readable(row%load, 4)
     if (at_length) text = text // ', radius ' // readable(contact_radius(row), 4) // &
                           ', pressure up to ' // readable(row%maximum_pressure, 4)
-  end function says
+  end function text_of
 
 end module asperity_html_plans

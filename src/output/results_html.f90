@@ -1,5 +1,5 @@
-!> A run as one page that opens anywhere: totals, load against approach, contacts in plan, what the
-!> effects did and why, warnings, the scene's text. It loads nothing and runs nothing.
+!> A run as one page that opens anywhere: totals, error estimate and warnings; curves; the effects;
+!> the plan of contacts; the scene's text. It loads nothing and runs nothing.
 module asperity_results_html
   use asperity_contact_records, only: state_row
   use asperity_effects_summary, only: list_effects, told_line
@@ -7,7 +7,7 @@ module asperity_results_html
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
                                 end_table, escaped, put_lines, put_row, readable
   use asperity_html_plans, only: put_plans
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: kinds_of_warnings, last_state, scene_results
@@ -16,16 +16,16 @@ module asperity_results_html
   use asperity_svg_plot, only: axis_over, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: list_totals, total_line
-  use asperity_unit_names, only: with_unit
+  use asperity_unit_names, only: axis_units
   use asperity_version, only: version
   implicit none
   private
 
   public :: write_html
 
-  ! A page stays below a megabyte: so many rows of a table, curves, and points of all of them.
-  integer, parameter :: most_rows = 500, most_curves = 100, most_points = 4000
-  ! Points of a drawing that say what they are.
+  ! A page stays below a megabyte: so many rows of a table, and points of a curve.
+  integer, parameter :: most_rows = 500, most_points = 4000
+  ! Curves of at most so many points show the values of each.
   integer, parameter :: most_dots = 200
   ! Significant digits of the tables.
   integer, parameter :: digits = 6
@@ -44,13 +44,20 @@ contains
     call begin_page(scene_in%file, buffer)
     call write_heading(scene_in, results, text)
     call put_paragraphs(text%text(), '', buffer)
-    if (warnings%count() > 0) then
-      call begin_section('warnings', 'Warnings', buffer)
-      call put_paragraphs(warnings%text(), ' class="warn"', buffer)
-      call end_section(buffer)
-    end if
     call begin_section('summary', 'Summary', buffer)
     call put_totals(scene_in, results, buffer)
+    call put_paragraphs(warnings%text(), ' class="warn"', buffer)
+    call end_section(buffer)
+    if (size(results%positions) > 1) then
+      call begin_section('positions', 'Positions', buffer)
+      call put_positions(scene_in, results, buffer)
+    else
+      call begin_section('curves', 'Load and contact area', buffer)
+      call put_states(scene_in, results, buffer)
+    end if
+    call end_section(buffer)
+    call begin_section('contacts', 'Plan of contacts', buffer)
+    call put_plans(scene_in, results, buffer)
     call end_section(buffer)
     call begin_section('effects', 'Effects', buffer)
     call put_effects(results, buffer)
@@ -59,18 +66,7 @@ contains
       call put_lines('summits against the map', map_text%text(), buffer)
     end if
     call end_section(buffer)
-    call begin_section('load', 'Load against approach', buffer)
-    call put_curves(results, scene_in%units, buffer)
-    call end_section(buffer)
-    if (size(results%positions) > 1) then
-      call begin_section('positions', 'Positions', buffer)
-      call put_positions(results, scene_in%units(2), buffer)
-      call end_section(buffer)
-    end if
-    call begin_section('contacts', 'Contacts in plan', buffer)
-    call put_plans(results, scene_in%units, buffer)
-    call end_section(buffer)
-    call begin_section('origin', 'Where this comes from', buffer)
+    call begin_section('origin', 'Input', buffer)
     call put_origin(scene_in, inputs, results, buffer)
     call end_section(buffer)
     call end_page(buffer)
@@ -115,6 +111,12 @@ contains
       call put_row(cells(:lines(i)%known + 1), buffer)
     end do
     call end_table(buffer)
+    if (all(results%positions%error_estimate > not_computed)) &
+      call buffer%line('<p>Error estimate: ' // &
+                       readable(100 * maxval(results%positions%error_estimate), 2) // &
+                       ' % of the load or, at a given load, of the compression' // &
+                       trim(merge(' (largest of the positions)', '                           ', &
+                                  size(results%positions) > 1)) // '.</p>')
     call write_remarks(scene_in, results, remarks)
     call put_paragraphs(remarks%text(), '', buffer)
   end subroutine put_totals
@@ -127,8 +129,7 @@ contains
 
     call list_effects(results, lines)
     if (size(lines) == 0) then
-      call buffer%line('<p>None: the contacts are elastic, smooth and feel nothing of each ' // &
-                       'other.</p>')
+      call buffer%line('<p>None: elastic, frictionless, non-interacting contacts (Hertz).</p>')
       return
     end if
     call buffer%line('<p>Influences and estimates are shares of the vertical load without ' // &
@@ -142,131 +143,113 @@ contains
     call buffer%line('</dl>')
   end subroutine put_effects
 
-  ! A curve a position over its states, and the states of the only one as a table.
-  subroutine put_curves(results, units, buffer)
-    type(scene_results), intent(in) :: results
-    character(len=*), intent(in) :: units(2)
-    type(text_buffer), intent(inout) :: buffer
-    real(real64), allocatable :: x(:), y(:)
-    integer, allocatable :: first(:)
-    integer :: curves, m, states
-
-    states = 0
-    curves = min(size(results%positions), most_curves)
-    allocate (first(curves + 1))
-    do m = 1, curves
-      first(m) = states + 1
-      states = states + size(results%positions(m)%states)
-    end do
-    first(curves + 1) = states + 1
-    allocate (x(states), y(states))
-    do m = 1, curves
-      x(first(m):first(m + 1) - 1) = results%positions(m)%states%approach
-      y(first(m):first(m + 1) - 1) = results%positions(m)%states%load
-    end do
-    if (states > 1) call draw()
-    if (states == size(results%positions)) &
-      call buffer%line('<p>One state a position; <code>points = 20</code> in ' // &
-                       '<code>&amp;loading</code> draws the way there.</p>')
-    if (curves < size(results%positions)) &
-      call buffer%line('<p>The first ' // decimal_text(curves) // ' positions are drawn.</p>')
-    if (size(results%positions) == 1) call put_states(results, buffer)
-
-  contains
-
-    subroutine draw()
-      type(svg_plot) :: plot
-      integer :: every, i, m
-
-      call plot%begin('load against approach, ' // decimal_text(states) // ' states', &
-                      axis_over(with_unit('approach, separation of planes', units(1)), x, &
-                                .false.), &
-                      axis_over(with_unit('load', units(2)), y, .false.), buffer)
-      every = max(1, states / most_points)
-      do m = 1, curves
-        if (first(m + 1) - first(m) < 2) cycle
-        associate (chosen => [(i, i = first(m), first(m + 1) - 2, every), first(m + 1) - 1])
-          call plot%curve(x(chosen), y(chosen), buffer)
-        end associate
-      end do
-      do m = 1, curves
-        do i = first(m), first(m + 1) - 1
-          if (states > most_dots .and. i < first(m + 1) - 1) cycle
-          call plot%dot(x(i), y(i), says(x(i), y(i), m), buffer)
-        end do
-      end do
-      call plot%finish(buffer)
-    end subroutine draw
-
-    function says(approach, load, position) result(text)
-      real(real64), intent(in) :: approach, load
-      integer, intent(in) :: position
-      character(len=:), allocatable :: text
-
-      text = 'approach ' // readable(approach, digits) // ', load ' // readable(load, digits)
-      if (curves > 1) text = 'position ' // decimal_text(position) // ', ' // text
-    end function says
-
-  end subroutine put_curves
-
-  subroutine put_states(results, buffer)
+  ! Curves and table of the states of the only position.
+  subroutine put_states(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
-    character(len=24) :: cells(6)
+    character(len=20) :: units(3)
+    character(len=24) :: cells(7)
     integer :: i
 
+    units = axis_units(scene_in)
     associate (states => results%positions(1)%states)
-      call begin_table('states', [character(len=16) :: 'step', 'approach', 'contacts', 'load', &
-                                  'vertical_load', 'area'], buffer)
+      if (size(states) > 1) then
+        call buffer%line('<div class="plots">')
+        call put_plot('compression', units(1), states%closing, 'load', units(3), states%load, &
+                      buffer, states%closing)
+        call put_plot('load', units(3), states%load, 'contact area', units(2), states%area, &
+                      buffer, states%closing)
+        call buffer%line('</div>')
+      else
+        call buffer%line('<p>One state: <code>points = 20</code> in <code>&amp;loading</code> ' // &
+                         'gives the load curve.</p>')
+      end if
+      call begin_table('states', [character(len=16) :: 'step', 'separation', 'compression', &
+                                  'contacts', 'load', 'vertical_load', 'area'], buffer)
       do i = 1, min(size(states), most_rows)
         cells(1) = decimal_text(i)
         cells(2) = readable(states(i)%approach, digits)
-        cells(3) = decimal_text(states(i)%contacts)
-        cells(4) = readable(states(i)%load, digits)
-        cells(5) = readable(states(i)%vertical_load, digits)
-        cells(6) = readable(states(i)%area, digits)
+        cells(3) = readable(states(i)%closing, digits)
+        cells(4) = decimal_text(states(i)%contacts)
+        cells(5) = readable(states(i)%load, digits)
+        cells(6) = readable(states(i)%vertical_load, digits)
+        cells(7) = readable(states(i)%area, digits)
         call put_row(cells, buffer)
       end do
       call end_table(buffer)
-      call tell_cut(size(states), 'states', '--curve', buffer)
+      call put_cut(size(states), 'states', '--curve', buffer)
     end associate
   end subroutine put_states
 
-  subroutine put_positions(results, force, buffer)
+  ! One quantity over another; each point shows both. Arrows show the direction where `path`, the
+  ! compression, turns back.
+  subroutine put_plot(name_x, unit_x, x, name_y, unit_y, y, buffer, path)
+    character(len=*), intent(in) :: name_x, unit_x, name_y, unit_y
+    real(real64), intent(in) :: x(:), y(:)
+    type(text_buffer), intent(inout) :: buffer
+    real(real64), intent(in), optional :: path(:)
+    type(svg_plot) :: plot
+    integer :: every, i
+
+    call plot%begin(name_y // ' against ' // name_x, axis_over(name_x, unit_x, x, .false.), &
+                    axis_over(name_y, unit_y, y, .false.), buffer)
+    every = 1 + (size(x) - 1) / most_points
+    associate (chosen => [(i, i = 1, size(x) - 1, every), size(x)])
+      call plot%curve(x(chosen), y(chosen), buffer)
+      if (present(path)) call plot%arrows(x(chosen), y(chosen), path(chosen), buffer)
+    end associate
+    if (size(x) <= most_dots) then
+      do i = 1, size(x)
+        call plot%dot(x(i), y(i), name_x // ' ' // readable(x(i), digits) // ', ' // name_y // &
+                      ' ' // readable(y(i), digits), buffer)
+      end do
+    end if
+    call plot%finish(buffer)
+  end subroutine put_plot
+
+  ! Curves and table of the last states of all positions.
+  subroutine put_positions(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
-    character(len=*), intent(in) :: force
     type(text_buffer), intent(inout) :: buffer
     integer, parameter :: own = 10
-    type(svg_plot) :: plot
-    type(state_row) :: last
-    real(real64) :: load(size(results%positions))
+    type(state_row) :: ends(size(results%positions))
+    real(real64) :: place(size(ends))
+    character(len=24) :: across
+    character(len=20) :: units(3), unit
     character(len=16) :: names(own + size(known_effects))
     character(len=24) :: cells(size(names))
     integer :: columns, i, m
 
     names(:own) = [character(len=16) :: 'position', 'x_displacement', 'y_displacement', &
-                   'approach', 'contacts', 'load', 'vertical_load', 'area', 'limit_reached', &
+                   'separation', 'contacts', 'load', 'vertical_load', 'area', 'limit_reached', &
                    'warnings']
     columns = own
     if (allocated(results%effects)) then
       columns = own + size(results%effects%names)
       names(own + 1:columns) = results%effects%names
     end if
-    do m = 1, size(results%positions)
-      last = last_state(results%positions(m))
-      load(m) = last%load
-    end do
-    call plot%begin('load at every position', &
-                    axis_over('position', real([1, size(load)], real64), .false.), &
-                    axis_over(with_unit('load', force), load, .false.), buffer)
-    associate (every => 1 + size(load) / most_points)
-      call plot%curve(real([(m, m = 1, size(load), every)], real64), load(::every), buffer)
+    ends = [(last_state(results%positions(m)), m = 1, size(ends))]
+    units = axis_units(scene_in)
+    across = 'position'
+    unit = ''
+    place = [(real(m, real64), m = 1, size(ends))]
+    associate (x => results%positions%x_displacement, y => results%positions%y_displacement)
+      if (abs(x(2) - x(1)) > 0.0_real64 .neqv. abs(y(2) - y(1)) > 0.0_real64) then
+        across = trim(merge('x', 'y', abs(x(2) - x(1)) > 0.0_real64)) // ' displacement'
+        unit = units(1)
+        place = merge(x, y, abs(x(2) - x(1)) > 0.0_real64)
+      end if
     end associate
-    call plot%finish(buffer)
+    call buffer%line('<div class="plots">')
+    call put_plot(trim(across), unit, place, 'load', units(3), ends%load, buffer)
+    call put_plot(trim(across), unit, place, 'contact area', units(2), ends%area, buffer)
+    call put_plot(trim(across), unit, place, 'separation', units(1), ends%approach, buffer)
+    call buffer%line('</div>')
     call begin_table('positions, each at its last state', names(:columns), buffer)
     do m = 1, min(size(results%positions), most_rows)
-      associate (position => results%positions(m))
-        last = last_state(position)
+      associate (position => results%positions(m), last => ends(m))
         cells(1) = decimal_text(m)
         cells(2) = readable(position%x_displacement, digits)
         cells(3) = readable(position%y_displacement, digits)
@@ -284,11 +267,11 @@ contains
       call put_row(cells(:columns), buffer)
     end do
     call end_table(buffer)
-    call tell_cut(size(results%positions), 'positions', '--positions', buffer)
+    call put_cut(size(results%positions), 'positions', '--positions', buffer)
   end subroutine put_positions
 
-  ! Where a table ends early, and what has the rest.
-  subroutine tell_cut(rows, what, option, buffer)
+  ! Where a table ends early, and the option that writes all rows.
+  subroutine put_cut(rows, what, option, buffer)
     integer, intent(in) :: rows
     character(len=*), intent(in) :: what, option
     type(text_buffer), intent(inout) :: buffer
@@ -297,7 +280,7 @@ contains
       call buffer%line('<p>The first ' // decimal_text(most_rows) // ' of ' // &
                        decimal_text(rows) // ' ' // what // '; <code>' // option // &
                        ' FILE</code> writes all.</p>')
-  end subroutine tell_cut
+  end subroutine put_cut
 
   subroutine put_origin(scene_in, inputs, results, buffer)
     type(scene), intent(in) :: scene_in

@@ -1,5 +1,5 @@
-!> A drawing with two axes inside a page (SVG): curves, dots, circles. Colours are those of the
-!> page's style (`asperity_html_page`).
+!> A drawing with two axes inside a page (SVG): curves, arrows, dots, circles, surfaces in plan.
+!> Colours are those of the page's style (`asperity_html_page`).
 module asperity_svg_plot
   use asperity_html_page, only: escaped, readable
   use asperity_kinds, only: real64
@@ -12,17 +12,30 @@ module asperity_svg_plot
   ! Frame and room around it in points. A letter has 13 of them: on the narrowest screens a drawing
   ! is as wide as a page, 360 points, and its letters are of the size of others.
   integer, parameter :: width = 300, height = 200
-  integer, parameter :: left = 74, right = 14, above = 44, below = 42
+  integer, parameter :: left = 74, right = 26, above = 44, below = 42
+  ! Line below a plan with its scale bar, points.
+  integer, parameter :: bar_line = 24
+  ! Letters have about this width at most, points: longer text is condensed to its room.
+  real(real64), parameter :: letter = 8.0_real64
   ! A span of values that are equal but for rounding shows no more of them than this share.
   real(real64), parameter :: least_span = 1.0e-3_real64
   ! Numbers beyond that have no room for a span.
   real(real64), parameter :: largest = huge(1.0_real64) / 8
-  ! At most so many marks along an axis: wider apart than their numbers.
-  integer, parameter :: marks = 5
+  ! Distance of the numbers along both axes, points: more than the numbers take.
+  integer, parameter :: distance(2) = [66, 38]
+  ! Longer numbers get a power of ten, those with more digits an offset, in the name of the axis.
+  integer, parameter :: longest_number = 7, most_digits = 6
+  real(real64), parameter :: degrees = 57.29577951308232_real64
+  ! Steps of a path below this share of its range are rounding.
+  real(real64), parameter :: rounding = 1.0e-9_real64
+  ! An arrow needs a branch of this length, points; a curve has no more arrows.
+  real(real64), parameter :: shortest_branch = 12.0_real64
+  integer, parameter :: most_arrows = 24
 
   !> What stands along an edge of the frame.
   type :: plot_axis
-    character(len=60) :: name = ''           !! quantity and unit
+    character(len=60) :: name = ''           !! quantity
+    character(len=20) :: unit = ''           !! of the quantity; blank: a plain number
     real(real64) :: low = 0.0_real64         !! at the left, or at the foot
     real(real64) :: high = 1.0_real64        !! at the other end, more than `low`
     logical :: is_log = .false.              !! decades are equally long; `low` is more than 0
@@ -36,21 +49,26 @@ module asperity_svg_plot
   contains
     procedure :: begin    !! frame and axes
     procedure :: curve    !! points joined by straight lines
+    procedure :: arrows   !! direction of a curve that turns back
     procedure :: dot      !! one point, with what it says
     procedure :: circle   !! a circle of a true size
+    procedure :: surface  !! outline and summits of a surface in plan
+    procedure :: again    !! the same surface, displaced
     procedure :: finish   !! the end
   end type svg_plot
 
 contains
 
   !> An axis over values, with some room at both ends.
-  pure type(plot_axis) function axis_over(name, values, is_log) result(axis)
-    character(len=*), intent(in) :: name      !! quantity and unit
+  pure type(plot_axis) function axis_over(name, unit, values, is_log) result(axis)
+    character(len=*), intent(in) :: name      !! quantity
+    character(len=*), intent(in) :: unit      !! of the quantity; blank: a plain number
     real(real64), intent(in) :: values(:)     !! finite, at least one; more than 0 for decades
     logical, intent(in) :: is_log             !! decades are equally long
     real(real64) :: room
 
     axis%name = name
+    axis%unit = unit
     axis%is_log = is_log
     axis%low = max(minval(values), -largest)
     axis%high = min(maxval(values), largest)
@@ -71,106 +89,176 @@ contains
   !> Begins a drawing: frame, marks, names of the axes.
   subroutine begin(self, label, across, up, buffer, is_true, is_again)
     class(svg_plot), intent(out) :: self          !! the drawing
-    character(len=*), intent(in) :: label         !! what it shows, for who cannot see it
+    character(len=*), intent(in) :: label         !! what it shows, for screen readers
     type(plot_axis), intent(in) :: across         !! to the right
     type(plot_axis), intent(in) :: up             !! upwards
     type(text_buffer), intent(inout) :: buffer    !! the page
-    logical, intent(in), optional :: is_true      !! a unit is as long upwards as to the right
+    logical, intent(in), optional :: is_true      !! equal scales, with a scale bar
     logical, intent(in), optional :: is_again     !! the axes are those of the first true drawing
-    logical :: again
-
-    again = .false.
-    if (present(is_again)) again = is_again
+    character(len=:), allocatable :: name
+    integer :: foot
 
     self%across = across
     self%up = up
     self%frame = [width, height]
-    if (present(is_true)) &
+    foot = below
+    if (present(is_true)) then
       self%frame = [across%high - across%low, up%high - up%low] * &
                    (width / max(across%high - across%low, up%high - up%low))
+      foot = below + bar_line
+    end if
     call buffer%line('<svg viewBox="' // number(-real(left, real64)) // ' ' // &
                      number(-real(above, real64)) // ' ' // &
                      number(real(left + right + width, real64)) // ' ' // &
-                     number(self%frame(2) + above + below) // '" role="' // &
+                     number(self%frame(2) + above + foot) // '" role="' // &
                      trim(merge('group', 'img  ', present(is_true))) // '" aria-label="' // &
                      escaped(label) // '">')
-    if (again) then
-      call buffer%line('<use href="#axes" aria-hidden="true"/>')
-      return
+    if (present(is_again)) then
+      if (is_again) then
+        call buffer%line('<use href="#axes" aria-hidden="true"/>')
+        return
+      end if
     end if
     call buffer%line('<g' // trim(merge(' id="axes"', '          ', present(is_true))) // &
                      ' aria-hidden="true">')
-    call put_marks(self, 1, buffer)
-    call put_marks(self, 2, buffer)
+    call put_marks(self, 1, name, buffer)
+    call buffer%line('<text x="' // number(self%frame(1)) // '" y="' // &
+                     number(self%frame(2) + 36) // '" text-anchor="end"' // &
+                     fitted(name, self%frame(1) + left - 8) // '>' // escaped(name) // '</text>')
+    call put_marks(self, 2, name, buffer)
+    call buffer%line('<text x="' // number(8.0_real64 - left) // '" y="-16"' // &
+                     fitted(name, real(left + right + width - 16, real64)) // '>' // &
+                     escaped(name) // '</text>')
     call buffer%line('<rect class="grid" x="0" y="0" width="' // number(self%frame(1)) // &
                      '" height="' // number(self%frame(2)) // '"/>')
-    call buffer%line('<text x="' // number(self%frame(1)) // '" y="' // &
-                     number(self%frame(2) + 36) // '" text-anchor="end">' // &
-                     escaped(trim(across%name)) // '</text>')
-    call buffer%line('<text x="' // number(8.0_real64 - left) // '" y="-10">' // &
-                     escaped(trim(up%name)) // '</text>')
+    if (present(is_true)) call put_bar(self, buffer)
     call buffer%line('</g>')
   end subroutine begin
 
-  ! Marks along one axis: multiples of 1, 2 or 5 times a power of ten.
-  subroutine put_marks(self, which, buffer)
+  ! Numbers along one axis: decades, or multiples of 1, 2 or 5 times a power of ten. `name` gets
+  ! the quantity, an offset and a power of ten where the numbers would be long, and the unit.
+  subroutine put_marks(self, which, name, buffer)
     class(svg_plot), intent(in) :: self
     integer, intent(in) :: which
+    character(len=:), allocatable, intent(out) :: name
     type(text_buffer), intent(inout) :: buffer
-    integer, parameter :: steps(4) = [1, 2, 5, 10]
+    integer, parameter :: most = 16
+    character(len=:), allocatable :: at, unit
     type(plot_axis) :: axis
-    real(real64) :: step, value
-    integer :: digits, k, last
+    real(real64) :: values(most), shown(most), step, offset
+    integer :: digits, k, marks, power
 
     axis = self%across
     if (which == 2) axis = self%up
-    step = 0.0_real64
-    if (axis%is_log) then
-      last = floor(log10(axis%high))
-      do k = ceiling(log10(axis%low)), last, 1 + int(log10(axis%high / axis%low)) / (marks + 2)
-        call put_mark(10.0_real64**k, 1)
+    offset = 0.0_real64
+    marks = 0
+    digits = 1
+    if (axis%is_log) call list_decades()
+    if (marks < 2) then
+      step = round_step((axis%high - axis%low) / max(3, min(8, int(self%frame(which)) / &
+                                                               distance(which))))
+      digits = 2 + int(max(0.0_real64, log10(max(abs(axis%low), abs(axis%high)) / step)))
+      marks = 0
+      do k = 0, most - 1
+        ! Zero, but for rounding.
+        values(marks + 1) = step * (anint(axis%low / step) + k)
+        if (abs(values(marks + 1)) < 0.5_real64 * step) values(marks + 1) = 0.0_real64
+        if (values(marks + 1) >= axis%low .and. values(marks + 1) <= axis%high) marks = marks + 1
       end do
-      return
+      if (digits > most_digits) then
+        offset = values(1)
+        digits = 2
+      end if
     end if
-    step = 10.0_real64**floor(log10((axis%high - axis%low) / marks))
-    do k = 1, size(steps)
-      if ((axis%high - axis%low) / step <= steps(k) * marks) exit
+    shown = 0.0_real64
+    shown(:marks) = values(:marks) - offset
+    power = 0
+    do k = 1, marks
+      if (len(readable(shown(k), digits)) > longest_number .and. .not. axis%is_log) &
+        power = max(-300, floor(log10(maxval(abs(shown(:marks))))))
     end do
-    step = step * steps(min(k, size(steps)))
-    value = step * aint(axis%low / step)
-    if (value < axis%low) value = value + step
-    digits = 2 + int(max(0.0_real64, log10(max(abs(axis%low), abs(axis%high)) / step)))
-    k = 0
-    do while (value + k * step <= axis%high .and. k <= marks + 1)
-      call put_mark(value + k * step, min(digits, 15))
-      k = k + 1
+    do k = 1, marks
+      at = number(place_of(self, which, values(k)))
+      if (which == 1) then
+        call buffer%append('<path class="grid" d="M' // at // ' 0V' // number(self%frame(2)) // &
+                           '"/><text x="' // at // '" y="' // number(self%frame(2) + 17) // &
+                           '" text-anchor="middle">')
+      else
+        call buffer%append('<path class="grid" d="M0 ' // at // 'H' // number(self%frame(1)) // &
+                           '"/><text x="-6" y="' // &
+                           number(place_of(self, 2, values(k)) + 4.5_real64) // &
+                           '" text-anchor="end">')
+      end if
+      call buffer%line(readable(shown(k) / 10.0_real64**power, digits) // '</text>')
     end do
+    name = trim(axis%name)
+    if (abs(offset) > 0.0_real64) name = name // merge(' - ', ' + ', offset > 0.0_real64) // &
+                                         readable(abs(offset), 15)
+    unit = trim(axis%unit)
+    if (power /= 0) unit = trim(readable(10.0_real64**power, 1) // ' ' // unit)
+    if (unit /= '') name = name // ' [' // unit // ']'
 
   contains
 
-    subroutine put_mark(at, digits)
-      real(real64), intent(in) :: at
-      integer, intent(in) :: digits
-      real(real64) :: shown
-      character(len=:), allocatable :: place
+    ! Powers of ten; of less than two decades their doubles and fives, too.
+    subroutine list_decades()
+      integer, parameter :: parts(3) = [1, 2, 5]
+      real(real64) :: decades, value
+      integer :: part, power
 
-      ! Zero, but for rounding.
-      shown = at
-      if (.not. axis%is_log .and. abs(at) < 0.5_real64 * step) shown = 0.0_real64
-      if (which == 1) then
-        place = number(place_of(self, 1, at))
-        call buffer%line('<path class="grid" d="M' // place // ' 0V' // number(self%frame(2)) // &
-                         '"/><text x="' // place // '" y="' // number(self%frame(2) + 17) // &
-                         '" text-anchor="middle">' // readable(shown, digits) // '</text>')
-      else
-        place = number(place_of(self, 2, at))
-        call buffer%line('<path class="grid" d="M0 ' // place // 'H' // number(self%frame(1)) // &
-                         '"/><text x="-6" y="' // number(place_of(self, 2, at) + 4.5_real64) // &
-                         '" text-anchor="end">' // readable(shown, digits) // '</text>')
-      end if
-    end subroutine put_mark
+      decades = log10(axis%high / axis%low)
+      do power = floor(log10(axis%low)), floor(log10(axis%high)), 1 + int(decades / 7.0_real64)
+        do part = 1, merge(size(parts), 1, decades < 2.0_real64)
+          value = parts(part) * 10.0_real64**power
+          if (value < axis%low .or. value > axis%high) cycle
+          marks = marks + 1
+          values(marks) = value
+        end do
+      end do
+    end subroutine list_decades
 
   end subroutine put_marks
+
+  ! The least of 1, 2, 5 times a power of ten that is not below a length.
+  pure real(real64) function round_step(length) result(step)
+    real(real64), intent(in) :: length
+    integer, parameter :: steps(4) = [1, 2, 5, 10]
+    integer :: k
+
+    step = 10.0_real64**floor(log10(length))
+    do k = 1, size(steps) - 1
+      if (length / step <= steps(k)) exit
+    end do
+    step = step * steps(k)
+  end function round_step
+
+  ! A length below a plan: a sixth of its width, or somewhat more.
+  subroutine put_bar(self, buffer)
+    class(svg_plot), intent(in) :: self
+    type(text_buffer), intent(inout) :: buffer
+    character(len=:), allocatable :: foot, name
+    real(real64) :: length, points
+
+    length = round_step((self%across%high - self%across%low) / 6)
+    points = length * (self%frame(1) / (self%across%high - self%across%low))
+    foot = number(self%frame(2) + below + 8)
+    name = trim(readable(length, 1) // ' ' // self%across%unit)
+    if (self%across%unit == 'length') name = readable(length, 1)
+    call buffer%line('<path class="bar" d="M0 ' // foot // 'v6m0-3h' // number(points) // &
+                     'm0-3v6"/><text x="' // number(points + 8) // '" y="' // &
+                     number(self%frame(2) + below + 15) // '">' // escaped(name) // '</text>')
+  end subroutine put_bar
+
+  ! Condenses a text that may be wider than its room.
+  pure function fitted(text, room) result(attribute)
+    character(len=*), intent(in) :: text
+    real(real64), intent(in) :: room
+    character(len=:), allocatable :: attribute
+
+    attribute = ''
+    if (letter * len(text) > room) &
+      attribute = ' textLength="' // number(room) // '" lengthAdjust="spacingAndGlyphs"'
+  end function fitted
 
   !> Points joined by straight lines.
   subroutine curve(self, x, y, buffer)
@@ -188,44 +276,135 @@ contains
     call buffer%line('"/>')
   end subroutine curve
 
+  !> Arrows along the curve of a path that turns back, one between two reversals.
+  subroutine arrows(self, x, y, path, buffer)
+    class(svg_plot), intent(in) :: self          !! begun
+    real(real64), intent(in) :: x(:)             !! across
+    real(real64), intent(in) :: y(:)             !! up, as many
+    real(real64), intent(in) :: path(:)          !! rises and falls between the reversals, as many
+    type(text_buffer), intent(inout) :: buffer   !! the page
+    real(real64) :: at(2, size(x)), length(size(x)), move(2), step
+    integer :: drawn, i, k, turn
+    logical :: rises, rose
+
+    drawn = 0
+    turn = 1
+    rose = .true.
+    at(1, :) = [(place_of(self, 1, x(i)), i = 1, size(x))]
+    at(2, :) = [(place_of(self, 2, y(i)), i = 1, size(x))]
+    length(1) = 0.0_real64
+    do i = 2, size(x)
+      length(i) = length(i - 1) + norm2(at(:, i) - at(:, i - 1))
+      step = path(i) - path(i - 1)
+      rises = merge(step > 0.0_real64, rose, abs(step) > rounding * (maxval(path) - minval(path)))
+      if (i > 2 .and. (rises .neqv. rose)) call put_arrow(i - 1)
+      rose = rises
+    end do
+    if (turn > 1) call put_arrow(size(x))
+
+  contains
+
+    subroutine put_arrow(last)
+      integer, intent(in) :: last
+
+      if (length(last) - length(turn) > shortest_branch .and. drawn < most_arrows) then
+        ! Nearer to the beginning: those of the same line in both directions lie apart.
+        k = turn + count(length(turn + 1:last - 1) < 0.6_real64 * length(turn) + &
+                         0.4_real64 * length(last)) + 1
+        move = at(:, k) - at(:, k - 1)
+        call buffer%line('<path class="arrow" d="M7 0L-5 4.5V-4.5z" transform="translate(' // &
+                         number(sum(at(1, k - 1:k)) / 2) // ' ' // &
+                         number(sum(at(2, k - 1:k)) / 2) // ')rotate(' // &
+                         number(atan2(move(2), move(1)) * degrees) // ')"/>')
+        drawn = drawn + 1
+      end if
+      turn = last
+    end subroutine put_arrow
+
+  end subroutine arrows
+
   !> One point.
-  subroutine dot(self, x, y, says, buffer)
+  subroutine dot(self, x, y, text, buffer)
     class(svg_plot), intent(in) :: self         !! begun
     real(real64), intent(in) :: x               !! across
     real(real64), intent(in) :: y               !! up
-    character(len=*), intent(in) :: says        !! what it is
+    character(len=*), intent(in) :: text        !! what it is
     type(text_buffer), intent(inout) :: buffer  !! the page
 
     call buffer%line('<circle class="dot" cx="' // number(place_of(self, 1, x)) // '" cy="' // &
-                     number(place_of(self, 2, y)) // '" r="3"><title>' // escaped(says) // &
+                     number(place_of(self, 2, y)) // '" r="3"><title>' // escaped(text) // &
                      '</title></circle>')
   end subroutine dot
 
-  !> A circle at its place and of its size. `stops`: it can be reached with the keyboard, and what
-  !> it says is written above the frame then; the others say it to the mouse alone.
-  subroutine circle(self, x, y, radius, says, stops, buffer)
+  !> A circle at its place and of its size. `stops`: it can be reached with the keyboard, and its
+  !> text appears above the frame then; the others show theirs to the mouse alone.
+  subroutine circle(self, x, y, radius, text, stops, buffer)
     class(svg_plot), intent(in) :: self         !! begun, `is_true`
     real(real64), intent(in) :: x               !! across
     real(real64), intent(in) :: y               !! up
     real(real64), intent(in) :: radius          !! in the unit of the axes
-    character(len=*), intent(in) :: says        !! what it is
+    character(len=*), intent(in) :: text        !! what it is
     logical, intent(in) :: stops                !! with the keyboard, too
     type(text_buffer), intent(inout) :: buffer  !! the page
     character(len=:), allocatable :: drawn
 
-    drawn = 'cx="' // number(place_of(self, 1, x)) // '" cy="' // &
+    drawn = '<circle cx="' // number(place_of(self, 1, x)) // '" cy="' // &
             number(place_of(self, 2, y)) // '" r="' // &
-            readable(radius * (self%frame(1) / (self%across%high - self%across%low)), 3) // '"'
+            readable(radius * (self%frame(1) / (self%across%high - self%across%low)), 3) // &
+            '"><title>' // escaped(text) // '</title></circle>'
     if (stops) then
-      call buffer%line('<g class="spot" tabindex="0" role="img" aria-label="' // escaped(says) // &
-                       '"><circle ' // drawn // '><title>' // escaped(says) // &
-                       '</title></circle><text class="tip" x="' // &
-                       number(8.0_real64 - left) // '" y="-28">' // escaped(says) // &
-                       '</text></g>')
+      call buffer%line('<g class="patch" tabindex="0" role="img" aria-label="' // escaped(text) // &
+                       '">' // drawn // '<text class="note" x="' // number(8.0_real64 - left) // &
+                       '" y="-31"' // fitted(text, real(left + right + width - 16, real64)) // &
+                       '>' // escaped(text) // '</text></g>')
     else
-      call buffer%line('<circle ' // drawn // '><title>' // escaped(says) // '</title></circle>')
+      call buffer%line(drawn)
     end if
   end subroutine circle
+
+  !> Outline and summits of a surface in plan.
+  subroutine surface(self, name, points, buffer)
+    class(svg_plot), intent(in) :: self         !! begun, `is_true`
+    character(len=*), intent(in) :: name        !! upper or lower
+    real(real64), intent(in) :: points(:, :)    !! x and y of four corners, then of the summits
+    type(text_buffer), intent(inout) :: buffer  !! the page
+    integer :: i
+
+    call buffer%line('<g id="' // name // '" aria-hidden="true"><path class="' // name // &
+                     ' outline" d="M' // place(1) // 'L' // place(2) // 'L' // place(3) // 'L' // &
+                     place(4) // 'z"/>')
+    if (size(points, 2) > 4) call buffer%append('<path class="' // name // ' summits" d="')
+    do i = 5, size(points, 2)
+      call buffer%append('M' // place(i) // trim(merge('h0            ', 'm-3 0h6m-3-3v6', &
+                                                       name == 'lower')))
+    end do
+    if (size(points, 2) > 4) call buffer%line('"/>')
+    call buffer%line('</g>')
+
+  contains
+
+    function place(i) result(text)
+      integer, intent(in) :: i
+      character(len=:), allocatable :: text
+
+      text = number(place_of(self, 1, points(1, i))) // ' ' // &
+             number(place_of(self, 2, points(2, i)))
+    end function place
+
+  end subroutine surface
+
+  !> A surface that an earlier drawing has, displaced from its place there.
+  subroutine again(self, name, shift, buffer)
+    class(svg_plot), intent(in) :: self         !! begun, `is_true`
+    character(len=*), intent(in) :: name        !! upper or lower
+    real(real64), intent(in) :: shift(2)        !! along x and y, in the unit of the axes
+    type(text_buffer), intent(inout) :: buffer  !! the page
+    real(real64) :: points(2)
+
+    points = shift * self%frame / [self%across%high - self%across%low, self%up%high - self%up%low]
+    call buffer%line('<use href="#' // name // '" transform="translate(' // number(points(1)) // &
+                     ' ' // number(-points(2)) // ')" aria-hidden="true"/>')
+  end subroutine again
 
   !> The end of a drawing.
   subroutine finish(self, buffer)

@@ -4,7 +4,7 @@ module asperity_unit_names
   implicit none
   private
 
-  public :: has_units, units_in_words, with_unit
+  public :: axis_units, has_units, units_in_words, with_unit
 
 contains
 
@@ -34,5 +34,26 @@ contains
     text = name
     if (unit /= '') text = name // ' (' // trim(unit) // ')'
   end function with_unit
+
+  !> Units of length, area and force of a drawing's axes: the name of the quantity where the unit
+  !> has none.
+  pure function axis_units(scene_in) result(units)
+    type(scene), intent(in) :: scene_in  !! what was solved
+    character(len=20) :: units(3)        !! at least one letter each
+    ! Superscript two, in UTF-8.
+    character(len=*), parameter :: squared = char(194) // char(178)
+
+    units = [character(len=20) :: scene_in%units(1), '', scene_in%units(2)]
+    if (units(1) == '' .and. allocated(scene_in%map)) then
+      if (scene_in%map%lower%columns > 0) then
+        units(1) = scene_in%map%lower%unit
+      else
+        units(1) = scene_in%map%upper%unit
+      end if
+    end if
+    if (units(1) == '') units(1) = 'length'
+    if (units(3) == '') units(3) = 'force'
+    units(2) = trim(units(1)) // squared
+  end function axis_units
 
 end module asperity_unit_names

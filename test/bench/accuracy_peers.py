@@ -134,13 +134,13 @@ def with_peers(page, found):
         '<section aria-labelledby="peers">\n'
         '<h2 id="peers">Peers, measured in the same run</h2>\n'
         '<p>The map is made, not measured: self-affine heights, data/examples/summits/smooth.sdf, '
-        'whole numbers of 16 bits. Here the same levelled samples under the same load, one thread, '
+        'whole numbers of 16 bits. Here the same levelled pixels under the same load, one thread, '
         'the solve alone; errors against the reference of this page.</p>\n'
         f'<div class="scroll" role="region" tabindex="0" aria-label="{title}">\n<table>\n'
         f'<caption>{title}</caption>\n<thead><tr>'
         + "".join(f'<th scope="col">{c}</th>' for c in HEAD) + "</tr></thead>\n<tbody>\n"
         + "\n".join(rows) + "\n</tbody>\n</table>\n</div>\n</section>\n")
-    at = page.index('<section aria-labelledby="ways">')
+    at = page.index('<section aria-labelledby="methods">')
     return page[:at] + table + page[at:]
 
 

@@ -148,6 +148,7 @@ def test_page_holds_all(name, asperity, tmp_path, tally):
         header, *rows = page.rows(table)
         assert len(rows) == len(positions)
         for row, place in zip(rows, positions):
+            place.setdefault("separation", place.get("approach"))
             for column, cell in zip(header, row):
                 met += cell == {"0": "no", "1": "yes"}[place[column]] \
                     if column == "limit_reached" else near(cell, place[column]) \
@@ -177,6 +178,113 @@ def test_page_holds_all(name, asperity, tmp_path, tally):
         shift = drawn[:, :2] - true[:, :2] * scale * [1, -1]
         assert (np.ptp(shift, axis=0) < 0.06).all()
         assert (np.abs(drawn[:, 2] - true[:, 2] * scale) < 0.006 * true[:, 2] * scale + 1e-9).all()
+
+
+def separation_of(rows):
+    """The column of the separation."""
+    return "separation" if "separation" in rows[0] else "approach"
+
+
+def drawings(page, beginning):
+    return [svg for svg in page.of("svg") if svg["aria-label"].startswith(beginning)]
+
+
+def scales(page, svg):
+    """Of both axes the line from places to values, by the numbers along them."""
+    marks = {"M": [], "H": []}
+    parts = [part for part in page.all if any(outer is svg for outer in part["in"])]
+    for path, text in zip(parts, parts[1:]):
+        place = re.fullmatch(r"M(?P<M>\S+) 0V\S+|M0 (?P<H>\S+)H\S+", path.get("d", ""))
+        if place:
+            key = "M" if place["M"] else "H"
+            marks[key].append((float(place[key]), text["text"]))
+    return [np.polyfit([place for place, _ in part], [float(text) for _, text in part], 1)
+            for part in marks.values()]
+
+
+def path_points(path):
+    return np.array([list(map(float, pair.split())) for pair in re.findall(r"[ML]([^MLz]+)",
+                                                                           path["d"])])
+
+
+def test_curves(asperity, tmp_path):
+    """Load over compression and area over load, with an arrow a branch of the cycle."""
+    page, _, _ = page_of(asperity, "data/examples/effects/cycle.scene", tmp_path / "r.html",
+                         "--curve", tmp_path / "c")
+    states = records(tmp_path / "c")
+    load, area, apart = (np.array([float(row[name]) for row in states])
+                         for name in ("load", "area", separation_of(states)))
+    sections = [section["aria-labelledby"] for section in page.of("section")]
+    assert sections == ["summary", "curves", "contacts", "effects", "origin"]
+    for svg, x, y, names in zip(page.of("svg"), (apart[0] - apart, load), (load, area),
+                                (("compression [cm]", "load [N]"),
+                                 ("load [N]", "contact area [cm\u00b2]"))):
+        assert [text["text"] for text in page.of("text", svg) if "[" in text["text"]] == \
+            list(names)
+        [curve] = [path for path in page.of("path", svg) if path["class"] == "curve"]
+        drawn = path_points(curve)
+        for k, values in enumerate((x, y)):
+            there = np.polyval(scales(page, svg)[k], drawn[:, k])
+            assert np.abs(there - values).max() < 1e-3 * np.ptp(values)
+        arrows = [path for path in page.of("path", svg) if path["class"] == "arrow"]
+        assert len(arrows) == 6
+        # Up along the first branch, down along the second, in the drawing.
+        turns = [float(re.search(r"rotate\((.*)\)", arrow["transform"])[1]) for arrow in arrows]
+        assert all(-90 < turn < 0 for turn in turns[::2]) and \
+            all(90 < turn < 180 for turn in turns[1::2])
+
+
+def test_sweep_is_drawn_over_the_positions(asperity, tmp_path):
+    """Load, contact area and separation over the displacement."""
+    page, _, _ = page_of(asperity, "data/examples/csv_surfaces.scene", tmp_path / "r.html",
+                         "--positions", tmp_path / "p")
+    rows = records(tmp_path / "p")
+    names = {"load": "load", "contact area": "area",
+             "separation": separation_of(rows)}
+    for svg, (name, column) in zip(page.of("svg"), names.items()):
+        assert svg["aria-label"] == f"{name} against x displacement"
+        [curve] = [path for path in page.of("path", svg) if path["class"] == "curve"]
+        for k, values in enumerate(([float(row["x_displacement"]) for row in rows],
+                                    [float(row[column]) for row in rows])):
+            there = np.polyval(scales(page, svg)[k], path_points(curve)[:, k])
+            assert np.abs(there - values).max() < 1e-3 * max(np.ptp(values), 0.1)
+        assert not [path for path in page.of("path", svg) if path["class"] == "arrow"]
+
+
+def test_plan_of_surfaces(asperity, tmp_path):
+    """Outlines and summits lie where both surfaces are: turned, and the upper one displaced."""
+    upper = [(0.5, 0, .2, 1), (2, 1, .1, 2), (1, -1, .7, .5)]
+    lower = [(0.5, 0, .2, 1), (2.5, 1, .1, 1)]
+    turns, steps = (0.3, -0.2), [(0.25, -0.1), (0.35, 0.1)]
+    scene = write_csv_scene(tmp_path, upper, lower, tilt={"rotation": turns},
+                            motion={"x_first": 0.25, "x_step": 0.1, "y_first": -0.1,
+                                    "y_step": 0.2, "positions": 2},
+                            loading={"control": "approach", "value": 0.1})
+    page, _, _ = page_of(asperity, scene, tmp_path / "r.html")
+    first, second = drawings(page, "plan of contacts")
+    (across, _), (up, _) = axes = scales(page, first)
+    assert abs(across + up) < 1e-3 * across
+    for name, rows, turn, step in zip(("lower", "upper"), (lower, upper), turns[::-1],
+                                      ((0, 0), steps[0])):
+        x, y, height, radius = np.array(rows, float).T
+        height = np.minimum(height, radius)
+        base = np.sqrt(height * (2 * radius - height))
+        low, high = [min(x - base), min(y - base)], [max(x + base), max(y + base)]
+        corners = [low, [high[0], low[1]], high, [low[0], high[1]]]
+        cos, sin = np.cos(turn), np.sin(turn)
+        true = np.vstack([corners, np.c_[x, y]]) @ [[cos, sin], [-sin, cos]] + step
+        [group] = [g for g in page.of("g", first) if g.get("id") == name]
+        drawn = np.vstack([path_points({"d": re.sub("m.*?(?=M|$)|h0", "", path["d"])})
+                           for path in page.of("path", group)])
+        there = np.c_[np.polyval(axes[0], drawn[:, 0]), np.polyval(axes[1], drawn[:, 1])]
+        assert np.abs(there - true).max() < 0.01
+        [use] = [use for use in page.of("use", second) if use["href"] == f"#{name}"]
+        shift = np.array(re.findall(r"-?[\d.]+", use["transform"]), float) * [across, up]
+        moved = np.subtract(*steps[::-1]) if name == "upper" else (0, 0)
+        assert np.abs(shift - moved).max() < 0.01
+    [bar] = [path for path in page.of("path", first) if path["class"] == "bar"]
+    length = float(re.search(r"h(\S+?)m", bar["d"])[1]) * across
+    assert abs(length - float(page.all[page.all.index(bar) + 1]["text"])) < 0.01
 
 
 def test_page_of_any_text(asperity, tmp_path):
