@@ -2,12 +2,13 @@
 module asperity_summary
   use asperity_contact_records, only: state_row
   use asperity_corrected_table, only: corrected_table, stage_name
+  use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: effects_in_words, write_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
                                        slope_row, total_area_row, total_difference_row, &
                                        total_load_row
-  use asperity_position_lists, only: counted, positions_listed
+  use asperity_position_lists, only: counted, percent, positions_listed
   use asperity_problems, only: decimal_text, real_text
   use asperity_scene_results, only: last_state, map_record, scene_results
   use asperity_scene_values, only: control_limit, control_words, criterion_none, criterion_words, &
@@ -187,13 +188,22 @@ contains
     type(scene_results), intent(in) :: results  !! the way taken and its error bound
     type(text_buffer), intent(inout) :: buffer  !! the text
     character(len=9) :: asked, promised
+    character(len=:), allocatable :: off
+    real(real64) :: share
+    integer :: e
 
     write (asked, '(es9.1e3)') accuracy
     write (promised, '(es9.1e3)') results%error_bound
+    off = ''
+    do e = 1, size(known_effects)
+      share = maxval(results%positions%left_out(e))
+      if (share > not_computed) off = off // ' (' // trim(known_effects(e)%name) // &
+                                      ' off, estimated influence ' // percent(share) // ')'
+    end do
     call buffer%line('accuracy' // asked // ' asked for: ' // results%way_taken // &
                      ' is the cheapest way that has it, ' // &
                      trim(merge('estimated error', 'error bound    ', &
-                                allocated(results%effects))) // promised)
+                                allocated(results%effects))) // promised // off)
     call buffer%line(results%way_told)
   end subroutine write_choice
 

@@ -2,12 +2,13 @@
 !> had afterwards, what could be had.
 !>
 !> `auto` is the choice itself: it leaves out what it estimates below its tolerance, takes contacts
-!> as circles where they are good enough, and on cells what is not. An accuracy sets its tolerance;
-!> what a scene has `off` is not of its model, what it has `on` stays.
+!> as circles where they are good enough, and on cells what is not. An accuracy sets its tolerance.
+!> Effects that are off count with their estimated influence.
 module asperity_accuracy_choice
   use asperity_accuracy_bound, only: error_bound
   use asperity_contact_records, only: asked_nothing, asked_vertical, state_row
   use asperity_decimal, only: decimal_to_real64
+  use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: real_text
@@ -17,8 +18,8 @@ module asperity_accuracy_choice
   implicit none
   private
 
-  public :: accuracy_had, choose_model, first_tolerance, had_text, has_accuracy, &
-            may_go_on_cells, next_tolerance, tell_way, total_of, with_circles
+  public :: accuracy_had, check_left_out, choose_model, first_tolerance, had_text, has_accuracy, &
+            influence_left_out, may_go_on_cells, next_tolerance, tell_way, total_of, with_circles
 
   ! The finest accuracy for which contacts go on cells: areas there are not known any better. Finer
   ! cells told 1.9e-3 and 9.3e-4 in two scenes of steep pairs, and were 2.1e-3 and 1.5e-3 off.
@@ -70,6 +71,39 @@ contains
     if (tolerance < chosen%effects%number('boundary_tolerance')) &
       call chosen%effects%set('boundary_tolerance', rounded_decimal(tolerance, 3))
   end subroutine choose_model
+
+  !> Estimated influence on the load of all effects that are off, at the worst positions.
+  pure real(real64) function influence_left_out(results) result(influence)
+    type(scene_results), intent(in) :: results  !! with positions
+    integer :: e
+
+    influence = sum([(max(0.0_real64, maxval(results%positions%left_out(e))), &
+                      e=1, size(known_effects))])
+  end function influence_left_out
+
+  !> `failure` is allocated where an effect that is off has an estimated influence on the load above
+  !> the accuracy: it names the largest.
+  subroutine check_left_out(scene_in, accuracy, results, failure)
+    type(scene), intent(in) :: scene_in                    !! as it was solved
+    real(real64), intent(in) :: accuracy                   !! asked for
+    type(scene_results), intent(in) :: results             !! with positions
+    character(len=:), allocatable, intent(out) :: failure  !! which effect to turn on
+    real(real64) :: share(size(known_effects))
+    character(len=:), allocatable :: name
+    integer :: e
+
+    share = [(maxval(results%positions%left_out(e)), e=1, size(share))]
+    e = maxloc(share, 1)
+    if (.not. share(e) > accuracy) return
+    name = trim(known_effects(e)%name)
+    failure = name // ' is off, and its estimated influence on the load, ' // &
+              real_text(share(e)) // ', is above the accuracy: '
+    if (scene_in%effects%is_barred(name)) then
+      failure = failure // 'it cannot be computed with what the scene asks for'
+    else
+      failure = failure // 'set ' // name // ' = ''auto'' in &effects of a scene'
+    end if
+  end subroutine check_left_out
 
   !> Whether cells are worth a try after circles: where neighbours count, and cells are as good.
   pure logical function may_go_on_cells(scene_in, accuracy)
@@ -190,8 +224,6 @@ contains
       results%way_told = results%way_told // 'perhaps, if circles have it; areas on cells are ' // &
                          'good to ' // real_text(finest_on_cells)
     end if
-    if (mode == effect_off) &
-      results%way_told = results%way_told // '; contacts each alone, as the scene asks'
   end subroutine tell_way
 
   !> What a run had, in words.

@@ -1,15 +1,16 @@
 !> The way from a scene to its results, as it asks or to an accuracy.
 module asperity_solve
-  use asperity_accuracy_choice, only: accuracy_had, choose_model, first_tolerance, had_text, &
-                                      has_accuracy, may_go_on_cells, next_tolerance, tell_way, &
-                                      total_of, with_circles
+  use asperity_accuracy_choice, only: accuracy_had, check_left_out, choose_model, &
+                                      first_tolerance, had_text, has_accuracy, may_go_on_cells, &
+                                      next_tolerance, tell_way, total_of, with_circles
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
+  use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: problem_list
   use asperity_run_options, only: check_options, run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: by_word, effect_off, scene
+  use asperity_scene_values, only: by_default, by_word, effect_off, scene
   use asperity_surface_solve, only: needs_doubles, solve_surfaces
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
@@ -39,13 +40,22 @@ contains
       return
     end if
     ! Effects are computed in doubles: another arithmetic leaves out those that are not written.
-    if (chosen%arithmetic /= 'real64' .and. any(scene_in%effects%given < by_word .and. &
-                                                scene_in%effects%modes /= effect_off)) then
-      written = scene_in
-      call written%effects%drop_unwritten()
-      call solve(written, results, failure, chosen)
-      return
-    end if
+    ! An accuracy may be had without interaction, where the scene does not write it.
+    associate (on => scene_in%effects%modes /= effect_off, given => scene_in%effects%given)
+      if (any(on .and. given < by_word) .and. &
+          (chosen%arithmetic /= 'real64' .or. &
+           (chosen%accuracy > 0 .and. all(given == by_default .or. .not. on) .and. &
+            .not. (allocated(scene_in%map) .or. allocated(scene_in%loading%path))))) then
+        written = scene_in
+        call written%effects%drop_unwritten()
+        if (chosen%accuracy > 0) &
+          call written%effects%set('tolerance', rounded_decimal(chosen%accuracy, 3))
+        call solve(written, results, failure, chosen)
+        if (.not. (allocated(failure) .and. chosen%accuracy > 0)) return
+        deallocate (failure)
+        results = scene_results()
+      end if
+    end associate
     ! A position by itself, or a map, may use the threads within.
     !$ usual = omp_get_max_threads()
     !$ if (chosen%threads > 0) call omp_set_num_threads(chosen%threads)
@@ -84,6 +94,8 @@ contains
       call choose_model(scene_in, tolerance, on_cells, chosen)
       call solve(chosen, results, unsolved, way)
       if (allocated(unsolved)) exit
+      call check_left_out(chosen, options%accuracy, results, failure)
+      if (allocated(failure)) return
       had = has_accuracy(chosen, results)
       results%error_bound = total_of(had)
       if (results%error_bound <= options%accuracy) then

@@ -2,6 +2,7 @@
 !> is accurate enough.
 module asperity_surface_solve
   use asperity_accuracy_bound, only: error_bound, front_arithmetics
+  use asperity_accuracy_choice, only: check_left_out, influence_left_out
   use asperity_arithmetics, only: solver_in
   use asperity_contact_records, only: solve_method
   use asperity_effect_solver, only: make_effect_solver
@@ -81,14 +82,16 @@ contains
       way%arithmetic = front_arithmetics(i)
       call solve_effects(scene_in, way, results, failure)
       if (allocated(failure)) return
-      results%error_bound = error_bound(trim(way%arithmetic), scene_in, results%positions)
+      call check_left_out(scene_in, options%accuracy, results, failure)
+      if (allocated(failure)) return
+      results%error_bound = error_bound(trim(way%arithmetic), scene_in, results%positions) + &
+                            influence_left_out(results)
       if (results%error_bound <= options%accuracy) then
         results%way_taken = trim(way%arithmetic) // ', exact events'
         results%way_told = 'ten times better: this run has it'
         if (results%error_bound > 0.1_real64 * options%accuracy) &
           results%way_told = 'ten times better: ' // trim(merge( &
             'real128, up to 40 times the time', 'cannot be had                   ', i == 1))
-        results%way_told = results%way_told // '; contacts each alone, as the scene asks'
         return
       end if
     end do

@@ -60,11 +60,12 @@ class Verdict:
 
 
 def alone(rng, folder):
-    """Hertz' contacts, some far from the origin, some steep."""
+    """Hertz' contact, one at a position, as neighbours would count; some are far from the origin,
+    some steep."""
     offset = rng.choice((0.0, 0.0, 0.0, 1e3, 1e6))
     def surface():
-        return [(offset + rng.uniform(0, 5), offset + rng.uniform(0, 5), rng.uniform(0.05, 0.2),
-                 rng.uniform(0.5, 2)) for _ in range(rng.randint(2, 9))]
+        return [(offset + rng.uniform(0, 1), offset + rng.uniform(0, 1), rng.uniform(0.05, 0.2),
+                 rng.uniform(0.5, 2))]
     upper, lower = surface(), surface()
     loading = rng.choice(({"control": "load", "value": float(f"{10 ** rng.uniform(-1, 3):.3g}")},
                           {"control": "approach", "value": rng.choice((0.05, 0.1, 0.2))},

@@ -245,9 +245,12 @@ def worst_error(rows, truth):
     return worst
 
 
-@pytest.mark.parametrize("seed", (101, 104, 108, 115))
+@pytest.mark.parametrize("seed", (104, 111, 118, 125))
 def test_the_promise_holds_on_decks(seed, asperity, tmp_path):
-    path = write_deck(tmp_path / "random.deck", **random_deck(seed))
+    """Decks of one pair: of more, interaction, which is off, would count."""
+    deck = random_deck(seed)
+    deck["upper"]["asperities"] = deck["upper"]["asperities"][:1]
+    path = write_deck(tmp_path / "random.deck", **deck)
     truth = Truth(read_deck(path))
     for accuracy in ("1e-3", "1e-9", "1e-14"):
         way, bound, rows = promise(asperity, path, accuracy, tmp_path)
@@ -263,8 +266,8 @@ def test_the_promise_holds_far_from_the_origin(offset, asperity, tmp_path):
     """Coordinates with a common offset lose digits; a finer arithmetic has to make up for it."""
     rng = random.Random(7)
     def surface():
-        return [(offset + rng.uniform(0, 8), offset + rng.uniform(0, 8), rng.uniform(0.05, 0.15),
-                 rng.uniform(0.8, 1.2)) for _ in range(25)]
+        return [(offset + rng.uniform(0, 1), offset + rng.uniform(0, 1), rng.uniform(0.05, 0.15),
+                 rng.uniform(0.8, 1.2))]
     upper, lower = surface(), surface()
     groups = {"motion": {"x_first": 0.3, "y_first": -0.2},
               "loading": {"control": "load", "value": 500.0}}
@@ -281,10 +284,33 @@ def test_the_promise_holds_far_from_the_origin(offset, asperity, tmp_path):
 
 
 def test_an_accuracy_that_nothing_has(asperity, root):
-    done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck", "--accuracy", "1e-16"],
-                          capture_output=True, text=True, timeout=60)
+    done = subprocess.run([asperity, "solve", root / "data/hard/deck_one_pair.deck", "--accuracy",
+                           "1e-16"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 1 and done.stdout == ""
     assert "no way of computing has this accuracy" in done.stderr
+
+
+def test_effects_that_are_off_count(asperity, root, tmp_path):
+    """The influence of what is off: named in the first line, a refusal where it is above the
+    accuracy. Truth of interaction at position 56: 21.5 % of the load (reference_output/boundary)."""
+    position_56 = {"surfaces": {"deck": str(root / "data/thesis.deck")}, "motion": {"x_first": 5.6}}
+    scene = write_scene(tmp_path / "off.scene", **position_56)
+    for path in (scene, root / "data/thesis.deck"):
+        refused = solve(asperity, path, "--accuracy", "1e-3", folder=tmp_path)
+        assert refused.status == 1 and not refused.stdout
+        assert "interaction is off" in refused.stderr
+        assert "set interaction = 'auto'" in refused.stderr
+    coarse = solve(asperity, scene, "--accuracy", "0.5", contacts=False)
+    line = next(line for line in coarse.stdout.splitlines() if line.startswith("accuracy"))
+    said = re.search(r"error bound\s*(\S+) \(interaction off, estimated influence (\S+) %\)", line)
+    assert 0.215 < float(said[2]) / 100 < 0.5
+    assert float(said[1]) == pytest.approx(float(said[2]) / 100, rel=0.02)
+    # Not written, it is left out as long as the accuracy allows.
+    scene = write_scene(tmp_path / "default.scene", by_default=True, **position_56)
+    left_out = solve(asperity, scene, "--accuracy", "0.5", contacts=False)
+    assert left_out.positions[0]["load"] == coarse.positions[0]["load"]
+    simulated = solve(asperity, scene, "--accuracy", "1e-2", contacts=False)
+    assert simulated.status == 0 and simulated.positions[0]["interaction"] != "off"
 
 
 def budget_line(text, label):

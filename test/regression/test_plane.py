@@ -240,7 +240,7 @@ def test_commands(asperity, tmp_path):
     scene = plane_scene(tmp_path, random_caps(5, seed=2), motion={"x_step": 1.0, "positions": 3},
                         limit={"criterion": "load", "value": 1.0})
     once = solve(asperity, scene)
-    for options in (["--keep", str(tmp_path / "keep")], ["--accuracy", "1e-6"], ["--budget"]):
+    for options in (["--keep", str(tmp_path / "keep")], ["--accuracy", "1e-2"], ["--budget"]):
         done = subprocess.run([asperity, "solve", scene, *options], capture_output=True, text=True,
                               timeout=100)
         assert done.returncode == 0, done.stderr
