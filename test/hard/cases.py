@@ -228,12 +228,13 @@ def motions():
     spots = [(0.0, 0.0, 0.125, 1.0), (1.25, 0.0, 0.125, 1.0), (5.0, 0.0, 0.125, 1.0)]
     one = [(0.0, 0.0, 0.125, 1.0)]
     yield Case("none_at_some", "Contact, none, contact again: what one position leaves must not "
-               "reach the next.", one, spots, {**step, **limit(1.0)}, coordinates=True)
-    yield Case("none_at_one", "No candidate at one position of six.", one,
-               [(x, 0.0, 0.125, 1.0) for x in (0.0, 1.0, 3.0, 4.0, 5.0)],
+               "reach the next.", one, [(x, 0.0, 0.125, 1.0) for x in (0.0, 0.75, 5.25)],
                {**step, **limit(1.0)}, coordinates=True)
-    yield Case("none_at_all", "No candidate at any position.", one, [(0.0, 3.0, 0.125, 1.0)],
-               {**step, **limit(1.0)}, truth=NOTHING)
+    yield Case("none_at_one", "No pair that can touch at one position of six.", one,
+               [(x, 0.0, 0.125, 1.0) for x in (-0.25, 4.25, 5.0)],
+               {**step, **limit(1.0)}, coordinates=True)
+    yield Case("none_at_all", "No pair that can touch at any position.", one,
+               [(0.0, 3.0, 0.125, 1.0)], {**step, **limit(1.0)}, truth=NOTHING)
     yield Case("far_under_load", "At the third position all pairs are beyond the candidate "
                "distance, but a load must be borne: the planes pass through each other.",
                one, spots, {**step, **load(1.0)}, coordinates=True)

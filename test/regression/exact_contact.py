@@ -44,6 +44,7 @@ class Scene:
     value: Fraction | None = None
     criterion: str | None = "load"
     limit: Fraction | None = None
+    is_deck: bool = False
 
 
 @dataclass
@@ -89,7 +90,7 @@ def read_deck(path):
         begin += number
     tenth = Fraction("0.1")
     return Scene(*surfaces, first=(tenth + shift[0], shift[1]), step=(tenth, Fraction(0)),
-                 positions=100, limit=THESIS_LIMIT)
+                 positions=100, limit=THESIS_LIMIT, is_deck=True)
 
 
 def exact(value):
@@ -204,9 +205,10 @@ class Truth:
         d2 = (x + float(shift[0]) - u) ** 2 + (y + float(shift[1]) - v) ** 2
         margin = 1e-9 * self.size() ** 2
         maybe = d2 < s * s
-        if self.scene.control == "limit" and self.tallest > 0:
-            # Caps end at their reference plane: a position without a pair near enough to touch
-            # before a summit reaches the other plane (Appendix 5 of the thesis) has no contact.
+        if self.scene.is_deck and self.scene.control == "limit" and self.tallest > 0:
+            # The caps of a deck end at their reference plane: a position without a pair near enough
+            # to touch before a summit reaches the other plane (Appendix 5 of the thesis) has no
+            # contact. Heights in files may count from anywhere.
             reach = 2 * s * float(self.tallest)
             if not np.any(maybe & (d2 < reach - margin)) and not any(
                     self.is_near(j, k, shift)
