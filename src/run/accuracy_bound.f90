@@ -5,11 +5,13 @@
 !> cheaper, or not clearly. Each way's error is bounded from what was solved, not from a table, so
 !> that the promise holds on scenes the study has never seen.
 module asperity_accuracy_bound
+  use asperity_constants, only: pi
   use asperity_contact_records, only: position_result, state_row
+  use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_scene_results, only: last_state
-  use asperity_scene_values, only: scene
-  use asperity_decimal, only: decimal_to_real64
+  use asperity_scene_values, only: combined_modulus, is_load, scene
+  use asperity_theory_warnings, only: of_slope, warning_kinds
   implicit none
   private
 
@@ -27,42 +29,59 @@ module asperity_accuracy_bound
 
 contains
 
-  !> Bound of the relative error of every total: load, vertical load, area, approach.
+  !> Bound of the relative error of every total of the last state: load, vertical load, area,
+  !> separation.
   !>
-  !> Coordinates are rounded, so penetrations are uncertain by some roundoffs of the coordinates'
-  !> size. The total load of independent contacts changes by at most 3/2 of that over the closing,
-  !> because load grows at least as the power 3/2 of the closing.
+  !> Rounded heights e_z and plan coordinates e_d move an overlap by e_z + e_d sin(theta) and the
+  !> separation of first touch by e_z + e_d tan(theta), tan(theta) the slope of the contact. The
+  !> stiffness of N contacts of Hertz of total area A is 2 E sum(a) <= 2 E sqrt(N A/pi), and an area
+  !> grows by pi R per overlap. The slope of every contact is below the least that is warned of, or
+  !> the one of the warning.
   function error_bound(arithmetic, scene_in, positions) result(bound)
     character(len=*), intent(in) :: arithmetic      !! a name of `front_arithmetics`
     type(scene), intent(in) :: scene_in             !! what was solved
     type(position_result), intent(in) :: positions(:)  !! solved
     real(real64) :: bound
-    real(real64) :: roundoff, in_plan, in_height, radius, uncertainty, steepest
+    real(real64) :: roundoff, in_plan, in_height, tilt, least, widest, slope, of_overlap, of_touch
+    real(real64) :: per_overlap, modulus
     type(state_row) :: last
     integer :: m
 
     roundoff = 0.5_real64 * epsilon(1.0_real64)
     if (arithmetic == 'real128') roundoff = roundoff * 2.0_real64**(53 - 113)
-    radius = min(minval(scene_in%upper%radius), minval(scene_in%lower%radius))
-    in_height = max(maxval(abs(scene_in%upper%height)), maxval(abs(scene_in%lower%height)))
+    modulus = combined_modulus(scene_in)
     associate (upper => scene_in%upper, lower => scene_in%lower, motion => scene_in%motion)
+      least = min(minval(upper%radius), minval(lower%radius))
+      widest = max(maxval(upper%radius), maxval(lower%radius))
+      tilt = max(norm2(decimal_to_real64(upper%slope)), norm2(decimal_to_real64(lower%slope)))
       in_plan = max(maxval(abs(upper%x)), maxval(abs(upper%y)), maxval(abs(lower%x)), &
                     maxval(abs(lower%y)), abs(decimal_to_real64(scene_in%lower_mirror_width)), &
                     maxval(abs(decimal_to_real64([motion%x_first, motion%y_first]))) + &
                     (motion%positions - 1) * &
                     maxval(abs(decimal_to_real64([motion%x_step, motion%y_step]))))
+      in_height = max(maxval(abs(upper%height)), maxval(abs(lower%height))) + 2 * tilt * in_plan
     end associate
     bound = finest_accuracy
     do m = 1, size(positions)
       last = last_state(positions(m))
-      if (.not. last%closing > 0.0_real64) cycle
-      ! An error in plan tilts into height by the slope of the contact, d/z of at most
-      ! sqrt(2 (RU + RL) H) over the radius' size.
-      steepest = min(1.0_real64, sqrt(4 * max(in_height, last%closing) / radius))
-      uncertainty = roundings * roundoff * (in_height + steepest * in_plan)
-      bound = max(bound, 1.5_real64 * uncertainty / last%closing + finest_accuracy)
+      if (.not. (last%closing > 0.0_real64 .and. last%load > 0.0_real64)) cycle
+      ! A pair that touches loses no more to its offset in plan than the summits exceed.
+      slope = min(warning_kinds(of_slope)%limit, &
+                  sqrt(4 * max(2 * in_height - last%approach, last%closing) / least))
+      if (allocated(positions(m)%warnings)) &
+        slope = max(slope, maxval(positions(m)%warnings%size, &
+                                  positions(m)%warnings%kind == of_slope))
+      of_overlap = roundings * roundoff * (in_height + min(slope, 1.0_real64) * &
+                                           (in_plan + 2 * widest))
+      of_touch = roundings * roundoff * (in_height + slope * (in_plan + 2 * widest))
+      per_overlap = max(2 * modulus * sqrt(last%contacts / pi) * sqrt(last%area) / last%load, &
+                        pi * last%contacts * widest / last%area)
+      ! Under a load the separation moves with the overlaps.
+      if (is_load(scene_in%loading%control)) per_overlap = 2 * per_overlap
+      bound = max(bound, finest_accuracy + of_overlap * per_overlap + of_touch * &
+                         max(1.0_real64 / last%closing, 2 * hypot(1.0_real64, slope) / least))
       if (abs(last%approach) > 0.0_real64) &
-        bound = max(bound, uncertainty / abs(last%approach) + finest_accuracy)
+        bound = max(bound, of_touch / abs(last%approach) + finest_accuracy)
     end do
   end function error_bound
 
