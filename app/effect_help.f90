@@ -75,8 +75,11 @@ contains
     character(len=:), allocatable :: default
 
     default = decimal_text(int(number%default%digits))
-    if (number%range == one_word) &
-      default = '''' // trim(number%words(number%default%digits)) // ''''
+    if (number%range == one_word) then
+      default = 'none'
+      if (number%default%digits > 0) &
+        default = '''' // trim(number%words(number%default%digits)) // ''''
+    end if
     if (number%default%exponent < 0) &
       default = '0.' // repeat('0', -number%default%exponent - len(default)) // default
   end function default_of

@@ -6,7 +6,7 @@ module asperity_first_yield
   implicit none
   private
 
-  public :: constraint_factor, yield_pressure
+  public :: constraint_factor, yield_pressure, yielding_body, yielding_factor
 
   ! Greatest over average pressure of Hertz.
   real(real64), parameter :: peak = 1.5_real64
@@ -21,9 +21,33 @@ contains
     constraint_factor = 1.295_real64 * exp(0.736_real64 * max(poisson_ratio, 0.0_real64))
   end function constraint_factor
 
+  !> The body that yields: as `plastic_body` names it, else the one of smaller elastic modulus; of
+  !> equal moduli the one of smaller Poisson's ratio, whose C is smaller.
+  pure integer function yielding_body(scene_in) result(body)
+    type(scene), intent(in) :: scene_in  !! checked values; result 1: upper, 2: lower
+    real(real64) :: modulus(2), ratio(2)
+
+    body = nint(scene_in%effects%number('plastic_body'))
+    if (body > 0) return
+    associate (upper => scene_in%upper, lower => scene_in%lower)
+      modulus = decimal_to_real64([upper%elastic_modulus, lower%elastic_modulus])
+      ratio = decimal_to_real64([upper%poisson_ratio, lower%poisson_ratio])
+    end associate
+    body = minloc(modulus, 1)
+    if (.not. abs(modulus(1) - modulus(2)) > 0.0_real64) body = minloc(ratio, 1)
+  end function yielding_body
+
+  !> C of the body that yields.
+  pure real(real64) function yielding_factor(scene_in) result(factor)
+    type(scene), intent(in) :: scene_in  !! checked values
+
+    factor = constraint_factor(decimal_to_real64(merge(scene_in%upper%poisson_ratio, &
+                               scene_in%lower%poisson_ratio, yielding_body(scene_in) == 1)))
+  end function yielding_factor
+
   !> Average pressure of a contact at which the scene's material yields; huge: it gives neither a
-  !> yield stress nor a hardness. A yield stress in tension counts first, of the body with the
-  !> smaller Poisson's ratio; a hardness is the pressure itself; Hardy and others (1971): the
+  !> yield stress nor a hardness. A yield stress in tension counts first, of the body that
+  !> yields; a hardness is the pressure itself; Hardy and others (1971): the
   !> greatest pressure is 2.76 times the yield stress in shear.
   pure real(real64) function yield_pressure(scene_in) result(pressure)
     type(scene), intent(in) :: scene_in  !! checked values
@@ -32,9 +56,7 @@ contains
     pressure = huge(pressure)
     stress = scene_in%effects%number('plastic_yield_stress')
     if (stress > 0.0_real64) then
-      pressure = stress / peak * &
-                 constraint_factor(min(decimal_to_real64(scene_in%upper%poisson_ratio), &
-                                       decimal_to_real64(scene_in%lower%poisson_ratio)))
+      pressure = stress / peak * yielding_factor(scene_in)
     else if (scene_in%limit%criterion == criterion_greenwood_williamson) then
       pressure = decimal_to_real64(scene_in%limit%hardness)
     else if (scene_in%limit%criterion == criterion_hardy) then

@@ -106,6 +106,8 @@ module asperity_effect_names
     effect_number('plastic_yield_stress', 'plasticity', above_zero, needed_with='no limit', &
                   unit='modulus', &
                   meaning='yield stress in tension; without it flow begins at the limit'), &
+    effect_number('plastic_body', 'plasticity', one_word, words=['upper', 'lower'], &
+                  meaning='the body that yields; without it the one of smaller modulus'), &
     effect_number('work_of_adhesion', 'adhesion', not_negative, needed_with='on', &
                   in_words='a work of adhesion', unit='modulus times length', &
                   meaning='work to part a unit area of the two surfaces'), &

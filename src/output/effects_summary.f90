@@ -124,6 +124,8 @@ contains
     else
       call add(head, word // ': simulated at ' // counted(simulated_at, 'position'))
     end if
+    if (header%names(e) == 'plasticity') &
+      call add('', 'the ' // header%plastic_body // ' body yields')
     if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
       call add('', 'plasticity index of the surfaces ' // &
                real_text(header%plasticity_index, 'g10.3'))

@@ -12,9 +12,10 @@ module asperity_effect_solver
   use asperity_contact_state, only: contact_state, start_state
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_list, only: list_effects, list_left_out
-  use asperity_effect_names, only: known_effects, why_not_together
+  use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
   use asperity_effect_position, only: run_position
   use asperity_effect_rows, only: add_nothing, add_without_effects, name_columns, of_compression
+  use asperity_first_yield, only: yielding_body
   use asperity_hertz_law, only: hertz_law
   use asperity_kernel_real64, only: empty_state, list_pairs, place_scene, placed_scene, &
                                     solve_position
@@ -62,7 +63,10 @@ contains
     call list_left_out(scene_in, new%left_out)
     call name_columns(new%effects, header)
     header%tolerance = scene_in%effects%number('tolerance')
-    if (any(header%names == 'plasticity')) header%plasticity_index = surface_index(scene_in)
+    if (any(header%names == 'plasticity')) then
+      header%plasticity_index = surface_index(scene_in)
+      header%plastic_body = merge('upper', 'lower', yielding_body(scene_in) == 1)
+    end if
     call place_scene(scene_in, new%placed, failure)
     if (arithmetic /= 'real64') then
       new%has_doubles = .not. allocated(failure)
@@ -269,12 +273,15 @@ contains
   logical function is_ruled_out(self, name)
     class(effect_solver), intent(in) :: self
     character(len=*), intent(in) :: name
-    integer :: i
+    integer :: i, mode
 
     is_ruled_out = .false.
     do i = 1, size(self%effects)
+      mode = self%scene_in%effects%mode(self%effects(i)%effect%name)
+      if (mode == effect_auto) mode = effect_on
       is_ruled_out = is_ruled_out .or. &
-        why_not_together(trim(name), 'on', trim(self%effects(i)%effect%name), 'on') /= ''
+        why_not_together(trim(name), 'on', trim(self%effects(i)%effect%name), &
+                         trim(effect_words(mode))) /= ''
     end do
   end function is_ruled_out
 

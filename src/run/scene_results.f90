@@ -21,6 +21,7 @@ module asperity_scene_results
     character(len=20), allocatable :: state_columns(:)     !! of `state_values` of a position
     real(real64) :: tolerance = 0.0_real64                 !! share of the load for `auto`
     real(real64) :: plasticity_index = -1.0_real64         !! of the surfaces; negative: not known
+    character(len=5) :: plastic_body = ''                  !! that yields: upper or lower
   end type effect_header
 
   !> How the summits of a map compare with the map itself at the same load.
