@@ -59,10 +59,17 @@ def documented(lines, name):
     return False
 
 
+def described_enumerators(lines):
+    """Names of every `enum` that has a description right before it."""
+    for found in re.finditer(r"^!>.*\nenum\b(?s:.*?)^end enum", "\n".join(lines), re.MULTILINE):
+        yield from re.findall(r"\w+", found.group().lower())
+
+
 def undocumented(path):
     """Public names of one module without a description; a name that is only passed on has none."""
     lines = list(lines_of(path))
     used = set(names_after(r"use\b.*\bonly\s*:(?!:)(.*)", lines))
+    used.update(described_enumerators(lines))
     public = names_after(r"public\s*::(.*)", lines)
     if not any(line.startswith(("!>", "!!")) for line in lines[:3]):
         yield "the module itself"

@@ -19,6 +19,7 @@ module asperity_position_solver
     !> Normal forces and vertical load are told when they differ by more than this share; huge:
     !> never.
     real(real64) :: loads_differ = huge(1.0_real64)
+    real(real64) :: nominal_area = 0.0_real64  !! in the scene's unit; 0: not given
     type(interruption) :: interrupt       !! of the run: long positions look at it
   contains
     procedure(solve_one), deferred :: solve  !! one position

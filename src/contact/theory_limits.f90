@@ -4,16 +4,21 @@
 !> One place for all solvers: they hand over what they found, in doubles. docs/warnings.md has the
 !> source of every limit.
 module asperity_theory_limits
+  use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
+  use asperity_effect_names, only: effect_words, known_effects, why_not_together
   use asperity_first_yield, only: yield_pressure
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_off, scene
-  use asperity_theory_warnings, only: of_cap, of_contact_radius, of_crowding, of_overlapping, &
-                                      of_slope, of_yield, theory_warning, warn, warning_kinds
+  use asperity_scene_values, only: control_limit, criterion_load, criterion_pressure, effect_auto, &
+                                   effect_boundary, effect_off, scene
+  use asperity_theory_warnings, only: of_cap, of_contact_radius, of_crowding, of_limit, &
+                                      of_overlapping, of_slope, of_yield, theory_warning, warn, &
+                                      warning_kinds
   implicit none
   private
 
-  public :: theory_limits, seen_contact, set_theory_limits, look_at_contact, look_at_state
+  public :: theory_limits, seen_contact, set_theory_limits, look_at_contact, look_at_state, &
+            look_at_pressure
 
   ! A contact at its limit is at it but for rounding.
   real(real64), parameter :: rounding = 1.0e-9_real64
@@ -23,7 +28,12 @@ module asperity_theory_limits
     !> Average pressure at which the scene's material yields; huge: not known, or plasticity is not
     !> off.
     real(real64) :: yield_pressure = huge(1.0_real64)
+    real(real64) :: load = huge(1.0_real64)       !! limit of a contact, plasticity off; huge: none
+    real(real64) :: pressure = huge(1.0_real64)   !! limit of the average pressure, likewise
+    real(real64) :: slope = 0.0_real64            !! of the steeper reference plane
     logical :: independent = .false.              !! interaction is off
+    !> The effect, or the name, that forbids plasticity = 'auto'.
+    character(len=32) :: forbids_plasticity = ''
     real(real64) :: area = 0.0_real64             !! nominal; 0: not known
   end type theory_limits
 
@@ -52,12 +62,42 @@ contains
     limits%independent = scene_in%effects%mode('interaction') == effect_off
     limits%area = scale(scale(decimal_to_real64(scene_in%nominal_area), -4 * length_power), &
                         -4 * length_power)
-    if (.not. limits%area > 0.0_real64) limits%area = area_of_boxes(scene_in, length_power)
+    if (.not. (limits%area > 0.0_real64 .or. allocated(scene_in%map))) &
+      limits%area = area_of_boxes(scene_in, length_power)
+    limits%slope = max(norm2(decimal_to_real64(scene_in%upper%slope)), &
+                       norm2(decimal_to_real64(scene_in%lower%slope)))
+    limits%forbids_plasticity = ruling_out_plasticity(scene_in)
     if (scene_in%effects%mode('plasticity') /= effect_off) return
+    if (scene_in%loading%control /= control_limit) then
+      if (scene_in%limit%criterion == criterion_load) &
+        limits%load = scale(scale(decimal_to_real64(scene_in%limit%value), -4 * modulus_power), &
+                            -8 * length_power)
+      if (scene_in%limit%criterion == criterion_pressure) &
+        limits%pressure = scale(decimal_to_real64(scene_in%limit%value), -4 * modulus_power)
+    end if
     limits%yield_pressure = yield_pressure(scene_in)
     if (limits%yield_pressure < huge(1.0_real64)) &
       limits%yield_pressure = scale(limits%yield_pressure, -4 * modulus_power)
   end subroutine set_theory_limits
+
+  ! The effect, or the name, that rules out plasticity = 'auto'; '': nothing does.
+  pure function ruling_out_plasticity(scene_in) result(name)
+    type(scene), intent(in) :: scene_in
+    character(len=32) :: name
+    integer :: i
+
+    name = ''
+    associate (modes => scene_in%effects%modes)
+      do i = 1, size(modes)
+        if (any(modes(i) == [effect_off, effect_auto])) cycle
+        if (why_not_together('plasticity', 'on', trim(known_effects(i)%name), &
+                             trim(effect_words(modes(i)))) /= '' .or. &
+            (allocated(scene_in%map) .and. modes(i) == effect_boundary)) &
+          name = 'not with ' // known_effects(i)%name
+      end do
+    end associate
+    if (scene_in%contact_modulus%digits > 0) name = 'not with contact_modulus'
+  end function ruling_out_plasticity
 
   !> Adds what is outside at one contact to the warnings of a state.
   pure subroutine look_at_contact(limits, contact, warnings)
@@ -73,17 +113,35 @@ contains
                  beyond_cap(contact, contact%lower_radius, contact%lower_height), &
                  contact%overlap - max(contact%upper_height + contact%lower_height, 0.0_real64))
     if (beyond > 0.0_real64) call hold_against(warnings, of_cap, beyond / smaller)
-    call hold_against(warnings, of_slope, contact%d / contact%z)
-    call hold_against(warnings, of_yield, contact%pressure / limits%yield_pressure)
+    call hold_against(warnings, of_slope, max(contact%d / contact%z, limits%slope))
+    call look_at_pressure(limits, contact%pressure, contact%pressure, &
+                          contact%pressure * pi * contact%contact_radius**2, warnings)
   end subroutine look_at_contact
 
+  !> Adds a contact beyond yield or beyond the limit of the scene to the warnings of a state.
+  pure subroutine look_at_pressure(limits, average, greatest, load, warnings)
+    type(theory_limits), intent(in) :: limits  !! of the scene
+    real(real64), intent(in) :: average        !! average pressure of the contact
+    real(real64), intent(in) :: greatest       !! average pressure of the Hertzian contact with
+                                               !! its greatest pressure
+    real(real64), intent(in) :: load           !! of the contact
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+
+    call hold_against(warnings, of_yield, max(average, greatest) / limits%yield_pressure, &
+                      limits%forbids_plasticity)
+    call hold_against(warnings, of_limit, max(average / limits%pressure, load / limits%load), &
+                      limits%forbids_plasticity)
+  end subroutine look_at_pressure
+
   ! One contact against the limit of a kind.
-  pure subroutine hold_against(warnings, kind, found)
+  pure subroutine hold_against(warnings, kind, found, whose)
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
     integer, intent(in) :: kind
     real(real64), intent(in) :: found
+    character(len=*), intent(in), optional :: whose
 
-    if (found > warning_kinds(kind)%limit + rounding) call warn(warnings, kind, found, contacts=1)
+    if (found > warning_kinds(kind)%limit + rounding) &
+      call warn(warnings, kind, found, contacts=1, whose=whose)
   end subroutine hold_against
 
   !> Adds what is outside of a state as a whole.

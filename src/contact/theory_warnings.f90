@@ -1,5 +1,5 @@
-!> What is computed but lies outside a theory, or is not what a user would take it for: values that
-!> travel with the results of a position and are told at the edge of the program.
+!> Warnings: results outside the range of a theory, or that a user would misread. They are values
+!> that travel with the results of a position; the program prints them.
 !>
 !> docs/warnings.md has the source of every limit.
 module asperity_theory_warnings
@@ -10,78 +10,46 @@ module asperity_theory_warnings
   public :: theory_warning, warning_kind, warning_kinds, warn, take_worse
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
-            of_no_summit, of_scan_lines, of_spikes, of_area, of_flat_map, of_off, of_barred, &
-            of_error
+            of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
+            of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
+            of_border, of_resolution, of_flat_map, of_off, of_barred, of_error
 
-  !> Contact radius over the radius of the smaller sphere.
-  integer, parameter :: of_contact_radius = 1
-  !> How far a contact reaches beyond its cap, over the radius of the sphere.
-  integer, parameter :: of_cap = 2
-  !> Slope of a contact.
-  integer, parameter :: of_slope = 3
-  !> Average pressure over that at which the scene's material yields, with plasticity off.
-  integer, parameter :: of_yield = 4
-  !> Pairs of contact circles that overlap, with interaction off.
-  integer, parameter :: of_overlapping = 5
-  !> Share of the nominal area that contacts cover, with interaction off.
-  integer, parameter :: of_crowding = 6
-  !> Tabor parameter of a contact that adheres by the law for small ones.
-  integer, parameter :: of_tabor = 7
-  !> Strain in a contact that creeps.
-  integer, parameter :: of_creep_strain = 8
-  !> What relaxation has left to do at the end of a hold.
-  integer, parameter :: of_relaxing = 9
-  !> Estimated share of an effect that has no common theory with another one.
-  integer, parameter :: of_together = 10
-
-  !> Difference of the sum of the normal forces and the vertical load.
-  integer, parameter :: of_load_direction = 11
-
-  !> Share of the load of a map on its edge.
-  integer, parameter :: of_map_edge = 12
-  !> Share of the load of a map on spots without a summit.
-  integer, parameter :: of_no_summit = 13
-  !> Share of the load of a map on single scan lines.
-  integer, parameter :: of_scan_lines = 14
-  !> Share of the load of a map on outliers.
-  integer, parameter :: of_spikes = 15
-  !> What interaction says that areas may be off by, where that is more than the tolerance.
-  integer, parameter :: of_area = 16
-  !> A map whose heights differ by rounding alone.
-  integer, parameter :: of_flat_map = 17
-  !> Estimated influence on the load of an effect that is off.
-  integer, parameter :: of_off = 18
-  !> The same of an effect that cannot be computed with what the scene asks for.
-  integer, parameter :: of_barred = 19
-  !> Estimated error of what was simulated, where it is above the tolerance.
-  integer, parameter :: of_error = 20
+  !> Places of the kinds in `warning_kinds`, where each is described.
+  enum, bind(c)
+    enumerator :: of_contact_radius = 1, of_cap, of_slope, of_yield, of_overlapping, of_crowding, &
+      of_tabor, of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
+      of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
+      of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
+      of_flat_map, of_off, of_barred, of_error
+  end enum
 
   !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`. A star stands for the effect.
   type :: warning_kind
     character(len=16) :: name = ''             !! in one word
-    real(real64) :: limit = 0.0_real64         !! below it there is none
-    logical :: is_share = .false.              !! the size is told in percent
-    character(len=64) :: what = ''             !! what is outside
-    character(len=68) :: measure = ''          !! what the size is of
-    character(len=120) :: advice = ''          !! what to do
+    real(real64) :: limit = 0.0_real64         !! no warning up to it; 0: see where it is given
+    logical :: is_share = .false.              !! the size is printed in percent
+    character(len=64) :: what = ''             !! what is outside the theory
+    character(len=72) :: measure = ''          !! the quantity of the size
+    character(len=120) :: advice = ''          !! what a user can do
+    !> In its place where another effect, `whose`, forbids the one that the advice names.
+    character(len=72) :: other_advice = ''
   end type warning_kind
 
   !> All kinds, by their number.
   type(warning_kind), parameter :: warning_kinds(*) = [ &
     warning_kind('contact_radius', 0.3_real64, .false., &
-      'a contact circle is wide for its sphere', 'of the radius of the summit (limit 0.3)', &
-      'press less or take these contacts as an extrapolation of Hertz'), &
+      'a contact circle is wide for its sphere', 'of the radius of the sphere (limit 0.3)', &
+      'reduce the load or take these contacts as an extrapolation of Hertz'' theory'), &
     warning_kind('cap', 0.0_real64, .true., &
-      'a contact reaches beyond the cap of its asperity', &
-      'of the radius of the summit beyond its plane', &
-      'press less or give the asperity the height that it has'), &
+      'a contact extends below the base of its spherical cap', 'of the radius', &
+      'reduce the load or increase the height of the asperities'), &
     warning_kind('slope', 0.3_real64, .false., &
-      'a contact is steep', 'of slope (limit 0.3)', &
-      'expect errors of the order of its square in what friction and neighbours do'), &
+      'a contact or a reference plane is steep', 'is the slope (limit 0.3)', &
+      'expect relative errors of the order of the square of the slope'), &
     warning_kind('yield', 1.0_real64, .false., &
-      'a contact is pressed beyond yield and plasticity is off', &
-      'times the average pressure at which it yields', &
-      'set plasticity = ''auto'' or press less'), &
+      'a contact is loaded beyond yield and plasticity is off', &
+      'times the average pressure at yield', &
+      'set plasticity = ''auto'' or reduce the load', 'reduce the load'), &
     warning_kind('overlapping', 0.0_real64, .false., &
       'contact circles overlap and interaction is off', 'pairs', &
       'these contacts are not independent'), &
@@ -91,37 +59,73 @@ module asperity_theory_warnings
       'these contacts are not independent'), &
     warning_kind('tabor', 0.045_real64, .false., &
       'a contact adheres by the law for small Tabor parameters', &
-      'is its Tabor parameter (limit 0.045)', &
-      'expect a pull-off that is too large by more than 1 %'), &
+      'is the Tabor parameter (limit 0.045)', &
+      'expect a pull-off force that is more than 1 % too large'), &
     warning_kind('creep_strain', 0.01_real64, .true., &
       'a contact creeps beyond the linear range', 'of strain (limit 1 %)', &
-      'press less or expect more creep than is computed'), &
+      'reduce the load or expect more creep than is computed'), &
     warning_kind('relaxing', 0.0_real64, .true., &
-      'the hold ends before relaxation is done', 'of the load or the closing still to come', &
-      'hold longer if the end of it is wanted'), &
+      'the hold ends before relaxation is done', &
+      'of the load or of the compression still to come', &
+      'increase hold_time if the final state is needed'), &
     warning_kind('not_together', 0.0_real64, .true., &
       'two effects have no common theory and one is left out', &
       'is the estimated share of the one left out', &
       'choose one of them by ''off'' and ''on'''), &
     warning_kind('load_direction', 0.0_real64, .true., &
-      'the load is not the vertical load', 'is what they differ by', &
-      'use control = ''vertical_load'' for a dead weight, or read vertical_load'), &
+      'total normal force and vertical load differ', 'of the total normal force', &
+      'use control = ''vertical_load'' for a dead weight or read vertical_load'), &
     warning_kind('map_edge', 0.0_real64, .true., &
-      'hills that the edge cuts bear the map', &
-      'of the load on its two outer rows where a flat punch bears less', &
+      'hills that the edge cuts carry load', &
+      'of the load on its two outer rows where a flat punch has less', &
       'take a larger map or another part of the surface'), &
     warning_kind('no_summit', 0.0_real64, .true., &
-      'spots of the map without a summit bear load', 'of the load is on them', &
-      'set interaction = ''boundary'': no sphere stands for them'), &
+      'contact patches of the map without a summit carry load', 'of the load', &
+      'set interaction = ''boundary'': no sphere represents them', &
+      'expect an error of this order: no sphere represents them'), &
     warning_kind('scan_lines', 0.0_real64, .true., &
-      'single scan lines bear load', 'of the load is on them', &
-      'take what is noise of the instrument out of the map'), &
+      'single scan lines carry load', 'of the load', &
+      'remove the noise of the instrument from the map'), &
     warning_kind('spikes', 0.0_real64, .true., &
-      'single outliers bear load', 'of the load is on them', &
-      'set map_despike = ''on'' where they are no part of the surface'), &
+      'single outliers carry load', 'of the load', &
+      'set map_despike = ''on'' where they are not part of the surface'), &
     warning_kind('area', 0.0_real64, .true., &
       'the area is less sure than the tolerance', 'is its estimated error', &
-      'take the area with this error, loads and approaches keep the tolerance'), &
+      'use the area with this error: loads and separations keep the tolerance'), &
+    warning_kind('limit', 1.0_real64, .false., &
+      'a contact exceeds the limit of the scene and plasticity is off', 'times the limit', &
+      'set plasticity = ''auto'' or reduce the load', 'reduce the load'), &
+    warning_kind('adhesion_range', 0.045_real64, .true., &
+      'adhesion acts farther than a sphere is a paraboloid', &
+      'is equilibrium_distance over the radius (limit 4.5 %)', &
+      'reduce equilibrium_distance or expect wrong pulls'), &
+    warning_kind('unlike_bodies', 0.0_real64, .true., &
+      'creep takes both bodies for one solid and they are unlike', &
+      'of the compliance relaxes by the solid of the softer body', &
+      'expect an error of this order in what relaxes'), &
+    warning_kind('yield_strain', 0.0073_real64, .true., &
+      'the yield strain is beyond the fit of plasticity', &
+      'is the yield stress over the combined modulus (limit 0.73 %)', &
+      'take load and area of plastic contacts as an extrapolation'), &
+    warning_kind('flow_depth', 110.0_real64, .false., &
+      'a contact flows beyond the fit of plasticity on loading', &
+      'times the critical overlap (limit 110)', &
+      'reduce the load or take these contacts as an extrapolation'), &
+    warning_kind('unloading_depth', 170.0_real64, .false., &
+      'a contact is unloaded from beyond the fit of plasticity', &
+      'times the critical overlap (limit 170)', &
+      'reduce the largest load or take these contacts as an extrapolation'), &
+    warning_kind('missing', 0.0_real64, .true., &
+      'missing pixels of the map carry no load', 'of the pixels are missing', &
+      'fill them or expect a load that is too small by about this share'), &
+    warning_kind('border', 2.0_real64, .false., &
+      'the map is not periodic although map_edge is', &
+      'times the roughest inner line of pixels across its border (limit 2)', &
+      'set map_edge = ''free'' or take a periodic map'), &
+    warning_kind('resolution', 0.2_real64, .true., &
+      'contact patches are not resolved by the pixels of the map', &
+      'of their area lies on rim pixels outside the contact (limit 20 %)', &
+      'take a map of finer pixels or expect a smaller area'), &
     warning_kind('flat_map', 0.0_real64, .false., &
       'the map is flat', 'is the range of heights after levelling', &
       'check the level and the digits of the map if it should be rough'), &

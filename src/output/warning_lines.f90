@@ -73,10 +73,15 @@ contains
         if (abs(warning%size - anint(warning%size)) <= 0.0_real64 .and. &
             warning%size < 1.0e6_real64) digits = decimal_text(nint(warning%size))
         text = text // ', ' // trim(adjustl(digits))
+        if (text(len(text):) == '.') text = text(:len(text) - 1)
       end if
       text = text // ' ' // trim(kind%measure)
       if (warning%contacts > 0) text = text // ' at ' // counted(warning%contacts, 'contact')
-      text = text // ', ' // named(kind%advice)
+      if (warning%whose /= '' .and. kind%other_advice /= '') then
+        text = text // ', ' // trim(kind%other_advice)
+      else
+        text = text // ', ' // named(kind%advice)
+      end if
     end associate
 
   contains

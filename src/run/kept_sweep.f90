@@ -1,5 +1,6 @@
 !> A sweep with the file in which its positions are kept.
 module asperity_kept_sweep
+  use asperity_decimal, only: decimal_to_real64
   use asperity_kept_records, only: kept_work
   use asperity_kinds, only: real64
   use asperity_position_solver, only: position_solver
@@ -26,6 +27,7 @@ contains
     type(kept_work) :: kept
 
     solver%interrupt = options%interrupt
+    solver%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
     call name_work(scene_in, options, kept, failure)
     if (allocated(failure)) return
     if (results%begun < 0.0_real64) call cpu_time(results%begun)

@@ -1,15 +1,16 @@
-!> Whether every state of a position bears the load that was asked for.
+!> Whether every state of a position carries the load that was asked for, and has a meaning.
 !>
 !> The driver asks, whoever solved the position: what a solver says of itself is not enough.
 module asperity_loads_met
   use asperity_contact_records, only: asked_nothing, asked_vertical, position_result, state_row
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
-  use asperity_theory_warnings, only: of_load_direction, take_worse, theory_warning, warn
+  use asperity_theory_warnings, only: of_contact_radius, of_load_direction, take_worse, &
+                                      theory_warning, warn
   implicit none
   private
 
-  public :: check_loads, compare_loads
+  public :: check_loads, check_meaning, compare_loads
 
 contains
 
@@ -42,6 +43,38 @@ contains
       end associate
     end do
   end subroutine check_loads
+
+  !> `failure` is allocated when a state has no meaning: contacts on more than the nominal area, or
+  !> a plane below the bottom of a sphere: the overlap W exceeds its diameter 2 R, and the radius
+  !> sqrt(R W) of the contact is more than sqrt(2) R.
+  pure subroutine check_meaning(position, nominal_area, failure)
+    type(position_result), intent(in) :: position             !! solved
+    real(real64), intent(in) :: nominal_area                  !! in plan; 0: not known
+    character(len=:), allocatable, intent(inout) :: failure   !! which state, and why
+    real(real64), parameter :: rounding = 1.0e-9_real64
+    real(real64) :: ratio
+    integer :: i
+
+    ! Only the ratio is needed, and a tiny area must not overflow it.
+    do i = 1, merge(size(position%states), 0, nominal_area > 0.0_real64)
+      ratio = min(position%states(i)%projected_area, huge(ratio) * min(nominal_area, 1.0_real64)) &
+              / nominal_area
+      if (ratio > 1.0_real64 + rounding) &
+        failure = 'the contact area of state ' // decimal_text(i) // ' is ' // &
+                  real_text(ratio) // ' times the nominal area: reduce the load or ' // &
+                  'check nominal_area'
+    end do
+    if (.not. allocated(position%warnings)) return
+    do i = 1, size(position%warnings)
+      associate (found => position%warnings(i))
+        if (found%kind == of_contact_radius .and. &
+            found%size > sqrt(2.0_real64) * (1.0_real64 + rounding)) &
+          failure = 'a contact circle of state ' // decimal_text(found%state) // ' has ' // &
+                    real_text(found%size) // ' times the radius of its sphere, which lies ' // &
+                    'beyond the sphere: reduce the load'
+      end associate
+    end do
+  end subroutine check_meaning
 
   !> Warns where the sum of the normal forces and the vertical load differ by more than a share.
   pure subroutine compare_loads(position, share)

@@ -11,7 +11,10 @@ module asperity_map_press_solver
   use asperity_map_shares, only: find_shares, map_shares, warn_of_shares
   use asperity_position_solver, only: position_solver
   use asperity_scene_results, only: effect_header
-  use asperity_theory_warnings, only: of_flat_map, take_worse, theory_warning, warn
+  use asperity_scene_values, only: scene
+  use asperity_theory_limits, only: look_at_pressure, set_theory_limits, theory_limits
+  use asperity_theory_warnings, only: of_flat_map, of_resolution, take_worse, theory_warning, &
+                                      warn, warning_kinds
   implicit none
   private
 
@@ -24,6 +27,7 @@ module asperity_map_press_solver
     type(map_loading) :: loading
     real(real64) :: spike_limit = 0.0_real64
     real(real64) :: tolerance = 0.0_real64
+    type(theory_limits) :: limits
   contains
     procedure :: solve => press_to_states  !! its one position
   end type map_press_solver
@@ -31,17 +35,18 @@ module asperity_map_press_solver
 contains
 
   !> Makes a map ready to be pressed.
-  subroutine make_map_solver(map, loading, tolerance, solver)
+  subroutine make_map_solver(scene_in, map, loading, solver)
+    type(scene), intent(in) :: scene_in               !! checked values, with a map
     type(height_map), intent(in), target :: map       !! levelled; must outlive the solver
     type(map_loading), intent(in) :: loading          !! how far it is pressed
-    real(real64), intent(in) :: tolerance             !! share of the load that may be left out
     class(position_solver), allocatable, intent(out) :: solver
     type(map_press_solver), allocatable :: new
 
     allocate (new)
     new%map => map
     new%loading = loading
-    new%tolerance = tolerance
+    new%tolerance = scene_in%effects%number('tolerance')
+    call set_theory_limits(scene_in, 0, 0, new%limits)
     new%spike_limit = limit_of_spikes(map, 1)
     new%positions = 1
     new%states = size(loading%values)
@@ -94,6 +99,7 @@ contains
       if (allocated(warnings)) deallocate (warnings)
       call warn_of_shares(shares, self%tolerance, warnings)
       if (is_flat(self%map)) call warn(warnings, of_flat_map, 0.0_real64)
+      call warn_of_patches(self, patches, i == self%states, warnings)
       call take_worse(result%warnings, warnings, i)
       call tell_state(self, answer, patches, keep_rows, result, i)
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
@@ -110,6 +116,29 @@ contains
     result%effects(1)%ending = answer%ending
     result%error_estimate = answer%ending%residual
   end subroutine press_to_states
+
+  ! Warns of patches beyond yield or the limit, and of patches of few pixels: rim pixels are in
+  ! contact in part, and the correction of the area for that grows with their share (Yastrebov,
+  ! Anciaux and Molinari 2017).
+  pure subroutine warn_of_patches(self, patches, is_last, warnings)
+    type(map_press_solver), intent(in) :: self
+    type(map_patch), intent(in) :: patches(:)
+    logical, intent(in) :: is_last  ! a path begins with patches of few pixels
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)
+    real(real64), parameter :: peak = 1.5_real64  ! greatest over average pressure of Hertz
+    real(real64) :: rim
+    integer :: i
+
+    if (size(patches) == 0) return
+    do i = 1, size(patches)
+      call look_at_pressure(self%limits, patches(i)%load / patches(i)%area, &
+                            patches(i)%highest / peak, patches(i)%load, warnings)
+    end do
+    rim = 1.0_real64 - sum(patches%area) / (sum(real(patches%samples, real64)) * &
+                                            product(self%map%spacing))
+    if (is_last .and. rim > warning_kinds(of_resolution)%limit) &
+      call warn(warnings, of_resolution, rim)
+  end subroutine warn_of_patches
 
   ! One state and its spots.
   subroutine tell_state(self, answer, patches, keep_rows, result, number)

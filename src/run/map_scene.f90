@@ -83,7 +83,7 @@ contains
     end if
     plain = scene_in
     deallocate (plain%map)
-    if (plain%loading%control == control_pressure .and. plain%nominal_area%digits == 0_int64) &
+    if (plain%nominal_area%digits == 0_int64) &
       plain%nominal_area = rounded_decimal(area_of_map(map), 17)
     ! What `auto` would resolve of the summits' circles is less than what summits are off by.
     if (plain%effects%mode('interaction') == effect_auto) &

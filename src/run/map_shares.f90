@@ -1,16 +1,17 @@
 !> Where a pressed map bears its load: what of it lies on the edge, on spikes, on scan lines and on
 !> spots without a summit, and what of that is warned of.
 module asperity_map_shares
-  use asperity_height_map, only: height_map
+  use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
   use asperity_map_despiking, only: is_spike
   use asperity_map_patches, only: map_patch
-  use asperity_theory_warnings, only: of_map_edge, of_no_summit, of_scan_lines, of_spikes, &
-                                      theory_warning, warn
+  use asperity_theory_warnings, only: of_border, of_map_edge, of_missing, of_no_summit, &
+                                      of_scan_lines, of_spikes, theory_warning, warn, &
+                                      warning_kinds
   implicit none
   private
 
-  public :: find_shares, map_shares, warn_of_shares
+  public :: find_shares, map_shares, warn_of_map, warn_of_shares
 
   !> Shares of the load of a map.
   type :: map_shares
@@ -75,16 +76,57 @@ contains
   end subroutine find_shares
 
   !> Warns of load where it is not what a user would take it for.
-  pure subroutine warn_of_shares(shares, tolerance, warnings)
+  pure subroutine warn_of_shares(shares, tolerance, warnings, forbids_boundary)
     type(map_shares), intent(in) :: shares  !! of one state
     real(real64), intent(in) :: tolerance   !! share of the load that may be left out
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+    !> what forbids interaction = 'boundary'; absent or '': nothing
+    character(len=*), intent(in), optional :: forbids_boundary
 
     if (shares%on_edge > shares%edge_of_punch) call warn(warnings, of_map_edge, shares%on_edge)
     if (shares%without_summit > tolerance) &
-      call warn(warnings, of_no_summit, shares%without_summit)
+      call warn(warnings, of_no_summit, shares%without_summit, whose=forbids_boundary)
     if (shares%on_lines > tolerance) call warn(warnings, of_scan_lines, shares%on_lines)
     if (shares%on_spikes > tolerance) call warn(warnings, of_spikes, shares%on_spikes)
   end subroutine warn_of_shares
+
+  !> Warns of a map with missing pixels, and of one that is not periodic although it is taken to be.
+  pure subroutine warn_of_map(map, tolerance, warnings)
+    type(height_map), intent(in) :: map     !! levelled
+    real(real64), intent(in) :: tolerance   !! share of the load that may be left out
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+    real(real64) :: missing, ratio
+
+    missing = count(.not. is_measured(map%height)) / real(size(map%height), real64)
+    if (missing > tolerance) call warn(warnings, of_missing, missing)
+    if (.not. map%periodic) return
+    ratio = max(border_ratio(map%height, 1), border_ratio(map%height, 2))
+    if (ratio > warning_kinds(of_border)%limit) call warn(warnings, of_border, ratio)
+  end subroutine warn_of_map
+
+  ! Second differences across the border lines of a periodic map, root of their mean square along a
+  ! line, over those of the roughest inner line. In a periodic map the border is a line as any
+  ! other; a jump or a bend there stands out.
+  pure real(real64) function border_ratio(height, axis) result(ratio)
+    real(real64), intent(in) :: height(:, :)
+    integer, intent(in) :: axis  ! across which lines: 1 or 2
+    real(real64), allocatable :: before(:, :), after(:, :), line(:)
+    integer :: last
+
+    last = size(height, axis)
+    ratio = 0.0_real64
+    if (last < 4) return
+    before = cshift(height, -1, axis)
+    after = cshift(height, 1, axis)
+    where (is_measured(height) .and. is_measured(before) .and. is_measured(after))
+      before = (before - height) + (after - height)
+    else where
+      before = 0.0_real64
+    end where
+    line = norm2(before, 3 - axis)
+    associate (border => max(line(1), line(last)), inner => maxval(line(2:last - 1)))
+      if (border > 0.0_real64) ratio = border / max(inner, 1.0e-9_real64 * border)
+    end associate
+  end function border_ratio
 
 end module asperity_map_shares

@@ -2,6 +2,7 @@
 module asperity_map_solve
   use asperity_contact_records, only: state_row
   use asperity_decimal, only: decimal_to_real64
+  use asperity_effect_names, only: known_effects
   use asperity_height_map, only: height_map
   use asperity_kept_sweep, only: sweep_scene
   use asperity_kinds, only: not_computed, real64
@@ -9,7 +10,7 @@ module asperity_map_solve
                                 stiffness_between
   use asperity_map_press_solver, only: make_map_solver, name_map_columns
   use asperity_map_scene, only: area_of_map, join_maps, load_the_map, map_loading, summits_of_scene
-  use asperity_map_shares, only: warn_of_shares
+  use asperity_map_shares, only: warn_of_map, warn_of_shares
   use asperity_map_summits, only: map_summits
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
@@ -89,6 +90,7 @@ contains
                                         failure
     else
       results = of_summits
+      call add_map_warnings(scene_in, map, results)
     end if
   end subroutine solve_map
 
@@ -105,13 +107,24 @@ contains
     results%arithmetic = 'real64'
     call load_the_map(scene_in, map, loading, failure)
     if (allocated(failure)) return
-    call make_map_solver(map, loading, &
-                         scene_in%effects%number('tolerance'), solver)
+    call make_map_solver(scene_in, map, loading, solver)
     allocate (results%effects)
     call name_map_columns(scene_in%effects%mode('interaction'), results%effects)
     results%effects%tolerance = scene_in%effects%number('tolerance')
     call sweep_scene(scene_in, options, solver, results, failure)
+    if (.not. allocated(failure)) call add_map_warnings(scene_in, map, results)
   end subroutine solve_samples
+
+  ! The warnings of the map itself, to those of its last state.
+  subroutine add_map_warnings(scene_in, map, results)
+    type(scene), intent(in) :: scene_in
+    type(height_map), intent(in) :: map
+    type(scene_results), intent(inout) :: results
+    type(theory_warning), allocatable :: warnings(:)
+
+    call warn_of_map(map, scene_in%effects%number('tolerance'), warnings)
+    call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
+  end subroutine add_map_warnings
 
   ! What the summits cost, from the map itself: told with the results.
   subroutine check_summits(scene_in, plain, map, seen, summits, results, failure)
@@ -148,7 +161,8 @@ contains
     call hold_against_map(map, seen, combined_modulus(scene_in), summits, last, stiffness, &
                           results%map, failure)
     if (allocated(failure)) return
-    call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings)
+    call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings, &
+                        forbids_boundary(scene_in))
     if (scene_in%loading%control == control_approach) then
       results%positions(1)%error_estimate = abs(results%map%load_difference) + &
                                             results%map%load_uncertain
@@ -172,6 +186,20 @@ contains
     has = any(results%effects%names /= 'interaction' .and. &
               results%positions(1)%effects%simulated /= 'off')
   end function has_other_effect
+
+  ! What forbids to set interaction = 'boundary': another effect, or the control; '': nothing.
+  pure function forbids_boundary(scene_in) result(name)
+    type(scene), intent(in) :: scene_in
+    character(len=32) :: name
+    integer :: i
+
+    name = ''
+    if (scene_in%loading%control == control_limit) name = 'not with control = ''limit'''
+    do i = 1, size(known_effects)
+      if (scene_in%effects%modes(i) /= effect_off .and. known_effects(i)%name /= 'interaction') &
+        name = 'not with ' // known_effects(i)%name
+    end do
+  end function forbids_boundary
 
   ! Whether `auto` is content with summits: within its tolerance, area included.
   logical function is_good_enough(scene_in, results)

@@ -10,7 +10,7 @@ module asperity_sweep
   use asperity_interruption, only: interruption
   use asperity_kept_records, only: kept_work, pieces_of_part, whole_number
   use asperity_kinds, only: int64
-  use asperity_loads_met, only: check_loads, compare_loads
+  use asperity_loads_met, only: check_loads, check_meaning, compare_loads
   use asperity_position_packet, only: pack_position, unpack_position
   use asperity_position_solver, only: position_solver
   use asperity_problems, only: decimal_text
@@ -148,6 +148,7 @@ contains
         failure = 'a result is beyond the range of a double, expected other units'
     end if
     if (.not. allocated(failure)) then
+      call check_meaning(position, solver%nominal_area, failure)
       call check_loads(position, solver%load_precision, failure)
       call compare_loads(position, solver%loads_differ)
     end if

@@ -6,11 +6,11 @@ module asperity_area_study
                                          study_surface
   use asperity_decimal, only: decimal_to_real64
   use asperity_generated_surface, only: surface_plan
-  use asperity_greenwood_integrals, only: densities_at, greenwood_law, quantities
+  use asperity_greenwood_integrals, only: area_per_area, densities_at, greenwood_law, quantities
   use asperity_images, only: image_number
   use asperity_kept_records, only: checksum, kept_work, pieces_of_part, whole_number, word_record
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
   use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
@@ -124,6 +124,10 @@ contains
       call evaluate_study(spec, plan, numbers, study)
       study%begun = begun
       study%ended = ended
+      associate (area => max(study%integral(area_per_area), study%sizes(1)%mean(area_per_area)))
+        if (area > 1.0_real64) failure = 'the contact area is ' // real_text(area) // &
+          ' times the nominal area: increase the separation or reduce radii or density'
+      end associate
     end if
   end subroutine run_area_study
 

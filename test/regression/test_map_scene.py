@@ -285,7 +285,7 @@ def test_next_to_no_load(asperity, tmp_path, control, value, said):
 
 def test_a_closing_lost_in_the_digits_of_the_heights(asperity, tmp_path):
     """Of a closing that is 0 in a double the error is all of it, and no Infinity."""
-    height, side = rough(16, shortest=4), 1e-6
+    height, side = rough(16, shortest=4), 1e-4
     scene = map_scene(tmp_path, height, (side, side), interaction="off", loading={
         "control": "load", "value": 1e-15 * load_for(height, (side, side), 1e-3)})
     found = solve(asperity, scene)

@@ -32,7 +32,7 @@ SLIPS = {
     "degrees for radians": ({"my.scene": SCENE + "&tilt rotation = 30., 0. /\n"}, SOLVE, 0),
     "a surface upside down": ({"upper.csv": UPPER.replace(".1,1", "-.1,1")}, SOLVE, 0),
     "a load, or moduli, in other units":
-        ({"my.scene": SCENE.replace("value = 1.", "value = 1e6")}, SOLVE, 0),
+        ({"my.scene": SCENE.replace("value = 1.", "value = 1e3")}, SOLVE, 0),
 }
 ROWS = [[cell.strip() for cell in line.strip("|").split(" | ")]
         for line in (ROOT / "docs/slips.md").read_text(encoding="utf-8").splitlines()

@@ -12,7 +12,7 @@ module asperity_adhesion
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
-  use asperity_theory_warnings, only: of_tabor, warn, warning_kinds
+  use asperity_theory_warnings, only: of_range, of_tabor, warn, warning_kinds
   implicit none
   private
 
@@ -143,15 +143,24 @@ contains
     outcome%of_state = [real(adhering, real64), real(pulling, real64), pull]
   end subroutine tell
 
-  ! The law of Derjaguin, Muller and Toporov pulls by more than Maugis' near its border.
+  ! The law of Derjaguin, Muller and Toporov pulls by more than Maugis' near its border. Adhesion
+  ! that acts over a gap of 0.045 R reaches to 0.3 R from the axis, where a sphere is no paraboloid.
   subroutine warn_of_limits(self, pairs, outcome)
     class(adhesion_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
     type(effect_outcome), intent(inout) :: outcome
+    real(real64) :: smaller
     integer :: i
 
     do i = 1, size(pairs%list)
-      associate (known => self%law%known(i))
+      associate (known => self%law%known(i), pair => pairs%list(i))
+        smaller = min(pair%upper_radius, pair%lower_radius)
+        if (.not. smaller > 0.0_real64) smaller = max(pair%upper_radius, pair%lower_radius)
+        if (outcome%of_contacts(i, 1) > 0.0_real64 .and. &
+            scale(self%distance, -4 * pairs%length_power) > &
+            smaller * (warning_kinds(of_range)%limit + 1.0e-9_real64)) &
+          call warn(outcome%warnings, of_range, &
+                    scale(self%distance, -4 * pairs%length_power) / smaller, contacts=1)
         if (known%model /= model_dmt .or. .not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
         if (known%tabor > warning_kinds(of_tabor)%limit) &
           call warn(outcome%warnings, of_tabor, known%tabor, contacts=1)

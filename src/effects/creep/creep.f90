@@ -11,7 +11,8 @@ module asperity_creep
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: compliance, effect_auto, effect_boundary, hold_load, scene
-  use asperity_theory_warnings, only: of_creep_strain, of_relaxing, warn, warning_kinds
+  use asperity_theory_warnings, only: of_creep_strain, of_relaxing, of_unlike_bodies, warn, &
+                                      warning_kinds
   use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, loaded, relaxation, &
                                          solid_step, standard_linear_solid, step_over
   implicit none
@@ -35,6 +36,7 @@ module asperity_creep
     real(real64) :: hold_time = 0.0_real64          !! how long the last state is held, 0 or more
     logical :: holds_load = .true.                  !! not the approach
     real(real64) :: softer_share = 1.0_real64       !! of the combined compliance, the softer body's
+    real(real64) :: unlike = 0.0_real64             !! of the compliance, relaxes by another solid
     real(real64) :: may_fall = 0.0_real64           !! elastic load that may go, share of the total
     real(real64) :: time = 0.0_real64               !! of the last state kept
     type(contact_memory), allocatable :: memory(:)  !! of each pair; allocated by `begin`
@@ -77,6 +79,9 @@ contains
       compliances = compliance([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus], &
                                [scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
       new%softer_share = maxval(compliances) / sum(compliances)
+      ! 0 for equal bodies and for a rigid one.
+      new%unlike = minval(compliances) / sum(compliances) * &
+                   (1.0_real64 - minval(compliances) / maxval(compliances))
     end if
     new%contact_columns = [ &
       column('elastic_load', force), &     ! of an elastic one of this closing
@@ -180,6 +185,8 @@ contains
       if (strain > warning_kinds(of_creep_strain)%limit) &
         call warn(outcome%warnings, of_creep_strain, strain, contacts=1)
     end do
+    if (state%time > 0.0_real64 .and. self%unlike > self%tolerance) &
+      call warn(outcome%warnings, of_unlike_bodies, self%unlike)
     if (state%time < self%hold_time .or. .not. state%time > 0.0_real64) return
     if (self%holds_load) then
       to_come = (1.0_real64 / (self%solid%relaxed_ratio * &

@@ -9,14 +9,15 @@ module asperity_plasticity
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
-  use asperity_decimal, only: decimal_to_real64
-  use asperity_first_yield, only: constraint_factor
+  use asperity_first_yield, only: yielding_factor
   use asperity_hertz_law, only: hertz_law
   use asperity_kernel_real64, only: stable_overlap
   use asperity_kinds, only: real64
   use asperity_plastic_curves, only: departure
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
   use asperity_scene_values, only: criterion_hardy, scene
+  use asperity_theory_warnings, only: of_flow_depth, of_unloading_depth, of_yield_strain, warn, &
+                                      warning_kinds
   implicit none
   private
 
@@ -45,9 +46,7 @@ contains
     type(plasticity_effect) :: new
 
     call new%call_as('plasticity', scene_in%effects)
-    ! Of equal materials but for Poisson's ratio, the one with the smaller ratio yields first.
-    new%law%constraint = constraint_factor(min(decimal_to_real64(scene_in%upper%poisson_ratio), &
-                                               decimal_to_real64(scene_in%lower%poisson_ratio)))
+    new%law%constraint = yielding_factor(scene_in)
     new%yield_stress = scene_in%effects%number('plastic_yield_stress')
     new%limit_is_yield = scene_in%limit%criterion == criterion_hardy
     new%contact_columns = [ &
@@ -128,7 +127,7 @@ contains
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
     type(plastic_past) :: past
     type(contact_response) :: answer
-    real(real64) :: elastic_load, flattening, overlap, work
+    real(real64) :: elastic_load, flattening, overlap, strain, work
     integer :: flowing, i
 
     allocate (outcome%of_contacts(size(pairs%list), 3))
@@ -145,9 +144,31 @@ contains
                                    past%residual]
       work = work + past%work_lost
       flattening = max(flattening, past%residual)
-      if (past%flowed .and. overlap >= self%law%largest(i)) flowing = flowing + 1
+      if (.not. past%flowed) cycle
+      ! w_c/R = (pi C Sy/(2 E))**2.
+      strain = sqrt(self%law%critical(i) / pairs%list(i)%radius) / (0.5_real64 * pi * &
+                                                                    self%law%constraint)
+      call hold_against(of_yield_strain, strain)
+      if (overlap >= self%law%largest(i)) then
+        flowing = flowing + 1
+        call hold_against(of_flow_depth, overlap / self%law%critical(i))
+      else
+        call hold_against(of_unloading_depth, self%law%largest(i) / self%law%critical(i))
+      end if
     end do
     outcome%of_state = [elastic_load, real(flowing, real64), work, flattening]
+
+  contains
+
+    ! The range of the fits, but for rounding.
+    subroutine hold_against(kind, found)
+      integer, intent(in) :: kind
+      real(real64), intent(in) :: found
+
+      if (found > warning_kinds(kind)%limit * (1.0_real64 + 1.0e-9_real64)) &
+        call warn(outcome%warnings, kind, found, contacts=1)
+    end subroutine hold_against
+
   end subroutine finish
 
   ! Overlap at which the material of a contact first yields; huge: it never does.
