@@ -3,7 +3,7 @@ module asperity_command_outcome
   use asperity_files, only: write_message, write_standard_error, write_standard_output
   use asperity_images, only: image_number
   use asperity_output_files, only: commit_files, discard_files, stage_file
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: not_enough_memory, problem_list
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -29,7 +29,9 @@ contains
     type(text_buffer), intent(in) :: text          !! its bytes
 
     if (path == '' .or. allocated(self%failure)) return
-    call stage_file(path, text%text(), self%failure)
+    if (text%failed) self%failure = path // ': ' // not_enough_memory // ' for its text'
+    if (allocated(self%failure) .or. .not. allocated(text%store)) return
+    call stage_file(path, text%store(:text%used), self%failure)
   end subroutine stage
 
   !> Tells what is wrong, or prints the text and gives the files their names.
@@ -39,11 +41,13 @@ contains
 
     status = 0
     if (outcome%problems%count() > 0) then
-      status = 2
+      status = merge(1, 2, outcome%problems%lacks_memory)
       if (image_number() == 1) call write_standard_error(outcome%problems%text())
       return
     end if
     if (image_number() == 1) then
+      if (outcome%text%failed .and. .not. allocated(outcome%failure)) &
+        outcome%failure = 'standard output: ' // not_enough_memory // ' for its text'
       if (.not. allocated(outcome%failure)) &
         call write_standard_output(outcome%text%text(), outcome%failure)
       if (.not. allocated(outcome%failure)) call commit_files(outcome%failure, last=.true.)

@@ -1,13 +1,10 @@
 !> The program: reads the command line, runs the command, prints what went wrong, stops.
 program asperity_main
-  use asperity_begin_anew, only: begin_anew_with_settings
   use asperity_command_line, only: command_line, is_shared, parse_command_line
   use asperity_command_outcome, only: command_outcome, finish_command
   use asperity_help, only: describe
   use asperity_images, only: image_number, wait_for_images
   use asperity_manual, only: write_completion, write_manual_page
-  ! Called by whatever takes memory.
-  use asperity_out_of_memory, only: memory
   use asperity_output_files, only: guard_files
   use asperity_process, only: end_process, prepare_process
   use asperity_run_accuracy, only: run_accuracy_command
@@ -18,8 +15,6 @@ program asperity_main
   use asperity_run_summits, only: run_summits_command
   !$ use omp_lib, only: omp_set_num_threads
   implicit none
-  ! Commands whose work is shared out to threads.
-  character(len=*), parameter :: threaded(3) = [character(len=8) :: 'accuracy', 'solve', 'study']
   type(command_line) :: line
   type(command_outcome) :: outcome
   integer :: status
@@ -32,7 +27,6 @@ program asperity_main
   else if (outcome%problems%count() > 0) then
     call outcome%problems%add('Try: asperity --help')
   else if (image_number() == 1 .or. is_shared(line)) then
-    if (line%threads /= 1 .and. any(line%command == threaded)) call begin_anew_with_settings()
     !$ if (line%threads > 0) call omp_set_num_threads(line%threads)
     select case (line%command)
     case ('', 'help', 'version')

@@ -113,6 +113,7 @@ module asperity_contact_records
     type(state_row), allocatable :: states(:)          !! at least one
     type(contact_row), allocatable :: rows(:)          !! contacts of all states kept
     integer :: rows_used = 0                           !! so many of them are filled
+    logical :: lacks_memory = .false.                  !! there was none for all contacts
     !> What each effect of the scene did to the last state; not allocated: the scene has none.
     type(effect_record), allocatable :: effects(:)
     real(real64), allocatable :: contact_values(:, :)  !! what they tell (row, column)
@@ -127,11 +128,14 @@ contains
     type(contact_row), intent(in) :: rows(:)        !! its contacts in this state
     type(state_row), intent(inout) :: state         !! learns where they are
     type(contact_row), allocatable :: larger(:)
-    integer :: needed
+    integer :: needed, status
 
+    if (result%lacks_memory) return
     needed = result%rows_used + size(rows)
     if (needed > size(result%rows)) then
-      allocate (larger(max(needed, 2 * size(result%rows))))
+      allocate (larger(max(needed, 2 * size(result%rows))), stat=status)
+      result%lacks_memory = status /= 0
+      if (result%lacks_memory) return
       larger(:result%rows_used) = result%rows(:result%rows_used)
       call move_alloc(larger, result%rows)
     end if

@@ -19,7 +19,8 @@ module asperity_kernel_real32
                                          surface_points
   use asperity_pair_search_row, only: build_row, first_from, summit_row
   use asperity_position_solver, only: position_solver
-  use asperity_problems, only: decimal_text, real_text
+  use asperity_problems, only: decimal_text, not_enough_memory, real_text
+  use asperity_process, only: has_memory
   use asperity_root_bracket_real32, only: guess_root, narrow_bracket, root_bracket
   use asperity_scene_values, only: control_approach, control_limit, control_load, &
                                    control_pressure, criterion_greenwood_williamson, &

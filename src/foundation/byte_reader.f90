@@ -5,7 +5,7 @@
 module asperity_byte_reader
   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char, c_size_t
   use asperity_kinds, only: int64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_system_calls, only: posix_close, posix_lseek, posix_open, posix_read, &
                                    system_error, system_reason
   implicit none
@@ -70,7 +70,7 @@ contains
     class(byte_reader), intent(inout) :: self  !! all bytes of the block have been used
     character(len=:), allocatable :: larger
     integer(c_size_t) :: got
-    integer :: kept
+    integer :: kept, status
 
     kept = 0
     if (self%length < 0_int64) kept = self%used
@@ -80,7 +80,9 @@ contains
       return
     end if
     if (kept + block_size > len(self%block)) then
-      allocate (character(len=2 * kept + block_size) :: larger)
+      allocate (character(len=2 * kept + block_size) :: larger, stat=status)
+      if (status /= 0) self%failure = 'cannot be read: ' // not_enough_memory
+      if (status /= 0) return
       larger(:kept) = self%block(:kept)
       call move_alloc(larger, self%block)
     end if
@@ -101,9 +103,11 @@ contains
     class(byte_reader), intent(inout) :: self           !! the file
     integer, intent(in) :: number                       !! how many are asked for
     character(len=:), allocatable, intent(out) :: bytes !! the bytes
-    integer :: got, piece
+    integer :: got, piece, status
 
-    allocate (character(len=number) :: bytes)
+    allocate (character(len=number) :: bytes, stat=status)
+    if (status /= 0) self%failure = 'cannot be read: ' // not_enough_memory
+    if (status /= 0) return
     got = 0
     do while (got < number)
       if (self%at > self%used) call self%more()

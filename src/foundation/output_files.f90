@@ -5,29 +5,35 @@
 !> or an interruption they are taken away. A device or a pipe is written as it stands.
 module asperity_output_files
   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, &
-                                         c_null_char, c_size_t
+                                         c_null_char, c_null_funptr, c_size_t
   use asperity_files, only: same_name, standard_error, standard_output, write_bytes
   use asperity_problems, only: decimal_text
-  use asperity_system_calls, only: canonical_path, posix_close, posix_creat, posix_exit_now, &
-                                   posix_fsync, posix_getpid, posix_open, posix_rename, &
+  use asperity_system_calls, only: canonical_path, file_owner, posix_atexit, posix_chmod, &
+                                   posix_chown, posix_close, posix_creat, &
+                                   posix_exit_now, posix_fsync, posix_getpid, posix_open, &
+                                   posix_raise, posix_rename, &
                                    posix_signal, posix_unlink, posix_write, system_error, &
                                    system_reason
   implicit none
   private
 
   public :: stage_file, commit_files, discard_files, guard_files, same_file
-  public :: end_without_output, tell_kept
+  public :: tell_kept
 
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int), write_only = 1_c_int
-  integer(c_int), parameter :: no_such_file = 2_c_int
-  ! All that would end a process, but for KILL and for what a fault of the program raises: HUP, INT,
-  ! QUIT, USR1, USR2, ALRM, TERM, STKFLT, XCPU, VTALRM, PROF, IO, PWR and the real-time ones. PIPE
-  ! and XFSZ become failures of a write.
+  integer(c_int), parameter :: no_such_file = 2_c_int, no_permission = 13_c_int
+  ! Signals that ask a process to end: HUP, INT, QUIT, USR1, USR2, ALRM, TERM, STKFLT, XCPU, VTALRM,
+  ! PROF, IO, PWR and the real-time ones. PIPE and XFSZ become failures of a write.
   integer :: i_signal
   integer(c_int), parameter :: ending_signals(*) = [1_c_int, 2_c_int, 3_c_int, 10_c_int, 12_c_int, &
     14_c_int, 15_c_int, 16_c_int, 24_c_int, 26_c_int, 27_c_int, 29_c_int, 30_c_int, &
     [(int(i_signal, c_int), i_signal = 34, 64)]]
   integer(c_int), parameter :: ignored_signals(2) = [13_c_int, 25_c_int]
+  ! Signals of a fault of the program, an end of its memory included: ILL, TRAP, ABRT, BUS, FPE,
+  ! SEGV, SYS.
+  integer(c_int), parameter :: fault_signals(*) = [4_c_int, 5_c_int, 6_c_int, 7_c_int, 8_c_int, &
+    11_c_int, 31_c_int]
+  type(c_funptr) :: fault_handlers(size(fault_signals)) = c_null_funptr
   ! SIG_IGN of the C library.
   integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t
 
@@ -48,10 +54,12 @@ module asperity_output_files
 
 contains
 
-  !> To be called once, at the start: an interruption leaves no file behind, and a closed pipe or a
-  !> full quota is told like any other failure. A signal that was ignored stays so.
+  !> To be called once, at the start: an interruption, a fault or an end of memory leaves no file
+  !> behind, and a closed pipe or a full quota is told like any other failure. A signal that was
+  !> ignored stays so.
   subroutine guard_files()
     type(c_funptr) :: before
+    integer(c_int) :: status
     integer :: i
 
     do i = 1, size(ignored_signals)
@@ -61,6 +69,10 @@ contains
       before = posix_signal(ending_signals(i), c_funloc(end_at_signal))
       if (transfer(before, ignore) == ignore) before = posix_signal(ending_signals(i), before)
     end do
+    do i = 1, size(fault_signals)
+      fault_handlers(i) = posix_signal(fault_signals(i), c_funloc(discard_at_fault))
+    end do
+    status = posix_atexit(c_funloc(discard_at_end))
   end subroutine guard_files
 
   !> Writes a file beside its place. `failure` is allocated, with the reason, when that is not
@@ -174,19 +186,28 @@ contains
   subroutine write_part(place, part, path, text, failure)
     character(len=*), intent(in) :: place, part, path, text
     character(len=:), allocatable, intent(out) :: failure
-    integer(c_int) :: descriptor, status
+    integer(c_int) :: descriptor, status, mode, owner, group
     integer :: i
 
+    call file_owner(place, mode, owner, group)
     names(staged + 1) = known_name(place, path)
     do i = 1, len(part)
       parts(i, staged + 1) = part(i:i)
     end do
     parts(len(part) + 1, staged + 1) = c_null_char
     staged = staged + 1
-    descriptor = posix_creat(part // c_null_char, mode_rw_r_r)
+    descriptor = posix_creat(part // c_null_char, merge(mode_rw_r_r, mode, mode < 0))
     if (descriptor < 0) then
+      status = int(system_error(), c_int)
       failure = system_reason()
+      if (mode >= 0 .and. status == no_permission) &
+        failure = 'its folder takes no new file, which a whole output needs: ' // failure
       return
+    end if
+    ! A file keeps its permissions; its owner, where the system lets it be given.
+    if (mode >= 0) then
+      status = posix_chown(part // c_null_char, owner, group)
+      status = posix_chmod(part // c_null_char, mode)
     end if
     call write_bytes(descriptor, text, failure)
     status = posix_close(descriptor)
@@ -198,27 +219,36 @@ contains
   subroutine end_at_signal(number) bind(c)
     integer(c_int), value :: number
     character(len=43) :: message
+    integer(c_size_t) :: written
 
     ! The names are being given: a moment, and all is done.
     if (committing) return
     message = 'interrupted by signal   , no output written'
     if (number > 9) message(23:23) = achar(iachar('0') + number / 10)
     message(24:24) = achar(iachar('0') + mod(number, 10))
-    call end_without_output(message)
-  end subroutine end_at_signal
-
-  !> Ends the process at once, status 1: files that are not whole go, and one line says why, and
-  !> what is kept. No memory is asked for.
-  subroutine end_without_output(why)
-    character(len=*), intent(in) :: why  !! printable, without the end of the line
-    integer(c_size_t) :: written
-
     call discard_files()
-    written = posix_write(standard_error, why, int(len(why), c_size_t))
+    written = posix_write(standard_error, message, int(len(message), c_size_t))
     written = posix_write(standard_error, kept_note, int(noted, c_size_t))
     written = posix_write(standard_error, [achar(10, c_char)], 1_c_size_t)
     call posix_exit_now(1_c_int)
-  end subroutine end_without_output
+  end subroutine end_at_signal
+
+  !> Takes all staged files away at a fault of the program, and leaves the rest to what would have
+  !> been done without: a backtrace, and the end with the signal's status.
+  subroutine discard_at_fault(number) bind(c)
+    integer(c_int), value :: number
+    type(c_funptr) :: before
+    integer(c_int) :: status
+
+    call discard_files()
+    before = posix_signal(number, fault_handlers(findloc(fault_signals, number, 1)))
+    status = posix_raise(number)
+  end subroutine discard_at_fault
+
+  !> The same at an end that the run-time library makes, where memory ends: it calls `exit`.
+  subroutine discard_at_end() bind(c)
+    call discard_files()
+  end subroutine discard_at_end
 
   !> What an end in the middle shall tell of work that is kept.
   subroutine tell_kept(note)

@@ -6,7 +6,10 @@ module asperity_problems
   implicit none
   private
 
-  public :: problem_list, problem_place, decimal_text, real_text
+  public :: problem_list, problem_place, decimal_text, not_enough_memory, real_text
+
+  !> What a message says where memory ends.
+  character(len=*), parameter :: not_enough_memory = 'not enough memory'
 
   !> An integer as text without blanks.
   interface decimal_text
@@ -36,6 +39,8 @@ module asperity_problems
     integer :: beyond = 0                  ! those that came after `most_placed` had been written
     integer :: alike = 0                   ! in a row that say the same as the last one
     character(len=80) :: last = ''         ! the last one, without what was found
+    !> Memory ended while the input was read: nothing is known to be wrong with it.
+    logical, public :: lacks_memory = .false.
   contains
     procedure :: start                   !! names the file that the next problems have places in
     procedure :: add_at                  !! adds a problem at a line and column of the file
@@ -170,6 +175,7 @@ contains
     if (other%alike > most_alike) call add_places(self, [problem_place()])
     if (other%beyond > 0) call add_places(self, [problem_place()])
     self%others = self%others + other%count()
+    self%lacks_memory = self%lacks_memory .or. other%lacks_memory
   end subroutine append
 
   !> Where the problem of a line of `text` is; a line that only counts others has no place.

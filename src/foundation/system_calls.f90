@@ -1,14 +1,15 @@
 !> The C library's calls that Fortran has no words for: descriptors, names of files, signals.
 module asperity_system_calls
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_funptr, c_int, &
-                                         c_long, c_null_char, c_null_ptr, c_ptr, c_size_t
+                                         c_int32_t, c_long, c_null_char, c_null_ptr, c_ptr, c_size_t
   implicit none
   private
 
   public :: posix_open, posix_creat, posix_lseek, posix_read, posix_write, posix_close
+  public :: file_owner, posix_chmod, posix_chown
   public :: posix_fsync, posix_rename, posix_unlink, posix_usleep, posix_signal, posix_exit_now
-  public :: posix_isatty, posix_getpid, posix_exit, posix_getrlimit
-  public :: posix_execv, posix_madvise, posix_mmap, posix_munmap, posix_setenv
+  public :: posix_atexit, posix_isatty, posix_getpid, posix_exit, posix_getrlimit
+  public :: c_mallopt, posix_mmap, posix_munmap, posix_raise
   public :: system_error, system_reason, canonical_path
 
   interface
@@ -27,6 +28,31 @@ module asperity_system_calls
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int), value :: mode
     end function posix_creat
+
+    !> What the system knows of a file (Linux, statx(2)); -1 when there is none.
+    integer(c_int) function posix_statx(folder, path, flags, mask, found) bind(c, name='statx')
+      import :: c_char, c_int, c_int32_t
+      implicit none
+      integer(c_int), value :: folder, flags, mask
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t), intent(out) :: found(64)
+    end function posix_statx
+
+    !> Sets who may read and write a file; -1 when refused.
+    integer(c_int) function posix_chmod(path, mode) bind(c, name='chmod')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int), value :: mode
+    end function posix_chmod
+
+    !> Sets the owner and the group of a file; -1 when refused.
+    integer(c_int) function posix_chown(path, owner, group) bind(c, name='chown')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int), value :: owner, group
+    end function posix_chown
 
     !> Moves to a place of a file; -1 where there are no places.
     integer(c_long) function posix_lseek(descriptor, offset, whence) bind(c, name='lseek')
@@ -105,28 +131,26 @@ module asperity_system_calls
       type(c_funptr), value :: handler
     end function posix_signal
 
+    !> Raises a signal in this process.
+    integer(c_int) function posix_raise(number) bind(c, name='raise')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: number
+    end function posix_raise
+
+    !> Has a procedure called at the end of the process, unless a signal ends it; 0 when it will be.
+    integer(c_int) function posix_atexit(procedure) bind(c, name='atexit')
+      import :: c_funptr, c_int
+      implicit none
+      type(c_funptr), value :: procedure
+    end function posix_atexit
+
     !> Ends the process at once: the end that a signal's procedure may ask for.
     subroutine posix_exit_now(status) bind(c, name='_exit')
       import :: c_int
       implicit none
       integer(c_int), value :: status
     end subroutine posix_exit_now
-
-    !> Begins a program in place of this one; it comes back with -1 when refused.
-    integer(c_int) function posix_execv(path, words) bind(c, name='execv')
-      import :: c_char, c_int, c_ptr
-      implicit none
-      character(kind=c_char), intent(in) :: path(*)
-      type(c_ptr), intent(in) :: words(*)
-    end function posix_execv
-
-    !> Sets a word of the environment; -1 when refused.
-    integer(c_int) function posix_setenv(name, value, anew) bind(c, name='setenv')
-      import :: c_char, c_int
-      implicit none
-      character(kind=c_char), intent(in) :: name(*), value(*)
-      integer(c_int), value :: anew
-    end function posix_setenv
 
     !> Ends the process in order, with an exit status.
     subroutine posix_exit(status) bind(c, name='exit')
@@ -168,14 +192,12 @@ module asperity_system_calls
       integer(c_size_t), value :: bytes
     end function posix_munmap
 
-    !> Tells the system how memory will be used; -1 where it cannot make use of that.
-    integer(c_int) function posix_madvise(place, bytes, advice) bind(c, name='madvise')
-      import :: c_int, c_ptr, c_size_t
+    !> Sets a parameter of the C library's memory; 0 when refused.
+    integer(c_int) function c_mallopt(parameter, value) bind(c, name='mallopt')
+      import :: c_int
       implicit none
-      type(c_ptr), value :: place
-      integer(c_size_t), value :: bytes
-      integer(c_int), value :: advice
-    end function posix_madvise
+      integer(c_int), value :: parameter, value
+    end function c_mallopt
 
     !> Gives memory back.
     subroutine posix_free(memory) bind(c, name='free')
@@ -212,6 +234,20 @@ module asperity_system_calls
   end interface
 
 contains
+
+  !> Who owns a file and who may read and write it; a mode of -1 for a file that is not there.
+  subroutine file_owner(path, mode, owner, group)
+    character(len=*), intent(in) :: path              !! the file
+    integer(c_int), intent(out) :: mode               !! permission bits; -1: there is no file
+    integer(c_int), intent(out) :: owner, group       !! numbers of the user and of the group
+    integer(c_int), parameter :: this_folder = -100_c_int, mode_and_owners = 26_c_int
+    integer(c_int32_t) :: found(64)
+
+    mode = posix_statx(this_folder, path // c_null_char, 0_c_int, mode_and_owners, found)
+    if (mode == 0) mode = iand(found(8), int(o'7777', c_int32_t))
+    owner = found(6)
+    group = found(7)
+  end subroutine file_owner
 
   !> The number of the system's last refusal.
   function system_error() result(number)

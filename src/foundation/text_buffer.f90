@@ -8,9 +8,9 @@ module asperity_text_buffer
 
   !> Text under construction. Lines end with a line feed.
   type :: text_buffer
-    private
-    character(len=:), allocatable :: store
-    integer(int64) :: used = 0_int64
+    character(len=:), allocatable :: store  !! not allocated: nothing was added yet
+    integer(int64) :: used = 0_int64        !! characters of `store` that are text
+    logical :: failed = .false.             !! there was no memory for it: the text is not whole
   contains
     procedure :: append => buffer_append  !! adds characters without a line end
     procedure :: line => buffer_line      !! adds one line; blanks at its end are dropped
@@ -25,11 +25,16 @@ contains
     character(len=*), intent(in) :: piece      !! characters to add
     character(len=:), allocatable :: larger
     integer(int64) :: needed
+    integer :: status
 
+    if (self%failed) return
     if (.not. allocated(self%store)) allocate (character(len=4096) :: self%store)
     needed = self%used + len(piece, int64)
     if (needed > len(self%store, int64)) then
-      allocate (character(len=max(needed, 2_int64 * len(self%store, int64))) :: larger)
+      allocate (character(len=max(needed, 2_int64 * len(self%store, int64))) :: larger, &
+                stat=status)
+      self%failed = status /= 0
+      if (self%failed) return
       larger(:self%used) = self%store(:self%used)
       call move_alloc(larger, self%store)
     end if

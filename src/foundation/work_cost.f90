@@ -1,9 +1,9 @@
 !> What work will cost, told beforehand: some of its pieces are tried, the others are taken to be
 !> like them.
 module asperity_work_cost
-  use asperity_files, only: read_whole_file
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text, real_text
+  use asperity_process, only: number_in_file
   use asperity_progress, only: duration
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -35,6 +35,7 @@ contains
   subroutine tell_cost(cost, text)
     type(work_cost), intent(in) :: cost       !! what was tried
     type(text_buffer), intent(inout) :: text  !! gets the lines
+    integer(int64) :: kilobytes
     real(real64) :: bytes, now, seconds
 
     call cpu_time(now)
@@ -49,28 +50,13 @@ contains
       call text%line('time: about ' // duration(now - seconds + seconds / cost%tried * cost%total) &
                      // ' of one core')
     end if
-    bytes = 1024.0_real64 * kilobytes_so_far() + &
+    ! Linux reports the most memory that the process has held; getrusage counts its caller's, too.
+    kilobytes = number_in_file('/proc/self/status', 'VmHWM:')
+    if (kilobytes == huge(kilobytes)) kilobytes = 0_int64
+    bytes = 1024.0_real64 * real(kilobytes, real64) + &
             cost%bytes_each * real(cost%total - cost%tried, real64)
     call text%line('memory: about ' // decimal_text(ceiling(min(1.0e-6_real64 * bytes, &
                    1.0e9_real64))) // ' MB')
   end subroutine tell_cost
-
-  ! The most memory that the process has held, as Linux tells it; 0 where nobody tells. Not by
-  ! getrusage, which counts what the caller held before it became this process.
-  real(real64) function kilobytes_so_far() result(kilobytes)
-    character(len=*), parameter :: name = 'VmHWM:'
-    character(len=:), allocatable :: text, failure
-    integer :: at, status
-    integer(int64) :: number
-
-    kilobytes = 0.0_real64
-    call read_whole_file('/proc/self/status', text, failure)
-    if (allocated(failure)) return
-    at = index(text, name)
-    if (at == 0) return
-    at = at + len(name)
-    read (text(at:at + index(text(at:), 'kB') - 2), *, iostat=status) number
-    if (status == 0) kilobytes = real(number, real64)
-  end function kilobytes_so_far
 
 end module asperity_work_cost

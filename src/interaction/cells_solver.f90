@@ -12,7 +12,9 @@ module asperity_cells_solver
   use asperity_cells_relax, only: relax
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
+  use asperity_problems, only: not_enough_memory
+  use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
@@ -111,6 +113,8 @@ contains
       answer%failure = 'contacts too shallow for cells'
     else if (.not. bytes_per_cell * cells < bytes_allowed) then
       answer%failure = 'cells fine enough would need more than 2 GiB of memory'
+    else if (.not. has_memory(nint(bytes_per_cell * cells, int64))) then
+      answer%failure = not_enough_memory // ' for the cells of a group of contacts'
     else
       call press(shapes, answer%together, outside)
       answer%error = norm2(answer%together%error)

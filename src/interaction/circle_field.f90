@@ -17,6 +17,7 @@ module asperity_circle_field
   use asperity_constants, only: pi
   use asperity_kinds, only: int64, real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
+  use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   use asperity_source_tree, only: plant_tree, source_tree, sum_sources
   implicit none
@@ -127,7 +128,7 @@ contains
     pairs = size(set%tree%near) / 2
     if (allocated(set%pair)) deallocate (set%pair, set%one, set%other, set%terms)
     if (.not. has_memory(bytes_of_pair * pairs + bytes_of_circle * size(set%x))) then
-      set%tree%failure = 'no memory for the near pairs of contacts'
+      set%tree%failure = not_enough_memory // ' for the near pairs of contacts'
       return
     end if
     allocate (set%pair(2 * pairs), set%one(pairs), set%other(pairs), set%terms(north, pairs))

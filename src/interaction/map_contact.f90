@@ -12,6 +12,7 @@ module asperity_map_contact
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
+  use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   use asperity_solve_ending, only: solve_ending
   implicit none
@@ -66,7 +67,7 @@ contains
                                       padded_length(2 * size(map%height, 2) - 1)]
     if (.not. has_memory(nint(bytes_padded * product(padded) + bytes_across * padded(1) * &
                               size(map%height, 2) + bytes_plain * size(map%height), int64))) then
-      answer%failure = 'no memory for the samples of the map'
+      answer%failure = not_enough_memory // ' for the pixels of the map'
       return
     end if
     allowed = closed_fully

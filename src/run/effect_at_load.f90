@@ -17,18 +17,18 @@ contains
   !> Compares the last state with those of fewer effects under the same load: of Hertz alone, then
   !> with the first effect that was simulated, with the first two and so on. An effect gets what it
   !> adds to those before it. Where a load is not borne without the others there is nothing to tell.
-  subroutine weigh_at_load(pairs, effects, load, state, records)
+  subroutine weigh_at_load(pairs, effects, load, state, records, failure)
     type(contact_pairs), intent(in) :: pairs            !! the position
     type(effect_box), intent(inout) :: effects(:)       !! not needed any more: they are forgotten
     real(real64), intent(in) :: load                    !! asked for, more than 0
     type(contact_state), intent(in) :: state            !! that bears it with all effects
     type(effect_record), intent(inout) :: records(:)    !! of each effect in it
+    character(len=:), allocatable, intent(out) :: failure  !! why not all are compared
     type(effect_box) :: those(size(effects))
     type(contact_state) :: fewer
     type(effect_outcome), allocatable :: outcomes(:)
     logical, allocatable :: called_for(:)
     real(real64), allocatable :: found(:, :)
-    character(len=:), allocatable :: failure
     real(real64) :: area, area_before, closing, closing_before
     logical :: jumps
     integer :: i, number, simulated

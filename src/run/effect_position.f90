@@ -15,6 +15,7 @@ module asperity_effect_position
   use asperity_effect_sequence, only: first_failure, simulate
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
+  use asperity_problems, only: not_enough_memory
   use asperity_scene_values, only: is_load, scene
   implicit none
   private
@@ -69,7 +70,12 @@ contains
               called_for, found, held, simulated, too_far, failure)
     ! More contacts than can be kept end the walk early.
     if (too_far .or. allocated(failure) .or. .not. allocated(result%effects)) return
-    if (only_grows(steps)) call weigh_at_load(pairs, effects, held, state, result%effects)
+    if (only_grows(steps)) &
+      call weigh_at_load(pairs, effects, held, state, result%effects, failure)
+    ! A load that is not borne with fewer effects cannot be compared.
+    if (allocated(failure)) then
+      if (index(failure, not_enough_memory) == 0) deallocate (failure)
+    end if
   end subroutine run_position
 
   ! Goes from state to state. A state that is known already, from the search for a load, is not

@@ -13,7 +13,7 @@ module asperity_sweep
   use asperity_loads_met, only: check_loads, check_meaning, compare_loads
   use asperity_position_packet, only: pack_position, unpack_position
   use asperity_position_solver, only: position_solver
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, not_enough_memory
   use asperity_process, only: has_memory, threads_with_memory
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
@@ -66,7 +66,7 @@ contains
     end if
     states = int(number, int64) * int(max(1, solver%states), int64)
     if (.not. has_memory(states * int(room_of_a_state, int64))) then
-      failure = 'not enough memory for ' // decimal_text(number) // ' positions'
+      failure = not_enough_memory // ' for ' // decimal_text(number) // ' positions'
       return
     end if
     allocate (positions(number))
@@ -143,6 +143,8 @@ contains
 
     call solver%solve(whole_number(m, watch%start, watch%stride), options%keep_contacts, &
                       position, failure)
+    if (position%lacks_memory .and. .not. allocated(failure)) &
+      failure = not_enough_memory // ' for the list of contacts'
     if (.not. allocated(failure)) then
       if (.not. are_finite(position)) &
         failure = 'a result is beyond the range of a double, expected other units'

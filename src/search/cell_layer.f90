@@ -1,10 +1,8 @@
 !> One layer of a surface in order: strips along x, each in the order of x.
 module asperity_cell_layer
-  use, intrinsic :: iso_c_binding, only: c_loc
   use asperity_cell_reach, only: squared_reach
   use asperity_key_sort, only: sort_keys
-  use asperity_kinds, only: int32, int64, real64
-  use asperity_large_pages, only: ask_for_large_pages, bounds_for_large_pages
+  use asperity_kinds, only: int32, real64
   implicit none
   private
 
@@ -66,7 +64,7 @@ contains
       bottom = min(bottom, y(m))
       top = max(top, y(m))
     end do
-    call allocate_points(layer, n)
+    allocate (layer%points(n + spare_points))
     tall = strip_height(layer%largest, reach)
     ! Both surfaces are cut at multiples of one height: undisplaced, a strip then meets three.
     if (abs(bottom) < 1.0e9_real64 * tall) bottom = tall * real(floor(bottom / tall), real64)
@@ -95,7 +93,7 @@ contains
     if (allocated(layer%radius)) &
       part%radius = pack(layer%radius, layer%points(1:n)%height >= least)
     n = count(layer%points(1:n)%height >= least)
-    call allocate_points(part, n)
+    allocate (part%points(n + spare_points))
     part%smallest = layer%smallest
     part%largest = layer%largest
     part%highest = layer%highest
@@ -118,18 +116,6 @@ contains
     end do
     part%points(n + 1:n + spare_points) = part%points(n)
   end subroutine take_high_points
-
-  ! Room for `n` points and the spare ones.
-  subroutine allocate_points(layer, n)
-    type(grid_layer), intent(inout), target :: layer
-    integer, intent(in) :: n
-    integer :: bytes, first, last
-
-    bytes = storage_size(layer%points) / 8
-    call bounds_for_large_pages(n + spare_points, bytes, first, last)
-    allocate (layer%points(first:last))
-    call ask_for_large_pages(c_loc(layer%points(1)%x), int(last, int64) * bytes)
-  end subroutine allocate_points
 
   ! How far apart two asperities of a layer can be, and a little more.
   pure function strip_height(largest, reach) result(tall)

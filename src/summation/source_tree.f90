@@ -9,6 +9,7 @@ module asperity_source_tree
                                      translations, up
   use asperity_box_tree, only: plant_boxes, square_box, touching
   use asperity_kinds, only: int64, real64
+  use asperity_problems, only: not_enough_memory
   use asperity_process, only: has_memory
   implicit none
   private
@@ -20,7 +21,7 @@ module asperity_source_tree
   ! Bytes of a circle without near ones. A million circles that are both took 210 each
   ! all over a square, 200 in clusters (measured); the rest is for worse.
   integer(int64), parameter :: bytes_per_circle = 200_int64
-  character(*), parameter :: no_memory = 'no memory for the sum over all contacts'
+  character(*), parameter :: no_memory = not_enough_memory // ' for the sum over all contacts'
 
   !> Sources and targets at their places.
   type :: source_tree

@@ -4,6 +4,7 @@ Each is a real one. Files appear whole and all together, or not at all.
 """
 
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -184,43 +185,89 @@ def test_smallest_stacks_that_serve(run):
 
 
 MANY = {
-    "positions": "&surfaces deck = 't.deck' /\n&motion x_step = 1e-3, positions = 4000 /\n",
+    "positions": "&surfaces deck = 't.deck' /\n&motion x_step = 1e-3, positions = 4000 /\n"
+                 "&effects interaction = 'off' /\n",
     "states": "&surfaces deck = 't.deck' /\n&motion positions = 2 /\n"
-              "&loading control = 'limit', points = 20000 /\n",
+              "&loading control = 'limit', points = 20000 /\n&effects interaction = 'off' /\n",
     "surfaces": "&surfaces upper = 'u.csv', lower = 'l.csv', radius = 2*1.27 /\n"
                 "&material elastic_modulus = 2*2.8e5, poisson_ratio = 2*0.42 /\n"
                 "&loading control = 'load', value = 3e4 /\n"
                 "&effects friction = 'on', friction_coefficient = 0.3 /\n",
     "neighbours": "&surfaces deck = 't.deck' /\n&motion x_first = 5.6 /\n"
-                  "&effects interaction = 'boundary', boundary_tolerance = 0.00005 /\n"}
+                  "&effects interaction = 'boundary', boundary_tolerance = 0.00005 /\n",
+    "map": "&surfaces upper = 'plane', lower = 'm.txt', map_spacing = 2*0.5 /\n"
+           "&material contact_modulus = 1e5 /\n&loading control = 'load', value = 1e4 /\n"
+           "&effects interaction = 'boundary' /\n",
+    "report": ""}
+# A sentence of the program names the file or output, and says that memory has ended.
+SENTENCE = re.compile(r"[^:]+: .*(not enough|no|more than .* of) memory.*")
 
 
 @pytest.mark.parametrize("what", MANY)
 def test_little_memory_at_any_time(run, tmp_path, what):
-    """Wherever memory ends there is one sentence, and no file but what was to be kept."""
+    """Wherever memory ends the status is not 0, no file is left but what was to be kept, and what
+    is solved is right. What is large is refused with one sentence, status 1; where the run-time
+    library meets the end first, it says so in its own words."""
     (tmp_path / "s.scene").write_text(MANY[what], encoding="ascii")
     for name, height in (("u.csv", 0.11), ("l.csv", 0.12)):
         (tmp_path / name).write_text("x,y,height\n" + "".join(
             f"{3.0 * (i % 150)},{3.0 * (i // 150)},{height + 1e-6 * (i * 7919 % 5000)}\n"
             for i in range(22500 if what == "surfaces" else 1)), encoding="ascii")
-    before, room, ended = files(tmp_path), 15_000_000, []
+    (tmp_path / "m.txt").write_text("\n".join(
+        " ".join(str((i * i + 7 * j * j) % 101 / 1000) for j in range(200)) for i in range(200)),
+        encoding="ascii")
+    words = ["solve", "s.scene", *OUTPUTS, "--keep", "kept"]
+    if what == "report":
+        words = ["t.deck", *LONG, *OUTPUTS]
+    room, told, ended = 15_000_000, 0, 0
+    whole = run(*words)
+    assert whole.returncode == 0
+    texts = {name: (tmp_path / name).read_bytes() for name in OUTPUTS[1::2]}
+    for name in (*texts, "kept"):
+        (tmp_path / name).unlink(missing_ok=True)
+    before = files(tmp_path)
 
     def limit():
         resource.setrlimit(resource.RLIMIT_AS, (room, room))
 
     # What the libraries of the program take before it begins is the loader's to tell.
     while run("--version", preexec_fn=limit).returncode != 0:
-        room = int(1.15 * room)
+        room = int(1.1 * room)
     while room < 4_000_000_000:
-        done = run("solve", "s.scene", *OUTPUTS, "--keep", "kept", preexec_fn=limit)
-        ended.append(done.returncode)
+        done = run(*words, preexec_fn=limit)
         (tmp_path / "kept").unlink(missing_ok=True)
         if done.returncode == 0:
             break
-        assert done.returncode == 1 and done.stdout == b"", (room, done.stderr)
-        assert "memory" in one_line(done) and files(tmp_path) == before, (room, done.stderr)
-        room = int(1.15 * room)
-    assert ended[-1] == 0 and len(ended) > 1
+        ended += 1
+        assert done.stdout == b"" and files(tmp_path) == before, (room, done.stderr)
+        lines = [line for line in done.stderr.decode().splitlines() if ": note: " not in line]
+        if len(lines) == 1 and SENTENCE.fullmatch(lines[0]):
+            assert done.returncode == 1
+            assert sum(name in lines[0] for name in ("m.txt", "s.scene", "c.csv")) <= 1, lines
+            told += 1
+        room = int(1.1 * room)
+    assert ended > 1 and told > 0
+    assert done.returncode == 0 and done.stdout == whole.stdout
+    for name, text in texts.items():
+        assert (tmp_path / name).read_bytes() == text
+
+
+def test_a_map_that_does_not_fit(run, tmp_path):
+    """Status 1, as nothing is wrong with the map; its name stands once."""
+    with open(tmp_path / "m.txt", "w", encoding="ascii") as file:
+        file.writelines(["1 2 3 4\n"] * 200000)
+    (tmp_path / "s.scene").write_text(MANY["map"], encoding="ascii")
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (room, room))
+
+    room = 15_000_000
+    while run("--version", preexec_fn=limit).returncode != 0:
+        room = int(1.05 * room)
+    room += 3_000_000
+    done = run("solve", "s.scene", *OUTPUTS, preexec_fn=limit)
+    assert done.returncode == 1 and done.stdout == b""
+    assert one_line(done) == "m.txt: not enough memory for the map, 4 x 200000 samples"
 
 
 def test_little_memory(run, tmp_path):

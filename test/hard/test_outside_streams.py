@@ -260,11 +260,23 @@ def test_interrupted_while_writing(waiting, tmp_path, command, number):
     assert (tmp_path / "p.csv").read_text(encoding="ascii") == "kept\n"
 
 
+# ILL, TRAP, ABRT, BUS, FPE, SEGV and SYS: what a fault of the program raises.
+@pytest.mark.once
+@pytest.mark.parametrize("number", [4, 5, 6, 7, 8, 11, 31])
+def test_fault_while_writing(waiting, tmp_path, number):
+    """It ends as it would without, with the signal's status; but no file is left."""
+    child = waiting("t.deck", *LONG, *OUTPUTS)
+    child.send_signal(number)
+    child.communicate(timeout=20)
+    assert child.returncode == -number
+    assert files(tmp_path) == []
+
+
 def test_interrupted_sweep_goes_on(run, asperity, tmp_path):
     """What is kept is told, and the same command goes on from there, to the same bytes."""
     (tmp_path / "long.scene").write_text(
         "&surfaces deck = 't.deck' /\n&motion x_step = 1e-4, positions = 40000 /\n"
-        "&tilt rotation = 2*0. /\n", encoding="ascii")
+        "&tilt rotation = 2*0. /\n&effects interaction = 'off' /\n", encoding="ascii")
     words = ["solve", "long.scene", "--quiet", "--threads", "1", "--positions"]
     with subprocess.Popen([asperity, *words, "p.csv", "--keep", "kept"], cwd=tmp_path,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:

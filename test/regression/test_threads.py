@@ -7,7 +7,6 @@ import os
 import pty
 import re
 import select
-import shutil
 import signal
 import subprocess
 import time
@@ -174,53 +173,6 @@ def test_no_progress_elsewhere(asperity, endless):
     assert (child.returncode, out) == (1, b"")
     assert err == (b"interrupted by signal 15, no output written; --keep FILE would keep what is "
                    b"solved\n")
-
-
-def test_waiting_threads_sleep(asperity, tmp_path, tally):
-    """The program begins anew with threads that soon sleep, once and with the same words, where
-    nothing is said of them. Rounds that a thread waits for work awake, as libgomp tells them."""
-    scene = write_csv_scene(tmp_path, [(0.0, 0.0, 0.5, 1.0)], [(0.0, 0.0, 0.5, 1.0)],
-                            loading={"control": "approach", "value": 0.9})
-    said = {name: os.environ[name] for name in os.environ
-            if name not in ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMP_NUM_THREADS")}
-
-    def rounds(*words, **more):
-        done = subprocess.run([asperity, *words], input=scene.read_bytes(), capture_output=True,
-                              cwd=tmp_path, timeout=60,
-                              env={**said, "OMP_NUM_THREADS": "2", "OMP_DISPLAY_ENV": "verbose",
-                                   **more})
-        assert done.returncode == 0, done.stderr
-        return [int(n) for n in re.findall(rb"GOMP_SPINCOUNT = '(\d+)'", done.stderr)]
-
-    if not rounds("--version"):
-        pytest.skip("this runtime of OpenMP does not tell how it waits")
-    assert rounds("solve", "-", "--positions", "a b.csv")[1:] == [2000]
-    assert (tmp_path / "a b.csv").exists()
-    # What the environment says of memory holds, too.
-    assert rounds("solve", "-", GLIBC_TUNABLES="glibc.malloc.arena_max=8")[1:] == [2000]
-    assert len(rounds("solve", "-", "--threads", "1")) == 1
-    for more in ({"GOMP_SPINCOUNT": "5000"}, {"OMP_WAIT_POLICY": "active"},
-                 {"OMP_NUM_THREADS": "1"}):
-        assert len(rounds("solve", "-", **more)) == 1
-    tally.add("ways to wait", 6, 6)
-
-
-def test_threads_that_cannot_sleep(asperity, root, tmp_path):
-    """A program whose file is gone cannot begin anew: it goes on as it began."""
-    file = shutil.copy(asperity, tmp_path)
-    descriptor = os.open(file, os.O_RDONLY)
-    os.unlink(file)
-    said = {name: os.environ[name] for name in os.environ
-            if name not in ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT")} | {"OMP_NUM_THREADS": "2"}
-
-    def run(**how):
-        done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck"], env=said,
-                              capture_output=True, timeout=60, **how)
-        return done.returncode, done.stdout, done.stderr
-
-    gone = run(executable=f"/proc/self/fd/{descriptor}", pass_fds=[descriptor])
-    os.close(descriptor)
-    assert gone[0] == 0 and gone == run()
 
 
 @pytest.mark.parametrize("size, good", [("16M", True), ("16384 k", True), ("16384", True),
