@@ -123,6 +123,7 @@ contains
       call problems%add('--cost tells nothing of --budget, expected one of both')
     call check_share(line, problems)
     call check_files(line, problems)
+    call check_endings(line, problems)
   end subroutine parse_command_line
 
   ! Whether the first word was meant for a command: letters alone, no file's name, and like one of
@@ -330,6 +331,40 @@ contains
       end do
     end do
   end subroutine check_files
+
+  ! The ending of an output's name must not be that of a format other than its own.
+  subroutine check_endings(line, problems)
+    type(command_line), intent(in) :: line
+    type(problem_list), intent(inout) :: problems
+    character(len=*), parameter :: known(*) = [character(len=4) :: 'csv', 'json', 'html', 'htm', &
+      'svg', 'png', 'pdf', 'jpg', 'jpeg', 'gif', 'tif', 'tiff', 'eps', 'vtp', 'vtk', 'vtu', 'xls', &
+      'xlsx', 'npy', 'h5']
+    character(len=:), allocatable :: ending, path
+    character(len=4) :: format
+    integer :: i
+
+    do i = 1, size(line%outputs)
+      path = line%output(line%outputs(i)%option)
+      ending = lower_case(path(index(path, '.', back=.true.) + 1:))
+      if (len(ending) == len(path)) cycle
+      select case (line%outputs(i)%option)
+      case ('--keep')
+        cycle
+      case ('--picture')
+        format = 'svg'
+      case ('--vtk')
+        format = 'vtp'
+      case ('--html', '--json')
+        format = line%outputs(i)%option(3:6)
+      case default
+        format = 'csv'
+      end select
+      if (all(known /= ending) .or. index(format, ending(:min(3, len(ending)))) == 1) cycle
+      call problems%add(trim(line%outputs(i)%option) // ': found ' // quoted(path) // &
+                        ', expected a name that ends with .' // trim(format) // &
+                        ', as that is what is written')
+    end do
+  end subroutine check_endings
 
   !> No output may take the place of an input, be it named here or in a scene.
   subroutine refuse_input(line, input, problems)

@@ -1,7 +1,7 @@
 !> The values of options: words in, checked values or problems out.
 module asperity_option_values
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_height_map, only: expected_length, is_length
+  use asperity_height_map, only: expected_length, is_length, plain_unit
   use asperity_input_text, only: quoted
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
@@ -82,10 +82,11 @@ contains
     integer, intent(inout) :: choice               !! number of the word, when it is one of them
     type(problem_list), intent(inout) :: problems  !! what is wrong
 
-    if (any(words == value)) then
-      choice = findloc(words == value, .true., 1)
-      return
-    end if
+    integer :: found
+
+    found = findloc(words == plain_unit(value), .true., 1)
+    if (found > 0) choice = found
+    if (found > 0) return
     call problems%add(option // ': found ' // quoted(value) // ', expected ' // any_of(words) // &
                       did_you_mean(value, words))
   end subroutine read_word

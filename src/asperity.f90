@@ -10,7 +10,7 @@ module asperity
   use asperity_generation_spec, only: parse_generation_spec, read_generation_spec
   use asperity_generation_values, only: generation_spec
   use asperity_height_map, only: edge_names, height_map, is_measured, length_units, level_mean, &
-                                 level_names, level_none, level_plane, no_height
+                                 level_names, level_none, level_plane, no_height, plain_unit
   use asperity_height_map_reader, only: read_height_map
   use asperity_map_despiking, only: despike_map
   use asperity_map_levelling, only: level_map
@@ -51,7 +51,7 @@ module asperity
   public :: radius_neighbours, radius_geometric, radius_paraboloid
   public :: measure_map, map_statistics
   public :: summits_of_file, summit_choices, write_summits_table
-  public :: edge_names, length_units, level_names, radius_names, rule_names
+  public :: edge_names, length_units, plain_unit, level_names, radius_names, rule_names
   ! Generated surfaces.
   public :: generation_spec, read_generation_spec, parse_generation_spec
   public :: surface_plan, plan_surface, generated_surface, generate_surface

@@ -13,7 +13,7 @@ module asperity_c
                       length_units, level_names, list_warnings, make_arrays, map_statistics, &
                       map_summits, measure_map, of_contacts, original_records, original_request, &
                       parse_generation_spec, parse_scene, plan_surface, plane_surface, &
-                      problem_list, radius_names, read_card_deck, &
+                      plain_unit, problem_list, radius_names, read_card_deck, &
                       read_generation_spec, read_scene, rule_names, run_in_arithmetic, &
                       run_options, scene, scene_results, scene_surface, solve, summit_choices, &
                       summits_of_file, surface_plan, take_surface, text_buffer, thesis_tables, &
@@ -385,7 +385,7 @@ contains
     integer :: i
 
     if (.not. c_associated(word)) return
-    choice = findloc(known == text_of(word), .true., 1)
+    choice = findloc(known == plain_unit(text_of(word)), .true., 1)
     if (choice > 0) return
     list = trim(known(1))
     do i = 2, size(known)

@@ -58,6 +58,7 @@ contains
     integer :: column, first, i, last, table
 
     text = new%problems%text()
+    if (new%problems%lacks_memory) new%failure = text(:len(text) - 1)
     call set_text(new, text_problems, text)
     associate (lines => count([(text(i:i) == new_line('a'), i = 1, len(text))]))
       allocate (new%files(lines), new%messages(lines), new%places(lines))
@@ -80,7 +81,7 @@ contains
       new%status = not_computed
       call set_text(new, text_failure, new%failure)
     end if
-    if (size(new%messages) > 0) new%status = bad_input
+    if (size(new%messages) > 0 .and. .not. new%problems%lacks_memory) new%status = bad_input
   end subroutine finish
 
   !> The outcome behind a handle.

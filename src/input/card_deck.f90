@@ -4,13 +4,13 @@ module asperity_card_deck
   use asperity_card_reader, only: card_length, card_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: other_kind
-  use asperity_input_text, only: blanks, read_text
+  use asperity_input_text, only: blanks, line_end, read_text
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list
   implicit none
   private
 
-  public :: card_deck, model_cards, read_card_deck, parse_card_deck
+  public :: card_deck, has_cards, model_cards, read_card_deck, parse_card_deck
 
   !> One model as the cards give it: inches and psi.
   type :: model_cards
@@ -54,6 +54,31 @@ contains
     if (problems%count() == 0) call parse_card_deck(path, text, deck, problems)
   end subroutine read_card_deck
 
+  !> Whether one of the three cards behind the first has numbers alone, as in every deck.
+  pure logical function has_cards(text)
+    character(len=*), intent(in) :: text  !! the whole file
+    integer :: first, last, line
+
+    has_cards = .false.
+    last = 0
+    do line = 1, header_cards
+      first = last + 1
+      last = line_end(text, min(first, len(text) + 1)) + 1
+      if (line > 1 .and. first <= len(text)) &
+        has_cards = has_cards .or. is_number_card(text(first:last - 1))
+    end do
+
+  contains
+
+    pure logical function is_number_card(card)
+      character(len=*), intent(in) :: card
+
+      is_number_card = verify(card, blanks // '+-.0123456789eEdD') == 0 .and. &
+                       scan(card, '0123456789') > 0
+    end function is_number_card
+
+  end function has_cards
+
   !> Checks the text of a deck; `path` serves the messages only.
   subroutine parse_card_deck(path, text, deck, problems)
     character(len=*), intent(in) :: path           !! name for the messages
@@ -73,6 +98,11 @@ contains
                                    'expected at least six cards')
     else
       call reader%check_bytes()
+      if (reader%problems%count() == 0 .and. .not. has_cards(text) .and. &
+          (scan(text, ':={[') > 0 .or. &
+           index(path, '.scene', back=.true.) == max(1, len(path) - 5))) &
+        call reader%problems%add_at(1, 1, 'found no card of numbers behind the first one, ' // &
+                                    'expected a card deck; a scene: asperity solve FILE')
     end if
     if (reader%problems%count() == 0) then
       call read_header(reader, deck, complete)

@@ -5,7 +5,7 @@ module asperity_file_kind
   implicit none
   private
 
-  public :: a_scene, a_specification, a_study, a_surface, a_map, other_kind
+  public :: a_scene, a_specification, a_study, a_surface, a_map, group_start, other_kind
 
   !> Kinds that a text tells by itself. A card deck, or a map as plain numbers, does not.
   integer, parameter :: a_scene = 1, a_specification = 2, a_study = 3, a_surface = 4, a_map = 5
@@ -43,7 +43,7 @@ contains
     small = lower_case(text(:min(len(text), 20000)))
     if (any(small(at:min(len(small), at + 3)) == ['abcr', 'bbcr', 'aiso', 'biso'])) kind_of = a_map
     call skip_blanks(small, at)
-    if (next_character(small, at) == '&') then
+    if (group_start(small) > 0) then
       if (any([index(small, '&heights'), index(small, '&radii')] > 0)) kind_of = a_specification
       if (index(small, '&study') > 0) kind_of = a_study
       if (any([index(small, '&loading'), index(small, '&effects'), index(small, '&motion'), &
@@ -60,5 +60,20 @@ contains
           scan(line, ',;' // achar(9)) > 0) kind_of = a_surface
     end if
   end function kind_of
+
+  !> The byte of the first `&` that begins a line, or 0: a card deck, a surface or a map has none.
+  pure integer function group_start(text)
+    character(len=*), intent(in) :: text  !! the file, or its beginning
+    integer :: at, last
+
+    at = text_start(text)
+    do while (at <= len(text))
+      last = line_end(text, at)
+      group_start = at - 1 + verify(text(at:last), ' ' // achar(9))
+      if (index(text(max(at, group_start):last), '&') == 1) return
+      at = last + 2
+    end do
+    group_start = 0
+  end function group_start
 
 end module asperity_file_kind

@@ -121,7 +121,8 @@ contains
     unit_number = findloc(length_units == plain_unit(name), .true., 1)
   end function unit_number
 
-  !> The name of a unit with `u` for a micro sign: U+00B5 or U+03BC in UTF-8, or that of Latin-1.
+  !> The name of a unit with `u` for a micro sign: U+00B5 or U+03BC in UTF-8, or the byte 181 of
+  !> Latin-1; `um` for a micron.
   pure function plain_unit(name) result(plain)
     character(len=*), intent(in) :: name    !! as it is written
     character(len=:), allocatable :: plain  !! without blanks around it
@@ -134,6 +135,7 @@ contains
       at = index(plain, trim(micro(i)))
       if (at > 0) plain = plain(:at - 1) // 'u' // plain(at + len_trim(micro(i)):)
     end do
+    if (any(lower_case(plain) == [character(len=7) :: 'micron', 'microns'])) plain = 'um'
   end function plain_unit
 
   !> Allocates the heights. `failure` is allocated when there is no memory for them.

@@ -1,7 +1,7 @@
 !> Text files that a user writes: read whole, and what their readers share.
 module asperity_input_text
   use asperity_byte_reader, only: byte_reader
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: not_enough_memory, problem_list
   implicit none
   private
 
@@ -44,6 +44,7 @@ contains
 
       if (.not. allocated(from%failure)) call from%take_whole(text)
       if (.not. allocated(from%failure)) return
+      problems%lacks_memory = index(from%failure, not_enough_memory) > 0
       call problems%add_at(1, 1, from%failure // ', expected ' // kind)
       text = ''
     end subroutine take

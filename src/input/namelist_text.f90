@@ -62,8 +62,8 @@ contains
         ! One problem for all that stands between two groups.
         if (.not. stray) &
           call problems%add_at_byte(text, at, 'text outside a group: found ' // &
-                                    quoted(text(at:word_end(text, at))) // &
-                                    ', expected ''&'' and a group''s name')
+                                    quoted(text(at:max(at, word_end(text, at)))) // &
+                                    ', expected ''&'' and a group''s name' // form_hint(text, at))
         stray = .true.
         call skip_item(text, at)
       end if
@@ -159,7 +159,8 @@ contains
       end if
       call list%refuse(group, at, 'no name with values: found ' // &
                        quoted(list%text(at:max(at, word_end(list%text, at)))) // &
-                       ', expected ''name = value'' or ''/''', problems)
+                       ', expected ''name = value'' or ''/''' // form_hint(list%text, at), &
+                       problems)
       call skip_item(list%text, at)
       return
     end if
@@ -260,6 +261,24 @@ contains
     end do
     at = last + 2
   end subroutine read_repeats
+
+  ! What to do about the comments and marks of other kinds of file.
+  pure function form_hint(text, at) result(hint)
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: at
+    character(len=:), allocatable :: hint
+    integer :: last
+
+    hint = ''
+    last = max(at, word_end(text, at))
+    if (scan(text(at:at), '#%') > 0 .or. text(at:min(len(text), at + 1)) == '//') then
+      hint = '; a comment begins with ''!'''
+    else if (scan(text(at:at), '{[]}"') > 0 .or. text(last:last) == ':' .or. &
+             text(at:last) == '---') then
+      hint = '; a scene is a Fortran namelist, as in &surfaces deck = ''a.deck'' /, not YAML, ' // &
+             'JSON or TOML'
+    end if
+  end function form_hint
 
   ! Adds an item.
   pure subroutine add(self, item)

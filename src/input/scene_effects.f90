@@ -150,9 +150,14 @@ contains
     do i = 1, size(effect_numbers)
       associate (number => effect_numbers(i))
         if (number%needed_with == '' .or. fields%has('effects', trim(number%name))) cycle
-        if (is_needed(checked, number)) &
-          call fields%complain_of_group('effects', 'no ' // trim(number%name) // &
-                 ' in &effects: expected one with ' // needed_for(number))
+        if (.not. is_needed(checked, number)) cycle
+        if (number%needed_with == 'no limit') then
+          call fields%complain_of_group('effects', trim(number%effect) // ' needs ' // &
+                 trim(number%name) // ' in &effects, or a &limit: found neither, expected one')
+        else
+          call fields%complain_of_group('effects', trim(number%name) // ' is missing in ' // &
+                 '&effects: found none, expected one with ' // needed_for(number))
+        end if
       end associate
     end do
   end subroutine require_numbers

@@ -44,7 +44,9 @@ module asperity_scene_fields
     procedure :: complain_of_group  !! tells a problem at a group
     procedure :: complain_of        !! tells a problem at a name that stands in the scene
     procedure :: require            !! tells that a name is missing
+    procedure, private :: in_quotes
     procedure, private :: item_of
+    procedure, private :: refuse_units
     procedure, private :: values_of
     procedure, private :: refuse_value
   end type scene_fields
@@ -129,7 +131,8 @@ contains
     integer :: i, at, used, repeats
     logical :: good
 
-    at = self%values_of(group, name, size(values))
+    call self%refuse_units(group, name, at)
+    if (at > 0) at = self%values_of(group, name, size(values))
     if (at == 0) return
     used = 0
     do i = at + 1, at + self%list%items(at)%values
@@ -193,7 +196,7 @@ contains
     if (self%list%items(at + 1)%is_quoted .and. self%list%value_text(at + 1) /= '') then
       text = self%list%value_text(at + 1)
     else
-      call self%refuse_value(name, at + 1, 'a text between quotes')
+      call self%refuse_value(name, at + 1, 'a text between quotes' // self%in_quotes(name, at + 1))
     end if
   end subroutine take_text
 
@@ -213,7 +216,7 @@ contains
       text = self%list%value_text(i)
       if (.not. self%list%items(i)%is_quoted .or. text == '' .or. len_trim(text) > len(texts)) then
         call self%refuse_value(name, i, 'a text of 1 to ' // decimal_text(len(texts)) // &
-                               ' bytes between quotes')
+                               ' bytes between quotes' // self%in_quotes(name, i))
         return
       end if
       repeats = self%list%items(i)%repeats
@@ -230,29 +233,11 @@ contains
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: words(:)    !! the words
     integer, intent(inout) :: number            !! which of them; 0 when refused
-    character(len=:), allocatable :: word
-    integer :: at
+    integer :: numbers(1)
 
-    if (.not. self%has(group, name)) return
-    number = 0
-    at = self%values_of(group, name, 1)
-    if (at == 0) return
-    word = lower_case(self%list%value_text(at + 1))
-    ! A logical constant of a namelist.
-    if (.not. self%list%items(at + 1)%is_quoted) then
-      select case (word)
-      case ('true', '.true.')
-        word = 'on'
-      case ('false', '.false.')
-        word = 'off'
-      case default
-        word = ''
-      end select
-    end if
-    number = findloc(words == word, .true., 1)
-    if (number == 0) &
-      call self%refuse_value(name, at + 1, one_of(words) // &
-                             did_you_mean(lower_case(self%list%value_text(at + 1)), words))
+    numbers = number
+    call self%take_units(group, name, words, numbers)
+    number = numbers(1)
   end subroutine take_word
 
   !> Takes names of units between quotes, as many as there are places for them, as their numbers; 0
@@ -265,6 +250,7 @@ contains
     integer, intent(inout) :: numbers(:)        !! which of them; 0 when refused
     character(len=:), allocatable :: word
     integer :: at, i, used, repeats
+    logical :: is_word
 
     if (.not. self%has(group, name)) return
     numbers = 0
@@ -273,11 +259,20 @@ contains
     used = 0
     do i = at + 1, at + self%list%items(at)%values
       word = plain_unit(lower_case(self%list%value_text(i)))
+      is_word = self%list%items(i)%is_quoted
+      if (.not. is_word) then
+        ! A logical constant of a namelist.
+        is_word = any(word == [character(len=7) :: 'true', '.true.', 'false', '.false.'])
+        if (is_word) word = trim(merge('on ', 'off', index(word, 'true') > 0))
+      end if
       repeats = self%list%items(i)%repeats
-      if (self%list%items(i)%is_quoted) &
-        numbers(used + 1:used + repeats) = findloc(words == word, .true., 1)
-      if (numbers(used + 1) == 0) &
+      numbers(used + 1:used + repeats) = findloc(words == word, .true., 1)
+      if (numbers(used + 1) == 0) then
         call self%refuse_value(name, i, one_of(words) // did_you_mean(word, words))
+      else if (.not. is_word) then
+        call self%refuse_value(name, i, 'it in quotes' // self%in_quotes(name, i))
+        numbers(used + 1:used + repeats) = 0
+      end if
       used = used + repeats
     end do
   end subroutine take_units
@@ -342,9 +337,50 @@ contains
     character(len=*), intent(in) :: expected    !! what is, for instance `one`
 
     if (.not. self%has(group, name)) &
-      call self%complain_of_group(group, 'no ' // name // ' in &' // group // ', expected ' // &
-                                  expected)
+      call self%complain_of_group(group, '&' // group // ' needs ' // name // ': found none, ' // &
+                                  'expected ' // expected)
   end subroutine require
+
+  ! Refuses the first unit behind a number, since no number has one; `at` is 0 then, else the name's
+  ! item, as far as it is there.
+  subroutine refuse_units(self, group, name, at)
+    class(scene_fields), intent(inout) :: self
+    character(len=*), intent(in) :: group, name
+    integer, intent(out) :: at
+    character(len=:), allocatable :: word
+    character(len=*), parameter :: no_units(3) = [character(len=8) :: 'nan', 'inf', 'infinity']
+    integer :: i, begin
+
+    at = self%item_of(group, name)
+    if (at == 0) return
+    do i = at + 1, at + self%list%items(at)%values
+      if (self%list%items(i)%is_quoted) cycle
+      word = lower_case(without_kind(self%list%value_text(i)))
+      begin = verify(word, '+-.0123456789')
+      ! A unit is a word of its own, or stands behind the digits.
+      if (begin == 0 .or. (begin == 1 .and. i == at + 1)) cycle
+      word = word(begin:)
+      if (any(word == no_units) .or. scan(word(1:1), '*:;()[]{}') > 0) cycle
+      ! An exponent.
+      if (scan(word(1:1), 'ed') > 0 .and. verify(word(2:), '+-0123456789') == 0) cycle
+      call self%refuse_value(name, i, 'numbers without a unit, in the one set of units of the ' // &
+                             'scene')
+      at = 0
+      return
+    end do
+  end subroutine refuse_units
+
+  ! What to do about a word without quotes; empty for a text that has them.
+  function in_quotes(self, name, i) result(text)
+    class(scene_fields), intent(in) :: self
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: i
+    character(len=:), allocatable :: text
+
+    text = ''
+    if (.not. self%list%items(i)%is_quoted) &
+      text = ': ' // name // ' = ''' // self%list%value_text(i) // ''''
+  end function in_quotes
 
   ! Number of a name's item in the text; 0 when the name does not stand there.
   pure integer function item_of(self, group, name)

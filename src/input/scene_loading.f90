@@ -58,9 +58,10 @@ contains
   subroutine read_path(fields, loading)
     type(scene_fields), intent(inout) :: fields
     type(scene_loading), intent(inout) :: loading
-    integer :: number
+    integer :: number, problems
     logical :: pulls
 
+    problems = fields%problems%count()
     pulls = fields%has('effects', 'adhesion') .or. fields%has('effects', 'work_of_adhesion')
     number = fields%value_count('loading', 'value')
     if (number <= 1 .or. loading%control == control_limit) then
@@ -76,7 +77,8 @@ contains
            merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls), &
            loading%path)
       loading%value = deepest(loading%path, loading%control)
-      if (is_load(loading%control) .and. .not. pulls .and. loading%value%digits == 0_int64) &
+      if (is_load(loading%control) .and. .not. pulls .and. loading%value%digits == 0_int64 .and. &
+          fields%problems%count() == problems) &
         call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
     end if
   end subroutine read_path
@@ -151,8 +153,14 @@ contains
     logical, intent(in) :: is_needed
 
     if (is_needed .and. .not. fields%has(group, name)) then
-      call fields%complain_of_group(group, 'no ' // name // ' in &' // group // &
-                                    ': expected one with ' // for_what)
+      if (fields%has_group('loading') .or. fields%has('limit', 'criterion')) then
+        call fields%complain_of_group(group, for_what // ' needs ' // name // ' in &' // group // &
+                                      ': found none, expected one')
+      else
+        call fields%complain_of_group(group, 'no &loading, so control is ''limit'', which ' // &
+                                      'needs ' // name // ' in &' // group // ': found none, ' // &
+                                      'expected one')
+      end if
     else if (fields%has(group, name) .and. .not. is_needed) then
       call fields%complain_of(group, name, 'not used with ' // for_what // ', expected none')
     end if

@@ -131,7 +131,10 @@ contains
                            sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2, &
                            .true., map, found, failure)
       surface%checksum = checksum_of_pipe(files(side))
-      if (allocated(failure)) call found%add(surface%file // ': ' // failure)
+      if (allocated(failure)) then
+        call found%add(failure)
+        found%lacks_memory = .true.
+      end if
       map%periodic = checked%map%periodic
       call other_files%append(found)
       call checked%notes%append(map%notes)

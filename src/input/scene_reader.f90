@@ -1,11 +1,12 @@
 !> Reads a scene, or a card deck in its place: text in, checked values or a list of problems out.
 module asperity_scene_reader
+  use asperity_card_deck, only: has_cards
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_file_kind, only: a_scene, other_kind
+  use asperity_file_kind, only: a_scene, group_start, other_kind
   use asperity_input_text, only: blanks, read_text, text_start
   use asperity_kinds, only: real64
-  use asperity_namelist_cursor, only: next_character, skip_blanks
+  use asperity_namelist_cursor, only: skip_blanks
   use asperity_number_ranges, only: above_zero, any_number, poisson_range
   use asperity_problems, only: problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck
@@ -35,7 +36,7 @@ contains
 
     call read_text(path, 'a scene or a card deck', text, problems)
     if (problems%count() > 0) return
-    if (is_scene(text)) then
+    if (is_scene(path, text)) then
       call parse_scene(path, text, checked, problems)
     else
       call deck_as_scene(path, text, checked, problems)
@@ -106,7 +107,6 @@ contains
     type(problem_list), intent(inout) :: problems
     type(scene_motion) :: sweep
     character(len=:), allocatable :: other
-    integer :: last
 
     checked%file = path
     checked%text = text
@@ -123,21 +123,21 @@ contains
     checked%motion = sweep
     ! The thesis has no interaction.
     checked%effects%given = by_word
-    ! The first card of a deck is two words; this looks like something else.
-    last = index(text // new_line('a'), new_line('a')) - 1
-    if (problems%count() > 0 .and. scan(text(:last), '=,') > 0) &
-      call problems%add_at(1, 1, 'read as a card deck, as the first character is not ' // &
-                           '''&'': a scene begins with a group, as in &surfaces')
   end subroutine deck_as_scene
 
-  !> Whether a text is a scene: it begins with `&`, comments left out, or is nothing but comments.
-  pure logical function is_scene(text)
-    character(len=*), intent(in) :: text
+  !> Whether a file is meant as a scene: a group begins one of its lines, it is named so, or it is
+  !> nothing but comments, or it has no card of numbers behind the first card, as a deck has, and is
+  !> of no other kind.
+  pure logical function is_scene(path, text)
+    character(len=*), intent(in) :: path, text
     integer :: at
 
     at = text_start(text)
     call skip_blanks(text, at)
-    is_scene = next_character(text, at) == '&' .or. (at > len(text) .and. index(text, '!') > 0)
+    is_scene = group_start(text) > 0 .or. (at > len(text) .and. index(text, '!') > 0)
+    if (is_scene .or. verify(text, blanks) == 0) return
+    is_scene = index(path, '.scene', back=.true.) == max(1, len(path) - 5) .or. &
+               (other_kind(text, [a_scene]) == '' .and. .not. has_cards(text))
   end function is_scene
 
   !> Group &material. A deck brings its own; CSV files do not. The combined modulus may stand for

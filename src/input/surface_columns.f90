@@ -21,13 +21,17 @@ module asperity_surface_columns
   !> Place in `column_names`.
   integer, parameter :: height_column = 3, radius_column = 4
 
+  ! So many names of unread columns are told; the rest is counted.
+  integer, parameter :: most_named = 5
+
   !> What the columns of a file are.
   type :: surface_columns
     integer :: cell_of(4) = 0                 !! cell of each of `column_names`; 0: there is none
     integer :: count = 0                      !! columns of the file
     character(len=1) :: separator = ','       !! what stands between them
     character(len=:), allocatable :: unit     !! of all lengths; empty when the file does not tell
-    character(len=:), allocatable :: others   !! names of the columns that are not read; or empty
+    !> Names of columns that are not read, the first five, and how many there are; or empty.
+    character(len=:), allocatable :: others
   end type surface_columns
 
 contains
@@ -41,8 +45,10 @@ contains
     type(problem_list), intent(inout) :: problems   !! what is wrong
     type(line_cells) :: cells
     character(len=:), allocatable :: name, unit
-    integer :: i, role, last, start
+    integer :: i, role, last, start, unread
+    logical :: is_mixed
 
+    is_mixed = .false.
     last = line_end(text, first)
     cells%separator = separator_of(text(first:last))
     allocate (cells%first(last - first + 2), cells%last(last - first + 2))
@@ -52,6 +58,7 @@ contains
     columns%separator = cells%separator
     columns%unit = ''
     columns%others = ''
+    unread = 0
     if (all_numbers(text, cells)) then
       call problems%add_at(line, 1, 'no header: found numbers in the first line, expected ' // &
                            'x,y,height,radius')
@@ -62,17 +69,18 @@ contains
       role = findloc(column_names == name, .true., 1)
       if (name == '') name = 'column ' // decimal_text(i)
       if (role == 0) then
-        columns%others = columns%others // ', ' // name
+        unread = unread + 1
+        if (unread <= most_named) columns%others = columns%others // ', ' // name
       else if (columns%cell_of(role) > 0) then
         call problems%add_at(line, place(i), 'column ' // name // ' stands twice, expected once')
       else
         columns%cell_of(role) = i
-        if (unit == '') cycle
-        if (columns%unit /= '' .and. columns%unit /= unit) &
-          call problems%add_at(line, place(i), name // ': found unit ' // quoted(unit) // &
-                               ' beside ' // quoted(columns%unit) // ', expected all lengths ' // &
-                               'in one unit')
-        columns%unit = unit
+        if (all(columns%cell_of == 0 .or. columns%cell_of == i)) columns%unit = unit
+        if (columns%unit == unit .or. is_mixed) cycle
+        is_mixed = .true.
+        call problems%add_at(line, place(i), name // ': found ' // unit_in_words(unit) // &
+                             ' beside ' // unit_in_words(columns%unit) // ', expected one ' // &
+                             'unit for all lengths, in each column or in none')
       end if
     end do
     ! A name that is nearly one of those that are missing is no other column.
@@ -86,7 +94,9 @@ contains
       call problems%add_at(line, place(i), 'unknown column: found ' // quoted(name) // &
                            '; did you mean ''' // trim(column_names(role)) // '''?')
     end do
-    if (columns%others /= '') columns%others = columns%others(3:)
+    if (unread > 0) columns%others = columns%others(3:)
+    if (unread > most_named) &
+      columns%others = columns%others // ' and ' // decimal_text(unread - most_named) // ' more'
     name = ''
     do i = 1, height_column
       if (columns%cell_of(i) == 0) name = name // ', ' // trim(column_names(i))
@@ -107,6 +117,15 @@ contains
     end function place
 
   end subroutine read_header
+
+  ! A unit for a message.
+  pure function unit_in_words(unit) result(text)
+    character(len=*), intent(in) :: unit
+    character(len=:), allocatable :: text
+
+    text = 'no unit'
+    if (unit /= '') text = 'unit ' // quoted(unit)
+  end function unit_in_words
 
   ! Whether all cells are numbers: the header is missing.
   pure logical function all_numbers(text, cells)

@@ -8,9 +8,10 @@ module asperity_surface_csv
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: a_surface, other_kind
   use asperity_input_text, only: check_text, line_end, quoted, read_text, text_start
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
+  use asperity_process, only: has_memory
   use asperity_separated_cells, only: cut_line, line_cells, skip_to_line
   use asperity_surface_columns, only: column_names, height_column, radius_column, read_header, &
                                       surface_columns
@@ -129,6 +130,11 @@ contains
     end do
     ! One more than line feeds: never too few.
     rows = before(pieces + 1) + 1
+    if (.not. has_memory(32_int64 * rows)) then
+      problems%lacks_memory = .true.
+      call problems%add_in_file(not_enough_memory // ' for ' // decimal_text(rows) // ' asperities')
+      return
+    end if
     allocate (table%x(rows), table%y(rows), table%height(rows))
     if (table%has_radius .or. present(common_radius)) allocate (table%radius(rows))
     if (present(common_radius)) table%radius = common_radius

@@ -21,7 +21,9 @@ REFUSED = {
     "interaction = 'boundary', boundary_tolerance = 0": "boundary_tolerance: found '0'",
     "interaction = 'boundary', boundary_tolerance = 1.": "boundary_tolerance: found '1.'",
     "interaction = 'boundary', boundary_tolerance = 'x'": "boundary_tolerance: found the text 'x'",
-    "friction = 'on'": "no friction_coefficient in &effects: expected one with friction = 'on'",
+    "friction = 'on'":
+        "friction_coefficient is missing in &effects: found none, expected one with "
+        "friction = 'on'",
     "friction = 'coupled', friction_coefficient = 1": ("friction: found the text 'coupled', "
                                                        "expected 'off', 'on' or 'auto'"),
     "friction = 'on', friction_coefficient = -0.1": ("friction_coefficient: found '-0.1', "

@@ -325,9 +325,9 @@ GOOD = PLAIN.format(number=10, least=0, seed=1, more="")
 
 
 @pytest.mark.parametrize("old, new, complaints", [
-    ("", "", ["a.spec:1:1: no length in &surfaces", "a.spec:1:1: no width in &surfaces",
-              "a.spec:1:1: no number in &surfaces", "a.spec:1:1: no mean in &heights",
-              "a.spec:1:1: no deviation in &heights", "a.spec:1:1: no mean in &radii"]),
+    ("", "", ["a.spec:1:1: &surfaces needs length", "a.spec:1:1: &surfaces needs width",
+              "a.spec:1:1: &surfaces needs number", "a.spec:1:1: &heights needs mean",
+              "a.spec:1:1: &heights needs deviation", "a.spec:1:1: &radii needs mean"]),
     ("number = 10", "number = 2.5, 0", ["a.spec:1:25: number: found '0'"]),
     ("number = 10", "number = 2.5, 3", ["a.spec:1:11: number: found no number"]),
     ("number = 10", "number = 10, 20, 30", ["a.spec:1:11: number: wrong number of values"]),
@@ -348,8 +348,8 @@ GOOD = PLAIN.format(number=10, least=0, seed=1, more="")
     ("seed = 1", "seed = 1.5, ensemble = 0, tries = x", [
         "a.spec:4:16: seed", "a.spec:4:32: ensemble", "a.spec:4:43: tries"]),
     ("seed = 1 /", "seed = 1 /\n&deck /", [
-        "a.spec:5:1: no elastic_modulus", "a.spec:5:1: no poisson_ratio",
-        "a.spec:5:1: no allowed_stress", "a.spec:5:1: the upper surface does not fit",
+        "a.spec:5:1: &deck needs elastic_modulus", "a.spec:5:1: &deck needs poisson_ratio",
+        "a.spec:5:1: &deck needs allowed_stress", "a.spec:5:1: the upper surface does not fit",
         "a.spec:5:1: the lower surface does not fit"]),
     ("&random", "&tilt /\n&random", ["a.spec:4:1: unknown group: found '&tilt'"]),
     ("seed", "sead", ["a.spec:4:9: unknown name in &random: found 'sead'"]),

@@ -427,7 +427,7 @@ def test_micro_signs_are_one_unit(first, second, asperity, tmp_path):
                             loading={"control": "approach", "value": 0.29})
     for name, unit in (("upper", first), ("lower", second)):
         surface = tmp_path / f"pair_{name}.csv"
-        surface.write_text(surface.read_text().replace("height", f"height [{unit}]"),
+        surface.write_text(re.sub(r"\b(x|y|height|radius)\b", rf"\1 [{unit}]", surface.read_text()),
                            encoding="utf-8")
     text = scene.read_text().replace("'pair_lower.csv'", "'pair_lower.csv', units = 'um', 'N'")
     scene.write_text(text)

@@ -72,7 +72,7 @@ WRITTEN = {
     "capitals and blanks": UPPER.replace("x,y,height,radius", " X , Y,HEIGHT , Radius"),
     "byte order mark and CRLF": "\ufeff" + UPPER.replace("\n", "\r\n"),
     "comments": "# made by hand\n" + UPPER.replace("0,0,", "  # the first\n\n0,0,") + "# end\n",
-    "units": UPPER.replace("x,y,height,radius", "x [mm],y (mm),\"height [mm]\",radius"),
+    "units": UPPER.replace("x,y,height,radius", "x [mm],y (mm),\"height [mm]\",radius [mm]"),
     "other columns": "id,x,y,name,height,radius,z\n1,0,0,a,.1,1,-\n2,.1,0,\"b\",.1,1,\n",
     "another order": "radius,height,y,x\n1,.1,0,0\n1,.1,0,.1\n",
 }

@@ -67,7 +67,7 @@ def test_units_of_a_deck(asperity, tmp_path):
     (f"'{17 * 'm'}', 'N'", "expected a text of 1 to 16 bytes"),
     ("'cm', 'N'", "units: found length 'cm' beside 'mm' in the header of a surface")])
 def test_refused(asperity, tmp_path, units, answer):
-    scene = scene_with(tmp_path, f", units = {units}", "x,y,height [mm],radius")
+    scene = scene_with(tmp_path, f", units = {units}", "x [mm],y [mm],height [mm],radius [mm]")
     assert answer in run(asperity, scene, status=2).stderr
 
 

@@ -216,14 +216,14 @@ contains
       's:1:39: unknown name in &surfaces: found ''colour'', expected number, density, ' // &
       'length, width or least_distance' // nl // &
       's:1:34: length: found ''-4.'', expected a number more than 0' // nl // &
-      's:1:1: no width in &surfaces, expected one' // nl // &
+      's:1:1: &surfaces needs width: found none, expected one' // nl // &
       's:1:11: number: found no number of asperities for the upper surface, expected a whole ' // &
       'number from 1 to 20000000' // nl // &
-      's:2:1: no deviation in &heights, expected one, or 0' // nl // &
+      's:2:1: &heights needs deviation: found none, expected one, or 0' // nl // &
       's:2:17: mean: found ''a'', expected a finite number within the range of a double' // &
       nl // &
       's:2:33: lowest_deviation: found beside lowest, expected one of them' // nl // &
-      's:1:1: no mean in &radii, expected one' // nl // &
+      's:1:1: &radii needs mean: found none, expected one' // nl // &
       's:3:16: seed: found ''-1'', expected a whole number from 0 to 2147483647' // nl, 'problems')
   end subroutine bad_spec
 

@@ -593,14 +593,19 @@ contains
     call refuse(error, deck(:len(deck) - 2) // '|radius=1,1 /', '2:1', 'radius: found beside deck')
     call refuse(error, limit // files // '&material elastic_modulus=1,1 /', '1:65', &
                 'no poisson_ratio')
-    call refuse(error, files // '|' // material, '1:1', 'no value in &limit')
-    call refuse(error, files // '|' // material // '&limit /', '2:52', 'no value in &limit')
-    call refuse(error, deck // '|&limit criterion="pressure" /', '2:1', 'no value in &limit')
-    call refuse(error, deck // '|&limit criterion="hardy" /', '2:1', 'no yield_stress in &limit')
-    call refuse(error, deck // '|&limit criterion="greenwood_williamson" /', '2:1', 'no hardness')
+    call refuse(error, files // '|' // material, '1:1', &
+                'no &loading, so control is ''limit'', which needs value in &limit')
+    call refuse(error, files // '|' // material // '&limit /', '2:52', 'no &loading, so control')
+    call refuse(error, deck // '|&limit criterion="pressure" /', '2:1', &
+                'criterion = ''pressure'' needs value in &limit')
+    call refuse(error, deck // '|&limit criterion="hardy" /', '2:1', &
+                'criterion = ''hardy'' needs yield_stress in &limit')
+    call refuse(error, deck // '|&limit criterion="greenwood_williamson" /', '2:1', &
+                'needs hardness')
     call refuse(error, deck // '|&limit criterion="hardy", yield_stress=1, value=2 /', '2:43', &
                 'value: not used with criterion = ''hardy''')
-    call refuse(error, deck // '|&loading control="load" /', '2:1', 'no value in &loading')
+    call refuse(error, deck // '|&loading control="load" /', '2:1', &
+                'control = ''load'' needs value in &loading')
     call refuse(error, deck // '|&loading value=3 /', '2:10', 'value: not used with control')
   end subroutine test_missing
 
@@ -627,7 +632,8 @@ contains
     call refuse(error, deck // '|&effects creep="sometimes" /', '2:16', &
                 'expected ''off'', ''on'' or ''auto''')
     call refuse(error, deck // '|&effects friction="on" /', '2:1', &
-                'no friction_coefficient in &effects: expected one with friction = ''on''')
+                'friction_coefficient is missing in &effects: found none, expected one with ' // &
+                'friction = ''on''')
     call refuse(error, deck // '|&effects friction_coefficient=-0.1 /', '2:31', &
                 'friction_coefficient: found ''-0.1'', expected a number of 0 or more')
     call refuse(error, deck // '|&effects tolerance=0 /', '2:20', &
@@ -660,7 +666,8 @@ contains
          'expected a finite number within the range of a double|' // &
          place // ':2:30: positions: found ''b'', ' // &
          'expected a whole number from 1 to 1000000|' // &
-         place // ':3:1: no value in &limit: expected one with criterion = ''load''|' // &
+         place // ':3:1: no &loading, so control is ''limit'', which needs value in &limit: ' // &
+         'found none, expected one|' // &
          'data/examples/none.csv:1:1: cannot be opened: No such file or directory, ' // &
          'expected comma-separated numbers|'), 'all problems')
   end subroutine test_all_problems
