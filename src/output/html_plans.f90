@@ -217,7 +217,7 @@ contains
     type(text_buffer), intent(inout) :: buffer
     character(len=:), allocatable :: text
 
-    text = '<p>Circles: contacts, each with its area.'
+    text = '<p>Circles: contacts, each with its area, or a dot for a smaller one.'
     if (allocated(scene_in%map)) then
       text = text // ' Line: outline of the map.'
     else

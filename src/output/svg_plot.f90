@@ -28,6 +28,8 @@ module asperity_svg_plot
   real(real64), parameter :: degrees = 57.29577951308232_real64
   ! Steps of a path below this share of its range are rounding.
   real(real64), parameter :: rounding = 1.0e-9_real64
+  ! Smaller circles are drawn as dots, points.
+  real(real64), parameter :: least_radius = 0.5_real64
   ! An arrow needs a branch of this length, points; a curve has no more arrows.
   real(real64), parameter :: shortest_branch = 12.0_real64
   integer, parameter :: most_arrows = 24
@@ -336,8 +338,9 @@ contains
                      '</title></circle>')
   end subroutine dot
 
-  !> A circle at its place and of its size. `stops`: it can be reached with the keyboard, and its
-  !> text appears above the frame then; the others show theirs to the mouse alone.
+  !> A circle at its place and of its size, but no smaller than a dot. `stops`: it can be reached
+  !> with the keyboard, and its text appears above the frame then; the others show theirs to the
+  !> mouse alone.
   subroutine circle(self, x, y, radius, text, stops, buffer)
     class(svg_plot), intent(in) :: self         !! begun, `is_true`
     real(real64), intent(in) :: x               !! across
@@ -350,7 +353,8 @@ contains
 
     drawn = '<circle cx="' // number(place_of(self, 1, x)) // '" cy="' // &
             number(place_of(self, 2, y)) // '" r="' // &
-            readable(radius * (self%frame(1) / (self%across%high - self%across%low)), 3) // &
+            readable(max(least_radius, radius * &
+                         (self%frame(1) / (self%across%high - self%across%low))), 3) // &
             '"><title>' // escaped(text) // '</title></circle>'
     if (stops) then
       call buffer%line('<g class="patch" tabindex="0" role="img" aria-label="' // escaped(text) // &

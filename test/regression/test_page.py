@@ -177,7 +177,8 @@ def test_page_holds_all(name, asperity, tmp_path, tally):
         assert (np.abs(np.ptp(drawn[:, :2], axis=0) - span) < 0.03 + 1e-3 * span).all()
         shift = drawn[:, :2] - true[:, :2] * scale * [1, -1]
         assert (np.ptp(shift, axis=0) < 0.06).all()
-        assert (np.abs(drawn[:, 2] - true[:, 2] * scale) < 0.006 * true[:, 2] * scale + 1e-9).all()
+        radius = np.maximum(true[:, 2] * scale, 0.5)
+        assert (np.abs(drawn[:, 2] - radius) < 0.006 * radius).all()
 
 
 def separation_of(rows):
@@ -285,6 +286,38 @@ def test_plan_of_surfaces(asperity, tmp_path):
     [bar] = [path for path in page.of("path", first) if path["class"] == "bar"]
     length = float(re.search(r"h(\S+?)m", bar["d"])[1]) * across
     assert abs(length - float(page.all[page.all.index(bar) + 1]["text"])) < 0.01
+
+
+@pytest.mark.parametrize("name", ["data/hard/deck_turned.deck", "data/examples/thesis.scene",
+                                  "data/examples/csv_surfaces.scene"])
+def test_contacts_lie_between_their_summits(name, asperity, tmp_path):
+    """The plan has the surfaces where the solver has them: each contact lies on the line from its
+    upper to its lower summit."""
+    page, _, _ = page_of(asperity, name, tmp_path / "r.html", "--contacts", tmp_path / "c")
+    first, *others = drawings(page, "plan of contacts")
+    summits = {}
+    for part in ("lower", "upper"):
+        [group] = [g for g in page.of("g", first) if g.get("id") == part]
+        _, path = page.of("path", group)
+        summits[part] = path_points({"d": re.sub("m.*?(?=M|$)|h0", "", path["d"])})
+    rows = {(row["position"], row["area_no"]): row for row in records(tmp_path / "c")}
+    compared = 0
+    for svg in (first, *others):
+        position = re.search(r"position (\d+)", svg["aria-label"])
+        position = position[1] if position else "1"
+        [shift] = [re.findall(r"-?[\d.]+", use["transform"]) for use in page.of("use", svg)
+                   if use["href"] == "#upper"] or [("0", "0")]
+        for circle in page.of("circle", svg):
+            text = page.of("title", circle)[0]["text"]
+            row = rows[position, text[:text.index(":")]]
+            centre = np.array([float(circle["cx"]), float(circle["cy"])])
+            lower = summits["lower"][int(row["lower"]) - 1]
+            upper = summits["upper"][int(row["upper"]) - 1] + np.array(shift, float)
+            to, along = centre - lower, upper - lower
+            share = to @ along / max(along @ along, 1e-9)
+            assert np.abs(to - share * along).max() < 0.05 and -0.05 < share < 1.05
+            compared += 1
+    assert compared >= 8 and len(rows) >= compared
 
 
 def test_page_of_any_text(asperity, tmp_path):
