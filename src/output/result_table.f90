@@ -5,6 +5,7 @@
 module asperity_result_table
   use asperity_contact_records, only: contact_radius, contact_row, effect_record, position_result, &
                                       state_row
+  use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_results, only: kinds_of_warnings, last_state, nominal_names, nominal_values, &
                                     scene_results
@@ -170,9 +171,30 @@ contains
         call self%put(results%effects%state_columns(i), position%state_values(i))
       end do
     end if
+    if (allocated(results%map)) then
+      call self%put('summit_separation_error', results%map%difference)
+      call self%put('summit_area_error', results%map%area_difference)
+      call self%put('summit_load_error', merge(results%map%load_difference, not_computed, &
+                                               results%map%load_difference < huge(1.0_real64)))
+      call self%put('summit_stiffness_error', results%map%stiffness_difference)
+    end if
     call self%put('warnings', kinds_of_warnings(position))
-    call self%put('error_estimate', position%error_estimate)
+    call fill_estimates(self, results, position)
   end subroutine fill_position
+
+  ! What is estimated of a position: the influence of each effect that is off, the error.
+  subroutine fill_estimates(self, results, position)
+    class(result_table), intent(inout) :: self
+    type(scene_results), intent(in) :: results
+    type(position_result), intent(in) :: position
+    integer :: e
+
+    do e = 1, size(known_effects)
+      if (results%positions(1)%left_out(e) > not_computed) &
+        call self%put(trim(known_effects(e)%name) // '_estimate', position%left_out(e))
+    end do
+    call self%put('error_estimate', position%error_estimate)
+  end subroutine fill_estimates
 
   ! What an effect did at a position: how it was simulated (off: left out), the share of the
   ! vertical load that was estimated and that measured, and how its solve ended.
@@ -210,6 +232,7 @@ contains
     call self%put('vertical_load', state%vertical_load)
     call self%put('time', state%time)
     call fill_nominal(self, results, state)
+    call fill_estimates(self, results, results%positions(m))
   end subroutine fill_state
 
   ! A state over the nominal area, where one is given.

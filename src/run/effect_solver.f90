@@ -122,6 +122,7 @@ contains
       result%x_displacement = pairs%x_displacement
       result%y_displacement = pairs%y_displacement
       call empty_state(self%placed, result, failure)
+      if (.not. allocated(failure)) call estimate_left_out(self, pairs, law, result)
       return
     end if
     call try(too_far)

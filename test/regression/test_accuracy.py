@@ -292,7 +292,7 @@ def test_an_accuracy_that_nothing_has(asperity, root):
 
 def test_effects_that_are_off_count(asperity, root, tmp_path):
     """The influence of what is off: named in the first line, a refusal where it is above the
-    accuracy. Truth of interaction at position 56: 21.5 % of the load (reference_output/boundary)."""
+    accuracy. Truth of interaction at position 56: 21.5 % of the load, reference_output/boundary."""
     position_56 = {"surfaces": {"deck": str(root / "data/thesis.deck")}, "motion": {"x_first": 5.6}}
     scene = write_scene(tmp_path / "off.scene", **position_56)
     for path in (scene, root / "data/thesis.deck"):

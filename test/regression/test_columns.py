@@ -53,15 +53,27 @@ def run(asperity, *words):
 
 @pytest.fixture(scope="module")
 def solved(asperity, tmp_path_factory):
-    """The three files of many scenes, and one of a map that is pressed itself on a nominal area."""
+    """The three files of many scenes: one of a map that is pressed itself on a nominal area, one of
+    the summits of a map, one of effects that are off."""
     folder = tmp_path_factory.mktemp("columns")
     map_scene = write_scene(
         folder / "map.scene", surfaces={"upper": "plane", "nominal_area": 1e-9,
                                         "lower": str(ROOT / "data/examples/summits/rough.sdf")},
         material={"contact_modulus": 1e11}, effects={"interaction": "boundary"},
         loading={"control": "vertical_load", "value": 5e-4, "points": 2})
+    summits = write_scene(
+        folder / "summits.scene", surfaces={"upper": "plane", "lower": str(
+            ROOT / "data/examples/summits/rough.sdf")},
+        material={"contact_modulus": 1e11}, effects={"interaction": "off"},
+        loading={"control": "vertical_load", "value": 5e-4})
+    off = write_scene(
+        folder / "off.scene", surfaces={"deck": str(ROOT / "data/thesis.deck")},
+        effects={**dict.fromkeys(EFFECTS, "off"), "friction_coefficient": 0.1,
+                 "plastic_yield_stress": 6000.0, "work_of_adhesion": 1e-3,
+                 "equilibrium_distance": 1e-7, "relaxation_time": 1.0, "hold_time": 1.0,
+                 "relaxed_modulus_ratio": 0.5})
     tables = {name: [] for name in FILES}
-    for scene in (*SCENES, map_scene):
+    for scene in (*SCENES, map_scene, summits, off):
         words = [word for name in FILES for word in (name, folder / name[2:])]
         run(asperity, "solve", scene, "--quiet", *words)
         for name in FILES:

@@ -205,3 +205,24 @@ def test_a_periodic_map(asperity, tmp_path):
                     "equilibrium_distance": 1e-3}})).status == 2
 
 
+
+
+def test_estimates_stand_in_the_tables(asperity, tmp_path):
+    """Influence of what is off, in positions and states, with a position without contact first; the
+    errors of the summits of a map as the summary has them."""
+    scene = write_csv_scene(tmp_path, CLOSE, BALLS[:1], by_default=True,
+                            motion={"x_first": -30.0, "x_step": 30.0, "positions": 2},
+                            loading={"control": "approach", "value": 1.9},
+                            effects={"interaction": "off", "friction": "off",
+                                     "friction_coefficient": 0.3, "hold_time": 0.0})
+    done = solve(asperity, scene, curve=True)
+    for table in (done.positions, done.curve):
+        for row in table:
+            assert float(row["error_estimate"]) >= float(row["interaction_estimate"]) >= 0.0
+            assert "friction_estimate" in row and "creep_estimate" not in row
+    done = solve(asperity, map_scene(tmp_path, 90.0, "free", interaction="off"), contacts=False)
+    row = row_of(done)
+    told = [float(re.search(rf"^  {name} +([-+][\d.]+) ", done.stdout, re.M).group(1))
+            for name in ("separation", "contact area", "contact stiffness")]
+    for name, value, unit in zip(("separation", "area", "stiffness"), told, (1.0, 100.0, 100.0)):
+        assert unit * float(row[f"summit_{name}_error"]) == pytest.approx(value, abs=0.06)
