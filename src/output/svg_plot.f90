@@ -15,8 +15,8 @@ module asperity_svg_plot
   integer, parameter :: left = 74, right = 26, above = 44, below = 42
   ! Line below a plan with its scale bar, points.
   integer, parameter :: bar_line = 24
-  ! Letters have about this width at most, points: longer text is condensed to its room.
-  real(real64), parameter :: letter = 8.0_real64
+  ! Widths of letters and of the widest ones, points: a longer text is condensed to its room.
+  real(real64), parameter :: letter = 8.0_real64, wide_letter = 13.0_real64
   ! A span of values that are equal but for rounding shows no more of them than this share.
   real(real64), parameter :: least_span = 1.0e-3_real64
   ! Numbers beyond that have no room for a span.
@@ -248,7 +248,8 @@ contains
     if (self%across%unit == 'length') name = readable(length, 1)
     call buffer%line('<path class="bar" d="M0 ' // foot // 'v6m0-3h' // number(points) // &
                      'm0-3v6"/><text x="' // number(points + 8) // '" y="' // &
-                     number(self%frame(2) + below + 15) // '">' // escaped(name) // '</text>')
+                     number(self%frame(2) + below + 15) // '"' // &
+                     fitted(name, width + right - points - 16) // '>' // escaped(name) // '</text>')
   end subroutine put_bar
 
   ! Condenses a text that may be wider than its room.
@@ -256,9 +257,17 @@ contains
     character(len=*), intent(in) :: text
     real(real64), intent(in) :: room
     character(len=:), allocatable :: attribute
+    real(real64) :: needed
+    integer :: i
 
+    needed = 0.0_real64
+    do i = 1, len(text)
+      ! A letter has one byte that does not continue it (UTF-8).
+      if (iachar(text(i:i)) < 128 .or. iachar(text(i:i)) > 191) &
+        needed = needed + merge(wide_letter, letter, scan(text(i:i), 'MWmw%@') > 0)
+    end do
     attribute = ''
-    if (letter * len(text) > room) &
+    if (needed > room) &
       attribute = ' textLength="' // number(room) // '" lengthAdjust="spacingAndGlyphs"'
   end function fitted
 

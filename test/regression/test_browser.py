@@ -49,7 +49,7 @@ def long_words(folder, name="long"):
                             tilt={"rotation": (0.2, -0.1)},
                             loading={"control": "approach", "value": 0.25})
     scene.write_text(scene.read_text().replace(
-        "&surfaces ", "&surfaces units = 'kilofurlongsabcd', 'micropoundforces', "))
+        "&surfaces ", "&surfaces units = 'WWWWWWWWWWWWWWWW', 'micropoundforces', "))
     return scene
 
 
