@@ -50,8 +50,9 @@ contains
       call describe_effects(text)
     end if
     call text%line('')
-    call text%line('Exit status: 0 done, 1 could not be computed, ' // &
-                   '2 bad command line or bad input')
+    call text%line('Exit status: 0 the chosen model was solved to the stated tolerance ' // &
+                   '(warnings say where')
+    call text%line('it does not apply), 1 could not be computed, 2 bad command line or bad input')
 
   contains
 

@@ -35,7 +35,8 @@ contains
       end do
     end do
     call text%line('.SH EXIT STATUS')
-    call text%line('0 done, 1 could not be computed, 2 bad command line or bad input.')
+    call text%line('0 the chosen model was solved to the stated tolerance, 1 could not be ' // &
+                   'computed, 2 bad command line or bad input.')
   end subroutine write_manual_page
 
   !> Words after a Tab in bash: `source <(asperity --completion)`.

@@ -75,7 +75,7 @@ module asperity_option_table
       'real64 (default), real32, real128 or ibm370; effects and paths are computed in real64 ' // &
       'only'), &
     option_entry('solve', '--accuracy', 'ERROR', &
-      'take the cheapest way with this relative error of arithmetic and model, as 1e-3'), &
+      'take the cheapest way with this relative error, as 1e-3; effects that are off count'), &
     option_entry('solve', '--budget', '', 'print the error of every total, by source'), &
     option_entry('solve', '--threads', 'N', &
       'threads (default: one a core, or one for little work); the same bytes for any'), &

@@ -34,7 +34,7 @@ typedef struct asperity_outcome asperity_outcome;
 
 /* What became of a call. */
 enum {
-  ASPERITY_DONE = 0,         /* the numbers are right */
+  ASPERITY_DONE = 0,         /* the chosen model was solved to the stated tolerance */
   ASPERITY_NOT_COMPUTED = 1, /* ASPERITY_FAILURE says why */
   ASPERITY_BAD_INPUT = 2     /* asperity_get_problem or ASPERITY_PROBLEMS says all that is wrong */
 };
