@@ -272,7 +272,7 @@ def test_warnings_and_nan(package):
     """A warning comes from the line that called; a cell that is empty in the file is NaN."""
     with pytest.warns(package.TheoryWarning, match="position 18 and 2 more: contact circles") as it:
         results = package.solve(ROOT / "data/examples/thesis.scene")
-    assert it[0].filename == __file__ and len(it) == len(results.warnings) == 2
+    assert it[0].filename == __file__ and len(it) == len(results.warnings) == 3
     assert np.isnan(results.positions["error_estimate"]).all()
     assert len(results.notes) == 1 and "8 lower asperities are higher" in results.notes[0]
 
