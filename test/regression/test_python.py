@@ -273,7 +273,10 @@ def test_warnings_and_nan(package):
     with pytest.warns(package.TheoryWarning, match="position 18 and 2 more: contact circles") as it:
         results = package.solve(ROOT / "data/examples/thesis.scene")
     assert it[0].filename == __file__ and len(it) == len(results.warnings) == 3
-    assert np.isnan(results.positions["error_estimate"]).all()
+    assert min(results.positions["error_estimate"]) >= 0
+    coupled = package.solve({"surfaces": {"deck": str(ROOT / "data/thesis.deck")},
+                             "effects": {"interaction": "coupled"}})
+    assert np.isnan(coupled.positions["interaction_estimate"]).all()
     assert len(results.notes) == 1 and "8 lower asperities are higher" in results.notes[0]
 
 
