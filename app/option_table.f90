@@ -78,7 +78,8 @@ module asperity_option_table
       'take the cheapest way with this relative error, as 1e-3; effects that are off count'), &
     option_entry('solve', '--budget', '', 'print the error of every total, by source'), &
     option_entry('solve', '--threads', 'N', &
-      'threads (default: one a core, or one for little work); the same bytes for any'), &
+      'threads (default: one a core, or one for little work); the same bytes for any; on a ' // &
+      'busy machine set OMP_WAIT_POLICY=passive'), &
     option_entry('solve', '--keep', 'FILE', &
       'keep positions that are solved; a rerun goes on there'), &
     option_entry('solve', '--share', 'I/N', &
