@@ -4,15 +4,15 @@ module asperity_height_map
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
   implicit none
   private
 
   public :: height_map, change_unit, length_units, unit_number, unit_ratio, plain_unit, &
             no_height, is_measured, is_length, make_room, read_height, expected_length, &
-            number_text, most_samples, digit_of, no_power, edge_names, index_beside, level_mean, &
-            level_names, level_none, level_plane, usual_level
+            most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
+            level_none, level_plane, usual_level
 
   !> Edges: the half-space goes on without load beyond a free map; a periodic map repeats itself.
   character(len=*), parameter :: edge_names(2) = [character(len=8) :: 'free', 'periodic']
@@ -144,9 +144,8 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! why not
 
     if (.not. has_memory(8_int64 * int(map%columns, int64) * int(map%rows, int64))) then
-      failure = 'not enough memory for the map, ' // &
-                number_text(int(map%columns, int64)) // ' x ' // &
-                number_text(int(map%rows, int64)) // ' samples'
+      failure = not_enough_memory // ' for the map, ' // decimal_text(map%columns) // ' x ' // &
+                decimal_text(map%rows) // ' samples'
       return
     end if
     allocate (map%height(map%columns, map%rows))
@@ -178,15 +177,5 @@ contains
     digit_of = 0.0_real64
     if (power < no_power) digit_of = 10.0_real64**power
   end function digit_of
-
-  !> A whole number as text without blanks.
-  pure function number_text(value) result(text)
-    integer(int64), intent(in) :: value    !! any
-    character(len=:), allocatable :: text  !! its digits
-    character(len=20) :: digits
-
-    write (digits, '(i0)') value
-    text = trim(digits)
-  end function number_text
 
 end module asperity_height_map

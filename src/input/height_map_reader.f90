@@ -1,8 +1,8 @@
 !> Reads a height map; what kind of file it is, its content tells.
 module asperity_height_map_reader
-  use asperity_height_map, only: expected_length, height_map, is_length, is_measured, number_text
+  use asperity_height_map, only: expected_length, height_map, is_length, is_measured
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: problem_list, real_text
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_sdf_header, only: is_sdf, magic_length, read_binary_header, read_text_header, &
                                  sdf_header
   use asperity_sdf_samples, only: read_sdf_samples
@@ -120,7 +120,7 @@ contains
       call read_text_map(file, spacing, option, shared, progress, map, problems, failure)
     end if
     if (allocated(file%failure) .and. problems%count() == before) &
-      call problems%add_in_file('byte ' // number_text(file%before + int(file%at, int64)) // &
+      call problems%add_in_file('byte ' // decimal_text(file%before + int(file%at, int64)) // &
                                 ': ' // file%failure)
     if (allocated(failure)) failure = path // ': ' // failure
     if (problems%count() == before .and. .not. allocated(failure)) call check_map(map, problems)
@@ -147,8 +147,7 @@ contains
     integer :: row
 
     if (min(map%columns, map%rows) < fewest) then
-      call problems%add_in_file('found ' // number_text(int(map%columns, int64)) // ' x ' // &
-                                number_text(int(map%rows, int64)) // &
+      call problems%add_in_file('found ' // decimal_text(map%columns) // ' x ' // decimal_text(map%rows) // &
                                 ' samples, expected at least 3 x 3')
       return
     end if

@@ -397,16 +397,14 @@ contains
     character(len=*), intent(in) :: group, name
     integer, intent(in) :: wanted
     integer(int64) :: there
-    character(len=20) :: digits
 
     at = self%item_of(group, name)
     if (at == 0) return
     there = values_at(self%list, at)
     if (there == int(wanted, int64) .and. .not. self%list%items(at)%is_broken) return
     if (.not. self%list%items(at)%is_broken) then
-      write (digits, '(i0)') there
-      call self%complain_of(group, name, 'wrong number of values: found ' // trim(digits) // &
-                            ', expected ' // decimal_text(wanted))
+      call self%complain_of(group, name, 'wrong number of values: found ' // &
+                            decimal_text(there) // ', expected ' // decimal_text(wanted))
     end if
     at = 0
   end function values_of

@@ -3,14 +3,14 @@ module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: change_unit, edge_names, expected_length, height_map, is_length, &
-                                 length_units, level_names, level_plane, number_text, &
-                                 plain_unit, unit_number, usual_level
+                                 length_units, level_names, level_plane, plain_unit, unit_number, &
+                                 usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: quoted
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero
-  use asperity_problems, only: problem_list, real_text
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &
                                    effect_off, effect_words, scene, scene_surface, solves_pixels
@@ -198,7 +198,7 @@ contains
       type(height_map), intent(in) :: map
       character(len=:), allocatable :: text
 
-      text = number_text(int(map%columns, int64)) // ' x ' // number_text(int(map%rows, int64))
+      text = decimal_text(map%columns) // ' x ' // decimal_text(map%rows)
     end function grid
 
     function length(map) result(text)

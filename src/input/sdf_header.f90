@@ -5,7 +5,7 @@
 !> of Olympus has 8 more, the whole numbers 5 and 1.
 module asperity_sdf_header
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_height_map, only: expected_length, is_length, number_text
+  use asperity_height_map, only: expected_length, is_length
   use asperity_input_text, only: lower_case, quoted
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral, read_whole_number
@@ -317,7 +317,7 @@ contains
     integer, intent(in) :: record                  !! 1 the header, 2 the data
     character(len=*), intent(in) :: message        !! what is wrong, found, expected
 
-    call problems%add_in_file('byte ' // number_text(byte) // ', record ' // &
+    call problems%add_in_file('byte ' // decimal_text(byte) // ', record ' // &
                               decimal_text(record) // ': ' // message)
   end subroutine add_at_record
 

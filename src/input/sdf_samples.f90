@@ -6,7 +6,7 @@
 !> are text of the maker, which is noted, or refused: the header may be longer than it should be.
 module asperity_sdf_samples
   use asperity_height_map, only: digit_of, height_map, is_measured, make_room, most_samples, &
-                                 no_height, no_power, number_text, read_height
+                                 no_height, no_power, read_height
   use asperity_input_text, only: blanks, lower_case, quoted
   use asperity_kinds, only: int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
@@ -40,15 +40,15 @@ contains
     ! Here every count has at most 32 bits.
     least = header%points * header%profiles
     if (least > most_samples .or. least / header%points /= header%profiles) then
-      call problems%add_in_file('found ' // number_text(header%points) // ' x ' // &
-                                number_text(header%profiles) // ' samples, expected at most ' // &
-                                number_text(most_samples))
+      call problems%add_in_file('found ' // decimal_text(header%points) // ' x ' // &
+                                decimal_text(header%profiles) // ' samples, expected at most ' // &
+                                decimal_text(most_samples))
       return
     end if
     ! A sample of a text takes two bytes at least.
     least = least * merge(int(type_bytes(header%data_type), int64), 2_int64, header%binary)
     if (file%length >= 0_int64 .and. least > file%length - here(file) + 1_int64) then
-      call too_short(number_text(file%length) // ' bytes')
+      call too_short(decimal_text(file%length) // ' bytes')
       return
     end if
     others = 0_int64
@@ -66,8 +66,8 @@ contains
     end if
     call shown%finish()
     if (others > 0_int64) &
-      call map%notes%add_in_file('note: ' // number_text(others) // ' samples are ' // &
-           number_text(other_limit(header)) // ', which other programs take for missing; here ' // &
+      call map%notes%add_in_file('note: ' // decimal_text(others) // ' samples are ' // &
+           decimal_text(other_limit(header)) // ', which other programs take for missing; here ' // &
            'they are heights')
     map%digit = map%digit * header%scale(3)
 
@@ -77,10 +77,10 @@ contains
       character(len=*), intent(in) :: found
 
       call problems%add_in_file('found ' // found // ', expected ' // &
-                                number_text(header%points) // ' x ' // &
-                                number_text(header%profiles) // ' samples of ' // &
+                                decimal_text(header%points) // ' x ' // &
+                                decimal_text(header%profiles) // ' samples of ' // &
                                 trim(type_names(header%data_type)) // &
-                                ' as the header says, at least ' // number_text(least) // &
+                                ' as the header says, at least ' // decimal_text(least) // &
                                 ' bytes behind it')
     end subroutine too_short
 
@@ -154,7 +154,7 @@ contains
                                  // 'the samples are not read')
     else
       call add_at_record(problems, place, 2, 'bytes beyond header and samples: found ' // &
-                         number_text(file%count_bytes() - place + 1_int64) // ', expected none, ' &
+                         decimal_text(file%count_bytes() - place + 1_int64) // ', expected none, ' &
                          // 'or text; perhaps the header is longer than that of the standard')
     end if
   end subroutine read_bytes
@@ -304,9 +304,9 @@ contains
         call file%next(word)
         if (word%length == 0 .or. word%text(:max(1, word%length)) == '*') then
           call problems%add_at(word%line, word%column, 'the samples end behind ' // &
-                               number_text(int(profile - 1, int64) * map%columns + i - 1) // &
-                               ', expected ' // number_text(header%points) // ' x ' // &
-                               number_text(header%profiles))
+                               decimal_text(int(profile - 1, int64) * map%columns + i - 1) // &
+                               ', expected ' // decimal_text(header%points) // ' x ' // &
+                               decimal_text(header%profiles))
           return
         end if
         call read_height(word%text(:word%length), height, good, power)
@@ -348,8 +348,8 @@ contains
       return
     end do
     call problems%add_at(word%line, word%column, 'found ' // quoted(word%text(:word%length)) // &
-                         ' behind ' // number_text(header%points) // ' x ' // &
-                         number_text(header%profiles) // ' samples, expected an asterisk, and ' // &
+                         ' behind ' // decimal_text(header%points) // ' x ' // &
+                         decimal_text(header%profiles) // ' samples, expected an asterisk, and ' // &
                          'no number behind it')
   end subroutine read_words
 

@@ -3,9 +3,8 @@
 !>
 !> The layout is refused where it can be read in two ways.
 module asperity_text_layout
-  use asperity_height_map, only: number_text
   use asperity_kinds, only: int64
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: decimal_text, problem_list
   use asperity_text_header, only: head_length, is_surface_header, read_header, text_header
   use asperity_token_reader, only: token_reader
   implicit none
@@ -274,8 +273,8 @@ contains
     do i = a_tab, a_semicolon
       if (counts%ended(i) == 0_int64 .or. (i == a_tab .and. i /= index(signs, layout%cell_end)) &
           .or. (i == index(signs, layout%cell_end) .and. counts%ended(i) == layout%lines)) cycle
-      call problems%add_in_file('found ' // number_text(counts%ended(i)) // ' of ' // &
-                                number_text(layout%lines) // ' lines that end with ' // &
+      call problems%add_in_file('found ' // decimal_text(counts%ended(i)) // ' of ' // &
+                                decimal_text(layout%lines) // ' lines that end with ' // &
                                 trim(gap_names(i)) // ', expected all, between cells too, or none')
     end do
 

@@ -3,8 +3,8 @@
 !> `find_layout` finds lines, columns, separator and units before the numbers are read.
 module asperity_text_map
   use asperity_height_map, only: change_unit, digit_of, height_map, is_length, is_measured, &
-                                 length_units, make_room, most_samples, no_power, number_text, &
-                                 read_height, unit_number, unit_ratio
+                                 length_units, make_room, most_samples, no_power, read_height, &
+                                 unit_number, unit_ratio
   use asperity_input_text, only: quoted
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
@@ -218,7 +218,7 @@ contains
     logical :: good
 
     if (layout%columns * layout%lines > most_samples .or. layout%lines > most_samples) then
-      call problems%add_in_file('found more than ' // number_text(most_samples) // &
+      call problems%add_in_file('found more than ' // decimal_text(most_samples) // &
                                 ' samples, expected at most so many')
       return
     end if
@@ -303,9 +303,9 @@ contains
       grid = all(is_length(map%spacing)) .and. lines <= most_samples
     end if
     if (.not. grid) then
-      call problems%add_at(ahead%line, ahead%column, 'found ' // number_text(lines) // &
-                           ' lines x,y,z, of them ' // number_text(along(2)%sharing) // &
-                           ' with the least y and ' // number_text(along(1)%sharing) // &
+      call problems%add_at(ahead%line, ahead%column, 'found ' // decimal_text(lines) // &
+                           ' lines x,y,z, of them ' // decimal_text(along(2)%sharing) // &
+                           ' with the least y and ' // decimal_text(along(1)%sharing) // &
                            ' with the least x, expected a full regular grid')
       return
     end if

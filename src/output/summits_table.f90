@@ -2,7 +2,8 @@
 module asperity_summits_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_csv, only: csv_line
-  use asperity_height_map, only: height_map, level_names, number_text
+  use asperity_height_map, only: height_map, level_names
+  use asperity_problems, only: decimal_text
   use asperity_kinds, only: int64, real64
   use asperity_map_statistics, only: map_statistics
   use asperity_map_levelling, only: is_flat
@@ -31,8 +32,8 @@ contains
     type(map_statistics), intent(in) :: found     !! of both
     type(text_buffer), intent(inout) :: buffer    !! the text
 
-    call buffer%line(printable(path) // ': ' // number_text(int(map%columns, int64)) // ' x ' // &
-                     number_text(int(map%rows, int64)) // ' samples, level: ' // &
+    call buffer%line(printable(path) // ': ' // decimal_text(map%columns) // ' x ' // &
+                     decimal_text(map%rows) // ' samples, level: ' // &
                      trim(level_names(choices%level)) // ', rule: ' // &
                      trim(rule_names(choices%rule)) // ', radius: ' // &
                      trim(radius_names(choices%radius)) // &
@@ -68,7 +69,7 @@ contains
       character(len=*), intent(in) :: name
       integer(int64), intent(in) :: value
 
-      call put(name, number_text(value), '', '')
+      call put(name, decimal_text(value), '', '')
     end subroutine whole
 
     ! A value in a power of the unit of length, and what theory expects.
