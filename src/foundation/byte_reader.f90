@@ -135,6 +135,7 @@ contains
       self%failure = 'cannot be read: more than ' // decimal_text(longest_file) // ' bytes'
     if (allocated(self%failure)) return
     call self%take(int(self%length), bytes)
+    if (allocated(self%failure)) return
     if (self%at > self%used) call self%more()
     if (self%at <= self%used) &
       self%failure = 'cannot be read whole: it became longer while it was read'

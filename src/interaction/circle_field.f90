@@ -35,9 +35,9 @@ module asperity_circle_field
   !> Circles or near pairs from which on threads share the work: less takes microseconds.
   integer, parameter, public :: many = 1000
 
-  ! Of a near pair: its terms, its two circles, its places in lists. Of a circle: what products
-  ! and steps need, most of it blocks of circles, the largest.
-  integer(int64), parameter :: bytes_of_pair = 88_int64, bytes_of_circle = 1200_int64
+  ! Of a near pair: its terms, its two circles, its places in lists, the lists that blocks are made
+  ! from. Of a circle: what products and steps need, most of it blocks of circles, the largest.
+  integer(int64), parameter :: bytes_of_pair = 136_int64, bytes_of_circle = 1600_int64
 
   ! Pairs whose terms are found together.
   integer, parameter :: a_batch = 65536

@@ -119,10 +119,10 @@ contains
 
     ! The blocks, their sums over squares, and what all alike would change.
     subroutine prepare_blocks()
-      real(real64) :: ones(3, size(set%x))
+      real(real64), allocatable :: ones(:, :)
 
       call factor_blocks(set, flat * off, blocks)
-      ones = 0.0_real64
+      allocate (ones(3, size(set%x)), source=0.0_real64)
       ones(1, :) = 1.0_real64
       even = 0.0_real64
       if (allocated(coarse%square)) then
