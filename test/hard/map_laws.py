@@ -64,7 +64,8 @@ def write(scene, folder, name="s"):
     files = [*files, "plane"][:2]
     words = dict(zip(("upper", "lower") if scene.over else ("lower", "upper"), files))
     text = ""
-    for group, names in {"surfaces": {}, **scene.groups}.items():
+    effects = {"interaction": "off", **scene.groups.get("effects", {})}
+    for group, names in {"surfaces": {}, **scene.groups, "effects": effects}.items():
         names = {**words, **names} if group == "surfaces" else names
         text += f"&{group} " + ", ".join(f"{key} = {scenes.text_of(value)}"
                                          for key, value in names.items()) + " /\n"

@@ -53,7 +53,9 @@ def write(scene, folder, name="s"):
         rows = "".join(",".join(map(repr, row)) + "\n" for row in getattr(scene, side))
         (folder / f"{name}_{side}.csv").write_text("x,y,height,radius\n" + rows, encoding="ascii")
     text = f"&surfaces upper = '{name}_upper.csv', lower = '{name}_lower.csv' /\n"
-    for group, names in scene.groups.items():
+    # Effects that a scene does not name are off.
+    effects = {"interaction": "off", "plasticity": "off", **scene.groups.get("effects", {})}
+    for group, names in {**scene.groups, "effects": effects}.items():
         words = ", ".join(f"{key} = {text_of(value)}" for key, value in names.items())
         text += f"&{group} {words} /\n"
     (folder / f"{name}.scene").write_text(text, encoding="ascii")
