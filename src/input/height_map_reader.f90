@@ -147,7 +147,8 @@ contains
     integer :: row
 
     if (min(map%columns, map%rows) < fewest) then
-      call problems%add_in_file('found ' // decimal_text(map%columns) // ' x ' // decimal_text(map%rows) // &
+      call problems%add_in_file('found ' // decimal_text(map%columns) // ' x ' // &
+                                decimal_text(map%rows) // &
                                 ' samples, expected at least 3 x 3')
       return
     end if

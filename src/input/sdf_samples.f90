@@ -67,7 +67,8 @@ contains
     call shown%finish()
     if (others > 0_int64) &
       call map%notes%add_in_file('note: ' // decimal_text(others) // ' samples are ' // &
-           decimal_text(other_limit(header)) // ', which other programs take for missing; here ' // &
+           decimal_text(other_limit(header)) // ', which other programs take for missing; ' // &
+           'here ' // &
            'they are heights')
     map%digit = map%digit * header%scale(3)
 
@@ -349,7 +350,8 @@ contains
     end do
     call problems%add_at(word%line, word%column, 'found ' // quoted(word%text(:word%length)) // &
                          ' behind ' // decimal_text(header%points) // ' x ' // &
-                         decimal_text(header%profiles) // ' samples, expected an asterisk, and ' // &
+                         decimal_text(header%profiles) // ' samples, expected an asterisk, ' // &
+                         'and ' // &
                          'no number behind it')
   end subroutine read_words
 
