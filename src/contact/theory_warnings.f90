@@ -12,7 +12,8 @@ module asperity_theory_warnings
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
             of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
             of_unlike_bodies, of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, &
-            of_border, of_resolution, of_flat_map, of_off, of_barred, of_error
+            of_border, of_resolution, of_flat_map, of_off, of_barred, of_error, &
+            of_nested
 
   !> Places of the kinds in `warning_kinds`, where each is described.
   enum, bind(c)
@@ -20,7 +21,7 @@ module asperity_theory_warnings
       of_tabor, of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
       of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, of_unlike_bodies, &
       of_yield_strain, of_flow_depth, of_unloading_depth, of_missing, of_border, of_resolution, &
-      of_flat_map, of_off, of_barred, of_error
+      of_flat_map, of_off, of_barred, of_error, of_nested
   end enum
 
   !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`. A star stands for the effect.
@@ -137,7 +138,12 @@ module asperity_theory_warnings
     warning_kind('error', 0.0_real64, .true., &
       'the estimated error is above the tolerance', &
       'is that of the load, or of the compression where a load is asked for', &
-      'take the results with this error')]
+      'take the results with this error'), &
+    warning_kind('nested', 0.02_real64, .true., &
+      'a contact overlaps the circle of one 3 times blunter', &
+      'of the load: error_estimate may be too small (limit 2 %)', &
+      'set interaction = ''auto'', which resolves them', &
+      'expect an error of up to 10 times error_estimate')]
 
   !> One kind of warning at one position.
   type :: theory_warning

@@ -15,7 +15,7 @@ module asperity_interaction
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
   use asperity_solve_ending, only: solve_ending
-  use asperity_theory_warnings, only: of_area, warn
+  use asperity_theory_warnings, only: of_area, of_nested, warn, warning_kinds
   implicit none
   private
 
@@ -33,7 +33,8 @@ module asperity_interaction
   end type interaction_effect
 
   ! What a solve has found is kept as numbers: a row of what is of all, then a row by pair.
-  integer, parameter :: cells = 1, error = 2, area_error = 3, residual = 4, iterations = 5
+  integer, parameter :: cells = 1, error = 2, area_error = 3, residual = 4, iterations = 5, &
+                        nested = 6
   integer, parameter :: penetration = 1, area = 2, pressure = 3, resolved = 4
 
 contains
@@ -113,6 +114,10 @@ contains
                           of_all(area_error)]
       if (alone > 0.0_real64) outcome%of_state(2) = together / alone
       outcome%error = of_all(error)
+      if (of_all(nested) > warning_kinds(of_nested)%limit) &
+        call warn(outcome%warnings, of_nested, of_all(nested), &
+                  whose=merge('other laws than Hertz', '                     ', &
+                              .not. same_type_as(state%law, hertz_law())))
     end associate
     outcome%influence = outcome%of_state(2) - 1.0_real64
     outcome%influence_known = .true.
@@ -175,10 +180,11 @@ contains
       return
     end if
     closing = solution%coupled%closing
-    allocate (found(1 + size(solution%area), iterations), source=0.0_real64)
+    allocate (found(1 + size(solution%area), nested), source=0.0_real64)
     associate (coupled => solution%coupled)
       found(1, :) = [real(solution%cells, real64), solution%error, solution%area_error, &
-                     coupled%ending%residual, real(coupled%ending%iterations, real64)]
+                     coupled%ending%residual, real(coupled%ending%iterations, real64), &
+                     merge(solution%nested, 0.0_real64, which == resolve_none)]
       found(2:, penetration) = coupled%penetration
     end associate
     found(2:, area) = solution%area

@@ -41,12 +41,14 @@ module asperity_circle_error
   real(real64), parameter :: fourth_power = 3.5_real64
   ! Residual of the weights, a share; of a weight, what is told, as it is of first order.
   real(real64), parameter :: weight_left = 0.03_real64, weight_told = 2.0_real64
+  ! Ratio of radii from which on a contact that overlaps the circle of a blunter one is nested.
+  real(real64), parameter :: blunter = 3.0_real64
 
 contains
 
   !> Loads that the contacts may be off by, over the modulus: a bound observed, not proved. Zero
   !> where open and with nothing to tell. Elastic contacts.
-  subroutine find_errors(pairs, solution, hosts, error, shape, of_closing)
+  subroutine find_errors(pairs, solution, hosts, error, shape, of_closing, nested)
     type(contact_pairs), intent(in) :: pairs           !! the position
     type(coupled_solution), intent(inout) :: solution  !! solved; stays
     integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
@@ -55,9 +57,13 @@ contains
     !> relative error of the closing at a load over that of the load L at a closing c:
     !! L/(c dL/dc), 2/3 for a Hertz contact alone
     real(real64), intent(out) :: of_closing
+    !> share of the load on contacts that overlap the circle of one at least `blunter` times
+    !! blunter: their errors may be larger than indicated
+    real(real64), intent(out) :: nested
     type(source_tree) :: tree
     integer, allocatable :: number(:)
     real(real64) :: weight(size(solution%set%number)), tangent
+    logical :: is_nested(size(weight))
     integer :: i, j, k, l
 
     error = 0.0_real64
@@ -69,11 +75,12 @@ contains
       !$omp parallel do private(i) schedule(static) if(size(set%number) > many)
       do k = 1, size(set%number)
         i = set%number(k)
-        call judge_circle(pairs, solution, k, error(i), shape(i))
+        call judge_circle(pairs, solution, k, error(i), shape(i), is_nested(k))
         error(i) = weight(k) * error(i)
         shape(i) = weight(k) * shape(i)
       end do
       !$omp end parallel do
+      nested = sum(set%load, mask=is_nested) / sum(set%load)
       call open_about(pairs, solution, 1.0_real64, tree, number)
       do l = 1, size(number)
         i = number(l)
@@ -137,11 +144,12 @@ contains
   end subroutine open_about
 
   ! One circle.
-  subroutine judge_circle(pairs, solution, k, error, shape)
+  subroutine judge_circle(pairs, solution, k, error, shape, is_nested)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
     real(real64), intent(out) :: error, shape
+    logical, intent(out) :: is_nested
     real(real64) :: a, p, r, way(2), apart, distance, emitted, overlap, nearest, shift, gone
     integer :: l, j
 
@@ -151,11 +159,13 @@ contains
       r = pairs%list(set%number(k))%radius
       overlap = 0.0_real64
       nearest = huge(1.0_real64)
+      is_nested = .false.
       do l = set%tree%first(k), set%tree%first(k + 1) - 1
         j = set%tree%near(l)
         distance = norm2(from_other(set, j, k))
         if (.not. distance < a + set%circle(j)) cycle
         nearest = min(nearest, distance / max(a, set%circle(j)))
+        is_nested = is_nested .or. pairs%list(set%number(j))%radius >= blunter * r
         ! A half of what the two of them may be off by.
         overlap = overlap + 0.5_real64 * min(set%load(k), set%load(j)) * &
           merge(taken_inside, taken, distance < inside * max(a, set%circle(j)))

@@ -36,6 +36,7 @@ module asperity_joint_contacts
     integer :: rounds = 0                           !! of circles and cells
     real(real64) :: error = 0.0_real64              !! estimate, a share of load or closing
     real(real64) :: area_error = 0.0_real64         !! estimate, a share of the area
+    real(real64) :: nested = 0.0_real64             !! share of the load on nested contacts
     character(len=:), allocatable :: failure        !! why there is none
   end type joint_solution
 
@@ -95,7 +96,7 @@ contains
       total = sum(coupled%set%load)
       ! Else nothing touches.
       if (total > 0.0_real64) &
-        call find_errors(pairs, coupled, hosts, error, shape, of_closing)
+        call find_errors(pairs, coupled, hosts, error, shape, of_closing, solution%nested)
       if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
       area_error = 0.0_real64
       associate (set => coupled%set)

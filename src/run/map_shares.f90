@@ -95,13 +95,15 @@ contains
     type(height_map), intent(in) :: map     !! levelled
     real(real64), intent(in) :: tolerance   !! share of the load that may be left out
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+    real(real64), parameter :: rounding = 1.0e-9_real64  ! of a ridge along the border
     real(real64) :: missing, ratio
 
     missing = count(.not. is_measured(map%height)) / real(size(map%height), real64)
     if (missing > tolerance) call warn(warnings, of_missing, missing)
     if (.not. map%periodic) return
     ratio = max(border_ratio(map%height, 1), border_ratio(map%height, 2))
-    if (ratio > warning_kinds(of_border)%limit) call warn(warnings, of_border, ratio)
+    if (ratio > warning_kinds(of_border)%limit * (1.0_real64 + rounding)) &
+      call warn(warnings, of_border, ratio)
   end subroutine warn_of_map
 
   ! Second differences across the border lines of a periodic map, root of their mean square along a

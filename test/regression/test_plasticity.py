@@ -14,6 +14,7 @@ from surfaces_csv import write_scene
 
 ONSET = 1.9 * float(STEEL.critical_overlap)
 # The steel of Jackson and Green: on a rigid flat, or on its like with twice the modulus.
+SIDES = ("upper", "lower")
 MATERIAL = {"modulus": float(STEEL.modulus), "ratio": 0.32}
 ON = {"plasticity": "on", "plastic_yield_stress": 0.9115}
 
@@ -337,3 +338,47 @@ def test_many_turns_do_not_drift(asperity, tmp_path, tally):
     tally.add("plasticity: thousand turns, to the bit", len(loads), len(loads) if same else 0)
     assert len(loads) == 1000 and same
     assert by_position(run.contacts)[1][-1]["largest_overlap"] == run.contacts[0]["largest_overlap"]
+
+
+@pytest.mark.parametrize("body", [None, "upper", "lower"])
+@pytest.mark.parametrize("ball", ["upper", "lower"])
+def test_body_that_yields(ball, body, asperity, tmp_path):
+    """A ball of nu = 0.49 on a rigid plane of nu = 0.3, by the law of Jackson and Green with C of
+    the body that the scene names, by default of the ball, which is softer."""
+    flat = "upper" if ball == "lower" else "lower"
+    yields = body or ball
+    poisson = {ball: "0.49", flat: "0.3"}
+    modulus = mpf(1000) / (1 - mpf("0.49")**2)
+    nu = mpf(poisson[yields])
+    law = Sphere(modulus * (1 - nu**2), nu, "2", "1")
+    (tmp_path / "ball.csv").write_text("x,y,height,radius\n0,0,0.5,1\n")
+    x = (10, 40, 90)
+    run = solved(asperity, write_scene(
+        tmp_path / "ball.scene", surfaces={ball: "ball.csv", flat: "plane"},
+        material={"elastic_modulus": [1000 if side == ball else 1e30 for side in SIDES],
+                  "poisson_ratio": [float(poisson[side]) for side in SIDES]},
+        loading={"control": "approach",
+                 "value": tuple(0.5 - v * float(law.critical_overlap) for v in x)},
+        effects={"interaction": "off", "plasticity": "on", "plastic_yield_stress": 2.0,
+                 **({"plastic_body": body} if body else {})}))
+    assert f"the {yields} body yields" in run.stdout
+    curve = run.curve[-len(x):]
+    w = [mpf(row["approach"]) for row in curve]
+    x = [(mpf("0.5") - v) / law.critical_overlap for v in w]
+    load = off(column(curve, "load"), [law.published(v) * law.critical_load for v in x])
+    area = off(column(curve, "area"), [law.area(v) * law.critical_area for v in x])
+    assert max(*load, *area) < 1e-11, (load, area)
+
+
+@pytest.mark.parametrize("modulus, ratio, yields", [
+    ((1e3, 2e3), (0.3, 0.3), "upper"), ((2e3, 1e3), (0.2, 0.4), "lower"),
+    ((1e3, 1e3), (0.4, 0.2), "lower"), ((1e3, 1e3), (0.2, 0.4), "upper")])
+def test_softer_body_yields(modulus, ratio, yields, asperity, tmp_path):
+    """The smaller modulus; of equal moduli the smaller Poisson's ratio."""
+    (tmp_path / "ball.csv").write_text("x,y,height,radius\n0,0,0.5,1\n")
+    run = solved(asperity, write_scene(
+        tmp_path / "ball.scene", surfaces={"upper": "plane", "lower": "ball.csv"},
+        material={"elastic_modulus": modulus, "poisson_ratio": ratio},
+        loading={"control": "approach", "value": 0.499},
+        effects={"plasticity": "on", "plastic_yield_stress": 2.0}))
+    assert f"the {yields} body yields" in run.stdout

@@ -303,3 +303,29 @@ def test_surface_that_cannot_be_packed(study, tmp_path):
     done = study(text, "--csv", "a.csv", status=1)
     assert "surface 1: the upper surface cannot be packed" in done.stderr
     assert not (tmp_path / "a.csv").exists()
+
+
+def test_contact_area_above_the_nominal_area(study):
+    """Caps that touch nearly everywhere: no number where the area per nominal area is above 1."""
+    dense = (spec(least=0, ensemble=2).replace("0.5, 0.4", "1., 1.")
+             .replace("1.2, 0.9", "20., 20.").replace("30., 32.", "20., 20.").replace("28.", "20."))
+    areas = {}
+    low, high = 0.2, 0.38
+    for _ in range(12):
+        middle = (low + high) / 2
+        text = dense.replace("separation = 0.2", f"separation = {middle}")
+        try:
+            found = study(text, "--csv", "a.csv")
+            areas[0] = area_per_area(found.stdout)
+            high = middle
+        except AssertionError as error:
+            areas[1] = float(re.search(r"contact area is (\S+) times the nominal", str(error))[1])
+            low = middle
+    assert 0.99 < areas[0] <= 1 < areas[1] < 1.01
+
+
+def area_per_area(summary):
+    """The larger of the integral and of the mean over the largest sections."""
+    section = summary.partition("contact area per area")[2].splitlines()
+    integral = next(line for line in section if "Greenwood-Tripp" in line)
+    return max(float(section[2].split()[2]), float(integral.split()[1]))

@@ -175,7 +175,7 @@ contains
     type(coupled_solution) :: solution
     real(real64), parameter :: apart_by(4) = [0.0_real64, 1.0e-12_real64, 1.0e-8_real64, &
                                               1.0e-3_real64]
-    real(real64) :: around(5), east(5), off(5), shape(5), told, share, zeros(5)
+    real(real64) :: around(5), east(5), off(5), shape(5), told, share, nested, zeros(5)
     integer :: hosts(5), i, k, n
 
     zeros = 0.0_real64
@@ -189,7 +189,8 @@ contains
         call check(error, size(solution%set%x), 1, 'one contact in one place')
         call check(error, sum(solution%set%load) / depth**1.5_real64, 4.0_real64 / 3.0_real64, &
                    1.0e-6_real64, 'load in one place')
-        call find_errors(pairs, solution, hosts(:n), off(:n), shape(:n), share)
+        call find_errors(pairs, solution, hosts(:n), off(:n), shape(:n), share, nested)
+        call check(error, nested <= 0.0_real64, 'no radius is larger')
         call check(error, share, 2.0_real64 / 3.0_real64, 1.0e-6_real64, 'L/(c dL/dc)')
         told = sum(off(:n)) / sum(solution%set%load)
         call check(error, told <= 2.0_real64 * n * apart_by(k) + 1.0e-12_real64 .and. &
