@@ -115,12 +115,12 @@ contains
     if (line%accuracy > 0 .and. line%arithmetic /= '') &
       call problems%add('--accuracy chooses the arithmetic: leave out --arithmetic')
     if (line%accuracy > 0 .and. line%output('--keep') /= '') &
-      call problems%add('--accuracy solves a sweep in several ways, --keep keeps one: ' // &
+      call problems%add('--accuracy solves a sweep by several methods, --keep saves one: ' // &
                         'expected one of both')
     if (line%output('--output') /= '' .and. line%output('--upper') /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     if (line%cost .and. line%budget) &
-      call problems%add('--cost tells nothing of --budget, expected one of both')
+      call problems%add('--cost does not estimate --budget, expected one of both')
     call check_share(line, problems)
     call check_files(line, problems)
     call check_endings(line, problems)
@@ -234,8 +234,8 @@ contains
     if (line%share(2) > 1) then
       if (line%output('--keep') == '' .or. allocated(line%parts)) &
         call problems%add('--share: expected one --keep with the file of this part')
-      if (line%cost) call problems%add('--cost tells nothing of --share, expected one of both')
-      if (line%budget) call problems%add('--budget is of the whole, expected no --share beside it')
+      if (line%cost) call problems%add('--cost does not estimate --share, expected one of both')
+      if (line%budget) call problems%add('--budget needs all positions, expected no --share beside it')
     end if
     if (.not. allocated(line%parts)) return
     do i = 1, size(line%parts)

@@ -14,12 +14,12 @@ module asperity_help
   character(len=*), parameter :: next_steps(*) = [character(len=82) :: &
     'asperity: contact between rough surfaces of spherical asperities', &
     '', &
-    'Three ways to begin:', &
-    '  asperity data/thesis.deck     the report of the 1970s program, as it was printed', &
-    '  asperity solve SCENE          two surfaces of your own: data/examples has scenes', &
+    'Three commands to begin with:', &
+    '  asperity data/thesis.deck     the printed report of the 1970s program', &
+    '  asperity solve SCENE          contact of two surfaces: data/examples has scenes', &
     '  asperity summits MAP          a measured height map: statistics and summits', &
     'Then:', &
-    '  asperity accuracy             what accuracy costs in time', &
+    '  asperity accuracy             run time and error of every method', &
     '  asperity --help               all commands and options', &
     'With fpm: fpm run -- data/thesis.deck']
 

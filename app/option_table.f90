@@ -30,101 +30,103 @@ module asperity_option_table
     command_entry('solve', 'SCENE', 'scene', &
       'Solves a scene, or the sweep of a card deck, and prints a summary.'), &
     command_entry('accuracy', '[DECK or SCENE]', 'deck or scene', &
-      'Computes a scene in every way that can serve it and prints time and errors of each; a ' // &
-      'sweep to the limit load in more of them. Without a file it takes data/thesis.deck of ' // &
-      'the current folder.'), &
+      'Solves a scene by every method that applies and prints run time and errors of each. A ' // &
+      'sweep to the limit load is solved by more methods. Default: data/thesis.deck.'), &
     command_entry('generate', 'SPEC', 'specification', &
-      'Makes random surfaces from a specification: CSV, or a card deck when it has a group ' // &
-      '&deck. Without options the upper surface, or the deck, is printed. A % in a file''s ' // &
-      'name stands for the surface''s number in the ensemble.'), &
+      'Generates random surfaces from a specification, as CSV, or as a card deck where it has ' // &
+      'a group &deck. Without options the upper surface, or the deck, is printed. A % in a ' // &
+      'file name is replaced by the number of the surface in the ensemble.'), &
     command_entry('study', 'SPEC', 'specification', &
-      'Presses an ensemble of random surfaces together, cuts them into smaller and smaller ' // &
-      'sections and tells which size speaks for the whole.'), &
+      'Brings an ensemble of random surfaces into contact, evaluates sections of decreasing ' // &
+      'size and prints the smallest representative area.'), &
     command_entry('summits', 'MAP', 'map', &
-      'Finds the summits of a measured height map and prints statistics. A map is a surface ' // &
-      'data file (ISO 25178-71), a matrix of heights with --spacing, or x,y,z lines of a full ' // &
-      'regular grid; its content tells which.')]
+      'Finds the summits of a measured height map and prints statistics. Formats, recognised ' // &
+      'by content: surface data file (ISO 25178-71), matrix of heights with --spacing, x,y,z ' // &
+      'lines of a full regular grid.')]
 
   !> In the order of the help.
   type(option_entry), parameter :: options(*) = [ &
     option_entry('', '--arithmetic', 'NAME', 'ibm370 (default), real32, real64 or real128'), &
     option_entry('', '--tables', 'LIST', &
-      'positions whose contact table is printed: none, all, or numbers from 1 to 100 with ' // &
-      'commas (default 13,55,56)'), &
+      'positions whose contact table is printed: none, all, or numbers from 1 to 100 ' // &
+      'separated by commas (default 13,55,56)'), &
     option_entry('', '--contacts', 'FILE', 'write every contact of every approach as CSV'), &
     option_entry('', '--positions', 'FILE', 'write the last approach of every position as CSV'), &
     option_entry('', '--carriage-control', '', &
-      'keep the line printer''s column one (1, 0, blank)'), &
+      'print the carriage control characters of column one (1, 0, blank)'), &
     option_entry('', '--fault-free', 'LIST', &
-      'mend faults of the original (docs/faults.md): all, or of divisor, drift, overlap, ' // &
-      'overshoot, list, no-pair, reach, normal-load, shift, left-out, start-value, count ' // &
-      'those named, with commas'), &
+      'correct faults of the original (docs/faults.md): all, or names separated by commas: ' // &
+      'divisor, drift, overlap, overshoot, list, no-pair, reach, normal-load, shift, left-out, ' // &
+      'start-value, count'), &
     option_entry('', '--variance', 'FILE', 'write Table VI with all digits as CSV'), &
     option_entry('solve', '--contacts', 'FILE', 'write every contact of every state as CSV'), &
     option_entry('solve', '--positions', 'FILE', 'write the last state of every position as CSV'), &
     option_entry('solve', '--curve', 'FILE', 'write the totals of every state as CSV'), &
     option_entry('solve', '--units', '', &
-      'begin CSV files with a line # that names the units'), &
+      'begin CSV files with a comment line (#) that lists the units'), &
     option_entry('solve', '--json', 'FILE', &
-      'write scene, results and where they come from as JSON'), &
+      'write scene, results and provenance as JSON'), &
     option_entry('solve', '--vtk', 'FILE', &
-      'write contacts as points with values (.vtp, for ParaView)'), &
+      'write contacts as points with values (VTK PolyData, .vtp, for ParaView)'), &
     option_entry('solve', '--html', 'FILE', &
-      'write a page with summary, curve, contacts in plan and warnings, for any browser'), &
+      'write an HTML page with summary, warnings, curves and a plan of the contacts'), &
     option_entry('solve', '--arithmetic', 'NAME', &
       'real64 (default), real32, real128 or ibm370; effects and paths are computed in real64 ' // &
       'only'), &
     option_entry('solve', '--accuracy', 'ERROR', &
-      'take the cheapest way with this relative error, as 1e-3; effects that are off count'), &
-    option_entry('solve', '--budget', '', 'print the error of every total, by source'), &
+      'choose the fastest method with an estimated relative error below ERROR, for instance ' // &
+      '1e-3; effects that are off count'), &
+    option_entry('solve', '--budget', '', &
+      'print the error budget of every total: arithmetic, step, model'), &
     option_entry('solve', '--threads', 'N', &
-      'threads (default: one a core, or one for little work); the same bytes for any; on a ' // &
-      'busy machine set OMP_WAIT_POLICY=passive'), &
+      'number of threads (default: all cores, 1 for small scenes); results do not depend on ' // &
+      'it; on a busy machine set OMP_WAIT_POLICY=passive'), &
     option_entry('solve', '--keep', 'FILE', &
-      'keep positions that are solved; a rerun goes on there'), &
+      'save solved positions in FILE; a rerun continues from it'), &
     option_entry('solve', '--share', 'I/N', &
-      'do part I of N and keep it, write nothing else; a run with the --keep files of all ' // &
-      'parts, one option each, gives the whole'), &
-    option_entry('solve', '--cost', '', 'tell what time and memory it will take, and end'), &
+      'solve part I of N and save it with --keep, write no other output; a run with the ' // &
+      '--keep files of all parts, one option each, writes the outputs'), &
+    option_entry('solve', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('solve', '--quiet', '', 'print no summary'), &
     option_entry('accuracy', '--seconds', 'S', &
-      'time that may be spent (default 60); ways that take longer are left out'), &
+      'time limit in seconds (default 60); slower methods are left out'), &
     option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
-    option_entry('accuracy', '--html', 'FILE', 'write a page: slide to an error, read the way'), &
-    option_entry('accuracy', '--cost', '', 'tell what time and memory it will take, and end'), &
+    option_entry('accuracy', '--html', 'FILE', 'write an HTML page: choose an error, read the method'), &
+    option_entry('accuracy', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('accuracy', '--quiet', '', 'print no table'), &
     option_entry('generate', '--output', 'FILE', &
-      'write the upper surface, or the deck, to a file'), &
+      'write the upper surface, or the deck'), &
     option_entry('generate', '--upper', 'FILE', 'write the upper surface as CSV; not for a deck'), &
     option_entry('generate', '--lower', 'FILE', 'write the lower surface as CSV; not for a deck'), &
     option_entry('generate', '--surface', 'N', 'only surface N of the ensemble'), &
-    option_entry('generate', '--cost', '', 'tell what time and memory it will take, and end'), &
+    option_entry('generate', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('study', '--csv', 'FILE', 'write the table with all digits'), &
-    option_entry('study', '--keep', 'FILE', 'keep surfaces that are done; a rerun goes on there'), &
+    option_entry('study', '--keep', 'FILE', 'save solved surfaces in FILE; a rerun continues from it'), &
     option_entry('study', '--share', 'I/N', &
-      'do part I of N and keep it, write nothing else; a run with the --keep files of all ' // &
-      'parts, one option each, gives the whole'), &
-    option_entry('study', '--cost', '', 'tell what time and memory it will take, and end'), &
+      'solve part I of N and save it with --keep, write no other output; a run with the ' // &
+      '--keep files of all parts, one option each, writes the outputs'), &
+    option_entry('study', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('study', '--quiet', '', 'print no table'), &
     option_entry('summits', '--output', 'FILE', 'write the summits as CSV: x,y,height,radius'), &
     option_entry('summits', '--rule', 'NAME', &
-      'eight (default): higher than all eight neighbours; contact: to be pressed: edges ' // &
-      'mirrored, ridges filled'), &
+      'eight (default): higher than all eight neighbours; contact: summits for a contact ' // &
+      'calculation, with mirrored edges and filled ridges'), &
     option_entry('summits', '--level', 'NAME', &
-      'level of the heights: plane of least squares (default of a free map), mean (default of ' // &
-      'a periodic one), or none: as they are'), &
+      'subtract from the heights: plane (least squares; default of a free map), mean (default ' // &
+      'of a periodic map), none'), &
     option_entry('summits', '--edge', 'NAME', &
-      'free (default), or periodic: the map repeats itself'), &
+      'edge of the map: free (default) or periodic'), &
     option_entry('summits', '--radius', 'NAME', &
-      'from second differences: neighbours (default of eight), 1 over their mean; geometric ' // &
-      '(default of contact), over their geometric mean; paraboloid, over nine samples'), &
-    option_entry('summits', '--despike', '', 'take single outliers out, and tell how many'), &
-    option_entry('summits', '--spacing', 'X,Y', 'from sample to sample of a matrix, in its unit'), &
+      'radius from second differences: neighbours (default of eight), inverse of their mean; ' // &
+      'geometric (default of contact), inverse of their geometric mean; paraboloid, fit to ' // &
+      'nine pixels'), &
+    option_entry('summits', '--despike', '', 'remove single outliers and print their number'), &
+    option_entry('summits', '--spacing', 'X,Y', 'pixel spacing of a matrix, in its unit of length'), &
     option_entry('summits', '--unit', 'NAME', &
-      'm, mm, um, nm, cm or in, for all that is written (default: as in the file; metres of a ' // &
-      'surface data file)'), &
+      'unit of length of all outputs: m, mm, um, nm, cm or in (default: that of the file; m ' // &
+      'for a surface data file)'), &
     option_entry('summits', '--picture', 'FILE', 'draw the map and its summits (SVG)'), &
-    option_entry('summits', '--cost', '', 'tell what time and memory it will take, and end'), &
+    option_entry('summits', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('summits', '--quiet', '', 'print no summary')]
 
 contains

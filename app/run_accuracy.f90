@@ -64,14 +64,14 @@ contains
     pieces = most_ways
     if (is_sweep) pieces = pieces + number_of_ways(is_thesis_sweep(scene_in)) + number_of_rungs
     if (line%cost) then
-      cost%pieces = 'ways of computing'
+      cost%pieces = 'methods'
       cost%total = pieces
       cost%most_seconds = seconds
       seconds = min(seconds, seconds_of_trial)
       call cpu_time(cost%begun)
     end if
     least_seconds = min(seconds_a_row, seconds / (2 * pieces))
-    call progress%begin(.true., 'ways of computing', pieces, 0)
+    call progress%begin(.true., 'methods', pieces, 0)
     ! A sweep to the limit has a study of its own behind, which takes longer.
     call allowance%begin(merge(share_of_ways, 1.0_real64, is_sweep) * seconds)
     call run_way_study(scene_in, 0.25_real64 * least_seconds, allowance, progress, table, &

@@ -33,7 +33,7 @@ contains
     call write_standard_error(deck%notes%text())
     request%keep_contacts = line%printed .or. line%output('--contacts') /= ''
     if (any(line%mended)) call write_standard_error(line%input // &
-      ': note: some faults are mended: this is not what the original printed' // new_line('a'))
+      ': note: faults are corrected: this is not what the original printed' // new_line('a'))
     do i = 1, size(line%mended)
       if (line%mended(i)) call mend_fault(i, request%mended)
     end do

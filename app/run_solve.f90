@@ -174,7 +174,7 @@ contains
         (allocated(scene_in%map) .and. line%share(2) > 1)) &
       call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
                         counted(merge(1, scene_in%motion%positions, allocated(scene_in%map)), &
-                                'position') // ', expected no more parts than positions')
+                                'position') // ', expected at most as many parts as positions')
     written = scene_in%effects
     call written%drop_unwritten()
     if (.not. (written%any_on() .or. allocated(scene_in%loading%path))) return

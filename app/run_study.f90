@@ -42,7 +42,7 @@ contains
       if (line%share(2) > spec%surfaces%ensemble) &
         call outcome%problems%add('--share: found ' // decimal_text(line%share(2)) // &
                                   ' parts of ' // decimal_text(spec%surfaces%ensemble) // &
-                                  ' surfaces, expected no more parts than surfaces')
+                                  ' surfaces, expected at most as many parts as surfaces')
     end if
     if (outcome%problems%count() > 0) return
     options%progress = image_number() == 1

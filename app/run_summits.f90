@@ -73,7 +73,7 @@ contains
     call read_height_map(line%input, line%spacing, .true., map, outcome%problems, outcome%failure, &
                          '--spacing')
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
-    cost%pieces = 'rows of ' // decimal_text(map%columns) // ' samples'
+    cost%pieces = 'rows of ' // decimal_text(map%columns) // ' pixels'
     cost%total = map%rows
     cost%tried = min(rows_tried, map%rows)
     part%columns = map%columns

@@ -74,7 +74,7 @@ contains
         end if
       else if (any(known%group == name .and. known%group_at > 0)) then
         call problems%add_at_byte(list%text, list%items(i)%first - 1, 'group &' // name // &
-                                  ' stands twice, expected once')
+                                  ' occurs twice, expected once')
       else
         where (known%group == name) known%group_at = i
       end if
@@ -103,7 +103,7 @@ contains
       else if (known(k)%group_at /= list%items(i)%group) then
         cycle
       else if (known(k)%at > 0) then
-        call problems%add_at_byte(list%text, list%items(i)%first, name // ' stands twice in &' // &
+        call problems%add_at_byte(list%text, list%items(i)%first, name // ' occurs twice in &' // &
                                   group // ', expected once')
       else
         known(k)%at = i

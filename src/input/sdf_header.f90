@@ -98,7 +98,7 @@ contains
       call file%next_line(text, line, column)
       if (.not. allocated(text)) then
         call problems%add_at(line, column, 'the file ends in the header, expected a line with ' // &
-                             'one asterisk, and samples')
+                             'one asterisk, and pixels')
         return
       end if
       call cut_comment(header, text)
@@ -120,7 +120,7 @@ contains
       if (equals > first) i = findloc(lower_all(), lower_case(trim(text(first:equals - 1))), 1)
       if (i == 0) cycle
       if (seen(i)) call problems%add_at(line, first, trim(fields(i)) // &
-                                        ' stands twice, expected once')
+                                        ' occurs twice, expected once')
       seen(i) = .true.
       first = equals + verify(text(equals + 1:) // '.', ' ' // achar(9))
       call take_field(i, text(first:max(last, first - 1)), line, first, header, problems)

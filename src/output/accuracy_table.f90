@@ -36,13 +36,13 @@ contains
     character(len=170) :: line
     integer :: i, k
 
-    call buffer%line('Time a position, and largest (mean) relative error over all positions. ' // &
+    call buffer%line('Time per position, and largest (mean) relative error over all positions. ' // &
                      'Reference: exact events in real128.')
-    call buffer%line('* the cheapest way for its accuracy')
+    call buffer%line('* Pareto front: no other method is faster and more accurate')
     call buffer%line('')
-    call buffer%line('  arithmetic way      step    overlap    us/position  spread    ratio  ' // &
-                     'load              area              pressure          approach' // &
-                     '          contacts')
+    call buffer%line('  arithmetic method   step    overlap    us/position  spread    ratio  ' // &
+                     'load              area              pressure          separation' // &
+                     '        contacts')
     do i = 1, size(rows)
       write (line, row_format) &
         merge('*', ' ', rows(i)%on_front), rows(i)%arithmetic // '   ', way_name(rows(i)), &
@@ -52,7 +52,7 @@ contains
       call buffer%line(line)
     end do
     if (ways_left_out > 0) &
-      call buffer%line('left out: ' // decimal_text(ways_left_out) // ' ways that take longer ' // &
+      call buffer%line('left out: ' // decimal_text(ways_left_out) // ' methods that take longer ' // &
                        'than --seconds allow')
     call write_rungs(rungs, minval(rows%seconds), left_out, buffer)
   end subroutine write_accuracy_table
@@ -69,13 +69,12 @@ contains
     integer :: i
 
     call buffer%line('')
-    call buffer%line('Model: what taking neighbouring contacts together costs. Largest (mean) ' // &
-                     'difference of the factor,')
-    call buffer%line('load together over load of the same contacts each alone, to the finest ' // &
-                     'cells.')
+    call buffer%line('Model: cost of elastic interaction. Largest (mean) error of the ratio of ' // &
+                     'the load to that of the same contacts as')
+    call buffer%line('isolated contacts; reference: the finest boundary elements.')
     call buffer%line('')
-    call buffer%line('  interaction tolerance             us/position  spread    ratio  factor' // &
-                     '              at position')
+    call buffer%line('  interaction tolerance             us/position  spread    ratio  load ratio' // &
+                     '          at position')
     do i = 1, size(rungs)
       tolerance = '-'
       if (rungs(i)%tolerance > 0.0_real64) write (tolerance, '(es7.0e2)') rungs(i)%tolerance
@@ -92,7 +91,7 @@ contains
         position
       call buffer%line(line)
     end do
-    if (left_out /= '') call buffer%line('the ladder ends here: ' // left_out)
+    if (left_out /= '') call buffer%line('no finer level: ' // left_out)
   end subroutine write_rungs
 
   !> The same with all digits. Rungs of the model follow the ways; what does not apply to a row is
@@ -107,8 +106,8 @@ contains
 
     call buffer%line('arithmetic,method,step,overlap,seconds_per_position,spread,ratio,' // &
                      'load_max,load_mean,area_max,area_mean,pressure_max,pressure_mean,' // &
-                     'approach_max,approach_mean,contacts_max,contacts_mean,worst,front,' // &
-                     'interaction,tolerance,factor_max,factor_mean,factor_worst_position,' // &
+                     'separation_max,separation_mean,contacts_max,contacts_mean,worst,pareto,' // &
+                     'interaction,tolerance,load_ratio_max,load_ratio_mean,load_ratio_worst_position,' // &
                      way_columns)
     do i = 1, size(rows)
       call line%put(trim(rows(i)%arithmetic))

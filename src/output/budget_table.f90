@@ -36,13 +36,13 @@ contains
     end do
     if (positions > 1) call buffer%line('+- is the largest over the positions.')
     if (budget%by_reference) then
-      reference = 'real128 is the reference itself; what remains is the rounding of printed doubles'
+      reference = 'real128 is the reference; the rest is the rounding of printed doubles'
     else
       reference = 'against real128'
     end if
     if (budget%without_effects) reference = reference // ', without effects'
     call buffer%line('Arithmetic: ' // reference // '.')
-    call buffer%line('Step: exact events take no steps.')
+    call buffer%line('Step: none, as events are solved exactly.')
     call write_model(budget%model, buffer)
   end subroutine write_budget
 
@@ -70,23 +70,23 @@ contains
     if (allocated(model%why_not)) then
       call buffer%line('Model: not estimated: ' // model%why_not // '.')
     else if (model%interaction == effect_boundary) then
-      call buffer%line('Model: interaction ''boundary'' is the reference itself.')
+      call buffer%line('Model: interaction ''boundary'' is the reference.')
     else
       call buffer%line('Model: interaction ''' // trim(effect_words(model%interaction)) // &
-                       ''' against ''boundary'' at the same approach, by the load of the')
-      call buffer%line('contacts together over their load each alone, so that ' // &
-                       'inclination counts alike.')
+                       ''' against ''boundary'' at the same separation, by the load of')
+      call buffer%line('all contacts over their load as isolated contacts, so that both ' // &
+                       'include the inclination.')
     end if
     if (.not. allocated(model%why_not)) &
-      call buffer%line('Load on cells: good to' // short(model%cells_are_good_to) // &
-                       ' of it (boundary_tolerance).')
+      call buffer%line('Load by boundary elements: relative error' // &
+                       short(model%cells_are_good_to) // ' (boundary_tolerance).')
     if (model%known(of_area) == share_measured) &
-      call buffer%line('Area: compared in plan; that of cells is corrected at their rim, ' // &
-                       'good to some 0.3 %.')
+      call buffer%line('Area: compared in plan; boundary elements with a rim correction, ' // &
+                       'relative error about 0.3 %.')
     if (model%known(of_load) /= share_given .and. model%known(of_approach) == share_given) &
-      call buffer%line('Approach: given, or that at which a contact by itself reaches its limit.')
+      call buffer%line('Separation: given, or that at which an isolated contact reaches its limit.')
     if (model%known(of_load) == share_given .and. model%known(of_approach) == share_measured) &
-      call buffer%line('Approach: by as much as the model''s share moves it at the given load.')
+      call buffer%line('Separation: its change by the error of the model at the given load.')
     if (any(model%known == share_unknown) .and. .not. allocated(model%why_not)) &
       call buffer%line('Not estimated: ' // unknown_because(model))
   end subroutine write_model
@@ -97,9 +97,9 @@ contains
     character(len=:), allocatable :: text
 
     if (model%interaction == effect_boundary) then
-      text = 'there is nothing finer to compare cells with.'
+      text = 'no finer model to compare boundary elements with.'
     else
-      text = 'at a given load the areas of both ways belong to different approaches.'
+      text = 'at a given load the areas of the two models belong to different separations.'
     end if
   end function unknown_because
 

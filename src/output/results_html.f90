@@ -95,7 +95,7 @@ contains
     character(len=82) :: cells(4)
     integer :: i, k
 
-    call list_totals(results, lines)
+    call list_totals(scene_in, results, lines)
     if (lines(1)%known == 1) then
       call begin_table('totals at the end', [character(len=8) :: 'total', 'value'], buffer)
     else

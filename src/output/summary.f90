@@ -1,21 +1,25 @@
 !> What `asperity solve` prints: a short readable summary.
 module asperity_summary
-  use asperity_contact_records, only: state_row
+  use asperity_contact_records, only: asked_nothing, position_result, state_row
   use asperity_corrected_table, only: corrected_table, stage_name
   use asperity_effect_names, only: known_effects
+  use asperity_decimal, only: decimal_to_real64
   use asperity_effects_summary, only: effects_in_words, write_effects
+  use asperity_html_page, only: readable
   use asperity_kinds, only: not_computed, real64
   use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
                                        slope_row, total_area_row, total_difference_row, &
                                        total_load_row
   use asperity_position_lists, only: counted, percent, positions_listed
-  use asperity_problems, only: decimal_text, real_text
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_results, only: last_state, map_record, scene_results
-  use asperity_scene_values, only: control_limit, control_words, criterion_none, criterion_words, &
-                                   effect_off, scene, scene_map
+  use asperity_scene_values, only: control_limit, control_load, control_pressure, &
+                                   control_vertical_load, control_words, criterion_none, &
+                                   criterion_words, effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
-  use asperity_totals_table, only: write_totals
-  use asperity_unit_names, only: has_units, units_in_words
+  use asperity_totals_table, only: load_is_met, summary_digits, write_totals
+  use asperity_unit_names, only: is_area, is_force, is_length, is_number, unit_of, with_unit
+  use asperity_warning_lines, only: list_warnings
   implicit none
   private
 
@@ -24,42 +28,85 @@ module asperity_summary
 
 contains
 
-  !> The scene, how it was solved, and the totals over its positions.
+  !> The scene and its model, the totals over its positions, their error estimate and warnings, the
+  !> ends of a load path, what each effect changed.
   subroutine write_summary(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in         !! what was solved
+    type(scene), intent(in) :: scene_in         !! the scene
     type(scene_results), intent(in) :: results  !! its results
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the lines
 
     call write_heading(scene_in, results, buffer)
     call buffer%line('')
-    call write_totals(results, buffer)
+    call write_totals(scene_in, results, buffer)
     call buffer%line('')
+    call write_errors(scene_in, results, buffer)
     call write_remarks(scene_in, results, buffer)
+    call write_path(scene_in, results, buffer)
     call write_effects(results, buffer)
     if (allocated(results%map)) call write_map_table(results%map, .not. uses_samples(results), &
                                                      buffer)
   end subroutine write_summary
 
-  !> What was solved and how, in three lines, and the units where they have names.
+  !> Surfaces, model and control, in two lines.
   subroutine write_heading(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in         !! what was solved
+    type(scene), intent(in) :: scene_in         !! the scene
     type(scene_results), intent(in) :: results  !! its results
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the lines
+    character(len=:), allocatable :: model
 
     call buffer%line(scene_in%file // ': ' // surfaces_in_words(scene_in) // ', ' // &
                      counted(size(results%positions), 'position'))
-    call buffer%line('solved in ' // trim(results%arithmetic) // ', exact events, effects: ' // &
-                     effects_in_words(results))
-    call buffer%line('control: ' // trim(control_words(scene_in%loading%control)) // &
-                     limit_text(scene_in))
-    if (has_units(scene_in)) call buffer%line('units: ' // units_in_words(scene_in))
+    model = effects_in_words(results)
+    if (model == 'none') model = 'elastic, frictionless, non-interacting contacts (Hertz)'
+    call buffer%line('model: ' // model // '; control: ' // &
+                     trim(control_words(scene_in%loading%control)) // limit_text(scene_in) // &
+                     '; arithmetic: ' // trim(results%arithmetic))
   end subroutine write_heading
 
-  !> What the totals do not tell: limits reached, positions without contact, circles that overlap.
+  ! The largest error estimates over the positions, and the warnings.
+  subroutine write_errors(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: results
+    type(text_buffer), intent(inout) :: buffer
+    type(problem_list) :: warnings
+    character(len=:), allocatable :: text
+    real(real64) :: area_error
+    integer :: column, m
+
+    text = ''
+    if (any(results%positions%error_estimate > not_computed)) &
+      text = trim(merge('load       ', 'compression', &
+                        any(results%positions(1)%states%asked == asked_nothing) .and. &
+                        all(last_asked(results%positions) == asked_nothing))) // ' ' // &
+             percent(maxval(results%positions%error_estimate))
+    area_error = not_computed
+    if (allocated(results%effects)) then
+      column = findloc(results%effects%state_columns, 'area_error_estimate', 1)
+      do m = 1, merge(size(results%positions), 0, column > 0)
+        area_error = max(area_error, results%positions(m)%state_values(column))
+      end do
+    end if
+    if (area_error > not_computed) then
+      if (text /= '') text = text // ', '
+      text = text // 'contact area ' // percent(area_error)
+    end if
+    if (text /= '') call buffer%line('estimated error: ' // text)
+    call list_warnings('', results, warnings)
+    call buffer%append(warnings%text())
+  end subroutine write_errors
+
+  ! Which load the last state of each position was to meet.
+  pure elemental integer function last_asked(position)
+    type(position_result), intent(in) :: position
+
+    last_asked = position%states(size(position%states))%asked
+  end function last_asked
+
+  !> Limits reached, positions without contact, overlapping circles.
   subroutine write_remarks(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in         !! what was solved
+    type(scene), intent(in) :: scene_in         !! the scene
     type(scene_results), intent(in) :: results  !! its results
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the lines
     type(state_row) :: last
     integer :: m, without
 
@@ -77,6 +124,75 @@ contains
       call buffer%line(overlap_text(results%positions%overlapping_circles, &
                                     scene_in%effects%mode('interaction') == effect_off))
   end subroutine write_remarks
+
+  ! The state at each value of a load path, and the state of the largest load.
+  subroutine write_path(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: results
+    type(text_buffer), intent(inout) :: buffer
+    character(len=*), parameter :: heads(5) = [character(len=18) :: 'vertical load', &
+      'contact area', 'separation', 'compression', 'contacts']
+    integer, parameter :: dimensions(5) = [is_force, is_area, is_length, is_length, is_number]
+    character(len=120) :: line
+    character(len=20) :: cell
+    real(real64), allocatable :: values(:)
+    integer :: at, i, k, last
+
+    if (.not. allocated(scene_in%loading%path) .or. size(results%positions) /= 1) return
+    allocate (values(size(scene_in%loading%path)))
+    values(:) = decimal_to_real64(scene_in%loading%path)
+    associate (states => results%positions(1)%states)
+      call buffer%line('')
+      line = 'load path'
+      do k = 1, size(heads)
+        cell = with_unit(trim(heads(k)), unit_of(scene_in, dimensions(k)))
+        line(20 * k - 7:) = adjustr(cell)
+      end do
+      call buffer%line(trim(line))
+      last = 0
+      do i = 1, size(values)
+        at = last + findloc(abs(controlled(states(last + 1:)) - values(i)) <= &
+                            load_is_met * maxval(abs(values)), .true., 1)
+        if (at == last) cycle
+        call put_state('end ' // decimal_text(i), states(at))
+        last = at
+      end do
+      call put_state('largest load', states(maxloc(states%vertical_load, 1)))
+    end associate
+
+  contains
+
+    ! The quantity that the path prescribes.
+    elemental real(real64) function controlled(state)
+      type(state_row), intent(in) :: state
+
+      select case (scene_in%loading%control)
+      case (control_load)
+        controlled = state%load
+      case (control_vertical_load)
+        controlled = state%vertical_load
+      case (control_pressure)
+        controlled = state%vertical_load / results%nominal_area
+      case default
+        controlled = state%approach
+      end select
+    end function controlled
+
+    subroutine put_state(name, state)
+      character(len=*), intent(in) :: name
+      type(state_row), intent(in) :: state
+      real(real64) :: values(size(heads))
+      values = [state%vertical_load, state%area, state%approach, state%closing, &
+                real(state%contacts, real64)]
+      line = name
+      do k = 1, size(values)
+        cell = readable(values(k), summary_digits)
+        line(20 * k - 7:) = adjustr(cell)
+      end do
+      call buffer%line(trim(line))
+    end subroutine put_state
+
+  end subroutine write_path
 
   ! How many asperities there are, or on what plane.
   function surfaces_in_words(scene_in) result(text)
@@ -102,14 +218,14 @@ contains
 
     associate (columns => max(maps%upper%columns, maps%lower%columns), &
                rows => max(maps%upper%rows, maps%lower%rows))
-      text = decimal_text(columns) // ' x ' // decimal_text(rows) // ' samples'
+      text = decimal_text(columns) // ' x ' // decimal_text(rows) // ' pixels'
     end associate
     if (min(maps%upper%columns, maps%lower%columns) > 0) then
-      text = 'the sum of two maps of ' // text // ' under a plane'
+      text = 'two height maps of ' // text // ', their sum under a plane'
     else
-      text = 'a map of ' // text // ' and a plane'
+      text = 'height map of ' // text // ' and a plane'
     end if
-    if (maps%periodic) text = text // ', repeated'
+    if (maps%periodic) text = 'periodic ' // text
   end function maps_in_words
 
   !> Whether the results are those of the samples of a map.
@@ -138,7 +254,7 @@ contains
 
     call buffer%line('')
     if (allocated(table%why_not)) then
-      call buffer%line('no Table VI to correct: the original stops at ' // table%why_not)
+      call buffer%line('no Table VI to correct: the original program stops at ' // table%why_not)
       return
     end if
     call buffer%line('Table VI, corrected                 historic corrected  reason')
@@ -200,8 +316,7 @@ contains
       if (share > not_computed) off = off // ' (' // trim(known_effects(e)%name) // &
                                       ' off, estimated influence ' // percent(share) // ')'
     end do
-    call buffer%line('accuracy' // asked // ' asked for: ' // results%way_taken // &
-                     ' is the cheapest way that has it, ' // &
+    call buffer%line('accuracy' // asked // ': fastest method ' // results%way_taken // ', ' // &
                      trim(merge('estimated error', 'error bound    ', &
                                 allocated(results%effects))) // promised // off)
     call buffer%line(results%way_told)
@@ -243,7 +358,7 @@ contains
     text = counted(sum(circles), 'pair') // ' of contact circles overlap'
     if (sum(circles) == 1) text = text // 's'
     if (size(circles) > 1) text = text // ', at positions ' // positions_listed(circles > 0)
-    if (independent) text = text // ': contacts there are not independent'
+    if (independent) text = text // ': their interaction is left out'
   end function overlap_text
 
   ! Whether the scene names a limit or goes to one. A deck brings one that may not be meant.
@@ -261,35 +376,36 @@ contains
 
     text = ''
     if (asks_for_limit(scene_in)) &
-      text = ', limit by ' // trim(criterion_words(scene_in%limit%criterion))
+      text = '; limit: ' // trim(criterion_words(scene_in%limit%criterion))
   end function limit_text
 
   !> Appends the comparison.
   subroutine write_map_table(record, used, buffer)
     type(map_record), intent(in) :: record      !! how they compare
     logical, intent(in) :: used                 !! the results are those of the summits
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the lines
+    character(len=:), allocatable :: text
 
     call buffer%line('')
-    call buffer%line('Summits against the map itself at this load, ' // resolution(record))
-    call buffer%line('  summits            ' // decimal_text(record%summits))
-    call buffer%line('  separation         ' // with_sign(record%difference) // ' rms heights off')
-    if (record%coarser > 1) &
-      call buffer%line('                     give or take ' // with_sign(record%uncertain))
+    call buffer%line('Summits against boundary elements on ' // resolution(record) // &
+                     ' at the same load')
+    text = '  difference in separation ' // with_sign(record%difference) // ' rms heights'
+    if (record%coarser > 1) text = text // ' (uncertainty ' // &
+                                   real_text(record%uncertain, 'f10.3') // ')'
     if (record%coarser == 1) &
-      call buffer%line('  contact area       ' // with_sign(100 * record%area_difference) // &
-                       ' % off')
-    if (record%stiffness_difference > not_computed) &
-      call buffer%line('  contact stiffness  ' // with_sign(100 * record%stiffness_difference) // &
-                       ' % off')
+      text = text // ', contact area ' // with_sign(100 * record%area_difference) // ' %'
+    if (record%stiffness_difference > not_computed) text = text // ', contact stiffness ' // &
+      with_sign(100 * record%stiffness_difference) // ' %'
+    call buffer%line(text)
     associate (shares => record%shares)
-      call buffer%line('  load of the map on the edge ' // real_text(100 * shares%on_edge, 'f6.1') &
-                       // ' %, on spots without a summit ' // &
-                       real_text(100 * shares%without_summit, 'f6.1') // ' %')
-      call buffer%line('  on scan lines ' // real_text(100 * shares%on_lines, 'f6.1') // &
-                       ' %, on outliers ' // real_text(100 * shares%on_spikes, 'f6.1') // ' %')
+      call buffer%line('  share of the load: ' // percent(shares%on_edge) // &
+                       ' at the edge of the map, ' // percent(shares%without_summit) // &
+                       ' on contact patches without a summit,')
+      call buffer%line('  ' // percent(shares%on_lines) // ' on scan lines, ' // &
+                       percent(shares%on_spikes) // ' on outliers')
     end associate
-    if (.not. used) call buffer%line('  not good enough: the results are those of the samples')
+    if (.not. used) &
+      call buffer%line('  the difference is too large: the results are those of the pixels')
   end subroutine write_map_table
 
   ! On how fine a map.
@@ -297,9 +413,9 @@ contains
     type(map_record), intent(in) :: record
     character(len=:), allocatable :: text
 
-    text = 'all its samples'
-    if (record%coarser > 1) text = 'one of ' // decimal_text(record%coarser) // ' x ' // &
-                                   decimal_text(record%coarser) // ' samples'
+    text = 'all pixels'
+    if (record%coarser > 1) text = 'pixels of ' // decimal_text(record%coarser) // ' x ' // &
+                                   decimal_text(record%coarser) // ' pixels of the map'
   end function resolution
 
   pure function with_sign(number) result(text)

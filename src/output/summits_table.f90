@@ -33,7 +33,7 @@ contains
     type(text_buffer), intent(inout) :: buffer    !! the text
 
     call buffer%line(printable(path) // ': ' // decimal_text(map%columns) // ' x ' // &
-                     decimal_text(map%rows) // ' samples, level: ' // &
+                     decimal_text(map%rows) // ' pixels, level: ' // &
                      trim(level_names(choices%level)) // ', rule: ' // &
                      trim(rule_names(choices%rule)) // ', radius: ' // &
                      trim(radius_names(choices%radius)) // &
@@ -42,7 +42,7 @@ contains
     call buffer%line('')
     call whole('samples', found%samples)
     call whole('missing', found%missing)
-    if (spikes >= 0_int64) call whole('spikes taken out', spikes)
+    if (spikes >= 0_int64) call whole('spikes removed', spikes)
     call whole('summits', size(summits%x, kind=int64))
     if (choices%rule == rule_contact) call whole('  on ridges', int(summits%on_ridges, int64))
     call buffer%line('')

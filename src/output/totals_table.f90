@@ -1,56 +1,108 @@
-!> The totals of a run, one line each: over one position its values, over several their range.
+!> Totals of a run, one line a quantity: its value at a single position; largest, smallest and mean
+!> value over several.
 module asperity_totals_table
   use asperity_contact_records, only: position_result, state_row
+  use asperity_html_page, only: readable
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_results, only: last_state, nominal_values, scene_results
+  use asperity_scene_values, only: scene
   use asperity_text_buffer, only: text_buffer
+  use asperity_unit_names, only: unit_of, with_unit, is_area, is_force, is_length, is_number, &
+                                 is_pressure, is_moment
   implicit none
   private
 
-  public :: load_is_met, total_line, list_totals, write_totals
+  public :: load_is_met, summary_digits, total_line, list_totals, write_totals
 
-  !> A load that is asked for or held is met to this share.
+  !> A prescribed load is met to this relative error.
   real(real64), parameter :: load_is_met = 1.0e-6_real64
+
+  !> Significant digits of a number in the summary.
+  integer, parameter :: summary_digits = 6
 
   !> One quantity over all positions.
   type :: total_line
-    character(len=40) :: name = ''            !! in words
-    character(len=40) :: remark = ''          !! what it is; blank: the name says it
-    logical :: is_told = .false.              !! by an effect
-    integer :: known = 0                      !! so many of the next are meant
-    real(real64) :: numbers(3) = 0.0_real64   !! the value; of several: greatest, least, average
+    character(len=40) :: name = ''            !! of the quantity, with its unit where that is known
+    character(len=40) :: remark = ''          !! its reference; blank: the name is enough
+    logical :: is_of_effect = .false.         !! an effect computed it
+    integer :: known = 0                      !! how many of `numbers` are used, 1 or 3
+    real(real64) :: numbers(3) = 0.0_real64   !! the value; of several: largest, smallest, mean
   end type total_line
+
+  ! Columns of the effects in the summary: name of the column, name in words, dimension, reference.
+  ! A column that is not here is in the files alone.
+  type :: effect_total
+    character(len=20) :: column
+    character(len=24) :: name
+    integer :: dimension
+    character(len=40) :: remark
+  end type effect_total
+
+  type(effect_total), parameter :: effect_totals(*) = [ &
+    effect_total('hertz_load', 'Hertzian load', is_force, 'elastic, at the same penetrations'), &
+    effect_total('contacts_flowing', 'yielding contacts', is_number, ''), &
+    effect_total('dissipated_work', 'dissipated work', is_moment, 'since first contact'), &
+    effect_total('residual_flattening', 'residual flattening', is_length, 'largest of a contact'), &
+    effect_total('adhering_contacts', 'adhering contacts', is_number, ''), &
+    effect_total('pulling_contacts', 'contacts in tension', is_number, ''), &
+    effect_total('pull_off_sum', 'pull-off forces', is_force, 'sum over the contacts'), &
+    effect_total('alone_load', 'non-interacting load', is_force, 'the same contacts, isolated'), &
+    effect_total('cells', 'grid elements', is_number, ''), &
+    effect_total('resolved', 'contacts on grids', is_number, ''), &
+    effect_total('elastic_load', 'elastic load', is_force, 'without relaxation'), &
+    effect_total('frictionless_load', 'frictionless load', is_force, ''), &
+    effect_total('sliding_contacts', 'sliding contacts', is_number, ''), &
+    effect_total('rig_force_x', 'fixture force x', is_force, 'on the upper body'), &
+    effect_total('rig_force_y', 'fixture force y', is_force, 'on the upper body'), &
+    effect_total('rig_moment_x', 'fixture moment x', is_moment, 'on the upper body'), &
+    effect_total('rig_moment_y', 'fixture moment y', is_moment, 'on the upper body'), &
+    effect_total('rig_moment_z', 'fixture moment z', is_moment, 'on the upper body'), &
+    effect_total('samples_in_contact', 'pixels in contact', is_number, '')]
 
 contains
 
-  !> Totals of the last states, what was lost while they were held, what their effects tell.
-  subroutine write_totals(results, buffer)
-    type(scene_results), intent(in) :: results  !! solved
-    type(text_buffer), intent(inout) :: buffer  !! the text
+  !> Totals of the last states, losses during a hold, totals of the effects.
+  subroutine write_totals(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in         !! the scene, for its units
+    type(scene_results), intent(in) :: results  !! its results
+    type(text_buffer), intent(inout) :: buffer  !! gets the lines
     type(total_line), allocatable :: lines(:)
-    integer :: i
+    character(len=*), parameter :: heads(3) = [character(len=8) :: 'largest', 'smallest', 'mean']
+    character(len=120) :: line
+    integer :: i, k, widest
 
-    if (size(results%positions) == 1) then
-      call buffer%line('                              value')
-    else
-      call buffer%line('                            maximum          minimum          average')
+    call list_totals(scene_in, results, lines)
+    widest = maxval(len_trim(lines%name))
+    if (size(results%positions) > 1) then
+      line = ''
+      write (line(widest + 1:), '(3a14)') (adjustr('      ' // heads(k)), k = 1, size(heads))
+      call buffer%line(trim(line))
     end if
-    call list_totals(results, lines)
     do i = 1, size(lines)
-      if (i > 1) then
-        if (lines(i)%is_told .and. .not. lines(i - 1)%is_told) call buffer%line('')
-      end if
-      call write_line(lines(i), buffer)
+      line = lines(i)%name
+      do k = 1, lines(i)%known
+        line(widest + 14 * (k - 1) + 1:) = &
+          repeat(' ', 14 - len(readable(lines(i)%numbers(k), summary_digits))) // &
+          readable(lines(i)%numbers(k), summary_digits)
+      end do
+      if (lines(i)%remark /= '') line = trim(line) // '   ' // lines(i)%remark
+      call buffer%line(trim(line))
     end do
   end subroutine write_totals
 
-  !> The same as values. What was computed at no position has no line.
-  subroutine list_totals(results, lines)
-    type(scene_results), intent(in) :: results                !! solved
-    type(total_line), allocatable, intent(out) :: lines(:)    !! in order
-    character(len=*), parameter :: names(10) = [character(len=18) :: &
+  !> The same as values. A quantity that was computed at no position has no line.
+  subroutine list_totals(scene_in, results, lines)
+    type(scene), intent(in) :: scene_in                       !! the scene, for its units
+    type(scene_results), intent(in) :: results                !! its results
+    type(total_line), allocatable, intent(out) :: lines(:)    !! in the order of the summary
+    character(len=*), parameter :: names(11) = [character(len=18) :: &
       'total load', 'vertical load', 'contact area', 'projected area', 'mean pressure', &
-      'greatest pressure', 'approach', 'contacts', 'nominal pressure', 'area fraction']
+      'greatest pressure', 'separation', 'compression', 'contacts', 'nominal pressure', &
+      'area fraction']
+    character(len=*), parameter :: remarks(11) = [character(len=28) :: '', '', '', '', '', '', &
+      'of the reference planes', 'since first contact', '', '', '']
+    integer, parameter :: dimensions(11) = [is_force, is_force, is_area, is_area, is_pressure, &
+      is_pressure, is_length, is_length, is_number, is_pressure, is_number]
     real(real64), allocatable :: values(:, :)
     type(state_row) :: last
     integer :: i, m, number
@@ -60,24 +112,27 @@ contains
     do m = 1, number
       last = last_state(results%positions(m))
       values(m, :) = [last%load, last%vertical_load, last%area, last%projected_area, &
-                      not_computed, last%greatest_pressure, last%approach, &
+                      not_computed, last%greatest_pressure, last%approach, last%closing, &
                       real(last%contacts, real64), nominal_values(results, last)]
       if (last%area > 0.0_real64) values(m, 5) = last%load / last%area
     end do
     allocate (lines(0))
     do i = 1, size(values, 2)
-      if (names(i) == 'approach') then
-        call add_line(names(i), values(:, i), lines, 'separation of the reference planes')
-      else
-        call add_line(names(i), values(:, i), lines)
+      ! Without inclined contacts both loads, and both areas, are equal.
+      if (i == 2 .or. i == 4) then
+        if (all(abs(values(:, i) - values(:, i - 1)) <= &
+                1.0e-12_real64 * abs(values(:, i - 1)))) cycle
       end if
+      call add_line(with_unit(trim(names(i)), unit_of(scene_in, dimensions(i))), values(:, i), &
+                    remarks(i), lines)
     end do
-    call list_held(results, lines)
-    call list_told(results, lines)
+    call list_held(scene_in, results, lines)
+    call list_effect_totals(scene_in, results, lines)
   end subroutine list_totals
 
-  ! What became of a load or an approach while it was held.
-  subroutine list_held(results, lines)
+  ! Change of the load, or of the separation, during a hold.
+  subroutine list_held(scene_in, results, lines)
+    type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
     type(total_line), allocatable, intent(inout) :: lines(:)
     real(real64) :: lost(size(results%positions)), sunk(size(results%positions))
@@ -93,8 +148,10 @@ contains
       sunk(m) = begin%approach - last%approach
     end do
     if (any(abs(lost) > load_is_met)) &
-      call add_line('lost while held', lost, lines, 'share of the load')
-    if (any(abs(sunk) > 0.0_real64)) call add_line('sunk while held', sunk, lines)
+      call add_line('relaxation', lost, 'load lost during the hold, relative', lines)
+    if (any(abs(sunk) > 0.0_real64)) &
+      call add_line(with_unit('creep', unit_of(scene_in, is_length)), sunk, &
+                    'compression during the hold', lines)
   end subroutine list_held
 
   ! The state in which the last hold begins.
@@ -109,43 +166,43 @@ contains
     begin_of_hold = position%states(i)
   end function begin_of_hold
 
-  ! The columns of the effects, as they are named in --positions.
-  subroutine list_told(results, lines)
+  ! Totals of the effects that are not 0 everywhere.
+  subroutine list_effect_totals(scene_in, results, lines)
+    type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
     type(total_line), allocatable, intent(inout) :: lines(:)
     real(real64) :: values(size(results%positions))
-    character(len=:), allocatable :: name
-    integer :: before, i, k, m
+    type(effect_total) :: total
+    integer :: before, k, m, row
 
     if (.not. allocated(results%effects)) return
-    if (size(results%effects%state_columns) == 0) return
     do k = 1, size(results%effects%state_columns)
+      row = findloc(effect_totals%column, results%effects%state_columns(k), 1)
+      if (row == 0) cycle
       do m = 1, size(results%positions)
         values(m) = results%positions(m)%state_values(k)
       end do
+      if (all(.not. (abs(values) > 0.0_real64 .and. values > not_computed))) cycle
       before = size(lines)
-      name = trim(results%effects%state_columns(k))
-      do i = 1, len(name)
-        if (name(i:i) == '_') name(i:i) = ' '
-      end do
-      call add_line(name, values, lines)
-      if (size(lines) > before) lines(size(lines))%is_told = .true.
+      total = effect_totals(row)
+      call add_line(with_unit(trim(total%name), unit_of(scene_in, total%dimension)), values, &
+                    total%remark, lines)
+      if (size(lines) > before) lines(size(lines))%is_of_effect = .true.
     end do
-  end subroutine list_told
+  end subroutine list_effect_totals
 
-  ! A value, or a range; values that were not computed are left out.
-  subroutine add_line(name, column, lines, remark)
-    character(len=*), intent(in) :: name
+  ! Adds a quantity; values that were not computed are left out.
+  subroutine add_line(name, column, remark, lines)
+    character(len=*), intent(in) :: name, remark
     real(real64), intent(in) :: column(:)
     type(total_line), allocatable, intent(inout) :: lines(:)
-    character(len=*), intent(in), optional :: remark
     real(real64), allocatable :: known(:)
     type(total_line) :: new
 
     known = pack(column, column > not_computed)
     if (size(known) == 0) return
     new%name = name
-    if (present(remark)) new%remark = remark
+    new%remark = remark
     if (size(column) == 1) then
       new%known = 1
       new%numbers = known(1)
@@ -155,23 +212,6 @@ contains
     end if
     lines = [lines, new]
   end subroutine add_line
-
-  ! A name and its numbers.
-  subroutine write_line(total, buffer)
-    type(total_line), intent(in) :: total
-    type(text_buffer), intent(inout) :: buffer
-    character(len=80) :: line
-
-    line = ''
-    write (line(19:), '(3g17.7)') total%numbers(:total%known)
-    ! A long name reaches into the blanks before its number.
-    line(:max(18, len_trim(total%name))) = total%name
-    if (total%remark == '') then
-      call buffer%line(line)
-    else
-      call buffer%line(trim(line) // '   ' // total%remark)
-    end if
-  end subroutine write_line
 
   ! The average; a sum beyond the range of a double is not needed for it.
   pure real(real64) function average(column)

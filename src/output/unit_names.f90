@@ -4,7 +4,12 @@ module asperity_unit_names
   implicit none
   private
 
-  public :: axis_units, has_units, units_in_words, with_unit
+  public :: axis_units, has_units, units_in_words, unit_of, with_unit
+  public :: is_number, is_length, is_force, is_area, is_pressure, is_moment
+
+  !> Dimension of a quantity.
+  integer, parameter :: is_number = 0, is_length = 1, is_force = 2, is_area = 3, is_pressure = 4, &
+                        is_moment = 5
 
 contains
 
@@ -24,6 +29,31 @@ contains
     text = 'length ' // text // ', force ' // trim(scene_in%units(2)) // ', area ' // text // &
            '2, pressure ' // trim(scene_in%units(2)) // '/' // text // '2'
   end function units_in_words
+
+  !> Unit of a dimension in the units of the scene; empty where it has none.
+  pure function unit_of(scene_in, dimension) result(unit)
+    type(scene), intent(in) :: scene_in    !! with or without units
+    integer, intent(in) :: dimension       !! one of the `is_` numbers
+    character(len=:), allocatable :: unit  !! for instance `N/mm2`
+    character(len=:), allocatable :: length, force
+
+    unit = ''
+    if (.not. has_units(scene_in)) return
+    length = trim(scene_in%units(1))
+    force = trim(scene_in%units(2))
+    select case (dimension)
+    case (is_length)
+      unit = length
+    case (is_force)
+      unit = force
+    case (is_area)
+      unit = length // '2'
+    case (is_pressure)
+      unit = force // '/' // length // '2'
+    case (is_moment)
+      unit = force // ' ' // length
+    end select
+  end function unit_of
 
   !> A name and its unit in brackets; the name alone where there is none.
   pure function with_unit(name, unit) result(text)

@@ -15,11 +15,11 @@ contains
   !> Adds `FILE: warning: position N and M more: what, how much, what to do` for every kind that
   !> applies anywhere, in the order of the kinds; N is the position where it is worst.
   pure subroutine list_warnings(file, results, lines)
-    character(len=*), intent(in) :: file         !! the scene, as the user named it
+    character(len=*), intent(in) :: file         !! the scene, as the user named it; may be empty
     type(scene_results), intent(in) :: results   !! solved
     type(problem_list), intent(inout) :: lines   !! gets a line a kind
     type(theory_warning) :: worst
-    character(len=:), allocatable :: more
+    character(len=:), allocatable :: more, prefix
     integer :: kind, at, positions
 
     do kind = 1, size(warning_kinds)
@@ -27,7 +27,9 @@ contains
       if (positions == 0) cycle
       more = ''
       if (positions > 1) more = ' and ' // decimal_text(positions - 1) // ' more'
-      call lines%add(file // ': warning: position ' // decimal_text(at) // more // ': ' // &
+      prefix = 'warning: position '
+      if (file /= '') prefix = file // ': ' // prefix
+      call lines%add(prefix // decimal_text(at) // more // ': ' // &
                      in_words(worst))
     end do
   end subroutine list_warnings

@@ -12,8 +12,8 @@ module asperity_way_table_text
 
   !> Columns of the CSV that these lines alone fill.
   character(len=*), parameter :: way_columns = &
-    'family,way,seconds,error_max,error_mean,error_position,area_error_max,own_error_max,' // &
-    'error_estimate,load,approach,area,reference,left_out'
+    'family,method_name,seconds,error_max,error_mean,error_position,area_error_max,' // &
+    'own_error_max,error_estimate,load,separation,area,reference,left_out'
   !> How many.
   integer, parameter :: number_of_way_columns = 14
 
@@ -32,16 +32,16 @@ contains
     character(len=160) :: line
     integer :: i
 
-    call buffer%line('Everything on one axis. Error: largest over the positions, of the load ' // &
-                     'or, at a given load, of the approach')
-    call buffer%line('over the closing; against the reference, and of what the way alone ' // &
-                     'leaves out: arithmetic against real128,')
-    call buffer%line('steps against exact events, effects against the scene as it asks. Of a ' // &
-                     'theory: of the mean.')
-    call buffer%line('* the cheapest way for its accuracy')
+    call buffer%line('All methods on one axis. Error: largest relative error over the ' // &
+                     'positions, of the load or, under load control, of')
+    call buffer%line('the compression, against the reference (+), and against the same model ' // &
+                     'without the approximation of this method (o):')
+    call buffer%line('arithmetic against real128, steps against exact events, effects against ' // &
+                     'the effects of the scene.')
+    call buffer%line('* Pareto front: no other method is faster and more accurate')
     call buffer%line('')
-    call buffer%line('  family     way                              seconds    error  of ' // &
-                     'area  its own 1e-16    1e-12    1e-8    1e-4     1')
+    call buffer%line('  family     method                           seconds    error  of ' // &
+                     'area   method 1e-16    1e-12    1e-8    1e-4     1')
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
         if (allocated(row%left_out)) then
@@ -57,20 +57,20 @@ contains
         call buffer%line(line)
       end associate
     end do
-    if (table%no_theories /= '') call buffer%line('  theory left out: ' // table%no_theories)
+    if (table%no_theories /= '') call buffer%line('  theories left out: ' // table%no_theories)
     if (table%no_neighbours /= '') &
       call buffer%line('  neighbours left out: ' // table%no_neighbours)
     associate (best => table%rows(table%reference))
       call buffer%line('')
       call buffer%line('Reference: ' // trim(best%way%name) // ', ' // good_to(best) // '.')
       if (table%next_best > 0) &
-        call buffer%line('The next best, ' // trim(table%rows(table%next_best)%way%name) // &
+        call buffer%line('The next most accurate, ' // trim(table%rows(table%next_best)%way%name) // &
                          ', differs from it by ' // trim(adjustl(number(table%next_best_differs))) &
                          // '.')
     end associate
     if (table%exponent > not_computed) then
       write (line, '(a, f6.3, a)') 'Area grows as the load to the power', table%exponent, &
-        ' at the end, contacts each alone. Archard: 2/3 for a sphere, 4/5 with'
+        ' at the end, for isolated contacts. Archard: 2/3 for a sphere, 4/5 with'
       call buffer%line('')
       call buffer%line(line)
       call buffer%line('smaller hemispheres on it, 14/15 with smaller ones on those.')
@@ -78,8 +78,8 @@ contains
     if (.not. allocated(table%criteria)) return
     if (size(table%criteria) == 0) return
     call buffer%line('')
-    call buffer%line('Least hardness with which contact is elastic, by the criteria that the ' // &
-                     'thesis reviews')
+    call buffer%line('Smallest hardness for elastic contact, by the criteria that the thesis ' // &
+                     'reviews')
     do i = 1, size(table%criteria)
       write (line, '(2x, a32, 1x, es10.3e2)') table%criteria(i)%name, table%criteria(i)%hardness
       call buffer%line(line)
@@ -91,11 +91,11 @@ contains
     type(way_row), intent(in) :: row
     character(len=:), allocatable :: text
 
-    text = 'good to the rounding of its numbers'
+    text = 'exact to rounding'
     if (row%own_estimate > 0.0_real64) &
-      text = 'which says of itself that it is good to ' // trim(adjustl(number(row%own_estimate)))
+      text = 'estimated error ' // trim(adjustl(number(row%own_estimate)))
     if (row%way%family /= of_arithmetic .and. .not. row%own_estimate > not_computed) &
-      text = 'which says nothing of its own error here'
+      text = 'without an error estimate'
   end function good_to
 
   pure function error_text(row, error) result(text)

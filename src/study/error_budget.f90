@@ -139,9 +139,9 @@ contains
     associate (effects => scene_in%effects)
       if (any([effects%mode('plasticity'), effects%mode('adhesion'), effects%mode('creep')] &
               /= effect_off)) then
-        model%why_not = 'cells know elastic contacts only'
+        model%why_not = 'boundary elements are for elastic contacts only'
       else if (allocated(scene_in%loading%path)) then
-        model%why_not = 'it depends on the state of a path'
+        model%why_not = 'it depends on the load history'
       end if
     end associate
     if (.not. allocated(model%why_not)) then
@@ -294,7 +294,7 @@ contains
     end do
     why = ''
     if (squares > squares_allowed) &
-      why = 'up to ' // decimal_text(most) // ' contacts at a position would take long on cells'
+      why = 'up to ' // decimal_text(most) // ' contacts at a position are too many for boundary elements'
   end function too_many_for_cells
 
   !> The last state of every position, and its factor.

@@ -60,7 +60,7 @@ contains
   pure function as_the_scene_asks() result(way)
     type(scene_way) :: way
 
-    way%name = 'as the scene asks'
+    way%name = 'as in the scene'
   end function as_the_scene_asks
 
   !> Which effects were simulated at some position, or are on.
@@ -175,13 +175,13 @@ contains
     way%tolerance = hardly_anything
     if (allocated(scene_in%map)) then
       if (any(simulated .and. known_effects%name /= 'interaction')) return
-      way%name = 'the map''s samples'
+      way%name = 'pixels of the map'
       ways = [ways, way]
       return
     end if
     do k = -2, -4, -1
       way%tolerance = decimal_value(1_int64, k)
-      way%name = 'resolved on cells to ' // share_text(way%tolerance)
+      way%name = 'boundary elements, ' // share_text(way%tolerance)
       ways = [ways, way]
     end do
   end subroutine add_neighbours

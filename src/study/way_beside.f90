@@ -52,7 +52,7 @@ contains
     call add_draws(scene_way(family=of_arithmetic), table%plain, name)
     ! What the samples themselves mean, where they are the reference.
     if (table%rows(table%reference)%way%interaction /= effect_boundary) return
-    write (name, '("heights", es8.1e2, ", of samples")') halves(1)
+    write (name, '("heights", es8.1e2, ", of pixels")') halves(1)
     call add_draws(table%rows(table%reference)%way, table%truth, name)
 
   contains

@@ -179,7 +179,7 @@ contains
       seconds = max(0.0_real64, before(1)%seconds)
     end select
     if (seconds > share_of_a_way * left) &
-      row%left_out = 'foretold to take ' // seconds_text(seconds) // ' s, ' // &
+      row%left_out = 'estimated to take ' // seconds_text(seconds) // ' s, ' // &
                      seconds_text(max(0.0_real64, left)) // ' s are left'
 
   contains

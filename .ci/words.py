@@ -1,0 +1,243 @@
+"""The words of what a user reads first: README, changelog, messages and help, the last commit.
+
+usage: words.py [FILE...]    without files: README.md, CHANGELOG.md, the string literals of src,
+                             app and python, and the subject of the last commit
+
+Prints FILE:LINE: WORD: REASON, one line a finding; exit status 1 where there is one.
+Exceptions stand in .ci/words_exceptions.txt, each with its reason.
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+EXCEPTIONS = ROOT / ".ci" / "words_exceptions.txt"
+MOST_EXCEPTIONS = 40
+MOST_WORDS = 30        # of a sentence of README
+MOST_CHARACTERS = 160  # of an entry of the changelog
+
+# What is looked for, and what to write. Case is ignored.
+WORDS = (
+    (r"\b(who|whom|whoever|nobody|somebody)\b", "contacts and programs are things"),
+    (r"\b(tells?|told|telling|foretells?|foretold)\b", "report, print, estimate, return"),
+    (r"\b(says?|said)\b", "report, print, state"),
+    (r"\b(knows?|knew)\b", "report, estimate, is given"),
+    (r"\b(wants?|wanted)\b", "a program needs or takes; a user sets"),
+    (r"\b(waits?|waited)\b", "stays open, is suspended"),
+    (r"\bas the scene asks\b|\basks? for\b", "request, set, need"),
+    (r"\bpress(es|ed|ing)?\b", "load; reduce or increase the load; bring into contact"),
+    (r"\b(bears?|bore|borne)\b", "carry"),
+    (r"\blower(s|ed)? (each other|the others?)\b|\bpressed? down\b", "displacement by neighbours"),
+    (r"\b(each alone|alone load|contacts? alone|load alone|than alone|by itself alone)\b",
+     "isolated contact, non-interacting"),
+    (r"\bcells?\b", "boundary elements, grid element"),
+    (r"\b(on|as|of|by|with|neighbours as|if|what) circles\b|\bcircles (and|may|come|would|of)\b",
+     "Hertzian contacts"),
+    (r"\bways?\b", "method"),
+    (r"\bfront\b(?<!Pareto front)", "Pareto front"),
+    (r"\b(rungs?|ladder)\b", "level"),
+    (r"\btips?\b", "asperity, summit"),
+    (r"\b(closing|closings|closes? by|surfaces close)\b", "compression"),
+    (r"\bapproach(es)?\b", "separation (the historic program keeps approach)"),
+    (r"\bsamples?\b", "pixels"),
+    (r"\bspots?\b", "contact patch"),
+    (r"\boff (by|in)\b|% off\b|heights off\b|\b(may|could) be off\b|\bleaves all around off\b|"
+     r"\b(load|shift|sums?) that (is|are) off\b|\ball are off\b|\bhas the area off\b",
+     "in error by, error"),
+    (r"\b(joins?|joined|joining)\b", "activate"),
+    (r"\b(stands?|stood) (elsewhere|out)\b|\bstands? twice\b", "moves; occurs twice"),
+    (r"\b(plants?|planted)\b", "build"),
+    (r"\b(creep around|crept|would creep|its rise|hold(s|ing)? (all|them) back|held at last)\b",
+     "stagnate, restrict, slope"),
+    (r"\b(speaks? for|the whole)\b", "representative; all parts"),
+    (r"\bgive or take\b", "uncertainty"),
+    (r"\b(next to nothing|no numbers?|is no solution|no few|very much|what is left|leaves much more)"
+     r"\b", "name the quantity and its size"),
+    (r"\b(of|by|to) now\b|\bno more\b|\bat once\b|\banew\b|\bof this state\b",
+     "history belongs to git"),
+    (r"\b(its own gain|feel nothing|a decade more|beats?|beaten|shallow for|next one takes)\b",
+     "the field's word"),
+    (r"\b(go|goes|went|gone) (on|down|far|back)\b|\bwent that\b", "continue, descend"),
+    (r"\b(mended|mends?)\b", "correct, corrected"),
+    (r"\b(what it comes to|put back|takes? out|taken out)\b", "remove"),
+    (r"\b(bends:|touch by less|touch more|touch each)\b", "the field's word"),
+    (r"\bnot good enough\b|\bgood to\b|\b(come|comes) no nearer\b", "error of, accurate to"),
+    (r"\b(are|is|be) right\b|\bright where\b", "solved to the stated tolerance"),
+    (r"\bwith holes\b", "percolates"),
+    (r"\b(what they|than that|from nothing that|in any case|as many as \w+ gives|than sleeping)\b",
+     "name the quantity"),
+)
+# First words of a sentence, unless it is a question.
+FIRST = re.compile(r"(?:^|(?<=[.:;!?] ))(Of|Nor|Or|What|So who)\b (?![^.!?]*\?)")
+
+
+def literals(text):
+    """The string literals of Fortran source: line and text; parts joined by // are one, with a #
+    for what is not literal between them."""
+    parts, gap, line, at = [], "", 1, 0
+    while at < len(text):
+        letter = text[at]
+        if letter in "'\"":
+            content, end = "", at + 1
+            while end < len(text) and text[end] != "\n":
+                if text[end] == letter:
+                    if text[end + 1:end + 2] != letter:
+                        break
+                    end += 1
+                content += text[end]
+                end += 1
+            between = re.sub(r"[&\s]", "", gap)
+            if parts and between.startswith("//") and between.endswith("//"):
+                parts[-1][1] += ("" if between == "//" else " # ") + content
+            else:
+                parts.append([line, content])
+            gap, at = "", end + 1
+            continue
+        if letter == "!":
+            while at < len(text) and text[at] != "\n":
+                at += 1
+            continue
+        line += letter == "\n"
+        gap += letter
+        at += 1
+    return parts
+
+
+def python_literals(text):
+    """The string literals of Python source, docstrings too: line and text."""
+    import ast
+
+    return [(node.lineno, node.value) for node in ast.walk(ast.parse(text))
+            if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+
+
+def paragraphs(text):
+    """The paragraphs of a Markdown page without code, addresses and markup: line and text."""
+    found, lines, first, fenced = [], [], 0, False
+
+    def end():
+        nonlocal lines
+        if lines:
+            found.append((first, " ".join(lines)))
+        lines = []
+
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("```"):
+            fenced = not fenced
+            end()
+            continue
+        if fenced or not line.strip():
+            end()
+            continue
+        if re.match(r"\s*([-*#|]|\d+[.])", line):
+            end()
+        if not lines:
+            first = number
+        line = re.sub(r"`[^`]*`", "NAME", line)
+        line = re.sub(r"(!?)\[([^\]]*)\]\([^)]*\)", r"\2", line)
+        lines.append(re.sub(r"^\s*([-*]|#+|\d+[.])\s+|[|*]|^-+$", " ", line).strip())
+    end()
+    return found
+
+
+def exceptions():
+    """FILE, PATTERN (of the finding's text) and REASON of each exception."""
+    rows = []
+    for line in EXCEPTIONS.read_text(encoding="utf-8").splitlines():
+        if line and not line.startswith("#"):
+            rows.append([part.strip() for part in line.split("|")])
+    return rows
+
+
+def words_in(text):
+    """What the rules find in a text: the words and the reason of each."""
+    found = [(match.group(0).strip(), instead) for pattern, instead in WORDS
+             for match in re.finditer(pattern, text, re.IGNORECASE)]
+    return found + [(match.group(1), "a sentence begins with its subject")
+                    for match in FIRST.finditer(text)]
+
+
+def of_page(text, is_changelog):
+    """Findings in a Markdown page: line, words, reason."""
+    found = []
+    for line, paragraph in paragraphs(text):
+        found += [(line, *finding) for finding in words_in(paragraph)]
+        if is_changelog:
+            if len(paragraph) > MOST_CHARACTERS:
+                found.append((line, paragraph[:30], f"entry longer than {MOST_CHARACTERS}"))
+            continue
+        for sentence in re.split(r"(?<=[.!?])\s+", paragraph):
+            if len(sentence.split()) > MOST_WORDS:
+                found.append((line, sentence[:30], f"sentence longer than {MOST_WORDS} words"))
+    return found
+
+
+def of_literals(parts):
+    """Findings in string literals: line, words, reason; names and formats are no sentences."""
+    return [(line, *finding) for line, text in parts if " " in text.strip()
+            for finding in words_in(text)]
+
+
+def findings(path):
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".md":
+        return of_page(text, path.name == "CHANGELOG.md")
+    if path.suffix == ".py":
+        return of_literals(python_literals(text))
+    return of_literals(literals(text))
+
+
+def of_last_commit():
+    """Findings in the subject of the last commit, where there is a repository."""
+    log = subprocess.run(["git", "-C", ROOT, "log", "-1", "--no-merges", "--format=%s"],
+                         capture_output=True, text=True, check=False)
+    subject = log.stdout.strip()
+    if log.returncode or not subject:
+        return []
+    found = [(1, *finding) for finding in words_in(subject)]
+    if not re.match(r"[a-z0-9_. -]+: \w", subject):
+        found.append((1, subject[:30], "expected 'area: imperative sentence'"))
+    return found
+
+
+def all_files():
+    tracked = subprocess.run(["git", "-C", ROOT, "ls-files", "src", "app", "python"], text=True,
+                             capture_output=True, check=True).stdout.split()
+    sources = [ROOT / name for name in tracked
+               if name.endswith((".f90", ".F90", ".inc", ".py")) and
+               not name.startswith("src/original/")]
+    return [ROOT / "README.md", ROOT / "CHANGELOG.md", *sources]
+
+
+def main(names):
+    allowed = exceptions()
+    status = 0
+    if len(allowed) > MOST_EXCEPTIONS:
+        print(f"{EXCEPTIONS.name}: {len(allowed)} exceptions, expected {MOST_EXCEPTIONS} at most")
+        status = 1
+    unused = {tuple(row) for row in allowed}
+    paths = [pathlib.Path(name) for name in names] or all_files()
+    rows = [(path, finding) for path in paths for finding in findings(path)]
+    if not names:
+        rows += [("commit", finding) for finding in of_last_commit()]
+    for path, (line, words, reason) in rows:
+        name = str(path.relative_to(ROOT)) if hasattr(path, "is_relative_to") and \
+            path.is_relative_to(ROOT) else str(path)
+        row = next((row for row in allowed if re.fullmatch(row[0], name) and
+                    re.fullmatch(row[1], words, re.IGNORECASE)), None)
+        if row:
+            unused.discard(tuple(row))
+            continue
+        print(f"{name}:{line}: {words}: {reason}")
+        status = 1
+    if not names:
+        for row in sorted(unused):
+            print(f"{EXCEPTIONS.name}: {row[0]} | {row[1]}: allows nothing, take the line away")
+            status = 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
