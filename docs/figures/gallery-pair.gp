@@ -12,5 +12,5 @@ radius = 1 / (1 / 5.0 + 1 / 10.0)
 modulus = 200e3 / (2 * (1 - 0.3**2))
 hertz(d) = 4.0 / 3.0 * modulus * sqrt(radius) * d**1.5
 plot hertz(x) with lines linetype 1 linewidth 5 title 'Hertz', \
-  pair using 'decrease':'load' with linespoints linetype 3 pointtype 7 pointsize 0.4 \
+  pair using 'compression':'load' with linespoints linetype 3 pointtype 7 pointsize 0.4 \
     title 'asperity'

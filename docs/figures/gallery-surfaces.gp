@@ -7,6 +7,6 @@ set xrange [-0.05:2.05]
 set offsets 0, 0, graph 0.1, graph 0.1
 set key off
 slide = data . '/slide.csv'
-plot slide using 'x_displacement':'approach' with linespoints linetype 3 pointtype 7 pointsize 0.6, \
-  slide using 'x_displacement':'approach':(sprintf('%d', column('contacts'))) with labels \
+plot slide using 'x_displacement':'separation' with linespoints linetype 3 pointtype 7 pointsize 0.6, \
+  slide using 'x_displacement':'separation':(sprintf('%d', column('contacts'))) with labels \
     offset 0, 1 textcolor rgb '#555555'

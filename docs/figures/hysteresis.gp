@@ -14,7 +14,7 @@ set label 1 'first contact at its limit' at 0.03, limit textcolor rgb '#555555'
 cycle = outputs . 'cycle.curve.csv'
 # Steps 2 to 41 go up, 42 to 81 down, and so on.
 part(k) = sprintf("< awk -F, 'NR > 1 && $2 > %d && $2 <= %d' %s", 40 * k, 40 * k + 41, cycle)
-plot outputs . 'cycle_elastic.curve.csv' using 'decrease':(column('load') / 1000) with lines \
+plot outputs . 'cycle_elastic.curve.csv' using 'compression':(column('load') / 1000) with lines \
     linecolor rgb '#999999' linewidth 1.5 dashtype 2 title 'elastic: up and down', \
   for [k = 0:4:2] part(k) using 4:($6 / 1000) with lines linetype 3 \
     title (k == 0 ? 'with flow: loading' : ''), \

@@ -15,7 +15,7 @@ plot samples using 'nominal_pressure':'area_fraction' with points linetype 4 poi
 set ylabel 'Separation (µm)' offset 1
 set yrange [-0.15:0.35]
 set key at graph 0.95, 0.95 right top noreverse Right
-plot samples using 'nominal_pressure':'approach' with points linetype 4 pointsize 0.8 \
+plot samples using 'nominal_pressure':'separation' with points linetype 4 pointsize 0.8 \
     title 'samples', \
-  summits using 'nominal_pressure':'approach' with lines linetype 3 title 'summits'
+  summits using 'nominal_pressure':'separation' with lines linetype 3 title 'summits'
 unset multiplot

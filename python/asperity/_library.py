@@ -166,6 +166,10 @@ class Outcome:
         return self
 
 
+# Names of columns in version 0.2.0, and their names since.
+EARLIER_NAMES = {"approach": "separation", "decrease": "compression"}
+
+
 class Table(Mapping):
     """Columns by name, in the order of the CSV files, all as long as `rows`.
 
@@ -181,6 +185,10 @@ class Table(Mapping):
         self.rows: int = len(cells) // {code: size for size, code in CELLS.values()}[code]
 
     def __getitem__(self, name: str) -> memoryview | tuple[str, ...]:
+        if name in EARLIER_NAMES and name not in self._columns:
+            warnings.warn(f"column {name!r} is now {EARLIER_NAMES[name]!r}", DeprecationWarning,
+                          stacklevel=2)
+            name = EARLIER_NAMES[name]
         code, cells = self._columns[name]
         if code != "c":
             return memoryview(cells).cast(code)

@@ -24,7 +24,8 @@ module asperity_kernel_ibm370
   use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
   use asperity_root_bracket_ibm370, only: guess_root, narrow_bracket, root_bracket
-  use asperity_scene_values, only: control_approach, control_limit, control_load, &
+  use asperity_scene_values, only: control_compression, control_limit, control_load, &
+                                   control_separation, control_words, &
                                    control_pressure, criterion_greenwood_williamson, &
                                    criterion_hardy, criterion_load, criterion_none, &
                                    criterion_pressure, is_load, is_vertical_load, scene, &

@@ -12,7 +12,7 @@ module asperity_effect_names
 
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: by_default, by_numbers, by_word
-  public :: hold_load, hold_approach, hold_words
+  public :: hold_load, hold_separation, hold_words
   public :: known_effect, known_effects, effect_number, effect_numbers
   public :: one_word, whole_number, needed_for, why_not_together
 
@@ -39,10 +39,11 @@ module asperity_effect_names
 
   !> Creep only: the load is held.
   integer, parameter :: hold_load = 1
-  !> Creep only: the approach is held.
-  integer, parameter :: hold_approach = 2
+  !> Creep only: the separation is held.
+  integer, parameter :: hold_separation = 2
   !> The words of a scene for them.
-  character(len=*), parameter :: hold_words(2) = [character(len=8) :: 'load', 'approach']
+  character(len=*), parameter :: hold_words(3) = &
+    [character(len=10) :: 'load', 'separation', 'approach']
 
   !> An effect. Where a scene does not write how it is simulated, `asperity_scene_effects` does.
   type :: known_effect
@@ -88,7 +89,7 @@ module asperity_effect_names
     character(len=18) :: in_words = ''     !! what there is when it is not 0, where others need that
     character(len=20) :: unit = ''         !! in words; blank: none
     character(len=72) :: meaning = ''      !! in a line
-    character(len=8) :: words(2) = ''      !! for `one_word`
+    character(len=10) :: words(3) = ''      !! for `one_word`
     integer :: least = 0                   !! for `whole_number`
     integer :: most = 0                    !! for `whole_number`
   end type effect_number

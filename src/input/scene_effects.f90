@@ -5,7 +5,7 @@ module asperity_scene_effects
                                    needed_for, one_word, whole_number, why_not_together
   use asperity_kinds, only: int64, real64
   use asperity_scene_fields, only: scene_fields
-  use asperity_scene_values, only: by_default, by_numbers, by_word, control_approach, &
+  use asperity_scene_values, only: by_default, by_numbers, by_word, control_separation, &
                                    control_limit, criterion_none, effect_auto, effect_off, &
                                    effect_on, effect_words, is_load, scene, scene_effects, &
                                    scene_loading, solves_pixels
@@ -243,7 +243,7 @@ contains
     last = size(checked%loading%path)
     allocate (closing(last))
     closing = decimal_to_real64(checked%loading%path)
-    if (checked%loading%control == control_approach) closing = -closing
+    if (checked%loading%control == control_separation) closing = -closing
     goes_back = any(closing(2:) < closing(:last - 1))
   end function goes_back
 

@@ -7,7 +7,8 @@ module asperity_scene_loading
   use asperity_problems, only: decimal_text
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_surfaces, only: from_csv
-  use asperity_scene_values, only: control_limit, control_pressure, control_words, &
+  use asperity_scene_values, only: control_compression, control_limit, control_pressure, &
+                                   control_separation, control_words, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
                                    criterion_words, effect_off, effect_on, effect_words, &
@@ -31,6 +32,7 @@ contains
     events = effect_off
     associate (loading => checked%loading)
       call fields%take_word('loading', 'control', control_words, loading%control)
+      if (loading%control == size(control_words)) loading%control = control_separation
       call read_path(fields, loading)
       if (allocated(loading%path) .and. fields%comma_pair('loading', 'value') /= '') &
         call checked%notes%add(checked%file // ': note: ' // &
@@ -66,7 +68,8 @@ contains
     number = fields%value_count('loading', 'value')
     if (number <= 1 .or. loading%control == control_limit) then
       call fields%take_number('loading', 'value', &
-           merge(above_zero, any_number, is_load(loading%control) .and. .not. pulls), loading%value)
+           merge(not_negative, merge(above_zero, any_number, is_load(loading%control) .and. &
+                 .not. pulls), loading%control == control_compression), loading%value)
     else if (number > most_values) then
       call fields%complain_of('loading', 'value', 'too many values: found ' // &
                               decimal_text(number) // ', expected at most ' // &
@@ -74,8 +77,8 @@ contains
     else
       allocate (loading%path(number))
       call fields%take_numbers('loading', 'value', &
-           merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls), &
-           loading%path)
+           merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls .or. &
+                 loading%control == control_compression), loading%path)
       loading%value = deepest(loading%path, loading%control)
       if (is_load(loading%control) .and. .not. pulls .and. loading%value%digits == 0_int64 .and. &
           fields%problems%count() == problems) &
@@ -83,7 +86,7 @@ contains
     end if
   end subroutine read_path
 
-  !> The largest load or the least separation.
+  !> The largest load or compression, or the least separation.
   pure function deepest(path, control) result(value)
     type(decimal_value), intent(in) :: path(:)
     integer, intent(in) :: control
@@ -91,7 +94,7 @@ contains
     real(real64) :: numbers(size(path))
 
     numbers = decimal_to_real64(path)
-    if (is_load(control)) numbers = -numbers
+    if (control /= control_separation) numbers = -numbers
     value = path(minloc(numbers, 1))
   end function deepest
 

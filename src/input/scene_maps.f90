@@ -241,7 +241,7 @@ contains
     if (.not. solves_pixels(checked)) return
     if (checked%loading%control == control_limit) &
       call fields%complain_of_group('loading', 'no control: the pixels of a map have no ' // &
-           'limit, expected control = ''approach'', ''load'', ''vertical_load'' or ''pressure''')
+           'limit, expected control = ''separation'', ''load'', ''vertical_load'' or ''pressure''')
     if (count(checked%effects%modes /= effect_off) > 1) &
       call fields%complain_of_group('effects', 'found another effect beside interaction = ''' // &
            trim(effect_words(mode)) // ''', expected none: the pixels of a map are elastic')

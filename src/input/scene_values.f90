@@ -8,7 +8,7 @@ module asperity_scene_values
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_names, only: by_default, by_numbers, by_word, effect_auto, effect_boundary, &
                                    effect_coupled, effect_numbers, effect_off, effect_on, &
-                                   effect_words, hold_approach, hold_load, hold_words, known_effects
+                                   effect_words, hold_separation, hold_load, hold_words, known_effects
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, level_plane
   use asperity_kinds, only: int64, real64
@@ -17,11 +17,11 @@ module asperity_scene_values
   private
 
   public :: scene_map, scene, scene_surface, scene_motion, scene_loading, scene_limit, scene_effects
-  public :: control_limit, control_approach, control_load, control_vertical_load, &
-            control_pressure, control_words, is_load, is_vertical_load
+  public :: control_limit, control_separation, control_load, control_vertical_load, &
+            control_pressure, control_compression, control_words, is_load, is_vertical_load
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
             criterion_hardy, criterion_words
-  public :: hold_load, hold_approach, hold_words
+  public :: hold_load, hold_separation, hold_words
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
   public :: thesis_limit_load, is_thesis_sweep, compliance, combined_modulus, solves_pixels
@@ -29,16 +29,19 @@ module asperity_scene_values
   !> Closing ends at the approach at which a contact reaches the limit.
   integer, parameter :: control_limit = 1
   !> Closing ends at a given separation of the reference planes.
-  integer, parameter :: control_approach = 2
+  integer, parameter :: control_separation = 2
   !> Closing ends at a given sum of the forces normal to the contacts.
   integer, parameter :: control_load = 3
   !> Closing ends at a given sum of their vertical parts: what a dead weight brings.
   integer, parameter :: control_vertical_load = 4
   !> Closing ends at a given vertical load over the nominal area.
   integer, parameter :: control_pressure = 5
-  !> The words of a scene for them.
-  character(len=*), parameter :: control_words(5) = &
-    [character(len=13) :: 'limit', 'approach', 'load', 'vertical_load', 'pressure']
+  !> The compression, the decrease of the separation since first contact, is prescribed.
+  integer, parameter :: control_compression = 6
+  !> The words of a scene for them; the last one is another word for the separation.
+  character(len=*), parameter :: control_words(7) = &
+    [character(len=13) :: 'limit', 'separation', 'load', 'vertical_load', 'pressure', &
+     'compression', 'approach']
 
   !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
   integer, parameter :: criterion_none = 0

@@ -106,8 +106,8 @@ contains
 
     call buffer%line('arithmetic,method,step,overlap,seconds_per_position,spread,ratio,' // &
                      'load_max,load_mean,area_max,area_mean,pressure_max,pressure_mean,' // &
-                     'separation_max,separation_mean,contacts_max,contacts_mean,worst,pareto,' // &
-                     'interaction,tolerance,load_ratio_max,load_ratio_mean,load_ratio_worst_position,' // &
+                     'separation_max,separation_mean,contacts_max,contacts_mean,worst,front,' // &
+                     'interaction,tolerance,factor_max,factor_mean,factor_worst_position,' // &
                      way_columns)
     do i = 1, size(rows)
       call line%put(trim(rows(i)%arithmetic))

@@ -12,8 +12,8 @@ module asperity_way_table_text
 
   !> Columns of the CSV that these lines alone fill.
   character(len=*), parameter :: way_columns = &
-    'family,method_name,seconds,error_max,error_mean,error_position,area_error_max,' // &
-    'own_error_max,error_estimate,load,separation,area,reference,left_out'
+    'family,way,seconds,error_max,error_mean,error_position,area_error_max,own_error_max,' // &
+    'error_estimate,load,separation,area,reference,left_out'
   !> How many.
   integer, parameter :: number_of_way_columns = 14
 

@@ -8,7 +8,8 @@ module asperity_effect_path
   use asperity_effect_sequence, only: first_failure, simulate
   use asperity_kernel_real64, only: closings_on_the_way
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: control_pressure, effect_off, hold_load, is_load, scene
+  use asperity_scene_values, only: control_compression, control_pressure, effect_off, hold_load, &
+                                   is_load, scene
   use asperity_viscoelastic_solid, only: hold_times
   implicit none
   private
@@ -163,6 +164,8 @@ contains
     else if (is_load(scene_in%loading%control)) then
       value_of = scale(decimal_to_real64(value), &
                        -4 * (pairs%modulus_power + 2 * pairs%length_power))
+    else if (scene_in%loading%control == control_compression) then
+      value_of = scale(decimal_to_real64(value), -4 * pairs%length_power)
     else
       value_of = pairs%first_touch - scale(decimal_to_real64(value), -4 * pairs%length_power)
     end if

@@ -7,8 +7,8 @@ module asperity_map_scene
   use asperity_map_levelling, only: level_map
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, usual_radius
   use asperity_numeral, only: rounded_decimal
-  use asperity_scene_values, only: combined_modulus, control_approach, control_pressure, &
-                                   effect_auto, effect_coupled, scene
+  use asperity_scene_values, only: combined_modulus, control_compression, control_pressure, &
+                                   effect_auto, effect_coupled, is_load, scene
   implicit none
   private
 
@@ -113,7 +113,7 @@ contains
     integer :: i, j, parts
 
     loading%modulus = combined_modulus(scene_in)
-    loading%by_load = scene_in%loading%control /= control_approach
+    loading%by_load = is_load(scene_in%loading%control)
     if (allocated(scene_in%loading%path)) then
       allocate (ends, source=scene_in%loading%path)
     else
@@ -130,6 +130,7 @@ contains
     allocate (loading%values(merge(1, 0, parts > 1)), source=from)
     do i = 1, size(ends)
       to = unit * decimal_to_real64(ends(i))
+      if (scene_in%loading%control == control_compression) to = maxval(map%height) - to
       if (loading%by_load .and. ends(i)%digits > 0 .and. &
           .not. to / real(parts, real64) > 0.0_real64) then
         failure = 'a load of the map is too small for a double, expected other units'

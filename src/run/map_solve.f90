@@ -15,8 +15,8 @@ module asperity_map_solve
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: combined_modulus, control_approach, control_limit, effect_auto, &
-                                   effect_off, scene, solves_pixels
+  use asperity_scene_values, only: combined_modulus, control_limit, effect_auto, effect_off, &
+                                   is_load, scene, solves_pixels
   use asperity_surface_solve, only: solve_surfaces
   use asperity_theory_warnings, only: of_error, take_worse, theory_warning, warn
   implicit none
@@ -163,7 +163,7 @@ contains
     if (allocated(failure)) return
     call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings, &
                         forbids_boundary(scene_in))
-    if (scene_in%loading%control == control_approach) then
+    if (.not. is_load(scene_in%loading%control)) then
       results%positions(1)%error_estimate = abs(results%map%load_difference) + &
                                             results%map%load_uncertain
     else if (results%map%closing > 0.0_real64) then
@@ -174,6 +174,9 @@ contains
       ! The closing is lost in the digits of the heights: nothing is known of it.
       results%positions(1)%error_estimate = 1.0_real64
     end if
+    ! The estimate of the contacts among themselves is replaced by the comparison with the map.
+    if (allocated(results%positions(1)%warnings)) results%positions(1)%warnings = &
+      pack(results%positions(1)%warnings, results%positions(1)%warnings%kind /= of_error)
     if (results%positions(1)%error_estimate > scene_in%effects%number('tolerance')) &
       call warn(warnings, of_error, results%positions(1)%error_estimate)
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))

@@ -13,7 +13,7 @@ module asperity_area_study_surface
                                           quantities, vertical_per_area
   use asperity_kinds, only: real64
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: compliance, control_approach, criterion_none, scene, &
+  use asperity_scene_values, only: compliance, control_separation, criterion_none, scene, &
                                    scene_surface
   use asperity_solve, only: solve
   use asperity_study_spec, only: against_plane, study_spec
@@ -72,7 +72,7 @@ contains
     else
       numbers(2) = asperities_on_area(pressed%lower)
       pressed%file = spec%surfaces%file
-      pressed%loading%control = control_approach
+      pressed%loading%control = control_separation
       pressed%loading%value = plan%separation
       pressed%limit%criterion = criterion_none
       call solve(pressed, results, failure)

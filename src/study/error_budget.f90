@@ -14,7 +14,7 @@ module asperity_error_budget
   use asperity_problems, only: decimal_text
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
-  use asperity_scene_values, only: control_approach, effect_boundary, effect_off, is_load, scene
+  use asperity_scene_values, only: control_separation, effect_boundary, effect_off, is_load, scene
   use asperity_solve, only: solve
   use asperity_surface_solve, only: solve_in_arithmetic
   implicit none
@@ -100,7 +100,7 @@ contains
       if (allocated(failure)) return
     end if
     budget%lines%name = [character(len=14) :: 'total load', 'vertical load', 'contact area', &
-                         'approach']
+                         'separation']
     do m = 1, size(results%positions)
       have = totals(results, m)
       budget%lines%value = budget%lines%value + have / size(results%positions)
@@ -226,7 +226,7 @@ contains
         one%motion%positions = 1
         one%motion%x_first = rounded_decimal(position%x_displacement, 17)
         one%motion%y_first = rounded_decimal(position%y_displacement, 17)
-        one%loading%control = control_approach
+        one%loading%control = control_separation
         one%loading%value = rounded_decimal(last%approach, 17)
       end associate
       call run_both(one, options, used, cells, model%why_not)

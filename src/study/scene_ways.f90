@@ -13,7 +13,8 @@ module asperity_scene_ways
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: control_approach, control_limit, effect_auto, effect_boundary, &
+  use asperity_scene_values, only: control_compression, control_limit, control_separation, &
+                                   effect_auto, effect_boundary, &
                                    effect_coupled, effect_off, is_thesis_sweep, scene, &
                                    scene_effects
   use asperity_solve, only: solve
@@ -129,7 +130,8 @@ contains
       way%name = 'the original program, 1976'
       ways = [ways, way]
     end if
-    if (scene_in%loading%control == control_approach .or. .not. closing > 0.0_real64) return
+    if (any(scene_in%loading%control == [control_separation, control_compression]) .or. &
+        .not. closing > 0.0_real64) return
     do k = 1, 3
       way = scene_way(family=of_steps)
       way%step = 10.0_real64**(floor(log10(closing)) - k)

@@ -11,7 +11,7 @@ module asperity_way_beside
   use asperity_reviewed_theories, only: reviewed_theory, theories_of
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: control_approach, effect_boundary, scene, scene_surface
+  use asperity_scene_values, only: control_separation, effect_boundary, scene, scene_surface
   use asperity_scene_ways, only: of_arithmetic, of_input, of_theory, run_way, scene_way, without_map
   use asperity_timing, only: time_allowance
   use asperity_way_study, only: way_row, way_table
@@ -152,7 +152,7 @@ contains
       one%motion%x_first = place_of(one%motion%x_first, one%motion%x_step)
       one%motion%y_first = place_of(one%motion%y_first, one%motion%y_step)
       one%motion%positions = 1
-      one%loading%control = control_approach
+      one%loading%control = control_separation
       if (allocated(one%loading%path)) deallocate (one%loading%path)
       one%loading%value = rounded_decimal(plain%approach(last) + &
                                           0.01_real64 * plain%closing(last), 17)

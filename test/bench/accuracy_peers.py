@@ -153,7 +153,7 @@ def main():
     best = ours(exe, SCENE, options.html.resolve(), options.seconds)
     height, sides = measured(SCENE.with_name("smooth.sdf"))
     height, sides = levelled(height * MICRO), tuple(s * MICRO for s in sides)
-    level, area = float(best["approach"]), float(best["area"])
+    level, area = float(best["separation"]), float(best["area"])
     closing = height.max() - level
     found = []
     for name, seconds, answer in peers(height, sides):

@@ -148,7 +148,7 @@ def study(exe, name, height, sides, shares, ways, seconds):
                     if got is None:
                         yield row
                         continue
-                    at, its_area = float(got["approach"]), float(got["projected_area"])
+                    at, its_area = float(got["separation"]), float(got["projected_area"])
                     if way == "plain":
                         at += top
                     else:
@@ -190,7 +190,7 @@ def beside_tamaas(exe, side):
             assert child.wait() == 0
             spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
             with open(folder / "map.csv", encoding="ascii", newline="") as rows:
-                level = float(next(csv.DictReader(rows))["approach"])
+                level = float(next(csv.DictReader(rows))["separation"])
             print(f"{way:<20}{spent:>9.1f}{peak / 2**20:>9.0f}"
                   f"{level / rms:>26.4f}", flush=True)
         done = subprocess.run([python, ROOT / "test/bench/tamaas_map.py", folder / "map.npy",

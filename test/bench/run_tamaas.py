@@ -79,7 +79,7 @@ def ours(exe, folder, caps, effects):
     work.run()
     with open(positions, encoding="ascii", newline="") as rows:
         row = next(csv.DictReader(rows))
-    return work.least, work.peak(), caps[:, 2].max() - float(row["approach"]), row["contacts"]
+    return work.least, work.peak(), caps[:, 2].max() - float(row["separation"]), row["contacts"]
 
 
 def theirs(python, folder, caps, side, samples):

@@ -280,7 +280,7 @@ def law_given_back(scene, exe, folder, _rng):
         return one.status
     row = one.files["positions"][-1]
     other = copy.deepcopy(scene)
-    other.groups["loading"] = {"control": "approach", "value": float(row["approach"])}
+    other.groups["loading"] = {"control": "approach", "value": float(row["separation"])}
     two = run(exe, other, folder)
     if two.status == 1 and ("the map " in two.err or "mean height of a map" in two.err):
         return None

@@ -283,7 +283,7 @@ def within(one, two, share, names, control):
 def closing(run, row):
     """How far the surfaces of a position came nearer after they first touched, at its end."""
     ends = [s for s in run.files["curve"] if s["position"] == row["position"]]
-    return number(ends[-1], "decrease")
+    return number(ends[-1], "compression")
 
 
 LAWS = {"scaled by powers of two": law_scaled, "mirrored": law_mirrored,

@@ -162,7 +162,7 @@ def test_hanging(asperity, tmp_path, share):
         solved = run(asperity, tmp_path, one, {"control": "load", "value": path}, ADHESION)
         assert solved.status == 0, solved.stderr
         assert abs(float(solved.positions[0]["load"]) - load) <= MET * PULL_OFF
-        assert abs(float(solved.curve[-1]["decrease"]) - jkr(load)) < 1e-9
+        assert abs(float(solved.curve[-1]["compression"]) - jkr(load)) < 1e-9
 
 
 def test_pull_off(asperity, tmp_path):
@@ -186,7 +186,7 @@ def test_pull_curve(asperity, tmp_path):
     way = [0.02 * k for k in range(11)] + [0.2 - 0.028 * k for k in range(1, 11)]
     met(solved, "load", way)
     # All contacts that can still hold do: the closing falls without a jump.
-    closings = [float(row["decrease"]) for row in solved.curve][10:]
+    closings = [float(row["compression"]) for row in solved.curve][10:]
     falls = [a - b for a, b in pairwise(closings)]
     assert 0 < min(falls) and max(falls) < 0.06
 

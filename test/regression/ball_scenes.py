@@ -44,7 +44,7 @@ def column(rows, name):
 
 def work(curve, load="vertical_load"):
     """Work done by the closing up to each state, by the trapezoidal rule."""
-    closing, force = column(curve, "decrease"), column(curve, load)
+    closing, force = column(curve, "compression"), column(curve, load)
     return np.concatenate([[0.0], np.cumsum(np.diff(closing) * (force[1:] + force[:-1]) / 2)])
 
 

@@ -108,7 +108,7 @@ def neighbours(rng, folder, has_so_many):
     def errors(rows):
         row, = rows
         if by_load:
-            yield (abs(float(row["approach"]) - scene.approach) / float(want["closing"]),
+            yield (abs(float(row["separation"]) - scene.approach) / float(want["closing"]),
                    float(want["load_error"]))
         else:
             yield (abs(float(row["vertical_load"]) / float(want["load"]) - 1),
@@ -216,7 +216,7 @@ def creep(rng, folder):
         if by_load:
             compliance = 1 / ratio - (1 / ratio - 1) * np.exp(-ratio * time / tau)
             square = (0.75 * value ** 1.5 * compliance) ** (2 / 3)
-            yield abs(-float(row["approach"]) / square - 1), 1e-12
+            yield abs(-float(row["separation"]) / square - 1), 1e-12
             yield abs(float(row["area"]) / (np.pi * square) - 1), 1e-12
         else:
             relaxed = ratio + (1 - ratio) * np.exp(-time / tau)
@@ -241,7 +241,7 @@ def measured(rng, folder):
 
     def errors(rows):
         want = press(level, (1.0, 1.0), 1.0, load)[0]
-        yield abs(float(rows[0]["approach"]) - want) / (level.max() - want), 1e-9
+        yield abs(float(rows[0]["separation"]) - want) / (level.max() - want), 1e-9
     return scene, errors
 
 

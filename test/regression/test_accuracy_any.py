@@ -171,7 +171,7 @@ def test_the_reference_of_a_map(asperity, tmp_path):
     want = press(level, (1.0, 1.0), 1.0, 0.5)[0]
     best = reference(rows)
     assert best["way"] == "the map's samples"
-    assert abs(float(best["approach"]) - want) < 1e-6 * (level.max() - want)
+    assert abs(float(best["separation"]) - want) < 1e-6 * (level.max() - want)
 
 
 def test_the_reference_of_flow(asperity, tmp_path):

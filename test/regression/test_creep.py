@@ -69,7 +69,7 @@ def test_held_load(ratio, tau, hold_time, asperity, tmp_path, tally):
     """Lee and Radok: a**3 = 3/4 P R J(t); approach and area grow, the pressure falls."""
     run = held(asperity, tmp_path, solid(ratio, tau, hold_time, points=200))
     times, area = column(run.curve, "time"), column(run.curve, "area")
-    closing = column(run.curve, "decrease")
+    closing = column(run.curve, "compression")
     compare(tally, "creep: load held", off(column(run.curve, "load"), [LOAD] * 200), MET)
     cube = 0.75 * LOAD * RADIUS / MODULUS * compliance(ratio, tau, times)
     compare(tally, "creep: area of Lee and Radok", off(area, math.pi * cube ** (2 / 3)), MET)
@@ -97,8 +97,8 @@ def test_no_time_and_all_time(asperity, tmp_path, tally):
             ("at once", solid(0.5, 0.0, 1.0), 2.0), ("at once", solid(0.5, 1e-300, 1.0), 2.0),
             ("never", solid(0.5, 1e300, 1.0), 1.0), ("never", solid(1.0, 1.0, 10.0), 1.0)):
         run = held(asperity, tmp_path, effects, name="limit")
-        closing = column(run.curve, "decrease")
-        start = float(elastic.curve[-1]["decrease"])
+        closing = column(run.curve, "compression")
+        start = float(elastic.curve[-1]["compression"])
         compare(tally, f"creep: limits, {name}",
                 abs(closing[-1] / (start * compliant ** (2 / 3)) - 1), MET)
         compare(tally, "creep: limits, load", off(column(run.curve, "load"), [LOAD] * len(closing)),
@@ -126,8 +126,8 @@ def test_thesis_model_under_load(interaction, asperity, tmp_path, tally):
         elastic = solved(asperity, write_scene(
             tmp_path / "elastic.scene", **model, effects={"interaction": interaction},
             loading={"control": "load", "value": float(load * factor)}), contacts=False)
-        closings.append([float(elastic.curve[-1][name]) for name in ("decrease", "area")])
-    for name, true in zip(("decrease", "area"), zip(*closings)):
+        closings.append([float(elastic.curve[-1][name]) for name in ("compression", "area")])
+    for name, true in zip(("compression", "area"), zip(*closings)):
         compare(tally, f"creep: thesis model, {interaction}, {name}",
                 off(column(run.curve, name), true), 3e-10)
         assert (np.diff(column(run.curve, name)) > 0).all()
@@ -194,9 +194,9 @@ def test_hold_after_a_path(control, asperity, tmp_path, tally):
         assert len(held_rows) == 10 and start + 1 == (1 + 3 * 5 if points else 3)
         end = -values[-1] if control == "approach" else None
         if hold == "approach":
-            end = end or float(held_rows[0]["decrease"])
+            end = end or float(held_rows[0]["compression"])
             compare(tally, "creep: approach held after a path",
-                    off(column(held_rows, "decrease"), [end] * 10), 1e-15)
+                    off(column(held_rows, "compression"), [end] * 10), 1e-15)
             compare(tally, "creep: load relaxing after a path", off(
                 column(held_rows, "load"),
                 float(held_rows[0]["load"]) * relaxed(0.5, 1.0, times[start:])), 1e-13)
@@ -215,7 +215,7 @@ def test_takes_up_work(asperity, tmp_path, tally):
             tmp_path / "model.scene", surfaces={"deck": str(DECK)}, motion={"x_first": 5.5},
             loading={"control": "load", "value": 800.0},
             effects=solid(ratio, tau, hold_time, points=40)), contacts=False)
-        closing, load = column(run.curve, "decrease"), column(run.curve, "vertical_load")
+        closing, load = column(run.curve, "compression"), column(run.curve, "vertical_load")
         done = np.diff(closing) * (load[1:] + load[:-1]) / 2
         worst.append((done >= 0).all())
     tally.add("creep: holds that return nothing", len(worst), sum(worst))

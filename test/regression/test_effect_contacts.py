@@ -44,7 +44,7 @@ def test_one_aligned_pair_on_cells(circle, asperity, tmp_path, tally):
 
 
 def closing_of(run):
-    return float(run.curve[-1]["decrease"])
+    return float(run.curve[-1]["compression"])
 
 
 def test_two_contacts_far_apart(asperity, tmp_path, tally):

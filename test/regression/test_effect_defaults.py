@@ -185,7 +185,7 @@ def test_a_periodic_map(asperity, tmp_path):
     assert "'boundary' or 'auto'" in refused.stderr
     for pressure in (10.0, 90.0, 300.0):
         default, boundary = (float(row_of(solve(asperity, map_scene(tmp_path, pressure, **effects),
-                                                contacts=False))["approach"])
+                                                contacts=False))["separation"])
                              for effects in ({}, {"interaction": "boundary"}))
         assert abs(default - boundary) < 1e-3 * 0.1
     off = solve(asperity, map_scene(tmp_path, 90.0, interaction="off"), contacts=False)

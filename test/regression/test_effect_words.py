@@ -265,7 +265,7 @@ def test_share_of_contacts_that_flow(asperity, tmp_path, tally):
     # 400 summits are counted: a share is known to half a contact.
     for row in run_of_index.curve:
         rows = [r for r in run_of_index.contacts if r["step"] == row["step"]]
-        height = (float(row["approach"]) - 0.1) / sigma
+        height = (float(row["separation"]) - 0.1) / sigma
         compare(tally, "index: share of summits that touch",
                 abs(len(rows) / 400 - tail(height)), 2 / 400)
         compare(tally, "index: share of contacts that flow",

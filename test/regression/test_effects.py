@@ -299,7 +299,7 @@ def test_curve_is_made_of_states(mode, sweeps, tally):
         if step == 1:
             continue
         one = sweeps.solve(positions=1, x_first=5.6, interaction=mode, curve=True,
-                           loading={"control": "approach", "value": float(state["approach"])})
+                           loading={"control": "approach", "value": float(state["separation"])})
         errors.append(abs(float(one.positions[0]["load"]) - float(state["load"])) / full)
     # The approach of a state is rounded where it is written.
     report(tally, f"effects: states of a curve, {mode}", errors, 1e-9)

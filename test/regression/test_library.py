@@ -112,7 +112,7 @@ def test_from_c(example, asperity, tmp_path):
     status, text, errors = example("press_two_surfaces", scene)
     assert status == 0 and errors.count("warning") == 3
     assert [tuple(map(float, line.split())) for line in text.splitlines()] == [
-        (float(row["approach"]), float(row["load"])) for row in records(tmp_path / "p.csv")]
+        (float(row["separation"]), float(row["load"])) for row in records(tmp_path / "p.csv")]
     # One ball under the load of the example.
     status, text, errors = example("press_two_surfaces")
     assert status == 0 and errors == "" and float(text.split()[-1]) == pytest.approx(LOAD, 1e-6)

@@ -151,7 +151,7 @@ def test_laws_of_pixels(asperity, tmp_path, tally, part):
             case = f"map {seed}, {how}"
             assert one["contacts"] == two["contacts"], case
             noise = 1e-9 if how == "lifted far" or seed % 5 == 1 else 0.0
-            errors = [abs(float(one["approach"]) - float(two["approach"])) / scale,
+            errors = [abs(float(one["separation"]) - float(two["separation"])) / scale,
                       abs(float(one["area"]) / float(two["area"]) - 1),
                       np.abs(column(contacts, "area") - column(others, "area")).max() / of.area(),
                       np.abs(column(contacts, "load") - column(others, "load")).max() / load,
@@ -352,7 +352,7 @@ def test_numpy_on_periodic_maps(asperity, tmp_path, tally):
         level, pressures = press(height.T, of.spacing, MODULUS, pressure * of.area(),
                                  periodic=True, closed=1e-11)
         state, contacts, _ = solve(asperity, tmp_path, of, pressure)
-        assert float(state["approach"]) == pytest.approx(level, abs=1e-8 * np.ptp(height))
+        assert float(state["separation"]) == pytest.approx(level, abs=1e-8 * np.ptp(height))
         assert column(contacts, "maximum_pressure").max() == pytest.approx(pressures.max(),
                                                                            rel=1e-8)
         tally.add("numpy, periodic maps", 2, 2, 0)
@@ -386,7 +386,7 @@ def test_levels_of_a_scene(asperity, tmp_path):
             "&effects interaction = 'boundary' /\n")
         run = command(asperity, tmp_path, "solve", "m.scene", "--quiet", "--positions", "p.csv")
         assert run.returncode == 0, run.stderr
-        found[how] = float(rows_of(tmp_path / "p.csv")[0]["approach"])
+        found[how] = float(rows_of(tmp_path / "p.csv")[0]["separation"])
     level, _ = press((height - height.mean()).T, (1.0, 1.0), 1.0, 20.0)
     assert found["mean"] == pytest.approx(level, abs=1e-8)
     assert found["none"] == pytest.approx(level + height.mean(), abs=1e-8)

@@ -67,7 +67,7 @@ def test_samples_against_numpy(asperity, tmp_path, tally, edge, share):
     of = height - height.mean() if edge == "periodic" else level(height)
     flat, pressure = press(of, sides, E, load, edge == "periodic")
     row = found.positions[0]
-    errors = [float(row["approach"]) / flat - 1, float(row["load"]) / load - 1,
+    errors = [float(row["separation"]) / flat - 1, float(row["load"]) / load - 1,
               float(row["sample_area"]) / ((pressure > 0).sum() * np.prod(sides)) - 1,
               float(row["area"]) / rim_area(pressure > 0, sides, edge == "periodic") - 1,
               max(float(c["maximum_pressure"]) for c in found.contacts) / pressure.max() - 1,
@@ -77,7 +77,7 @@ def test_samples_against_numpy(asperity, tmp_path, tally, edge, share):
     tally.add("a map's samples against numpy", len(errors), len(errors))
     # The same at the separation that was found.
     there = map_scene(tmp_path, height, sides, name="there", surfaces={"map_edge": edge},
-                      loading={"control": "approach", "value": float(row["approach"])})
+                      loading={"control": "approach", "value": float(row["separation"])})
     again = solve(asperity, there)
     assert abs(float(again.positions[0]["load"]) / load - 1) < 1e-6
 
@@ -92,10 +92,10 @@ def test_missing_samples_and_a_curve(asperity, tmp_path):
     found = solve(asperity, scene, curve=True)
     assert found.status == 0, found.stderr
     assert len(found.curve) == 4 and float(found.curve[0]["load"]) == 0.0
-    assert float(found.curve[0]["approach"]) == pytest.approx(np.nanmax(level(height)))
+    assert float(found.curve[0]["separation"]) == pytest.approx(np.nanmax(level(height)))
     for k, row in enumerate(found.curve[1:], 1):
         flat, pressure = press(level(height), sides, E, load * k / 3)
-        assert abs(float(row["approach"]) / flat - 1) < 1e-6
+        assert abs(float(row["separation"]) / flat - 1) < 1e-6
         assert not pressure[10:14, 5:8].any()
 
 
@@ -109,7 +109,7 @@ def test_two_maps_are_their_sum(asperity, tmp_path):
     found = solve(asperity, scene)
     assert "the sum of two maps" in found.stdout
     flat, _ = press(level(lower + upper), sides, E, load)
-    assert abs(float(found.positions[0]["approach"]) / flat - 1) < 1e-6
+    assert abs(float(found.positions[0]["separation"]) / flat - 1) < 1e-6
 
 
 def told(text, name):
@@ -129,7 +129,7 @@ def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
                                       loading={"control": "load", "value": load}))
     assert found.status == 0, found.stderr
     row = found.positions[0]
-    approach = float(row["approach"])
+    approach = float(row["separation"])
     rms = np.std(level(height))
     assert abs(told(found.stdout, "separation") - (approach - flat) / rms) < 1e-3
     assert abs(told(found.stdout, "contact area")
@@ -139,7 +139,7 @@ def test_summits_say_what_they_cost(asperity, tmp_path, tally, share):
     # The stiffness: a hundredth more load.
     again = solve(asperity, map_scene(tmp_path, height, sides, name="more", interaction="coupled",
                                       loading={"control": "load", "value": 1.01 * load}))
-    stiffness = 0.01 * load / (approach - float(again.positions[0]["approach"]))
+    stiffness = 0.01 * load / (approach - float(again.positions[0]["separation"]))
     assert abs(told(found.stdout, "contact stiffness")
                - 100 * (stiffness * (flat - more) / (0.01 * load) - 1)) < 1e-2
     tally.add("what summits cost, against numpy", 4, 4)
@@ -159,9 +159,9 @@ def test_a_large_map_is_pressed_coarser(asperity, tmp_path):
             tmp_path / f"{way}.scene", surfaces={"upper": "plane", "lower": "map.sdf"},
             material={"contact_modulus": E}, effects={"interaction": way}, loading=loading))
 
-    truth = float(solved("boundary", control="load", value=load).positions[0]["approach"])
+    truth = float(solved("boundary", control="load", value=load).positions[0]["separation"])
     found = solved("coupled", control="load", value=load)
-    approach = float(found.positions[0]["approach"])
+    approach = float(found.positions[0]["separation"])
     true = (approach - truth) / np.std(level(height))
     claimed, give = told(found.stdout, "separation"), told(found.stdout, "give or take")
     assert abs(claimed - true) < give + 1e-3 < 0.02
@@ -187,8 +187,8 @@ def test_auto_takes_what_is_good_enough(asperity, tmp_path):
     assert samples.positions[0]["interaction"] == "boundary"
     assert "not good enough" in samples.stdout
     flat, _ = press(level(height), sides, E, loading["value"])
-    assert abs(float(samples.positions[0]["approach"]) / flat - 1) < 1e-6
-    assert abs(float(summits.positions[0]["approach"]) / flat - 1) > 1e-4
+    assert abs(float(samples.positions[0]["separation"]) / flat - 1) < 1e-6
+    assert abs(float(summits.positions[0]["separation"]) / flat - 1) > 1e-4
 
 
 def test_auto_keeps_its_answer_alone(asperity, tmp_path):

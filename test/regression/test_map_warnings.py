@@ -139,4 +139,4 @@ def test_too_much_contact_for_summits(asperity, tmp_path):
     done = solve(asperity, map_scene(tmp_path, height, SIDES, interaction="auto", loading=loading))
     assert done.status == 0 and done.positions[0]["interaction"] == "boundary"
     flat, _ = press(level(height), SIDES, E, load)
-    assert abs(float(done.positions[0]["approach"]) / flat - 1) < 1e-6
+    assert abs(float(done.positions[0]["separation"]) / flat - 1) < 1e-6

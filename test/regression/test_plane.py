@@ -106,7 +106,7 @@ def test_caps(asperity, tmp_path, side, number):
             approach = approach_at(heights, radii, load)
             _, areas = by_hand(heights, radii, approach)
             assert off(row["load"], mpf(load)) < 1e-14
-            assert abs(float(row["approach"]) - approach) < 1e-16
+            assert abs(float(row["separation"]) - approach) < 1e-16
             # An area forgets a rounding of the approach over the closing.
             assert off(row["area"], sum(areas)) < 1e-15 * (1 + 0.1 / (max(heights) - approach))
             assert int(row["contacts"]) == sum(h >= approach for h in heights)
@@ -123,7 +123,7 @@ def test_caps(asperity, tmp_path, side, number):
         # The first at its limit: w/R = (3 P/(4 E R^2))^(2/3).
         ends = [mpf(h) - mpf(r) * (3 * limit / (4 * mpf(E) * mpf(r) ** 2)) ** (mpf(2) / 3)
                 for h, r in zip(heights, radii)]
-        assert abs(float(row["approach"]) - max(ends)) < 2e-17
+        assert abs(float(row["separation"]) - max(ends)) < 2e-17
         assert row["limit_reached"] == "1"
 
 
@@ -200,7 +200,7 @@ def test_limit_of_spheres(asperity, tmp_path, name, side, loading):
         scene.write_text(text)
         run = solve(asperity, scene)
         assert run.status == 0, run.stderr
-        found.append((float(run.positions[0]["approach"]),
+        found.append((float(run.positions[0]["separation"]),
                       np.array([float(run.positions[0][n]) for n in
                                 ("load", "vertical_load", "area", "projected_area")]),
                       column(run.contacts, "load")))

@@ -28,7 +28,7 @@ def pressed(asperity, folder, closings, points=None, effects=ON, name="steel",
 
 def overlaps(run):
     """Closings over the critical overlap, with many digits."""
-    return [mpf(float(row["decrease"])) / STEEL.critical_overlap for row in run.curve]
+    return [mpf(float(row["compression"])) / STEEL.critical_overlap for row in run.curve]
 
 
 def test_published_curve(asperity, tmp_path, tally):
@@ -123,9 +123,9 @@ def test_unloading(asperity, tmp_path, tally, tops):
     up, down, again, on, last = (run.curve[1 + 40 * i : 41 + 40 * i] for i in range(5))
     for name, curve, start in (("unloading", down, up[-1]), ("again", again, up[-1]),
                                ("second unloading", last, on[-1])):
-        x_top = mpf(float(start["decrease"])) / STEEL.critical_overlap
+        x_top = mpf(float(start["compression"])) / STEEL.critical_overlap
         residual, load_power, area_power = unloading(x_top)
-        share = [max(mpf(0), (mpf(float(row["decrease"])) / float(start["decrease"]) - residual)
+        share = [max(mpf(0), (mpf(float(row["compression"])) / float(start["compression"]) - residual)
                      / (1 - residual)) for row in curve]
         for column_name, power, full in (
                 ("load", load_power, STEEL.joined(x_top) * STEEL.critical_load),
@@ -137,7 +137,7 @@ def test_unloading(asperity, tmp_path, tally, tops):
             compare(tally, f"plasticity: {name}, {column_name}", errors, 1e-13)
         flat = [row for row, s in zip(curve, share) if s == 0]
         assert flat and all(float(row["load"]) == 0 == float(row["area"]) for row in flat)
-    x = [mpf(float(row["decrease"])) / STEEL.critical_overlap for row in on]
+    x = [mpf(float(row["compression"])) / STEEL.critical_overlap for row in on]
     compare(tally, "plasticity: loading on",
             off(column(on, "load"), [STEEL.joined(v) * STEEL.critical_load for v in x]), 1e-13)
     assert again[-1]["load"] == up[-1]["load"]
@@ -174,8 +174,8 @@ def test_closed_elastic_cycle(interaction, asperity, tmp_path, tally):
     first, down, up, last = (run.curve[1 + 60 * i : 61 + 60 * i] for i in range(4))
     loads = {name: column(rows, "load") for name, rows in (
         ("down", down), ("up", up), ("last", last))}
-    closings = column(down, "decrease")
-    assert np.allclose(closings, column(last, "decrease"), rtol=0, atol=1e-15)
+    closings = column(down, "compression")
+    assert np.allclose(closings, column(last, "compression"), rtol=0, atol=1e-15)
     assert (loads["last"] > 0).sum() > 45 and column(last, "contacts").max() >= 5
     errors = [off(loads["last"], loads["down"]), off(loads["up"][:-1], loads["down"][-2::-1])]
     compare(tally, f"elastic cycle, {interaction}: same loads", np.concatenate(errors), 1e-10)
@@ -191,7 +191,7 @@ def test_a_path_of_loads(asperity, tmp_path, tally):
                         loading={"control": "load", "value": (4000.0, 500.0, 4000.0, 6000.0, 0.0),
                                  "points": 30})
     run = solved(asperity, scene)
-    loads, closing = column(run.curve, "load"), column(run.curve, "decrease")
+    loads, closing = column(run.curve, "load"), column(run.curve, "compression")
     assert len(loads) == 151
     asked = np.concatenate([np.linspace(a, b, 31)[1:] for a, b in (
         (0, 4000), (4000, 500), (500, 4000), (4000, 6000), (6000, 0))])

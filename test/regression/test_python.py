@@ -128,7 +128,7 @@ def test_fortran_c_and_python(package, venv, tmp_path, tally):
         done = subprocess.run([program, *words], cwd=ROOT, capture_output=True, text=True,
                               check=True, timeout=100)
         rows = [tuple(map(float, line.split())) for line in done.stdout.splitlines()]
-        assert rows == list(zip(table["approach"], table["load"]))
+        assert rows == list(zip(table["separation"], table["load"]))
 
 
 def test_report(package):

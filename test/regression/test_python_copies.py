@@ -182,7 +182,7 @@ def test_surfaces_from_pipes(package, tmp_path):
         return package.solve(
             {"surfaces": {"upper": upper, "lower": lower}, "material": {"contact_modulus": 1e3},
              "loading": {"control": "load", "value": 1.0}, "effects": {"interaction": "off"}}
-            ).positions["approach"][0]
+            ).positions["separation"][0]
     for name in ("u", "l"):
         os.mkfifo(tmp_path / name)
     writers = [threading.Thread(target=write, args=[tmp_path / name]) for name in ("u", "l")]

@@ -78,7 +78,7 @@ def compare_with_truth(run, truth, worst, bound=TOTALS_BOUND):
 def compare_runs(run, reference, size, worst):
     """The same of real64 against real128; returns counts of shallow positions and of ties."""
     ulp, shallow, ties = np.spacing(size), 0, 0
-    closing = {row["position"]: float(row["decrease"]) for row in reference.curve}
+    closing = {row["position"]: float(row["compression"]) for row in reference.curve}
     for row, true in zip(run.positions, reference.positions, strict=True):
         error = max(relative(row[name], float(true[name])) for name in (*TOTALS, "approach"))
         if error > TOTALS_BOUND and closing[row["position"]] < SHALLOW * size:
@@ -219,9 +219,9 @@ def test_load_control(target, asperity, tmp_path):
     worst = Worst()
     compare_with_truth(run, truth, worst)
     for m, row in enumerate(run.curve, 1):
-        worst.see("decrease", relative(row["decrease"], truth.state(m).decrease))
+        worst.see("compression", relative(row["compression"], truth.state(m).decrease))
     worst.show(f"load {target:g}")
-    assert worst["decrease"] <= 1e-13
+    assert worst["compression"] <= 1e-13
 
 
 def test_smallest_loads(asperity, tmp_path):
@@ -261,7 +261,7 @@ def test_curve_passes_through_every_event(loading, asperity, tmp_path):
     events = 0
     for m in range(1, 5):
         curve = [row for row in run.curve if row["position"] == str(m)]
-        approach = [float(row["approach"]) for row in curve]
+        approach = [float(row["separation"]) for row in curve]
         end = truth.state(m)
         begins = [float(touch) for touch in truth.touches(m) if touch >= end.approach]
         events += len(begins)
@@ -278,7 +278,7 @@ def test_curve_passes_through_every_event(loading, asperity, tmp_path):
         assert len(seen) == len(begins) == int(curve[-1]["contacts"])
         # Eight equal parts, and each event once.
         assert len(curve) == 9 + len(begins) - 1
-        decrease = [float(row["decrease"]) for row in curve]
+        decrease = [float(row["compression"]) for row in curve]
         assert decrease[0] == 0.0 and all(a < b for a, b in zip(decrease, decrease[1:]))
         for k in range(9):
             assert min(abs(d - decrease[-1] * k / 8) for d in decrease) <= 1e-15 * decrease[-1]
@@ -343,12 +343,12 @@ def test_nothing_touches(asperity, tmp_path):
         assert [row["contacts"] for row in run.positions] == ["1", "0"]
         assert [row["position"] for row in run.contacts] == ["1"]
         row = run.positions[1]
-        assert float(row["approach"]) == approach and row["limit_reached"] == "0"
+        assert float(row["separation"]) == approach and row["limit_reached"] == "0"
         assert all(float(row[name]) == 0.0 for name in TOTALS)
     # Not closed far enough to touch.
     run = solve(asperity, write_csv_scene(tmp_path, upper, lower,
                                           loading={"control": "approach", "value": 1.5}))
-    assert run.positions[0]["contacts"] == "0" and float(run.positions[0]["approach"]) == 1.5
+    assert run.positions[0]["contacts"] == "0" and float(run.positions[0]["separation"]) == 1.5
 
 
 @pytest.mark.parametrize(("words", "groups"), (
@@ -447,7 +447,7 @@ def curve_of_deck(asperity, root, tmp_path, x):
                         effects={"interaction": "off"})
     rows = [row for row in solve(asperity, scene, curve=True).curve if float(row["load"]) > 0.0]
     return (np.array([float(row[name]) for row in rows])
-            for name in ("load", "decrease", "area"))
+            for name in ("load", "compression", "area"))
 
 
 def test_slopes_at_position_13(asperity, root, tmp_path):

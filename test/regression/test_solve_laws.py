@@ -163,7 +163,7 @@ def test_common_shift_of_tilted_surfaces(run, scene, by):
     assert (one is None) == (two is None)
     if one is None or not one.contacts:
         return
-    closing = float(one.curve[0]["decrease"])
+    closing = float(one.curve[0]["compression"])
     for name in (*TOTALS, "approach"):
         expected = float(one.positions[0][name])
         assert abs(float(two.positions[0][name]) - expected) <= (
@@ -229,12 +229,12 @@ def test_nothing_falls_while_closing(run, scene, steps):
     solved = run(scene, loading={**scene["loading"], "points": steps})
     assume(solved is not None and solved.contacts)
     for one, two in zip(solved.curve, solved.curve[1:]):
-        assert float(one["approach"]) >= float(two["approach"])
+        assert float(one["separation"]) >= float(two["separation"])
         assert int(one["contacts"]) <= int(two["contacts"])
         for name in ("load", "area"):
             assert float(one[name]) <= float(two[name])
     # Also between runs: a little further down, no less of anything.
-    end = float(solved.positions[0]["approach"])
+    end = float(solved.positions[0]["separation"])
     deeper = run(scene, loading={"control": "approach", "value": end - 1e-9})
     if deeper is not None:
         for name in ("contacts", "load", "area"):
@@ -247,22 +247,22 @@ def test_load_and_approach_invert_each_other(run, scene, closing):
     """The approach is a double near 1, so the closing must not be too small for 1e-12."""
     first = run(scene, loading={"control": "load", "value": 1e-200})
     assume(first is not None)
-    approach = float(first.positions[0]["approach"]) - closing
+    approach = float(first.positions[0]["separation"]) - closing
     by_approach = run(scene, loading={"control": "approach", "value": approach})
     assume(by_approach is not None)
     load = float(by_approach.positions[0]["load"])
     by_load = run(scene, loading={"control": "load", "value": load})
     again = run(scene, loading={"control": "approach",
-                                "value": float(by_load.positions[0]["approach"])})
+                                "value": float(by_load.positions[0]["separation"])})
     assert abs(float(by_load.positions[0]["load"]) / load - 1) <= 1e-14
-    assert abs(float(by_load.curve[0]["decrease"]) / closing - 1) <= 1e-12
-    assert float(by_load.positions[0]["approach"]) == pytest.approx(approach, rel=1e-12, abs=1e-15)
+    assert abs(float(by_load.curve[0]["compression"]) / closing - 1) <= 1e-12
+    assert float(by_load.positions[0]["separation"]) == pytest.approx(approach, rel=1e-12, abs=1e-15)
     assert abs(float(again.positions[0]["load"]) / load - 1) <= 1e-12
 
 
 POWER_OF = {"approach": 1, "load": 2, "vertical_load": 2, "area": 2, "projected_area": 2,
             "penetration": 1, "overlap": 1, "slope": 0, "average_pressure": 0,
-            "maximum_pressure": 0, "x": 1, "y": 1, "decrease": 1}
+            "maximum_pressure": 0, "x": 1, "y": 1, "compression": 1}
 
 
 def scaled_scene(scene, k):
@@ -314,11 +314,11 @@ def test_scale_by_a_power_of_ten(run, scene, exponent):
     assert (one is None) == (two is None)
     if one is None or not one.contacts:
         return
-    closing = float(one.curve[0]["decrease"])
+    closing = float(one.curve[0]["compression"])
     for name in TOTALS:
         before, after = (float(s.positions[0][name]) for s in (one, two))
         assert abs(after / before / k ** POWER_OF[name] - 1) <= 20 * 2.0 ** -50 / closing, name
-    before, after = (float(s.positions[0]["approach"]) for s in (one, two))
+    before, after = (float(s.positions[0]["separation"]) for s in (one, two))
     assert abs(after / k - before) <= 20 * 2.0 ** -50
     before, after = (max(float(row["average_pressure"]) for row in s.contacts)
                      for s in (one, two))

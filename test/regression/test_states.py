@@ -48,7 +48,7 @@ def test_points_are_the_states(asperity, tmp_path, control, mode):
         run = pressed(asperity, tmp_path, CONTROLS[control] | {"points": points}, mode)
         assert run.status == 0, run.stderr
         assert len(run.curve) == int(run.positions[0]["steps"]) == states
-        closed = numbers(run.curve, "decrease")
+        closed = numbers(run.curve, "compression")
         assert closed[-1] > 0.25, "fewer than two contacts"
         if points > 1:
             assert np.abs(closed / closed[-1] - np.linspace(0, 1, states)).max() < 1e-9
@@ -72,7 +72,7 @@ def test_events_of_isolated_contacts(asperity, tmp_path, control):
             run = pressed(asperity, tmp_path,
                           CONTROLS[control] | {"points": points, "events": "on"}, mode, caps)
             assert run.status == 0, run.stderr
-            closed = numbers(run.curve, "decrease")
+            closed = numbers(run.curve, "compression")
             begun = [gap for gap in gaps if gap <= closed[-1]]
             assert len(begun) > 1
             parts = [closed[-1] * k / 4 for k in range(4)] if points else []
@@ -98,7 +98,7 @@ def test_events_of_contacts_that_interact(asperity, tmp_path, control, mode):
     run = pressed(asperity, tmp_path, CONTROLS[control] | {"points": 3, "events": "on"}, mode,
                   CAPS[:2])
     assert run.status == 0, run.stderr
-    closed = numbers(run.curve, "decrease")
+    closed = numbers(run.curve, "compression")
     assert len(closed) == 5 and (np.diff(closed) > 0).all()
     event = next(i for i, row in enumerate(run.curve) if row["contacts"] == "2")
     low, high = 0.3, 0.7

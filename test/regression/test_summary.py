@@ -68,7 +68,7 @@ def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
             break
     if float(last.get("time") or 0) > 0:
         lost = 1 - float(last["load"]) / float(begin["load"])
-        sunk = float(begin["approach"]) - float(last["approach"])
+        sunk = float(begin["separation"]) - float(last["separation"])
         assert shown.get("lost while held", 0.0) == pytest.approx(lost, abs=1e-6)
         assert shown.get("sunk while held", 0.0) == near(sunk)
         assert max(abs(lost), abs(sunk)) > 1e-6
@@ -87,7 +87,7 @@ def solve_at_load(asperity, folder, effects, load):
                           capture_output=True, text=True, timeout=100)
     assert done.returncode == 0, done.stderr
     last = list(csv.DictReader((folder / "curve").open()))[-1]
-    return float(last["decrease"]), float(last["area"]), done.stdout
+    return float(last["compression"]), float(last["area"]), done.stdout
 
 
 def test_influence_at_the_load_asked_for(asperity, tmp_path):

@@ -13,7 +13,7 @@ module asperity_kernel_search_suite
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text
   use asperity_random_philox, only: philox_block
-  use asperity_scene_values, only: control_approach, control_limit, control_load, &
+  use asperity_scene_values, only: control_separation, control_limit, control_load, &
                                    criterion_load, criterion_pressure, scene, scene_surface
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
@@ -64,7 +64,7 @@ contains
 
     do n = 60, 320, 260
       call make_scene(mixed, n, scene_in)
-      scene_in%loading%control = control_approach
+      scene_in%loading%control = control_separation
       scene_in%loading%value = decimal_value(-3_int64, -1)
       call compare(error, scene_in, 'level, ' // decimal_text(n), failures)
       call check(error, failures > 0, 'no centres come level')
@@ -118,7 +118,7 @@ contains
     call compare(error, scene_in, what // ': no limit', failures)
     ! Every contact that begins would be a state.
     scene_in%loading%points = 0
-    scene_in%loading%control = control_approach
+    scene_in%loading%control = control_separation
     do i = 0, 3
       scene_in%loading%value = decimal_value(int(12 * i, int64), -2)
       call compare(error, scene_in, what // ': approach', failures)
@@ -210,7 +210,7 @@ contains
       else if (level /= '') then
         level = 'before the limit is reached ' // level
       end if
-    case (control_approach)
+    case (control_separation)
       closing = truth%closing
       level = pair_named(truth, closing)
       if (level /= '') level = 'at this approach ' // level

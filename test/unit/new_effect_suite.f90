@@ -14,8 +14,8 @@ module asperity_new_effect_suite
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_made_up_effect, only: make_up
-  use asperity_scene_values, only: control_approach, control_load, effect_auto, effect_on, &
-                                   hold_approach, hold_load, scene
+  use asperity_scene_values, only: control_separation, control_load, effect_auto, effect_on, &
+                                   hold_separation, hold_load, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -87,7 +87,7 @@ contains
     call set_number(scene_in, 'friction_coefficient', 0.1_real64)
     scene_in%upper%elastic_modulus = as_decimal(1.0_real64)
     scene_in%lower%elastic_modulus = as_decimal(1.0_real64)
-    scene_in%loading%control = control_approach
+    scene_in%loading%control = control_separation
     call list_effects(scene_in, listed)
     call make_up(effect_on, 0.25_real64, 0.0_real64, .false., effects(1)%effect)
     call move_alloc(listed(1)%effect, effects(2)%effect)
@@ -162,7 +162,7 @@ contains
 
     call two_pairs(pairs, hertz)
     call start_state(pairs, hertz_law(modulus=pairs%modulus), 0.02_real64, less)
-    scene_in%loading%control = control_approach
+    scene_in%loading%control = control_separation
     ! The first touch is at 1, in units of 1/16.
     allocate (scene_in%loading%path(3))
     do i = 1, 3
@@ -222,7 +222,7 @@ contains
 
     call two_pairs(pairs, hertz)
     pairs%list = [pair_of(1.0_real64, 1.0_real64, 0.0_real64)]
-    do hold = hold_load, hold_approach
+    do hold = hold_load, hold_separation
       scene_in = by_approach()
       call set_number(scene_in, 'hold_time', 2.0_real64)
       call set_number(scene_in, 'hold', real(hold, real64))
@@ -234,7 +234,7 @@ contains
       call near(error, result%states(5)%time, 2.0_real64, rounding, 'time')
       do i = 1, 5
         left = exp(-result%states(i)%time)
-        if (hold == hold_approach) then
+        if (hold == hold_separation) then
           call near(error, result%states(i)%load, left * result%states(1)%load, rounding, &
                     'held approach')
         else
@@ -270,7 +270,7 @@ contains
   function by_approach() result(scene_in)
     type(scene) :: scene_in
 
-    scene_in%loading%control = control_approach
+    scene_in%loading%control = control_separation
   end function by_approach
 
   ! Two inclined pairs in units of their own, and their loads by Hertz at the end.

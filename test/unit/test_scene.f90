@@ -13,7 +13,7 @@ module asperity_test_scene
   use asperity_numeral, only: decimal_sum, read_double_numeral, read_numeral
   use asperity_problems, only: problem_list
   use asperity_scene_reader, only: parse_scene, read_scene
-  use asperity_scene_values, only: control_approach, control_limit, control_load, &
+  use asperity_scene_values, only: control_separation, control_limit, control_load, &
                                    criterion_greenwood_williamson, criterion_hardy, &
                                    criterion_load, criterion_none, criterion_pressure, &
                                    effect_auto, effect_coupled, effect_off, scene
@@ -397,7 +397,7 @@ contains
     call check_number(error, found%lower%slope(2), 2.0_real64, 'lower slope y')
     call check_number(error, found%upper%rotation, 0.5_real64, 'upper rotation')
     call check_number(error, found%lower%rotation, 2.0_real64, 'lower rotation')
-    call check(error, found%loading%control, control_approach, 'control')
+    call check(error, found%loading%control, control_separation, 'control')
     call check_number(error, found%loading%value, -0.3_real64, 'approach')
     call accept(error, char(239) // char(187) // char(191) // deck, found)
     ! A doubled quote is one, and the other kind of quote is a character.
