@@ -115,7 +115,7 @@ def build_library(folder):
 
 
 def check_fftw(compiler, folder):
-    """FFTW must be there to be linked: said now, not after minutes."""
+    """Refuse a missing FFTW before the compilation."""
     source = folder / "fftw.f90"
     source.write_text("call fftw_cleanup()\nend\n", encoding="ascii")
     done = subprocess.run([compiler, "-fno-underscoring", source, "-lfftw3", "-o", folder / "fftw"],

@@ -27,27 +27,26 @@ Path = str | os.PathLike
 
 
 class Results:
-    """What `solve` gives. Three tables, each a mapping from the name of a column to its cells.
+    """Results of `solve`: three tables, each a mapping from the name of a column to its values.
 
-    positions: a row a position of the scene's motion: its last state.
-    states: a row a state on the way there.
-    contacts: a row a contact, of every state of every position.
+    positions: one row for each position of the motion: its last state.
+    states: one row for each state of each position.
+    contacts: one row for each contact of each state.
 
-    The columns, with meaning, unit and sign, are those of the files of the program
-    (docs/columns.md). Lengths, forces and pressures are in the units of the scene. Cells that are
-    empty in the files, as nothing was computed for them, are NaN. Results can be copied, pickled
-    and sent to another process.
+    docs/columns.md lists the columns with meaning, unit and sign. Lengths, forces and pressures
+    are in the units of the scene. A value that was not computed is NaN. Results can be copied,
+    pickled and sent to another process.
     """
 
     def __init__(self, outcome: _c.Outcome):
         self.positions = Table(outcome.columns(_c.POSITIONS))
         self.states = Table(outcome.columns(_c.STATES))
         self.contacts = Table(outcome.columns(_c.CONTACTS))
-        #: what the program prints, as text
+        #: the printed summary
         self.summary: str = outcome.text(_c.REPORT)
-        #: what lies outside a theory, a line a kind; they were raised as `TheoryWarning`, too
+        #: warnings, one line for each kind; also issued as `TheoryWarning`
         self.warnings: list[str] = outcome.lines(_c.WARNINGS)
-        #: oddities of a deck, a scene or a map that are no errors
+        #: notes on the deck, the scene or the map
         self.notes: list[str] = outcome.lines(_c.NOTES)
 
     def __str__(self) -> str:
@@ -55,34 +54,35 @@ class Results:
 
 
 class Summits(Table):
-    """What `summits` gives: columns `x`, `y`, `height` and `radius`, lengths in the unit of the map
-    or in the one asked for. It serves as a surface of a scene as it stands."""
+    """Summits of a height map: columns `x`, `y`, `height` and `radius`, in the unit of the map
+    or in the requested one. It can be used as a surface of a scene."""
 
     def __init__(self, outcome: _c.Outcome):
         super().__init__(outcome.columns(_c.SUMMITS))
-        #: of the map and its summits, by name; lengths, and their powers, in the same unit
+        #: statistics of the map and its summits by name, in the same unit of length
         self.statistics: dict[str, float] = {
             name: cells[0] for name, cells in Table(outcome.columns(_c.STATISTICS)).items()}
-        #: what the program prints, as text
+        #: the printed summary
         self.summary: str = outcome.text(_c.REPORT)
-        #: oddities of the map's file that are no errors
+        #: notes on the file of the map
         self.notes: list[str] = outcome.lines(_c.NOTES)
 
 
 def solve(scene: Path | Mapping[str, Mapping], *, arithmetic: str = "real64",
           accuracy: float = 0.0, contacts: bool = True, threads: int = 0) -> Results:
-    """Solve a scene: where do two surfaces touch, what load do they carry?
+    """Solve a scene: contacts, load, area and pressures of two surfaces.
 
     scene: the path of a scene file or of a card deck; or the groups of a scene as a dict of dicts,
         with the names and units of docs/scene.md. There, `upper` and `lower` of the group
         `surfaces` may be arrays: a mapping with `x`, `y` (places on the reference plane), `height`
         (above it) and `radius` (more than 0), arrays of n doubles each, or one radius for all;
-        `"plane"` for one of the two. Anything with a buffer of doubles, numpy's arrays among them,
-        is taken as it stands, other sequences are copied. Files are relative to the current folder.
+        `"plane"` for one of the two. Objects with a buffer of doubles, for instance numpy arrays,
+        are used without a copy, other sequences are copied. Files are relative to the current
+        folder.
         A number is taken as the double that it is; True and False stand for `on` and `off`.
     arithmetic: `real64`, `real32`, `real128` or `ibm370`. Effects need `real64`.
-    accuracy: relative error of every total that is allowed, less than 1; the cheapest way that has
-        it is taken. 0: none is asked for.
+    accuracy: largest estimated relative error of every total, less than 1; the fastest method with
+        this error is used. 0: no such choice.
     contacts: False: totals only, `contacts` of the results has no rows.
     threads: 0: all cores; at most 9999. The results are the same for any number.
 
@@ -132,8 +132,8 @@ def summits(map: Path, *, rule: str = "eight", level: str = "plane", radius: str
     """Find the summits of a measured height map (docs/summits.md).
 
     map: the path of a surface data file (ISO 25178-71), a matrix of heights, or `x,y,z` lines.
-    rule: `eight` (higher than all eight neighbours) or `contact` (what is best pressed).
-    level: heights count from the `plane` of least squares, from the `mean`, or as they are, `none`.
+    rule: `eight` (higher than all eight neighbours) or `contact` (for a contact calculation).
+    level: subtract the least-squares `plane`, the `mean`, or `none`.
     radius: `neighbours`, `geometric` or `paraboloid`; None: that of the rule.
     unit: `m`, `mm`, `um`, `nm`, `cm` or `in`, of all lengths that are given; None: the file's own.
     spacing: of a matrix, along x and y, in its unit, from 1e-30 to 1e30; other files have their

@@ -1,4 +1,4 @@
-"""Arguments of Python as the library takes them. What it could not take is refused by its name.
+"""Arguments of Python as the library takes them. Other types are refused by their name.
 
 The ranges of numbers are checked by the library itself, for all languages.
 """
@@ -67,7 +67,7 @@ def word(name: str, value) -> bytes:
 
 
 def unwrapped(name: str, value):
-    """What is in an array without dimensions, or in a scalar of numpy; else the value itself."""
+    """The value in an array without dimensions or in a numpy scalar; otherwise the value itself."""
     if getattr(value, "shape", None) != () or not hasattr(value, "item"):
         return value
     refuse_mask(name, value)

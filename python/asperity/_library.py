@@ -40,8 +40,8 @@ class CProblem(Structure):
 
 
 def _loaded(path: Path) -> ctypes.CDLL:
-    """Threads that wait soon sleep, unless the environment says what they do; OpenMP's runtime
-    looks at it once, when it is loaded."""
+    """Load the library with idle threads that sleep, unless the environment sets their policy.
+    The OpenMP runtime reads these settings when it is loaded."""
     settings = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "2000"}
     if settings.keys() & os.environ.keys():
         return ctypes.CDLL(str(path))
@@ -103,16 +103,16 @@ class InputError(ValueError):
 
 
 class ComputeError(RuntimeError):
-    """The input is good, but what it asks for cannot be computed; the text says why."""
+    """A valid scene that cannot be solved; the text gives the reason."""
 
 
 class TheoryWarning(UserWarning):
-    """What was computed lies outside a theory, or is not what one would take it for."""
+    """A result outside the range of validity of a theory."""
 
 
 class Outcome:
-    """What a call of the library gave, and the one place that has its address. Nothing in the
-    library's memory is handed out: what is got from here is a copy."""
+    """Result of a call of the library, the only owner of its address. Everything that is read from
+    it is a copy."""
 
     _free = staticmethod(_C.asperity_free)
 
@@ -141,7 +141,7 @@ class Outcome:
         return found
 
     def columns(self, which: int) -> dict[str, tuple[str, bytes]]:
-        """The columns of a table by name: the code of their cells, and the cells."""
+        """The columns of a table by name: the code of their values, and the values."""
         rows, found = _C.asperity_rows(self.handle, which), {}
         for number in range(_C.asperity_columns(self.handle, which)):
             place = self.handle, which, number
@@ -152,8 +152,8 @@ class Outcome:
         return found
 
     def checked(self, named: Callable[[Problem], Problem] = lambda problem: problem) -> Outcome:
-        """Itself, when all has gone well; its warnings become Python's. `named` says what the
-        caller calls the place of a problem."""
+        """Itself after a success; its warnings become Python warnings. `named` gives the place of
+        a problem the name that the caller used."""
         status = _C.asperity_status(self.handle)
         if status == BAD_INPUT:
             raise InputError([named(problem) for problem in self.problems()])
@@ -175,7 +175,7 @@ class Table(Mapping):
 
     A column of numbers is a read-only `memoryview`, of doubles or of whole numbers (yes and no are
     1 and 0): it indexes, iterates and has a length, and numpy takes it without a copy, as in
-    `numpy.asarray(table["load"])`. Cells that are empty in the files are NaN. A column of words is
+    `numpy.asarray(table["load"])`. A value that was not computed is NaN. A column of words is
     a tuple of `str`. A table can be copied and pickled.
     """
 
@@ -209,8 +209,8 @@ class Table(Mapping):
 def call(name: str, *arguments, interrupt: c_int | None = None) -> Outcome:
     """Calls the library from a thread of its own, so that Ctrl-C is heard while it computes.
 
-    After Ctrl-C `KeyboardInterrupt` is raised at once. The thread ends by itself, where the call
-    knows `interrupt` with the next position, and holds what it was given until then.
+    After Ctrl-C `KeyboardInterrupt` is raised immediately. The thread ends at the next position
+    where the call has an `interrupt`, and keeps its arguments until then.
     """
     outcomes: list[Outcome] = []
     errors: list[BaseException] = []

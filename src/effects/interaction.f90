@@ -99,7 +99,7 @@ contains
       outcome%ending = solve_ending(.true., of_all(residual), nint(of_all(iterations)))
       if (self%mode == effect_auto .and. of_all(cells) > 0.0_real64) then
         outcome%simulated = 'coupled+boundary'
-        outcome%why = 'circles alone are not good enough'
+        outcome%why = 'contacts of other shape than circles'
       end if
       where (answers%load > 0.0_real64)
         answers%contact_radius = sqrt(found(:, area) / pi)

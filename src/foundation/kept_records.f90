@@ -225,8 +225,8 @@ contains
     type(kept_work), intent(in) :: work
     integer, intent(in) :: done
 
-    call tell_kept('; ' // decimal_text(done) // ' ' // work%piece // 's are kept in ' // &
-                   printable(work%path) // ', the same command goes on from there')
+    call tell_kept('; ' // decimal_text(done) // ' ' // work%piece // 's are saved in ' // &
+                   printable(work%path) // ', the same command continues from there')
   end subroutine tell_progress
 
   !> Takes all whole records; `used` is moved behind them.

@@ -45,7 +45,7 @@ contains
                    decimal_text(cost%tried) // ' in ' // real_text(seconds, 'f20.3') // ' s')
     if (cost%most_seconds < huge(seconds)) then
       call text%line('time: at most ' // duration(cost%most_seconds) // &
-                     ' and the end of what is under way then')
+                     ' and the rest of the piece in progress')
     else
       call text%line('time: about ' // duration(now - seconds + seconds / cost%tried * cost%total) &
                      // ' of one core')

@@ -59,17 +59,17 @@ module asperity_effect_names
   !> All effects.
   type(known_effect), parameter :: known_effects(*) = [ &
     known_effect('interaction', [effect_off, effect_auto, effect_coupled, effect_boundary], &
-                 'contacts that lower each other through the body they share'), &
+                 'elastic interaction between contacts'), &
     known_effect('friction', switch, &
-                 'tangential force on inclined contacts, and what the rig must hold', &
+                 'tangential forces of inclined contacts, lateral forces on the fixture', &
                  'shear moduli: elastic_modulus and poisson_ratio', &
                  [character(len=20) :: 'friction_coefficient', '']), &
-    known_effect('plasticity', switch, 'flow past the elastic limit, flattening that stays', &
+    known_effect('plasticity', switch, 'plastic flow beyond first yield, residual flattening', &
                  'Poisson''s ratio of the body that yields: poisson_ratio', &
                  [character(len=20) :: 'plastic_yield_stress', '']), &
-    known_effect('adhesion', switch, 'attraction: snap-in, pull-off', &
+    known_effect('adhesion', switch, 'attraction between the surfaces: snap-in, pull-off', &
                  own=[character(len=20) :: 'work_of_adhesion', '']), &
-    known_effect('creep', switch, 'relaxation and creep while load or approach is held', &
+    known_effect('creep', switch, 'relaxation or creep during a hold of separation or load', &
                  own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
 
   !> A number is one of `words`, by its place, and no range.
@@ -97,13 +97,13 @@ module asperity_effect_names
   !> All numbers, in the order in which messages list them.
   type(effect_number), parameter :: effect_numbers(*) = [ &
     effect_number('tolerance', '', share, decimal_value(1_int64, -2), &
-                  meaning='share that ''auto'' may leave out, of all effects together'), &
+                  meaning='relative error that ''auto'' may leave, of all effects together'), &
     effect_number('boundary_tolerance', 'interaction', share, decimal_value(1_int64, -3), &
-                  meaning='share of the load that halving the cells may change'), &
+                  meaning='relative change of the load by halving the grid spacing'), &
     effect_number('area_tolerance', 'interaction', share, decimal_value(5_int64, -3), &
-                  meaning='share of the area that may be off where tolerances allow less'), &
+                  meaning='relative error of the area that is always accepted'), &
     effect_number('friction_coefficient', 'friction', not_negative, needed_with='on', &
-                  meaning='tangential over normal load of a contact that slides'), &
+                  meaning='tangential over normal load of a sliding contact'), &
     effect_number('plastic_yield_stress', 'plasticity', above_zero, needed_with='no limit', &
                   unit='modulus', &
                   meaning='yield stress in tension; without it flow begins at the limit'), &
@@ -111,18 +111,18 @@ module asperity_effect_names
                   meaning='the body that yields; without it the one of smaller modulus'), &
     effect_number('work_of_adhesion', 'adhesion', not_negative, needed_with='on', &
                   in_words='a work of adhesion', unit='modulus times length', &
-                  meaning='work to part a unit area of the two surfaces'), &
+                  meaning='work to separate a unit area of the two surfaces'), &
     effect_number('equilibrium_distance', 'adhesion', above_zero, decimal_value(1_int64, 0), &
                   needed_with='work_of_adhesion', unit='length', &
-                  meaning='distance of surfaces in contact; the range goes with it'), &
+                  meaning='gap between surfaces in contact; sets the range of attraction'), &
     effect_number('relaxation_time', 'creep', not_negative, needed_with='hold_time', unit='time', &
-                  meaning='in which all but 1/e of what relaxes is gone'), &
+                  meaning='time after which 1/e of the relaxing part is left'), &
     effect_number('relaxed_modulus_ratio', 'creep', share_or_all, decimal_value(1_int64, 0), &
                   needed_with='hold_time', meaning='relaxed over instantaneous modulus'), &
     effect_number('hold_time', 'creep', not_negative, needed_with='on', in_words='a hold', &
-                  unit='time', meaning='how long load or approach is held after loading'), &
+                  unit='time', meaning='duration of the hold after loading'), &
     effect_number('hold', 'creep', one_word, decimal_value(int(hold_load, int64), 0), &
-                  words=hold_words, meaning='what is held'), &
+                  words=hold_words, meaning='quantity held constant'), &
     effect_number('hold_points', 'creep', whole_number, decimal_value(20_int64, 0), &
                   least=2, most=100000, meaning='states of the hold')]
 
@@ -135,15 +135,15 @@ module asperity_effect_names
 
   type(refused_pair), parameter :: refused(*) = [ &
     refused_pair('adhesion', 'plasticity', 'the theories of adhesion are elastic'), &
-    refused_pair('adhesion', 'creep', 'the theory of creep knows no attraction'), &
+    refused_pair('adhesion', 'creep', 'the theory of creep has no attraction'), &
     refused_pair('adhesion', 'interaction', &
-                 'neighbours are lowered by pressures of Hertz, not by those of adhesion'), &
+                 'displacements by neighbours are those of Hertzian, not adhesive, pressure'), &
     refused_pair('adhesion', 'friction', &
-                 'shear changes adhesion, and Coulomb''s law knows no attraction'), &
-    refused_pair('creep', 'plasticity', 'creep here is that of an elastic contact'), &
+                 'shear changes adhesion, and Coulomb''s law has no attraction'), &
+    refused_pair('creep', 'plasticity', 'the theory of creep is for elastic contacts'), &
     refused_pair('creep', 'friction', 'slip and creep together have no closed theory'), &
     refused_pair('interaction', 'plasticity', &
-                 'cells are elastic: plasticity goes with interaction = ''coupled''', 'boundary')]
+                 'boundary elements are elastic: use interaction = ''coupled''', 'boundary')]
 
 contains
 

@@ -133,8 +133,8 @@ contains
              'asperities on the ' // trim(side_names(side)) // ' surface, expected density ' // &
              '* length * width to be from 1 to ' // decimal_text(most_asperities))
       else
-        call fields%complain_of('surfaces', 'number', 'found no number of asperities for the ' // &
-             trim(side_names(side)) // ' surface, expected a whole number from 1 to ' // &
+        call fields%complain_of('surfaces', 'number', 'no number of asperities given for ' // &
+             'the ' // trim(side_names(side)) // ' surface, expected a whole number from 1 to ' // &
              decimal_text(most_asperities))
         ! One number for both is told once.
         if (fields%value_count('surfaces', 'number') == 1) exit

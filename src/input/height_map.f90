@@ -145,7 +145,7 @@ contains
 
     if (.not. has_memory(8_int64 * int(map%columns, int64) * int(map%rows, int64))) then
       failure = not_enough_memory // ' for the map, ' // decimal_text(map%columns) // ' x ' // &
-                decimal_text(map%rows) // ' samples'
+                decimal_text(map%rows) // ' pixels'
       return
     end if
     allocate (map%height(map%columns, map%rows))

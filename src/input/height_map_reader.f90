@@ -149,7 +149,7 @@ contains
     if (min(map%columns, map%rows) < fewest) then
       call problems%add_in_file('found ' // decimal_text(map%columns) // ' x ' // &
                                 decimal_text(map%rows) // &
-                                ' samples, expected at least 3 x 3')
+                                ' pixels, expected at least 3 x 3')
       return
     end if
     low = huge(low)
@@ -161,7 +161,7 @@ contains
       high = max(high, maxval(map%height(:, row), mask=is_measured(map%height(:, row))))
     end do
     if (measured == 0_int64) then
-      call problems%add_in_file('all samples are missing, expected heights')
+      call problems%add_in_file('all pixels are missing, expected heights')
     else if (high > low .and. high - low < least_range) then
       call problems%add_in_file('heights differ by less than 1e-60, expected more, or none')
     end if

@@ -181,14 +181,14 @@ contains
 
     if (any([upper%columns, upper%rows] /= [lower%columns, lower%rows])) then
       call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid(upper) // ' and ' // &
-                              grid(lower) // ' samples, expected the same grid: a plane ' // &
-                              'presses the sum of both')
+                              grid(lower) // ' pixels, expected the same grid: the plane ' // &
+                              'is in contact with their sum')
     else
       do i = 1, 2
         if (abs(upper%spacing(i) - lower%spacing(i)) <= most_off * upper%spacing(i)) cycle
         call fields%complain_of('surfaces', 'upper', 'two maps: found spacings along ' // &
              'xy'(i:i) // ' of ' // length(upper) // ' and ' // length(lower) // ', expected ' // &
-             'the same grid: a plane presses the sum of both')
+             'the same grid: the plane is in contact with their sum')
       end do
     end if
 

@@ -291,7 +291,7 @@ contains
     character(len=24) :: digits
 
     if (iand(shiftr(bits, 52), 2047_int64) == 2047_int64) then
-      text = 'no number'
+      text = 'NaN'
       if (iand(bits, low_52) == 0_int64) text = 'an infinite number'
     else
       write (digits, '(es16.8e3)') transfer(bits, 1.0_real64)

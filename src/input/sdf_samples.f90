@@ -1,8 +1,8 @@
-!> The samples of a surface data file (ISO 25178-71).
+!> The pixels of a surface data file (ISO 25178-71).
 !>
 !> A missing sample is the word `BAD` or the number that its type reserves: the lowest, in BCR-1.0
 !> the highest (for a float all from 3.4E38 or 1.7E308 on). In BCR-1.0, which fixes no direction,
-!> the first profile is that of the largest y, as other programs have it. Bytes behind the samples
+!> the first profile is that of the largest y, as other programs have it. Bytes behind the pixels
 !> are text of the maker, which is noted, or refused: the header may be longer than it should be.
 module asperity_sdf_samples
   use asperity_height_map, only: digit_of, height_map, is_measured, make_room, most_samples, &
@@ -21,17 +21,17 @@ module asperity_sdf_samples
   integer, parameter :: binary32 = 3, binary64 = 7
   ! Heights beyond this, in metres, are no heights.
   real(real64), parameter :: highest = 1.0e30_real64
-  ! Text behind the samples of a binary file has fewer bytes.
+  ! Text behind the pixels of a binary file has fewer bytes.
   integer, parameter :: longest_text = 1000000
 
 contains
 
-  !> Reads all samples. `failure` is allocated when there is no memory for them.
+  !> Reads all pixels. `failure` is allocated when there is no memory for them.
   subroutine read_sdf_samples(file, header, progress, map, problems, failure)
     type(token_reader), intent(inout) :: file               !! behind the header
     type(sdf_header), intent(in) :: header                  !! what it says
     logical, intent(in) :: progress                         !! tell how far it has come
-    type(height_map), intent(inout) :: map                  !! gets the samples
+    type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
     type(progress_line) :: shown
@@ -41,7 +41,7 @@ contains
     least = header%points * header%profiles
     if (least > most_samples .or. least / header%points /= header%profiles) then
       call problems%add_in_file('found ' // decimal_text(header%points) // ' x ' // &
-                                decimal_text(header%profiles) // ' samples, expected at most ' // &
+                                decimal_text(header%profiles) // ' pixels, expected at most ' // &
                                 decimal_text(most_samples))
       return
     end if
@@ -66,7 +66,7 @@ contains
     end if
     call shown%finish()
     if (others > 0_int64) &
-      call map%notes%add_in_file('note: ' // decimal_text(others) // ' samples are ' // &
+      call map%notes%add_in_file('note: ' // decimal_text(others) // ' pixels are ' // &
            decimal_text(other_limit(header)) // ', which other programs take for missing; ' // &
            'here ' // &
            'they are heights')
@@ -79,9 +79,9 @@ contains
 
       call problems%add_in_file('found ' // found // ', expected ' // &
                                 decimal_text(header%points) // ' x ' // &
-                                decimal_text(header%profiles) // ' samples of ' // &
+                                decimal_text(header%profiles) // ' pixels of ' // &
                                 trim(type_names(header%data_type)) // &
-                                ' as the header says, at least ' // decimal_text(least) // &
+                                ' as in the header, at least ' // decimal_text(least) // &
                                 ' bytes behind it')
     end subroutine too_short
 
@@ -109,7 +109,7 @@ contains
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
-    integer(int64), intent(inout) :: others  ! samples at the other limit of their type
+    integer(int64), intent(inout) :: others  ! pixels at the other limit of their type
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: bytes
     integer(int64) :: place
@@ -127,7 +127,7 @@ contains
           call add_at_record(problems, place + len(bytes, int64), 2, &
                              'the file ends in profile ' // &
                              decimal_text(profile) // ', expected ' // decimal_text(map%rows) // &
-                             ' profiles of ' // decimal_text(map%columns) // ' samples')
+                             ' profiles of ' // decimal_text(map%columns) // ' pixels')
           return
         end if
         do i = first, last
@@ -135,7 +135,7 @@ contains
           call decode(bytes(at + 1:at + wide), header, map%height(i, row_of(header, profile)), &
                       others, good)
           if (.not. good) &
-            call add_at_record(problems, place + int(at, int64), 2, 'sample ' // &
+            call add_at_record(problems, place + int(at, int64), 2, 'pixel ' // &
                                decimal_text(i) // ' of profile ' // decimal_text(profile) // &
                                ': found an infinite or too large height, expected one up to 1e30')
         end do
@@ -152,15 +152,15 @@ contains
     if (len(bytes) == 0) return
     if (len(bytes) < longest_text .and. is_text(bytes)) then
       call map%notes%add_in_file('note: ' // decimal_text(len(bytes)) // ' bytes of text behind ' &
-                                 // 'the samples are not read')
+                                 // 'the pixels are not read')
     else
-      call add_at_record(problems, place, 2, 'bytes beyond header and samples: found ' // &
+      call add_at_record(problems, place, 2, 'bytes beyond header and pixels: found ' // &
                          decimal_text(file%count_bytes() - place + 1_int64) // ', expected none, ' &
-                         // 'or text; perhaps the header is longer than that of the standard')
+                         // 'or text; the header may be longer than the standard header')
     end if
   end subroutine read_bytes
 
-  ! Whether bytes are text and no samples: printable, a word of three letters, a line end behind the
+  ! Whether bytes are text and no pixels: printable, a word of three letters, a line end behind the
   ! last one unless they are many.
   pure logical function is_text(bytes)
     character(len=*), intent(in) :: bytes
@@ -288,7 +288,7 @@ contains
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
-    integer(int64), intent(inout) :: others  ! samples at the other limit of their type
+    integer(int64), intent(inout) :: others  ! pixels at the other limit of their type
     type(problem_list), intent(inout) :: problems
     type(token) :: word
     character(len=:), allocatable :: expected
@@ -304,7 +304,7 @@ contains
       do i = 1, map%columns
         call file%next(word)
         if (word%length == 0 .or. word%text(:max(1, word%length)) == '*') then
-          call problems%add_at(word%line, word%column, 'the samples end behind ' // &
+          call problems%add_at(word%line, word%column, 'the pixels end behind ' // &
                                decimal_text(int(profile - 1, int64) * map%columns + i - 1) // &
                                ', expected ' // decimal_text(header%points) // ' x ' // &
                                decimal_text(header%profiles))
@@ -345,14 +345,14 @@ contains
       call read_height(word%text(:word%length), height, good, power)
       if (good) i = 1
       if (good .or. word%text(:word%length) == '*') cycle
-      call map%notes%add_at(word%line, word%column, 'note: text behind the samples is not read')
+      call map%notes%add_at(word%line, word%column, 'note: text behind the pixels is not read')
       return
     end do
     call problems%add_at(word%line, word%column, 'found ' // quoted(word%text(:word%length)) // &
                          ' behind ' // decimal_text(header%points) // ' x ' // &
-                         decimal_text(header%profiles) // ' samples, expected an asterisk, ' // &
+                         decimal_text(header%profiles) // ' pixels, expected an asterisk, ' // &
                          'and ' // &
-                         'no number behind it')
+                         'no value behind it')
   end subroutine read_words
 
 end module asperity_sdf_samples

@@ -72,7 +72,7 @@ contains
         unread = unread + 1
         if (unread <= most_named) columns%others = columns%others // ', ' // name
       else if (columns%cell_of(role) > 0) then
-        call problems%add_at(line, place(i), 'column ' // name // ' stands twice, expected once')
+        call problems%add_at(line, place(i), 'column ' // name // ' occurs twice, expected once')
       else
         columns%cell_of(role) = i
         if (all(columns%cell_of == 0 .or. columns%cell_of == i)) columns%unit = unit

@@ -25,7 +25,7 @@ module asperity_text_map
   character(len=*), parameter :: expected_height = &
     'a height of at most 1e30, or NaN or BAD for a missing one'
 
-  ! The least and the largest coordinate, and how many samples share the least.
+  ! The least and the largest coordinate, and how many pixels share the least.
   type :: extent
     real(real64) :: first = huge(1.0_real64), last = -huge(1.0_real64)
     integer(int64) :: sharing = 0_int64
@@ -40,7 +40,7 @@ contains
     character(len=*), intent(in) :: option                  !! that gives it, for messages
     logical, intent(in) :: shared                           !! not for a map that has its own
     logical, intent(in) :: progress                         !! report the progress
-    type(height_map), intent(inout) :: map                  !! gets the samples
+    type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
     type(text_layout) :: layout
@@ -49,7 +49,7 @@ contains
     call find_layout(file, layout, problems, map%notes)
     if (problems%count() > 0) return
     if (layout%first_line == 0) then
-      call problems%add_at(1, 1, 'found no sample, expected a matrix of heights')
+      call problems%add_at(1, 1, 'found no pixel, expected a matrix of heights')
       return
     end if
     call file%start(trim(layout%cell_end), '#%')
@@ -219,7 +219,7 @@ contains
 
     if (layout%columns * layout%lines > most_samples .or. layout%lines > most_samples) then
       call problems%add_in_file('found more than ' // decimal_text(most_samples) // &
-                                ' samples, expected at most so many')
+                                ' pixels, expected at most so many')
       return
     end if
     if (layout%gap_line > 0) then
@@ -253,7 +253,7 @@ contains
         call file%next(word)
       end do
       if (i /= map%columns) &
-        call problems%add_at(line, end_line, 'found ' // decimal_text(i) // ' samples, ' // &
+        call problems%add_at(line, end_line, 'found ' // decimal_text(i) // ' pixels, ' // &
                              'expected ' // decimal_text(map%columns) // ' as in the first profile')
       call shown%reach(row)
     end do
@@ -332,7 +332,7 @@ contains
       end do
       if (.not. good) cycle
       if (map%height(place(1), place(2)) < 0.5_real64 * huge(1.0_real64)) &
-        call problems%add_at(words(1)%line, words(1)%column, 'found a sample of column ' // &
+        call problems%add_at(words(1)%line, words(1)%column, 'found a pixel of column ' // &
                              decimal_text(place(1)) // ', row ' // decimal_text(place(2)) // &
                              ' for the second time, expected it once')
       map%height(place(1), place(2)) = values(3)

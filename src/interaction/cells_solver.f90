@@ -110,11 +110,11 @@ contains
     if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then
       answer%failure = 'a penetration reaches the level of the centres'
     else if (.not. maxval(shapes%penetration / shapes%curvature_radius) > shallowest) then
-      answer%failure = 'contacts too shallow for cells'
+      answer%failure = 'penetrations below the resolution of boundary elements'
     else if (.not. bytes_per_cell * cells < bytes_allowed) then
-      answer%failure = 'cells fine enough would need more than 2 GiB of memory'
+      answer%failure = 'the boundary elements would need more than 2 GiB of memory'
     else if (.not. has_memory(nint(bytes_per_cell * cells, int64))) then
-      answer%failure = not_enough_memory // ' for the cells of a group of contacts'
+      answer%failure = not_enough_memory // ' for the boundary elements of a group of contacts'
     else
       call press(shapes, answer%together, outside)
       answer%error = norm2(answer%together%error)
@@ -155,7 +155,8 @@ contains
       if (allocated(answer%failure)) return
       call relax(influence, lattice%gap, max(1.0e-10_real64, inner * tolerance(1)), lattice%force, &
                  ending, pairs%interrupt)
-      if (.not. ending%converged) answer%failure = 'the pressures on the cells did not converge'
+      if (.not. ending%converged) &
+        answer%failure = 'the pressures on the boundary elements did not converge'
       call tell(pairs%modulus, shapes, lattice, contacts)
       if (.not. present(outside)) return
       answer%cells = size(lattice%force)

@@ -122,7 +122,7 @@ contains
     if (.not. present(target)) return
     call bear(pairs, law, solution%penetration, 0.0_real64, borne, slope)
     if (.not. borne >= (1.0_real64 - accepted) * state%target) solution%failure = &
-      'the load is more than the surfaces can bear before the centres of two asperities are ' // &
+      'the load is larger than the surfaces carry before the centres of two asperities are ' // &
       'level: ' // real_text(in_scene_units(pairs, borne * pairs%modulus, 1, 2)) // ' at most'
   end subroutine solve_coupled
 

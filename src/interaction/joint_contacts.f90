@@ -135,7 +135,7 @@ contains
           if (abs(now - before) <= round_share * merge(cells_tolerance, tolerance, &
                                                        which == resolve_all) * now) exit
           if (solution%rounds == most_rounds) then
-            solution%failure = 'circles and cells do not settle'
+            solution%failure = 'Hertzian contacts and boundary elements did not converge together'
             return
           end if
         end do

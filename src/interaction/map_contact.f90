@@ -134,7 +134,7 @@ contains
                    answer%level)
         ! Next to nothing is lost beside the gaps.
         if (.not. abs(sum(force) - closing) < load_met * closing) answer%failure = &
-          'the load is too small beside the modulus and the heights to be met on the samples'
+          'the load is too small beside the modulus and the heights to be met on the pixels'
         answer%level = top - range * answer%level
         answer%load = load
       else

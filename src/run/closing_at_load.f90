@@ -145,7 +145,7 @@ contains
     if (bracket%high < nothing) closing = 0.0_real64
     if (.not. target > 0.0_real64) return
     if (.not. enough) then
-      failure = 'the load is more than the surfaces can bear before the centres of two ' // &
+      failure = 'the load is larger than the surfaces carry before the centres of two ' // &
                 'asperities are level: ' // real_text(in_scene_units(pairs, greatest, 1, 2)) // &
                 ' at most'
       return

@@ -71,7 +71,7 @@ contains
       end if
       top = bottom
     end do
-    failure = 'the pull is more than the contacts bear: ' // &
+    failure = 'the pull is larger than the contacts carry: ' // &
               real_text(in_scene_units(pairs, abs(least), 1, 2)) // ' at most'
 
   contains
@@ -89,7 +89,7 @@ contains
         above = above + step
         step = 2.0_real64 * step
       end do
-      failure = 'the load is more than the surfaces can bear'
+      failure = 'the load is larger than the surfaces carry'
     end subroutine go_above
 
     ! The least load between two closings at which contacts let go.

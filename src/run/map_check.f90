@@ -92,14 +92,14 @@ contains
       call press_map(seen%map, loading%modulus, seen%answer, last, seen%closed)
     end if
     if (allocated(seen%answer%failure)) &
-      failure = 'the map beside its summits: ' // seen%answer%failure
+      failure = 'the comparison with the pixels of the map: ' // seen%answer%failure
     if (allocated(failure) .or. .not. allocated(seen%answer%pressure)) return
     call find_patches(seen%map, seen%answer%pressure, patches)
     share = sum(patches%area) / area_of_map(seen%map)
     if (share > percolation) then
       write (digits, '(f4.2)') share
-      failure = 'the map touches over ' // digits // ' of its area: from 0.42 on it is one ' // &
-                'contact with holes, expected interaction = ''boundary'' or less load'
+      failure = 'the contact area fraction is ' // digits // ', above the percolation ' // &
+                'threshold 0.42: expected interaction = ''boundary'' or a smaller load'
     end if
   end subroutine see_map
 

@@ -110,7 +110,7 @@ contains
     call move_alloc(values, result%contact_values)
     allocate (result%effects(1))
     result%effects(1)%simulated = 'boundary'
-    result%effects(1)%why = 'on the samples of the map'
+    result%effects(1)%why = 'on the pixels of the map'
     result%effects(1)%estimate = not_computed
     result%effects(1)%influence = not_computed
     result%effects(1)%ending = answer%ending

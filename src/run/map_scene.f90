@@ -78,7 +78,8 @@ contains
     call find_summits(map, rule_contact, usual_radius(rule_contact), summits, failure)
     if (allocated(failure)) return
     if (size(summits%x) == 0) then
-      failure = 'the map has no summit: expected interaction = ''boundary'', its samples themselves'
+      failure = 'the map has no summit: expected interaction = ''boundary'', which solves ' // &
+                'its pixels'
       return
     end if
     plain = scene_in

@@ -77,7 +77,7 @@ contains
       call run_timed(bare, i, least_seconds, 2 * allowance%next(), runs(i), timing, failure)
       call progress%step()
       if (.not. allocated(failure) .and. timing%passes() == 0) &
-        failure = 'the next one takes longer than --seconds allow'
+        failure = 'the next level takes longer than --seconds'
       if (allocated(failure)) then
         call move_alloc(failure, left_out)
         exit

@@ -155,7 +155,7 @@ contains
     unit = 'contacts'
     if (allocated(scene_in%map)) unit = 'summits'
     way = scene_way(family=of_neighbours, interaction=effect_off)
-    way%name = unit // ' each alone'
+    way%name = 'isolated ' // unit
     ways = [ways, way]
     way%interaction = effect_coupled
     way%name = unit // ' coupled'

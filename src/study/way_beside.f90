@@ -72,7 +72,7 @@ contains
       row%way = scene_way(family=of_input)
       row%way%name = name
       if (.not. allocated(as_given%first)) then
-        row%left_out = 'contacts each alone were not run'
+        row%left_out = 'isolated contacts were not run'
       else
         row%own = way_errors(largest=0.0_real64, mean=0.0_real64, area=0.0_real64, worst=0)
         options = run_options(keep_contacts=.false., threads=1)

@@ -147,7 +147,7 @@ def same_totals(scene, one, two, factor=1.0, share=None):
             for name in TOTALS:
                 near(number(row, name), number(other, name) / factor, share, name,
                      1e-3 * largest(one, name))
-            near(number(row, "approach"), number(other, "approach"), share, "approach", 0.1)
+            near(number(row, "separation"), number(other, "separation"), share, "separation", 0.1)
 
 
 def largest(run, name):

@@ -67,7 +67,7 @@ def good_run(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("what, name, factor", [
-    ("curve", "load", 1 + 2e-6), ("contacts", "area", 1 + 1e-9), ("positions", "approach", 2),
+    ("curve", "load", 1 + 2e-6), ("contacts", "area", 1 + 1e-9), ("positions", "separation", 2),
     ("positions", "load", float("nan"))])
 def test_a_wrong_number_is_seen(asperity, tmp_path, what, name, factor):
     scene, run = good_run(asperity, tmp_path)

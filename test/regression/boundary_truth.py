@@ -48,7 +48,7 @@ def thesis_contacts():
                 upper = float(truth.upper[p.names[0] - 1][3])
                 lower = float(truth.lower[p.names[1] - 1][3])
                 contacts.append(Contact(*map(float, p.upper), upper, *map(float, p.lower), lower,
-                                        float(p.touch - state.approach)))
+                                        float(p.touch - state.separation)))
         positions[m] = contacts
     return float(truth.modulus), positions
 

@@ -51,8 +51,8 @@ class Scene:
 class State:
     """The end of one position: its contacts by (upper, lower), totals, and the last events."""
 
-    approach: mpf
-    decrease: mpf
+    separation: mpf
+    compression: mpf
     contacts: dict
     load: mpf = field(default_factory=mpf)
     vertical_load: mpf = field(default_factory=mpf)

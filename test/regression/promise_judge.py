@@ -35,7 +35,7 @@ from plastic_truth import STEEL
 from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
 
 ASKED = ("1e-2", "1e-4", "1e-8")
-TOTALS = ("load", "vertical_load", "area", "approach")
+TOTALS = ("load", "vertical_load", "area", "separation")
 
 
 @dataclass

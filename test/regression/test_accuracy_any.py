@@ -127,7 +127,7 @@ def test_any_scene(kind, asperity, root, tmp_path):
         assert "neighbours left out: adhesion and interaction do not go together" in text
     if kind in ("deck", "clusters", "map", "generated"):
         alone, coupled = (next(row for row in rows if row["way"].endswith(end))
-                          for end in ("each alone", "coupled"))
+                          for end in ("isolated contacts", "coupled"))
         assert float(alone["error_max"]) > float(coupled["error_max"])
 
 
@@ -151,7 +151,7 @@ def test_the_reference_of_neighbours(name, asperity, tmp_path):
     said = float(best["error_estimate"])
     print(f"{scene.name}: {best['way']} off by {error:.1e}, says {said:.1e}")
     assert error <= 3 * said + 2e-5
-    alone = next(row for row in rows if row["way"] == "contacts each alone")
+    alone = next(row for row in rows if row["way"] == "isolated contacts")
     factor = float(want["alone"]) / float(want["load"]) - 1
     assert float(alone["error_max"]) == pytest.approx(factor, rel=0.02, abs=1e-3)
 
@@ -170,7 +170,7 @@ def test_the_reference_of_a_map(asperity, tmp_path):
     level = height - (plane @ np.linalg.lstsq(plane, height.ravel(), rcond=None)[0]).reshape(48, 48)
     want = press(level, (1.0, 1.0), 1.0, 0.5)[0]
     best = reference(rows)
-    assert best["way"] == "the map's samples"
+    assert best["way"] == "pixels of the map"
     assert abs(float(best["separation"]) - want) < 1e-6 * (level.max() - want)
 
 
@@ -337,7 +337,7 @@ def test_the_error_of_the_input_of_a_map(kind, asperity, tmp_path):
     rows, _ = study(asperity, scene, tmp_path, 3)
     told = {row["way"]: float(row["own_error_max"]) for row in rows if row["family"] == "input"}
     first = f"heights {half:.1E}"
-    assert list(told) == [first + "; of summits", first + "; of samples"]
+    assert list(told) == [first + "; of summits", first + "; of pixels"]
     rng = np.random.default_rng(1)
     y, x = np.mgrid[0:n, 0:n]
     plane = np.c_[x.ravel(), y.ravel(), np.ones(n * n)]
@@ -348,11 +348,11 @@ def test_the_error_of_the_input_of_a_map(kind, asperity, tmp_path):
 
     if kind is reals:
         # Moves of 1e-18 are below what a solve is closed to.
-        assert told[first + "; of samples"] < 1e-8
+        assert told[first + "; of pixels"] < 1e-8
         return
     given, top = level(heights)
     moves = [abs(level(heights + half * rng.uniform(-1, 1, (n, n)))[0] - given) for _ in range(4)]
-    assert told[first + "; of samples"] == pytest.approx(max(moves) / (top - given), rel=0.75)
+    assert told[first + "; of pixels"] == pytest.approx(max(moves) / (top - given), rel=0.75)
 
 
 def test_the_time_is_kept_within_cells(asperity, tmp_path):

@@ -11,7 +11,7 @@ LOWER = [(0.1, 0.2, 0.10, 1.0), (3.2, 0.4, 0.08, 2.5), (5.0, 3.3, 0.11, 2.0)]
 # 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
 BODIES = {"elastic_modulus": (2.0e5, 1.0e5), "poisson_ratio": (0.3, 0.25)}
 COMBINED = 1 / ((1 - 0.3 ** 2) / 2.0e5 + (1 - 0.25 ** 2) / 1.0e5)
-NUMBERS = ("approach", "load", "vertical_load", "area", "projected_area")
+NUMBERS = ("separation", "load", "vertical_load", "area", "projected_area")
 
 
 def scene(folder, name, material, **groups):

@@ -240,7 +240,7 @@ def test_examples(name, asperity, tmp_path, tally):
     with open(EXAMPLES / f"{name}.curve.csv", newline="") as file:
         kept = list(csv.DictReader(file))
     assert len(kept) == len(done.curve) and kept[0].keys() == done.curve[0].keys()
-    for column_name in ("approach", "load", "area", "time"):
+    for column_name in ("separation", "load", "area", "time"):
         found, true = column(done.curve, column_name), column(kept, column_name)
         scale = np.abs(true).max() or 1.0
         compare(tally, f"examples: {column_name} of the curves", np.abs(found - true) / scale,

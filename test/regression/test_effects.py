@@ -290,7 +290,7 @@ def test_curve_is_made_of_states(mode, sweeps, tally):
     full = float(run.positions[0]["load"])
     last = run.curve[-1]
     assert all(run.positions[0][name] == last[name] for name in
-               ("approach", "contacts", "load", "area", "projected_area", "vertical_load"))
+               ("separation", "contacts", "load", "area", "projected_area", "vertical_load"))
     errors = []
     for step, state in enumerate(run.curve, 1):
         rows = [row for row in run.contacts if int(row["step"]) == step]

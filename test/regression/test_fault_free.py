@@ -59,7 +59,7 @@ def misses(rows, deck, step=1):
         if state is not None:
             pi = mpf("3.1416") / mp.pi
             true = {"load": state.vertical_load, "area": pi * state.area,
-                    "projected_area": pi * state.projected_area, "approach": state.approach,
+                    "projected_area": pi * state.projected_area, "approach": state.separation,
                     "contacts": len(state.contacts)}
         true["x_displacement"], true["y_displacement"] = truth.displacement(m)
         with mp.workdps(DIGITS):

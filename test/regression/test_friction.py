@@ -128,7 +128,7 @@ def test_contacts_against_springs(sweeps, tally):
         report(tally, "friction: forces against springs", forces, BY_SPRINGS)
 
 
-COMMON = ("position", "step", "approach", "area_no", "x", "y", "upper", "lower", "area",
+COMMON = ("position", "step", "separation", "area_no", "x", "y", "upper", "lower", "area",
           "projected_area", "slope", "load", "average_pressure", "maximum_pressure",
           "limit_exceeded", "penetration", "overlap")
 

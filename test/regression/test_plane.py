@@ -161,7 +161,7 @@ def test_level_plane_forgets_place(asperity, tmp_path):
                         loading={"control": "load", "value": 9.0},
                         motion={"x_first": 0.0, "x_step": 1e7, "y_step": -3.0, "positions": 3})
     rows = solve(asperity, scene, contacts=False).positions
-    assert len({tuple(row[n] for n in ("approach", "load", "area", "contacts"))
+    assert len({tuple(row[n] for n in ("separation", "load", "area", "contacts"))
                 for row in rows}) == 1
 
 

@@ -114,7 +114,7 @@ def test_doubtful_commas_are_refused(text, found, maps):
 # ---------------------------------------------------------------- shape
 
 @pytest.mark.parametrize("text, found", [
-    ("1 2 3\n4 5\n7 8 9\n", "2:4: found 2 samples, expected 3"),
+    ("1 2 3\n4 5\n7 8 9\n", "2:4: found 2 pixels, expected 3"),
     ("1 2 3\n4 5 6\n\n7 8 9\n1 2 3\n", "3:1: found an empty line or a comment"),
     ("1 2 3\n4 5 6\n# x\n7 8 9\n", "3:1: found an empty line or a comment"),
     ("1 2 3\n4 5 6\n% x\n7 8 9\n", "3:1: found an empty line or a comment"),
@@ -157,7 +157,7 @@ def test_heights_of_three_columns_are_a_matrix(maps):
     for heights in (rng.normal(size=(192, 3)), np.add.outer(np.arange(9.0), [0, 1, 2]),
                     rng.integers(0, 3, (60, 3))):
         done = maps.summits(rows_of(heights), SPACING)
-        assert done.returncode == 0 and f"3 x {len(heights)} samples" in done.head
+        assert done.returncode == 0 and f"3 x {len(heights)} pixels" in done.head
 
 
 # ---------------------------------------------------------------- P4: one reader
@@ -317,7 +317,7 @@ def test_bytes_that_the_standard_does_not_have(kind, form, maps):
         for byte in (b"\0", b"\1", b" ", b"\xff"):
             for where in ("between", "behind"):
                 done = maps.summits(binary(**{where: byte * length}, kind=kind, form=form))
-                assert done.returncode == 2 and "beyond header and samples" in done.stderr
+                assert done.returncode == 2 and "beyond header and pixels" in done.stderr
     piped = subprocess.run([maps.asperity, "summits", "-"], capture_output=True,
                            input=binary(between=struct.pack("<II", 5, 1), kind=kind, form=form))
     assert piped.returncode == 0 and piped.stdout.decode().partition("\n")[2] == plain[0]
@@ -331,10 +331,10 @@ def test_a_second_reserved_number_is_noted(revision, missing, noted, maps):
     samples[4, 5:8] = noted
     done = maps.summits(binary(revision, samples=samples))
     assert number(done, "missing")[0] == 1
-    assert f"note: 3 samples are {noted}," in done.stderr
+    assert f"note: 3 pixels are {noted}," in done.stderr
     text = TEXT_HEADER.format(magic="a" + revision.decode(), kind=5)
     done = maps.summits(text + rows_of(samples.astype(int), form=str) + "*\n")
-    assert f"note: 3 samples are {noted}," in done.stderr
+    assert f"note: 3 pixels are {noted}," in done.stderr
     samples[4, 5:8] = 5
     assert maps.summits(binary(revision, samples=samples)).stderr == ""
 
@@ -456,7 +456,7 @@ def sdf(scale=1e-6, spacing=(5e-7, 2.5e-7)):
 def near(found, expected):
     """The same positions to rounding."""
     assert found.status == expected.status == 0, (found.stderr, expected.stderr)
-    for name in ("approach", "area", "load"):
+    for name in ("separation", "area", "load"):
         assert float(found.positions[0][name]) == \
             pytest.approx(float(expected.positions[0][name]), rel=1e-9)
 
@@ -484,7 +484,7 @@ def test_two_maps_each_with_its_unit_and_spacing(maps):
     (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25, 0.5, 0.2500005"}, "found spacings along y of"),
     (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25, 0.500001, 0.25"}, "found spacings along x of"),
     (MATRIX, rows_of(HEIGHTS[:, :15]), {"map_spacing": "0.5, 0.25"},
-     "two maps: found 16 x 12 and 15 x 12 samples, expected the same grid"),
+     "two maps: found 16 x 12 and 15 x 12 pixels, expected the same grid"),
     (sdf(), sdf(), {"map_spacing": "0.5, 0.25"}, "map_spacing: found although both maps have"),
     (sdf(), MATRIX, {"map_spacing": "5e-7, 2.5e-7, 5e-7, 2.5e-7"},
      "U: map_spacing given, but the file has its own"),
@@ -612,7 +612,7 @@ def test_mixed_dialects_against_plain_reading(first, maps):
             assert len(found) == 1, (seed, text, done.stdout)
             heights = np.array(found[0])
             missing = np.isnan(heights).sum()
-            assert f"{heights.shape[1]} x {heights.shape[0]} samples" in done.head, (seed, text)
+            assert f"{heights.shape[1]} x {heights.shape[0]} pixels" in done.head, (seed, text)
             assert number(done, "missing")[0] == missing
             same = maps.summits(rows_of(heights, form=exact), SPACING, "--level=none")
             assert done.found == same.found, (seed, text)

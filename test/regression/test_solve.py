@@ -219,7 +219,7 @@ def test_load_control(target, asperity, tmp_path):
     worst = Worst()
     compare_with_truth(run, truth, worst)
     for m, row in enumerate(run.curve, 1):
-        worst.see("compression", relative(row["compression"], truth.state(m).decrease))
+        worst.see("compression", relative(row["compression"], truth.state(m).compression))
     worst.show(f"load {target:g}")
     assert worst["compression"] <= 1e-13
 
@@ -263,7 +263,7 @@ def test_curve_passes_through_every_event(loading, asperity, tmp_path):
         curve = [row for row in run.curve if row["position"] == str(m)]
         approach = [float(row["separation"]) for row in curve]
         end = truth.state(m)
-        begins = [float(touch) for touch in truth.touches(m) if touch >= end.approach]
+        begins = [float(touch) for touch in truth.touches(m) if touch >= end.separation]
         events += len(begins)
         for number, touch in enumerate(begins, 1):
             at = min(range(len(curve)), key=lambda i: abs(approach[i] - touch))
@@ -282,7 +282,7 @@ def test_curve_passes_through_every_event(loading, asperity, tmp_path):
         assert decrease[0] == 0.0 and all(a < b for a, b in zip(decrease, decrease[1:]))
         for k in range(9):
             assert min(abs(d - decrease[-1] * k / 8) for d in decrease) <= 1e-15 * decrease[-1]
-        assert relative(decrease[-1], end.decrease) < 1e-12
+        assert relative(decrease[-1], end.compression) < 1e-12
     assert events > 8
 
 

@@ -17,7 +17,7 @@ from surfaces_csv import solve, write_csv_scene
 
 FEW = settings(max_examples=40)
 UNIT = 2.0 ** -10
-SAME = ("approach", "contacts", "limit_reached", *TOTALS)
+SAME = ("separation", "contacts", "limit_reached", *TOTALS)
 CONTACT = ("area", "projected_area", "slope", "load", "average_pressure", "maximum_pressure",
            "limit_exceeded", "vertical_load", "penetration", "overlap")
 
@@ -164,7 +164,7 @@ def test_common_shift_of_tilted_surfaces(run, scene, by):
     if one is None or not one.contacts:
         return
     closing = float(one.curve[0]["compression"])
-    for name in (*TOTALS, "approach"):
+    for name in (*TOTALS, "separation"):
         expected = float(one.positions[0][name])
         assert abs(float(two.positions[0][name]) - expected) <= (
             20 * 2.0 ** -49 / min(closing, 1.0) * abs(expected) + 20 * 2.0 ** -49 * (
