@@ -57,6 +57,7 @@ WORDS = (
      r"\b", "name the quantity and its size"),
     (r"\b(of|by|to) now\b|\bno more\b|\bat once\b|\banew\b|\bof this state\b",
      "history belongs to git"),
+    (r"\bfew that\b", "name the quantity"),
     (r"\b(its own gain|feel nothing|a decade more|beats?|beaten|shallow for|next one takes)\b",
      "the field's word"),
     (r"\b(go|goes|went|gone) (on|down|far|back)\b|\bwent that\b", "continue, descend"),
@@ -147,7 +148,7 @@ def exceptions():
     rows = []
     for line in EXCEPTIONS.read_text(encoding="utf-8").splitlines():
         if line and not line.startswith("#"):
-            rows.append([part.strip() for part in line.split("|")])
+            rows.append([part.strip() for part in line.split(" | ")])
     return rows
 
 

@@ -133,7 +133,7 @@ contains
              'asperities on the ' // trim(side_names(side)) // ' surface, expected density ' // &
              '* length * width to be from 1 to ' // decimal_text(most_asperities))
       else
-        call fields%complain_of('surfaces', 'number', 'no number of asperities given for ' // &
+        call fields%complain_of('surfaces', 'number', 'no count of asperities given for ' // &
              'the ' // trim(side_names(side)) // ' surface, expected a whole number from 1 to ' // &
              decimal_text(most_asperities))
         ! One number for both is told once.

@@ -23,7 +23,7 @@ LEAST = {"real32": -149, "real64": -1074, "real128": -16494}
 TRIALS = 4
 # Of a condition number: changes so small that even a contact of 1e-100 is only bent by them.
 CHANGE, CONDITION_DIGITS = Fraction(1, 10 ** 240), 300
-PLACES = ("approach", "x", "y", "x_displacement", "y_displacement")
+PLACES = ("separation", "x", "y", "x_displacement", "y_displacement")
 CONTACT = ("load", "vertical_load", "area", "projected_area", "slope", "average_pressure",
            "penetration", "overlap", "x", "y")
 NO_NUMBER = re.compile(r"\b(nan|inf|infinity)\b|\*\*\*", re.IGNORECASE)
@@ -256,7 +256,7 @@ def compare(solved, yardstick, positions):
             contacts = compare_contacts(by_position.get(m, []), yardstick, outcome, m)
             if solved.contacts:
                 assert int(row["contacts"]) == contacts, f"position {m}: contacts"
-            for name in ("approach", *TOTALS):
+            for name in ("separation", *TOTALS):
                 outcome.see(yardstick.error(row[name], name, getattr(state, name),
                                             [getattr(t, name) for t in yardstick.trials]),
                             f"{name} at position {m}")

@@ -1,0 +1,66 @@
+"""The lint for words: it refuses every sentence of a list, in a page and in a message."""
+
+import subprocess
+import sys
+
+import pytest
+from builds import ROOT
+
+pytestmark = pytest.mark.once
+
+LINT = ROOT / ".ci/words.py"
+# Sentences of earlier versions that readers did not understand.
+REFUSED = (ROOT / "test/regression/refused_sentences.txt").read_text(encoding="utf-8").splitlines()
+
+
+def lint(*files):
+    return subprocess.run([sys.executable, LINT, *files], capture_output=True, text=True)
+
+
+def test_the_project_passes():
+    done = lint()
+    assert done.returncode == 0, done.stdout
+
+
+def test_sentences_in_a_page(tmp_path):
+    assert len(REFUSED) >= 80
+    for name in ("README.md", "CHANGELOG.md"):
+        for number, sentence in enumerate(REFUSED):
+            page = tmp_path / f"{number}" / name
+            page.parent.mkdir(exist_ok=True)
+            page.write_text(f"# Title\n\n- {sentence}\n")
+    found = lint(*sorted(tmp_path.glob("*/*.md"))).stdout
+    for number, sentence in enumerate(REFUSED):
+        for name in ("README.md", "CHANGELOG.md"):
+            assert f"{tmp_path}/{number}/{name}:3: " in found, sentence
+
+
+def test_sentences_in_a_message(tmp_path):
+    """Also when the sentence is broken over two lines of source."""
+    for number, sentence in enumerate(REFUSED):
+        words = sentence.replace("'", "''").split(" ")
+        half = len(words) // 2
+        (tmp_path / f"m{number}.f90").write_text(
+            f"call say('{' '.join(words[:half])} ' // &\n  '{' '.join(words[half:])}')\n")
+    found = lint(*sorted(tmp_path.glob("*.f90"))).stdout
+    for number, sentence in enumerate(REFUSED):
+        assert f"{tmp_path}/m{number}.f90:1: " in found, sentence
+
+
+@pytest.mark.parametrize("name, line, reason", [
+    ("README.md", "word " * 31 + "end.", "sentence longer than 30 words"),
+    ("CHANGELOG.md", "- " + "letters " * 21, "entry longer than 160"),
+    ("a.f90", "print *, 'the closing of the surfaces'", "compression"),
+    ("a.py", "x = 'nobody is here'", "contacts and programs are things")])
+def test_each_kind(tmp_path, name, line, reason):
+    (tmp_path / name).write_text(line + "\n")
+    done = lint(tmp_path / name)
+    assert done.returncode == 1 and reason in done.stdout
+
+
+def test_what_is_allowed(tmp_path):
+    """Names of columns, comments, code and addresses are no sentences."""
+    (tmp_path / "a.f90").write_text("call put('closing')  ! nobody\n! who waits\n")
+    (tmp_path / "README.md").write_text("# Title\n\n```\nwho tells\n```\n\n[text](who-tells.md)\n")
+    done = lint(tmp_path / "a.f90", tmp_path / "README.md")
+    assert (done.returncode, done.stdout) == (0, "")
