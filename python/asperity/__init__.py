@@ -88,8 +88,8 @@ def solve(scene: Path | Mapping[str, Mapping], *, arithmetic: str = "real64",
 
     Raises InputError with all that is wrong with the scene or an argument, TypeError for a value of
     a type that cannot be taken, and ComputeError when the scene cannot be solved. Each names what
-    is wrong as it was given, as in `surfaces.upper.height`. What lies outside a theory is a
-    TheoryWarning. Ctrl-C works.
+    is wrong as it was given, as in `surfaces.upper.height`. A result outside the range of a
+    theory is a TheoryWarning. Ctrl-C ends the computation.
     """
     interrupt = c_int(0)
     options = _c.Options(

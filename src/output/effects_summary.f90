@@ -1,6 +1,7 @@
 !> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
 module asperity_effects_summary
   use asperity_effect_names, only: known_effects
+  use asperity_html_page, only: readable
   use asperity_kinds, only: not_computed, real64
   use asperity_position_lists, only: counted, percent, positions_text
   use asperity_problems, only: decimal_text, real_text
@@ -52,7 +53,7 @@ contains
     call list_effects(results, lines)
     if (size(lines) == 0) return
     call buffer%line('')
-    call buffer%line('Effects, as shares of the vertical load without them')
+    call buffer%line('Effects, relative to the vertical load without the effect')
     do i = 1, size(lines)
       call paragraph(trim(lines(i)%effect), trim(lines(i)%text), buffer)
     end do
@@ -91,7 +92,7 @@ contains
     type(told_line), allocatable, intent(inout) :: lines(:)
     logical, allocatable :: simulated(:), so(:)
     real(real64), allocatable :: area(:), closing(:), influence(:), left_out(:), residual(:)
-    character(len=:), allocatable :: word, head, why
+    character(len=:), allocatable :: word, head, text, why
     integer :: first, m, number, simulated_at
 
     number = size(results%positions)
@@ -117,17 +118,21 @@ contains
     simulated_at = count(simulated)
     head = trim(header%names(e))
     word = trim(effect_words(header%modes(e)))
+    first = maxloc(residual, 1)
+    text = ''
+    if (simulated_at > 0) &
+      text = ', largest residual ' // readable(residual(first), 2) // at_position(first)
     if (header%modes(e) == effect_auto) then
       call add(head, word // ', tolerance ' // percent(header%tolerance) // &
                ': estimated at ' // counted(number, 'position') // ', simulated at ' // &
-               decimal_text(simulated_at))
+               decimal_text(simulated_at) // text)
     else
-      call add(head, word // ': simulated at ' // counted(simulated_at, 'position'))
+      call add(head, word // ': simulated at ' // counted(simulated_at, 'position') // text)
     end if
     if (header%names(e) == 'plasticity') &
       call add('', 'the ' // header%plastic_body // ' body yields')
     if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
-      call add('', 'plasticity index of the surfaces ' // &
+      call add('', 'plasticity index ' // &
                real_text(header%plasticity_index, 'g10.3'))
     end if
 
@@ -141,19 +146,19 @@ contains
     end do
     if (simulated_at > 0) then
       first = maxloc(abs(influence), 1)
-      if (all(influence > not_computed)) &
-        call add('', 'influence ' // percent(influence(first)) // at_position(first) // &
-                 ', least ' // percent(influence(minloc(abs(influence), 1, simulated))))
-      if (any(closing > not_computed)) &
-        call add('', 'at the load asked for: closing ' // greatest(closing) // ', area ' // &
-                 greatest(area))
-      first = maxloc(residual, 1)
-      call add('', 'converged everywhere, largest residual ' // &
-               real_text(residual(first), 'es9.1e3') // at_position(first))
+      text = ''
+      if (all(influence > not_computed)) then
+        text = 'influence ' // percent(influence(first)) // at_position(first)
+        if (number > 1) text = text // ', smallest ' // &
+                               percent(influence(minloc(abs(influence), 1, simulated)))
+      end if
+      if (any(closing > not_computed)) text = text // trim(merge('; ', '  ', text /= '')) // &
+        ' at the prescribed load: compression ' // greatest(closing) // ', area ' // greatest(area)
+      if (text /= '') call add('', trim(adjustl(text)))
     end if
     if (simulated_at < number .and. header%modes(e) == effect_auto) then
       first = maxloc(left_out, 1)
-      call add('', 'largest estimate left out ' // percent(left_out(first)) // at_position(first))
+      call add('', 'largest estimated influence left out ' // percent(left_out(first)) // at_position(first))
     end if
 
   contains
@@ -189,7 +194,7 @@ contains
 
       at = maxloc(abs(changes), 1, changes > not_computed)
       if (at == 0) then
-        text = 'not known'
+        text = 'unknown'
         return
       end if
       ! A load is met to this share.

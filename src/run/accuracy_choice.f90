@@ -99,7 +99,7 @@ contains
     failure = name // ' is off, and its estimated influence on the load, ' // &
               real_text(share(e)) // ', is above the accuracy: '
     if (scene_in%effects%is_barred(name)) then
-      failure = failure // 'it cannot be computed with what the scene asks for'
+      failure = failure // 'it cannot be combined with the other effects of the scene'
     else
       failure = failure // 'set ' // name // ' = ''auto'' in &effects of a scene'
     end if
@@ -205,24 +205,24 @@ contains
     integer :: mode
 
     mode = scene_in%effects%mode('interaction')
-    results%way_taken = 'real64, effects as the scene asks'
+    results%way_taken = 'real64, effects as in the scene'
     if (any(scene_in%effects%modes == effect_auto)) results%way_taken = &
       'real64, ''auto'' with tolerance ' // real_text(scene_in%effects%number('tolerance'))
-    if (mode == effect_coupled) results%way_taken = results%way_taken // ', neighbours as circles'
-    if (mode == effect_boundary) results%way_taken = 'real64, the samples of the map'
+    if (mode == effect_coupled) results%way_taken = results%way_taken // ', Hertzian contacts in the field of the others'
+    if (mode == effect_boundary) results%way_taken = 'real64, pixels of the map'
     results%way_told = 'ten times better: '
     if (results%error_bound <= 0.1_real64 * accuracy) then
-      results%way_told = results%way_told // 'this run has it'
+      results%way_told = results%way_told // 'reached by this run'
     else if (0.1_real64 * accuracy < finest_of_effects .or. mode == effect_boundary) then
-      results%way_told = results%way_told // 'cannot be had, effects are computed to ' // &
+      results%way_told = results%way_told // 'not possible, effects are computed to ' // &
                          real_text(finest_of_effects)
     else if (mode == effect_off) then
-      results%way_told = results%way_told // 'with a finer tolerance, at little cost'
+      results%way_told = results%way_told // 'by a smaller tolerance, in nearly the same run time'
     else if (0.1_real64 * accuracy >= finest_on_cells) then
-      results%way_told = results%way_told // 'on cells, at up to ten times the time'
+      results%way_told = results%way_told // 'by boundary elements, in up to ten times the run time'
     else
-      results%way_told = results%way_told // 'perhaps, if circles have it; areas on cells are ' // &
-                         'good to ' // real_text(finest_on_cells)
+      results%way_told = results%way_told // 'possible where Hertzian contacts suffice; areas ' // &
+                         'of boundary elements have a relative error of ' // real_text(finest_on_cells)
     end if
   end subroutine tell_way
 
@@ -231,9 +231,9 @@ contains
     type(accuracy_had), intent(in) :: had   !! of the run
     character(len=:), allocatable :: text
 
-    text = 'loads and approaches to ' // real_text(had%model + had%arithmetic + had%load)
+    text = 'an estimated error of loads and separations of ' // real_text(had%model + had%arithmetic + had%load)
     if (had%area > 0.0_real64) &
-      text = text // ', areas to ' // real_text(had%area + had%arithmetic + had%load)
+      text = text // ', of areas of ' // real_text(had%area + had%arithmetic + had%load)
   end function had_text
 
 end module asperity_accuracy_choice

@@ -122,9 +122,9 @@ contains
       end if
       best = had_text(has_accuracy(chosen, results)) // ' with interaction = ''coupled'''
     end if
-    failure = 'no way of computing has this accuracy; the best one has ' // best
+    failure = 'no method has this accuracy; the most accurate one has ' // best
     if (scene_in%effects%mode('interaction') /= effect_off .and. .not. allocated(unsolved)) &
-      failure = failure // '; for loads alone set tolerance and interaction = ''auto'''
+      failure = failure // '; where only loads are needed set tolerance and interaction = ''auto'''
     if (allocated(unsolved)) failure = failure // ' (' // unsolved // ')'
   end subroutine solve_model_to_accuracy
 

@@ -88,16 +88,16 @@ contains
                             influence_left_out(results)
       if (results%error_bound <= options%accuracy) then
         results%way_taken = trim(way%arithmetic) // ', exact events'
-        results%way_told = 'ten times better: this run has it'
+        results%way_told = 'ten times better: reached by this run'
         if (results%error_bound > 0.1_real64 * options%accuracy) &
           results%way_told = 'ten times better: ' // trim(merge( &
-            'real128, up to 40 times the time', 'cannot be had                   ', i == 1))
+            'real128, up to 40 times the run time', 'not possible                        ', i == 1))
         return
       end if
     end do
     write (digits, '(es10.1e3)') results%error_bound
-    failure = 'no way of computing has this accuracy; the best one, ' // trim(way%arithmetic) // &
-              ', is good to' // digits
+    failure = 'no method has this accuracy; the most accurate one, ' // trim(way%arithmetic) // &
+              ', has an error of' // digits
   end subroutine solve_to_accuracy
 
   !> Effects and paths of several values are computed in doubles only.

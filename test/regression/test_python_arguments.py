@@ -233,7 +233,7 @@ def test_true_and_false(package):
         done = package.solve(scene(
             material={"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
             effects={"plasticity": value, "plastic_yield_stress": 1.0, "interaction": "off"}))
-        assert ("effects: plasticity" in done.summary) == value
+        assert ("model: plasticity" in done.summary) == value
 
 
 @pytest.mark.parametrize("groups, told", [
