@@ -148,9 +148,9 @@ contains
       sunk(m) = begin%approach - last%approach
     end do
     if (any(abs(lost) > load_is_met)) &
-      call add_line('relaxation', lost, 'load lost during the hold, relative', lines)
+      call add_line('load relaxation', lost, 'load lost during the hold, relative', lines)
     if (any(abs(sunk) > 0.0_real64)) &
-      call add_line(with_unit('creep', unit_of(scene_in, is_length)), sunk, &
+      call add_line(with_unit('creep displacement', unit_of(scene_in, is_length)), sunk, &
                     'compression during the hold', lines)
   end subroutine list_held
 

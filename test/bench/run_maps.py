@@ -108,7 +108,13 @@ def solve(exe, folder, surfaces, load, interaction, seconds):
 
 
 def told(summary, name):
-    found = re.search(rf"{name} +([-+.\dEe]+)", summary.partition("Summits against")[2])
+    found = re.search(rf"{name} +([-+.\dEe]+)", summary.partition("Summits against boundary")[2])
+    return float(found[1]) if found else float("nan")
+
+
+def share(summary, place):
+    """Percentage of the load at a place."""
+    found = re.search(rf"([-+.\dEe]+) % {place}", summary.partition("Summits against boundary")[2])
     return float(found[1]) if found else float("nan")
 
 
@@ -153,10 +159,10 @@ def study(exe, name, height, sides, shares, ways, seconds):
                         at += top
                     else:
                         row.update(claim=told(summary, "separation"),
-                                   give=told(summary, "give or take"), estimate=float(
+                                   give=told(summary, "uncertainty"), estimate=float(
                             got["error_estimate"] or "nan"), closing=np.nanmax(height) - level,
-                            edge=told(summary, "on the edge"), lines=told(summary, "scan lines"),
-                            without=told(summary, "without a summit"))
+                            edge=share(summary, "at the edge"), lines=share(summary, "on scan"),
+                            without=share(summary, "on contact patches without"))
                 row.update(error=(at - level) / rms, ratio=its_area / area)
                 yield row
 

@@ -372,5 +372,5 @@ def test_a_path_of_pressures_in_any_units(asperity, tmp_path, modulus, length):
                                np.array(pressures) * modulus, rtol=1e-9)
     plain = solve(asperity, caps_on_a_plane(
         tmp_path, {"control": "pressure", "value": tuple(pressures)}), curve=True)
-    np.testing.assert_allclose(1 - column(found.curve, "approach") / length,
+    np.testing.assert_allclose(1 - column(found.curve, "separation") / length,
                                1 - column(plain.curve, "approach"), rtol=1e-9)

@@ -163,7 +163,7 @@ def test_a_large_map_is_pressed_coarser(asperity, tmp_path):
     found = solved("coupled", control="load", value=load)
     approach = float(found.positions[0]["separation"])
     true = (approach - truth) / np.std(level(height))
-    claimed, give = told(found.stdout, "separation"), told(found.stdout, "give or take")
+    claimed, give = told(found.stdout, "separation"), told(found.stdout, "uncertainty")
     assert abs(claimed - true) < give + 1e-3 < 0.02
     # There the map bears what is told of it, to first order.
     there = solved("coupled", control="approach", value=approach)

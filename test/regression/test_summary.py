@@ -98,8 +98,8 @@ def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
     if float(last.get("time") or 0) > 0:
         lost = 1 - float(last["load"]) / float(begin["load"])
         sunk = float(begin["separation"]) - float(last["separation"])
-        assert shown.get("relaxation", 0.0) == pytest.approx(lost, abs=1e-6)
-        assert shown.get("creep", 0.0) == near(sunk)
+        assert shown.get("load relaxation", 0.0) == pytest.approx(lost, abs=1e-6)
+        assert shown.get("creep displacement", 0.0) == near(sunk)
         assert max(abs(lost), abs(sunk)) > 1e-6
 
 
