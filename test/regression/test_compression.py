@@ -1,0 +1,101 @@
+"""Compression control: the decrease of the separation since first contact is prescribed."""
+
+import math
+
+import numpy as np
+import pytest
+from made_maps import write_bytes
+from surfaces_csv import solve, write_csv_scene, write_scene, write_surface
+
+MODULUS = 1000.0
+CAPS = [(0.0, 0.0, 0.30, 1.0), (0.9, 0.2, 0.297, 1.5), (0.3, 1.1, 0.293, 0.7)]
+
+
+def scene(folder, effects, sides=("upper", "lower"), **loading):
+    """Three caps above one, or above a plane, that slide over nine positions."""
+    path = write_csv_scene(
+        folder, CAPS, [(0.1, 0.1, 0.2, 2.0)], loading=loading, effects=effects,
+        motion={"x_step": 0.05, "positions": 3})
+    if sides[1] == "plane":
+        path.write_text(path.read_text().replace("lower = 'pair_lower.csv'", "lower = 'plane'"))
+    return path
+
+
+@pytest.mark.parametrize("lower", ("lower", "plane"))
+@pytest.mark.parametrize("interaction", ("off", "coupled", "boundary"))
+def test_compression_and_separation(asperity, tmp_path, interaction, lower):
+    """The separation that a compression leads to gives the same load and contacts."""
+    found = solve(asperity, scene(tmp_path, {"interaction": interaction}, ("upper", lower),
+                                  control="compression", value=0.012))
+    assert found.status == 0, found.stderr
+    assert len(found.positions) == 3
+    for row in found.positions:
+        assert float(row["compression"]) == pytest.approx(0.012, rel=1e-14)
+        assert float(row["load"]) > 0
+    separations = {row["position"]: float(row["separation"]) for row in found.positions}
+    assert len(set(separations.values())) == (1 if lower == "plane" else 3)
+    for m, separation in separations.items():
+        again = solve(asperity, scene(tmp_path, {"interaction": interaction}, ("upper", lower),
+                                      control="separation", value=separation))
+        other = again.positions[int(m) - 1]
+        assert other["contacts"] == found.positions[int(m) - 1]["contacts"]
+        for name in ("load", "area", "compression"):
+            assert float(other[name]) == pytest.approx(
+                float(found.positions[int(m) - 1][name]), rel=1e-9)
+
+
+@pytest.mark.parametrize("arithmetic", ("real64", "real32", "real128", "ibm370"))
+def test_hertz(asperity, tmp_path, arithmetic):
+    """One cap on a plane: load 4/3 E* sqrt(R) c**1.5."""
+    path = write_scene(
+        tmp_path / "ball.scene", material={"contact_modulus": MODULUS},
+        surfaces={"upper": write_surface(tmp_path / "ball.csv", [(0, 0, 0.5, 2.0)]),
+                  "lower": "plane"}, loading={"control": "compression", "value": 0.001})
+    found = solve(asperity, path, "--arithmetic", arithmetic)
+    want = 4 / 3 * MODULUS * math.sqrt(2.0) * 0.001 ** 1.5
+    assert float(found.positions[0]["load"]) == pytest.approx(
+        want, rel={"real32": 1e-4, "ibm370": 1e-3}.get(arithmetic, 1e-12))
+
+
+def test_path(asperity, tmp_path):
+    """A path of compressions, down and up, with plasticity."""
+    found = solve(asperity, scene(
+        tmp_path, {"plasticity": "on", "plastic_yield_stress": 5.0, "interaction": "off"},
+        control="compression", value=(0.01, 0.002, 0.015), points=4), curve=True)
+    assert found.status == 0, found.stderr
+    ends = [float(row["compression"]) for row in found.curve if row["position"] == "1"][4::4]
+    assert ends == pytest.approx([0.01, 0.002, 0.015], rel=1e-12)
+
+
+def test_map(asperity, tmp_path):
+    """On the pixels of a map it counts from the highest one."""
+    rng = np.random.default_rng(5)
+    height = rng.normal(size=(24, 32)).cumsum(0).cumsum(1) * 1e-9
+    write_bytes(tmp_path / "map.sdf", height, 1e-6, 1e-6)
+    rows = []
+    for control, value in (("compression", 2e-8), ("separation", None)):
+        value = value or float(rows[0]["separation"])
+        found = solve(asperity, write_scene(
+            tmp_path / "map.scene", surfaces={"upper": "plane", "lower": "map.sdf"},
+            material={"contact_modulus": 1e9}, effects={"interaction": "boundary"},
+            loading={"control": control, "value": value}))
+        assert found.status == 0, found.stderr
+        rows += found.positions
+    assert float(rows[0]["compression"]) == pytest.approx(2e-8, rel=1e-9)
+    assert float(rows[0]["load"]) == pytest.approx(float(rows[1]["load"]), rel=1e-9)
+
+
+@pytest.mark.parametrize("value", (-0.1, (-1e-9, 0.1)))
+def test_below_first_contact(asperity, tmp_path, value):
+    """A compression is 0 or more."""
+    found = solve(asperity, scene(tmp_path, {"interaction": "off"}, control="compression",
+                                  value=value))
+    assert found.status == 2 and "value" in found.stderr
+
+
+def test_the_earlier_name(asperity, tmp_path):
+    """'approach' is accepted for 'separation', and gives the same numbers."""
+    rows = [solve(asperity, scene(tmp_path, {"interaction": "off"}, control=control,
+                                  value=0.485)).positions
+            for control in ("separation", "approach")]
+    assert rows[0] == rows[1]
