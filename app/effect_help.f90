@@ -60,7 +60,7 @@ contains
 
     select case (number%range)
     case (one_word)
-      values = one_of(number%words)
+      values = one_of(pack(number%words, number%words /= ''))
     case (whole_number)
       values = 'a whole number from ' // decimal_text(number%least) // ' to ' // &
                decimal_text(number%most)

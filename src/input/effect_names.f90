@@ -44,6 +44,8 @@ module asperity_effect_names
   !> The words of a scene for them.
   character(len=*), parameter :: hold_words(3) = &
     [character(len=10) :: 'load', 'separation', 'approach']
+  ! The words of a scene for the body that yields; the third has none.
+  character(len=*), parameter :: plastic_bodies(3) = [character(len=10) :: 'upper', 'lower', '']
 
   !> An effect. Where a scene does not write how it is simulated, `asperity_scene_effects` does.
   type :: known_effect
@@ -107,7 +109,7 @@ module asperity_effect_names
     effect_number('plastic_yield_stress', 'plasticity', above_zero, needed_with='no limit', &
                   unit='modulus', &
                   meaning='yield stress in tension; without it flow begins at the limit'), &
-    effect_number('plastic_body', 'plasticity', one_word, words=['upper', 'lower'], &
+    effect_number('plastic_body', 'plasticity', one_word, words=plastic_bodies, &
                   meaning='the body that yields; without it the one of smaller modulus'), &
     effect_number('work_of_adhesion', 'adhesion', not_negative, needed_with='on', &
                   in_words='a work of adhesion', unit='modulus times length', &
