@@ -131,7 +131,8 @@ contains
     whole = int(value%digits)
     select case (number%range)
     case (one_word)
-      call fields%take_word('effects', trim(number%name), pack(number%words, number%words /= ''), whole)
+      call fields%take_word('effects', trim(number%name), &
+                            pack(number%words, number%words /= ''), whole)
       value = decimal_value(int(whole, int64), 0)
     case (whole_number)
       call fields%take_whole('effects', trim(number%name), number%least, number%most, whole)
