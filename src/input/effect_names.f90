@@ -139,7 +139,7 @@ module asperity_effect_names
     refused_pair('adhesion', 'plasticity', 'the theories of adhesion are elastic'), &
     refused_pair('adhesion', 'creep', 'the theory of creep has no attraction'), &
     refused_pair('adhesion', 'interaction', &
-                 'displacements by neighbours are those of Hertzian, not adhesive, pressure'), &
+                 'displacements by neighbours assume Hertzian, not adhesive, pressures'), &
     refused_pair('adhesion', 'friction', &
                  'shear changes adhesion, and Coulomb''s law has no attraction'), &
     refused_pair('creep', 'plasticity', 'the theory of creep is for elastic contacts'), &

@@ -12,7 +12,7 @@ module asperity_results_html
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_summary, only: uses_samples, write_heading, write_map_table, write_remarks
+  use asperity_summary, only: errors_in_words, uses_samples, write_heading, write_map_table, write_remarks
   use asperity_svg_plot, only: axis_over, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: list_totals, total_line
@@ -100,7 +100,7 @@ contains
       call begin_table('totals at the end', [character(len=8) :: 'total', 'value'], buffer)
     else
       call begin_table('totals at the ends of all positions', &
-                       [character(len=8) :: 'total', 'maximum', 'minimum', 'average'], buffer)
+                       [character(len=8) :: 'total', 'largest', 'smallest', 'mean'], buffer)
     end if
     do i = 1, size(lines)
       cells(1) = lines(i)%name
@@ -111,12 +111,8 @@ contains
       call put_row(cells(:lines(i)%known + 1), buffer)
     end do
     call end_table(buffer)
-    if (all(results%positions%error_estimate > not_computed)) &
-      call buffer%line('<p>Error estimate: ' // &
-                       readable(100 * maxval(results%positions%error_estimate), 2) // &
-                       ' % of the load or, at a given load, of the compression' // &
-                       trim(merge(' (largest of the positions)', '                           ', &
-                                  size(results%positions) > 1)) // '.</p>')
+    if (errors_in_words(results) /= '') &
+      call buffer%line('<p>' // errors_in_words(results) // '</p>')
     call write_remarks(scene_in, results, remarks)
     call put_paragraphs(remarks%text(), '', buffer)
   end subroutine put_totals

@@ -24,7 +24,7 @@ module asperity_summary
   private
 
   public :: write_summary, write_heading, write_remarks, write_corrected_table, write_choice, &
-            write_map_table, uses_samples
+            write_map_table, errors_in_words, uses_samples
 
 contains
 
@@ -39,7 +39,7 @@ contains
     call buffer%line('')
     call write_totals(scene_in, results, buffer)
     call buffer%line('')
-    call write_errors(scene_in, results, buffer)
+    call write_errors(results, buffer)
     call write_remarks(scene_in, results, buffer)
     call write_path(scene_in, results, buffer)
     call write_effects(results, buffer)
@@ -64,19 +64,27 @@ contains
   end subroutine write_heading
 
   ! The largest error estimates over the positions, and the warnings.
-  subroutine write_errors(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in
+  subroutine write_errors(results, buffer)
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
     type(problem_list) :: warnings
-    character(len=:), allocatable :: text
+
+    if (errors_in_words(results) /= '') call buffer%line(errors_in_words(results))
+    call list_warnings('', results, warnings)
+    call buffer%append(warnings%text())
+  end subroutine write_errors
+
+  !> `estimated error: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
+  !> control it is that of the compression in place of the load. Empty where none is known.
+  pure function errors_in_words(results) result(text)
+    type(scene_results), intent(in) :: results  !! solved
+    character(len=:), allocatable :: text       !! one line
     real(real64) :: area_error
     integer :: column, m
 
     text = ''
     if (any(results%positions%error_estimate > not_computed)) &
       text = trim(merge('load       ', 'compression', &
-                        any(results%positions(1)%states%asked == asked_nothing) .and. &
                         all(last_asked(results%positions) == asked_nothing))) // ' ' // &
              percent(maxval(results%positions%error_estimate))
     area_error = not_computed
@@ -90,10 +98,8 @@ contains
       if (text /= '') text = text // ', '
       text = text // 'contact area ' // percent(area_error)
     end if
-    if (text /= '') call buffer%line('estimated error: ' // text)
-    call list_warnings('', results, warnings)
-    call buffer%append(warnings%text())
-  end subroutine write_errors
+    if (text /= '') text = 'estimated error: ' // text
+  end function errors_in_words
 
   ! Which load the last state of each position was to meet.
   pure elemental integer function last_asked(position)

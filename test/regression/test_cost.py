@@ -142,4 +142,4 @@ def test_every_command_tells_its_cost(asperity, root, tmp_path):
 def test_cost_and_budget_exclude_each_other(asperity, tmp_path):
     done = subprocess.run([asperity, "solve", DECK, "--budget", "--cost"], cwd=tmp_path, text=True,
                           capture_output=True)
-    assert done.returncode == 2 and "--cost tells nothing of --budget" in done.stderr
+    assert done.returncode == 2 and "--cost does not estimate --budget" in done.stderr

@@ -165,11 +165,13 @@ def command_lines(page):
 
 
 def input_files(page, folder):
-    """Write the scenes and specifications of a page, each under the name that stands before it."""
+    """Write the scenes and specifications of a page, each under the name that stands before it.
+    A block of a shipped scene needs the files beside that scene."""
     text = page.read_text(encoding="utf-8").splitlines()
     written = []
     for first, block in blocks(page):
-        if not re.match(r"(?:!.*\n|\s)*&\w+", block):
+        if not re.match(r"(?:!.*\n|\s)*&\w+", block) or any(
+                block in shipped.read_text() for shipped in ROOT.glob("data/examples/*/*.scene")):
             continue
         before = re.findall(r"`([\w.-]+[.](?:scene|spec))`", "\n".join(text[:first]))
         near = re.findall(r"`([\w.-]+[.](?:scene|spec))`", "\n".join(text[max(0, first - 5):first]))

@@ -26,7 +26,7 @@ LIGHT = {"control": "load", "value": 20.0}
 REFUSED = {
     ("adhesion", "plasticity"): "the theories of adhesion are elastic",
     ("adhesion", "creep"): "the theory of creep knows no attraction",
-    ("adhesion", "interaction"): "neighbours are lowered by pressures of Hertz",
+    ("adhesion", "interaction"): "displacements by neighbours assume Hertzian",
     ("adhesion", "friction"): "shear changes adhesion",
     ("creep", "plasticity"): "creep here is that of an elastic contact",
     ("creep", "friction"): "slip and creep together have no closed theory",
@@ -37,7 +37,7 @@ def why(first, second, word):
     """The sentence for a pair, if it is refused."""
     pair = tuple(sorted((first, second)))
     if pair == ("interaction", "plasticity") and word == "boundary":
-        return "cells are elastic: plasticity goes with interaction = 'coupled'"
+        return "boundary elements are elastic: use interaction = 'coupled'"
     return REFUSED.get(pair) or REFUSED.get(pair[::-1])
 
 
@@ -274,4 +274,4 @@ def test_share_of_contacts_that_flow(asperity, tmp_path, tally):
     assert 0.2 < flowing(rows, onset) < 0.4
     compare(tally, "index: ratio of onset and deviation",
             off([onset / sigma], [1 / 0.92**2]), 1e-12)
-    assert "plasticity index of the surfaces 0.920" in run_of_index.stdout
+    assert "plasticity index 0.920" in run_of_index.stdout

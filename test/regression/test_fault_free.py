@@ -144,7 +144,7 @@ def test_left_out_and_start_values(asperity, tmp_path):
 def test_the_report_without_faults(asperity):
     done = run(asperity, THESIS, "all")
     assert re.search(r"POINTS +8 +1 +2\.08$", done.stdout, re.MULTILINE)
-    assert "note: some faults are mended: this is not what the original printed" in done.stderr
+    assert "note: faults are corrected: this is not what the original printed" in done.stderr
 
 
 def test_names(asperity):

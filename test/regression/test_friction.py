@@ -263,7 +263,7 @@ def test_lowered_contacts_rub_less(sweeps, tally):
     less = column(both.positions, "rig_force_x") / column(alone.positions, "rig_force_x")
     print(f"rig force with interaction over without: {less.min():.2f} to {less.max():.2f}")
     text = both.stdout[both.stdout.index("\nEffects, "):]
-    assert "effects: interaction coupled, friction on" in both.stdout
+    assert "model: interaction coupled, friction on; " in both.stdout
     assert text.index("  interaction  coupled") < text.index("  friction     on")
 
 
@@ -292,8 +292,8 @@ def test_load_asked_for(sweeps, tally):
     on = sweeps.solve(loading=loading, positions=20, friction="on", friction_coefficient=0.3)
     report(tally, "friction: load asked for",
            np.abs(column(on.positions, "load") / 500.0 - 1), 1e-11)
-    report(tally, "friction: approach at a load",
-           np.abs(column(on.positions, "approach") - column(off.positions, "approach")), 1e-12)
+    report(tally, "friction: separation at a load",
+           np.abs(column(on.positions, "separation") - column(off.positions, "separation")), 1e-12)
 
 
 def test_curve(sweeps, tally):

@@ -148,7 +148,6 @@ def test_page_holds_all(name, asperity, tmp_path, tally):
         header, *rows = page.rows(table)
         assert len(rows) == len(positions)
         for row, place in zip(rows, positions):
-            place.setdefault("separation", place.get("approach"))
             for column, cell in zip(header, row):
                 met += cell == {"0": "no", "1": "yes"}[place[column]] \
                     if column == "limit_reached" else near(cell, place[column]) \
@@ -181,11 +180,6 @@ def test_page_holds_all(name, asperity, tmp_path, tally):
         assert (np.abs(drawn[:, 2] - radius) < 0.006 * radius).all()
 
 
-def separation_of(rows):
-    """The column of the separation."""
-    return "separation" if "separation" in rows[0] else "approach"
-
-
 def drawings(page, beginning):
     return [svg for svg in page.of("svg") if svg["aria-label"].startswith(beginning)]
 
@@ -214,7 +208,7 @@ def test_curves(asperity, tmp_path):
                          "--curve", tmp_path / "c")
     states = records(tmp_path / "c")
     load, area, apart = (np.array([float(row[name]) for row in states])
-                         for name in ("load", "area", separation_of(states)))
+                         for name in ("load", "area", "separation"))
     sections = [section["aria-labelledby"] for section in page.of("section")]
     assert sections == ["summary", "curves", "contacts", "effects", "origin"]
     for svg, x, y, names in zip(page.of("svg"), (apart[0] - apart, load), (load, area),
@@ -241,7 +235,7 @@ def test_sweep_is_drawn_over_the_positions(asperity, tmp_path):
                          "--positions", tmp_path / "p")
     rows = records(tmp_path / "p")
     names = {"load": "load", "contact area": "area",
-             "separation": separation_of(rows)}
+             "separation": "separation"}
     for svg, (name, column) in zip(page.of("svg"), names.items()):
         assert svg["aria-label"] == f"{name} against x displacement"
         [curve] = [path for path in page.of("path", svg) if path["class"] == "curve"]

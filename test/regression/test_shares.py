@@ -101,7 +101,7 @@ def test_what_is_refused(asperity, root, tmp_path):
                           (["--share", "1/2"], "--share: expected one --keep"),
                           (["--share", "1/41", "--keep", "a"], "41 parts of 40 positions"),
                           (["--share", "1/2", "--keep", "a", "--keep", "b"], "expected one --keep"),
-                          (["--share", "1/2", "--keep", "a", "--cost"], "--cost tells nothing of"),
+                          (["--share", "1/2", "--keep", "a", "--cost"], "--cost does not estimate"),
                           (["--keep", "p1", "--keep", "./p1"], "--keep and --keep both name"),
                           (["--keep", "p1", "--keep", "p2", "--positions", "p2"],
                            "--keep and --positions both name p2")):
