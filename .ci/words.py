@@ -197,7 +197,7 @@ def of_last_commit():
     subject = log.stdout.strip()
     if log.returncode or not subject:
         return []
-    found = [(1, *finding) for finding in words_in(subject)]
+    found = [(1, *finding) for finding in words_in(re.sub(r"\S+[._/]\S+", "NAME", subject))]
     if not re.match(r"[a-z0-9_. -]+: \w", subject):
         found.append((1, subject[:30], "expected 'area: imperative sentence'"))
     return found

@@ -25,10 +25,10 @@ LIGHT = {"control": "load", "value": 20.0}
 # Why two effects are not added up.
 REFUSED = {
     ("adhesion", "plasticity"): "the theories of adhesion are elastic",
-    ("adhesion", "creep"): "the theory of creep knows no attraction",
+    ("adhesion", "creep"): "the theory of creep has no attraction",
     ("adhesion", "interaction"): "displacements by neighbours assume Hertzian",
     ("adhesion", "friction"): "shear changes adhesion",
-    ("creep", "plasticity"): "creep here is that of an elastic contact",
+    ("creep", "plasticity"): "the theory of creep is for elastic contacts",
     ("creep", "friction"): "slip and creep together have no closed theory",
 }
 
