@@ -51,7 +51,7 @@ contains
     end if
     call text%line('')
     call text%line('Exit status: 0 the chosen model was solved to the stated tolerance ' // &
-                   '(warnings say where')
+                   '(warnings state where')
     call text%line('it does not apply), 1 could not be computed, 2 bad command line or bad input')
 
   contains
