@@ -46,10 +46,10 @@ int main(int words, char **word)
     fprintf(stderr, "%s\n", asperity_text(results, ASPERITY_FAILURE));
 
   const int table = words > 1 ? ASPERITY_POSITIONS : ASPERITY_STATES;
-  const double *approach = column(results, table, "approach");
+  const double *separation = column(results, table, "separation");
   const double *load = column(results, table, "load");
   for (int i = 0; i < asperity_rows(results, table); i++)
-    printf("%24.16e %24.16e\n", approach[i], load[i]);
+    printf("%24.16e %24.16e\n", separation[i], load[i]);
   asperity_free(results);
   return status;
 }

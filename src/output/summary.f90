@@ -74,7 +74,7 @@ contains
     call buffer%append(warnings%text())
   end subroutine write_errors
 
-  !> `estimated error: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
+  !> `error estimate: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
   !> control it is that of the compression in place of the load. Empty where none is known.
   pure function errors_in_words(results) result(text)
     type(scene_results), intent(in) :: results  !! solved
@@ -98,7 +98,7 @@ contains
       if (text /= '') text = text // ', '
       text = text // 'contact area ' // percent(area_error)
     end if
-    if (text /= '') text = 'estimated error: ' // text
+    if (text /= '') text = 'error estimate: ' // text
   end function errors_in_words
 
   ! Which load the last state of each position was to meet.

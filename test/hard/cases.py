@@ -11,7 +11,7 @@ SHORT = ("ibm370", "real32")
 GEOMETRY = "Geometry and Hertz with {} digits, from the numbers as the arithmetic holds them."
 NOTHING = "No pair is near enough in plan: nothing touches, whatever the closing."
 TOO_SMALL = "too small for this arithmetic"
-TOO_MUCH = "the load is more than the surfaces can bear"
+TOO_MUCH = "the load is larger than the surfaces carry"
 LEVEL = "come level"
 NO_PAIR = "no pair of asperities can touch"
 

@@ -13,7 +13,7 @@ RATIO = (0.3, 0.25)
 COUPLED, BOUNDARY, AUTO = "coupled", "boundary", "auto"
 WAYS = (COUPLED, BOUNDARY, AUTO)
 
-TOO_MUCH = "the load is more than the surfaces can bear"
+TOO_MUCH = "the load is larger than the surfaces carry"
 
 
 @dataclass
@@ -191,7 +191,7 @@ def how_many():
                 upper, FLAT, {**load(20000.0), **effects(interaction=way)},
                 (total(20000.0, 1.1e-3 if on_cells else 1e-2 if way == AUTO else 1e-9),),
                 "The load is met, or the refusal says that cells are too many.",
-                refused="cells fine enough would" if on_cells else "", either=on_cells, large=True,
+                refused="the boundary elements would" if on_cells else "", either=on_cells, large=True,
                 open="does not end within minutes" if name == "close" else "")
     packed = [(0.01 * i - 0.05, 0.01 * j - 0.05, 0.5 - 1e-8 * (37 * (10 * i + j) % 100), 1.0)
               for i in range(10) for j in range(10)]
@@ -253,7 +253,7 @@ def how_unlike():
                 upper, [(0.0, 0.0, 0.0, 1e3 / small)],
                 {**approach(5e-4 - 1e-6), **effects(interaction=way)},
                 truth="The laws of all results, or a refusal that cells are too many.",
-                refused="cells fine enough would" if way != COUPLED else "", either=True)
+                refused="the boundary elements would" if way != COUPLED else "", either=True)
     for way in WAYS:
         # The wide contact has a circle of 0.1; the sharp one stands at 0.02 in it.
         yield EffectCase(
@@ -261,7 +261,7 @@ def how_unlike():
             [(0.0, 0.0, 0.05, 10.0), (0.02, 0.0, 0.0505, 0.05)], [(0.0, 0.0, 0.0, 1e6)],
             {**approach(0.049), **effects(interaction=way)},
             truth="The laws of all results, or a refusal that cells are too many.",
-            refused="cells fine enough would" if way != COUPLED else "", either=way != COUPLED)
+            refused="the boundary elements would" if way != COUPLED else "", either=way != COUPLED)
         yield EffectCase(
             f"opened_{way}", "A contact that its neighbour's displacement opens.", *OPENED,
             {**approach(0.499), **effects(interaction=way)},
@@ -323,13 +323,13 @@ def how_exact():
                                           friction_coefficient=0.1)},
                 (total(100.0, 2e-3 if value < 0.5 else 1.0),),
                 "A refusal that cells are too many." if too_many else "The load is met.",
-                refused="cells fine enough would" if too_many else "")
+                refused="the boundary elements would" if too_many else "")
     for name, value in (("1e-6", 1e-6), ("0.9", 0.9)):
         yield EffectCase(
             f"boundary_tolerance_{name}", f"Cells halved until the load moves by {name}.", *THREE,
             {**approach(0.4995), **effects(interaction=BOUNDARY, boundary_tolerance=value)},
             truth="The laws of all results, or a refusal that cells are too many.",
-            refused="cells fine enough would" if value < 0.1 else "", either=True,
+            refused="the boundary elements would" if value < 0.1 else "", either=True,
             large=value < 0.1)
     for way in WAYS:
         yield EffectCase(

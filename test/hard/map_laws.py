@@ -189,7 +189,7 @@ def same_after(scene, other, exe, folder, share=None, names=None):
             spare = 2 * math.prod(scene.groups["surfaces"]["map_spacing"]) if of_samples else 0.0
             laws.claim(abs(laws.number(row, "area") - laws.number(far, "area"))
                        <= share * laws.number(row, "area") + spare, "area")
-            closings = [top_of(s) - laws.number(r, "approach")
+            closings = [top_of(s) - laws.number(r, "separation")
                         for s, r in ((scene, row), (other, far))]
             laws.near(*closings, share, "closing", 1e-3 * (top_of(scene) or 1.0))
     return one.status

@@ -275,7 +275,7 @@ def within(one, two, share, names, control):
             near(number(row, name), number(other, name), share + told, name)
         if control == "approach":
             # As given, or first touch less a closing, each rounded.
-            near(number(row, "approach"), number(other, "approach"), 1e-12, "approach")
+            near(number(row, "separation"), number(other, "separation"), 1e-12, "separation")
         else:
             near(closing(one, row), closing(two, other), share, "closing")
 

@@ -97,7 +97,7 @@ def run(exe, scene, mode, tolerance, control, timeout=300):
     if control == "approach":
         result.error = number(row, "vertical_load") / float(truth["load"]) - 1
     else:
-        result.error = (scene.approach - number(row, "approach")) / float(truth["closing"])
+        result.error = (scene.approach - number(row, "separation")) / float(truth["closing"])
     result.area_error = number(row, "area") / float(truth["area"]) - 1
     result.estimate = number(row, "error_estimate")
     result.area_estimate = number(row, "area_error_estimate")

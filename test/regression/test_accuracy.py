@@ -287,7 +287,7 @@ def test_an_accuracy_that_nothing_has(asperity, root):
     done = subprocess.run([asperity, "solve", root / "data/hard/deck_one_pair.deck", "--accuracy",
                            "1e-16"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 1 and done.stdout == ""
-    assert "no way of computing has this accuracy" in done.stderr
+    assert "no method has this accuracy" in done.stderr
 
 
 def test_effects_that_are_off_count(asperity, root, tmp_path):

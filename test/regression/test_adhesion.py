@@ -164,7 +164,7 @@ def test_no_work_of_adhesion(asperity, tmp_path, tally):
     on, without = (solved(asperity, write_scene(tmp_path / f"limit-{name}.scene", **sweep,
                                                 effects=effects))
                    for name, effects in choices.items())
-    for name in ("load", "vertical_load", "area", "approach"):
+    for name in ("load", "vertical_load", "area", "separation"):
         compare(tally, f"adhesion: none, {name} at the limit",
                 off(column(on.positions, name), column(without.positions, name)), 2e-15)
 

@@ -246,7 +246,8 @@ def test_summary(sweeps, tally):
     estimate = np.where([way == "off" for way in ways],
                         column(auto.positions, "interaction_estimate"), -1)
     largest = f"{100 * estimate.max():.3f}" if estimate.max() else "0"
-    assert f"largest estimated influence left out {largest} % (position {estimate.argmax() + 1})" in text
+    assert (f"largest estimated influence left out {largest} % "
+            f"(position {estimate.argmax() + 1})") in text
 
 
 @pytest.mark.parametrize("mode", ("off", "coupled", "boundary", "auto"))
@@ -373,4 +374,4 @@ def test_a_path_of_pressures_in_any_units(asperity, tmp_path, modulus, length):
     plain = solve(asperity, caps_on_a_plane(
         tmp_path, {"control": "pressure", "value": tuple(pressures)}), curve=True)
     np.testing.assert_allclose(1 - column(found.curve, "separation") / length,
-                               1 - column(plain.curve, "approach"), rtol=1e-9)
+                               1 - column(plain.curve, "separation"), rtol=1e-9)

@@ -35,7 +35,7 @@ def raised(asperity, folder, surfaces, lifts, control, value, arithmetic="real64
         return run.status,
     row = run.positions[0]
     return (int(row["contacts"]), float(row["load"]), float(row["area"]),
-            float(row["approach"]) - lift)
+            float(row["separation"]) - lift)
 
 
 def check_same(found, expected, digits):

@@ -119,7 +119,7 @@ def test_from_c(example, asperity, tmp_path):
     status, text, errors = example("press_two_surfaces", tmp_path / "none.scene")
     assert status == 2 and text == "" and "none.scene:1:1: cannot be opened" in errors
     status, text, errors = example("press_two_surfaces", ROOT / "data/hard/load_beyond_all.scene")
-    assert status == 1 and text == "" and "position 1: the load is more than" in errors
+    assert status == 1 and text == "" and "position 1: the load is larger than" in errors
 
 
 OUTSIDE = """program outside

@@ -125,7 +125,8 @@ def test_unloading(asperity, tmp_path, tally, tops):
                                ("second unloading", last, on[-1])):
         x_top = mpf(float(start["compression"])) / STEEL.critical_overlap
         residual, load_power, area_power = unloading(x_top)
-        share = [max(mpf(0), (mpf(float(row["compression"])) / float(start["compression"]) - residual)
+        share = [max(mpf(0), (mpf(float(row["compression"]))
+                             / float(start["compression"]) - residual)
                      / (1 - residual)) for row in curve]
         for column_name, power, full in (
                 ("load", load_power, STEEL.joined(x_top) * STEEL.critical_load),

@@ -258,7 +258,7 @@ def test_bad_surfaces(package, change, told):
 
 def test_failures(package):
     scene = scene_as_dict(BALL, BUMPS, loading={"control": "load", "value": 1e30})
-    with pytest.raises(package.ComputeError, match="^scene: position 1: the load is more than"):
+    with pytest.raises(package.ComputeError, match="^scene: position 1: the load is larger than"):
         package.solve(scene)
     with pytest.raises(package.InputError, match="arithmetic: found real16, expected one of"):
         package.solve(scene, arithmetic="real16")

@@ -62,7 +62,7 @@ def test_bound_of_steep_contacts(seed, asperity, tmp_path):
         bound = float(re.search(r"error bound ([\d.E+-]+)", run.stdout)[1])
         if groups["loading"]["control"] == "vertical_load":
             groups["loading"] = {"control": "approach",
-                                 "value": float(run.positions[0]["approach"])}
+                                 "value": float(run.positions[0]["separation"])}
         state = Truth(exact_csv_scene(upper, lower, **groups), 60).state(1)
         for name in (*TOTALS, "approach"):
             true = getattr(state, name)

@@ -44,7 +44,7 @@ def test_parts_are_the_whole(name, parts, asperity, root, tmp_path, tally):
         keeps += ["--keep", f"part.{part}"]
         done = run(asperity, joined, *words, "--share", f"{part}/{parts}", *keeps[-2:])
         number = len(range(part, positions + 1, parts))
-        assert done.stdout == (f"part {part} of {parts}: {number} positions are kept in "
+        assert done.stdout == (f"part {part} of {parts}: {number} positions are saved in "
                                f"part.{part}; the outputs come from a run with the files of all "
                                "parts\n")
         assert files(joined) == {}

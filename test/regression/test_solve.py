@@ -352,13 +352,13 @@ def test_nothing_touches(asperity, tmp_path):
 
 
 @pytest.mark.parametrize(("words", "groups"), (
-    ("position 1: the load is more than the surfaces can bear",
+    ("position 1: the load is larger than the surfaces carry",
      {"loading": {"control": "load", "value": 1e9}}),
-    ("position 2: no pair of asperities can touch, so no load can be borne",
+    ("position 2: no pair of asperities can touch, so they carry no load",
      {"loading": {"control": "load", "value": 1.0}, "motion": {"x_step": 2.0, "positions": 2}}),
     ("no pair of asperities reaches the limit before its centres are level",
      {"limit": {"criterion": "load", "value": 1e9}}),
-    ("at this approach the centres of asperities 1 (upper) and 1 (lower) come level",
+    ("at this separation the centres of asperities 1 (upper) and 1 (lower) come level",
      {"loading": {"control": "approach", "value": -1.0}})))
 def test_refusals(words, groups, asperity, tmp_path):
     pair = [(0.0, 0.0, 0.5, 1.0)]

@@ -256,7 +256,8 @@ def test_load_and_approach_invert_each_other(run, scene, closing):
                                 "value": float(by_load.positions[0]["separation"])})
     assert abs(float(by_load.positions[0]["load"]) / load - 1) <= 1e-14
     assert abs(float(by_load.curve[0]["compression"]) / closing - 1) <= 1e-12
-    assert float(by_load.positions[0]["separation"]) == pytest.approx(approach, rel=1e-12, abs=1e-15)
+    assert float(by_load.positions[0]["separation"]) == pytest.approx(
+        approach, rel=1e-12, abs=1e-15)
     assert abs(float(again.positions[0]["load"]) / load - 1) <= 1e-12
 
 

@@ -417,7 +417,7 @@ BINARY = (b"bISO-1.0sdfio     010120261200010120261200" + bytes([3, 0, 3, 0]) +
     (HEADER.replace("BCR", "ABC"), [], r"1:"),
     (HEADER.replace("1.0", "9.0"), [], r"1:1: unknown revision: found 'aBCR-9.0'"),
     (HEADER.replace("yscale", "y"), [], r"14:1: the header ends without Yscale"),
-    (HEADER.replace("yscale", "xscale"), [], r"8:1: Xscale stands twice"),
+    (HEADER.replace("yscale", "xscale"), [], r"8:1: Xscale occurs twice"),
     (HEADER.replace("INTEGER", "8"), [], r"12:15: DataType: found '8', expected one of 0 \(UINT8"),
     (HEADER.replace("NULL", "1"), [], r"11:15: Compression: found '1'"),
     (HEADER, ["--spacing=1,1"], r"--spacing given, but the file has its own"),

@@ -563,7 +563,8 @@ contains
     pairs%list(3) = pair_at(1.0e5_real64, 1.0e5_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     call solve(pairs, [1.0e-2_real64, 0.9e-2_real64, 0.6e-2_real64], asked, answer)
     call check(error, .not. answer%ending%converged, 'far apart: not refused')
-    call check(error, answer%failure, 'cells fine enough would need more than 2 GiB of memory', &
+    call check(error, answer%failure, &
+               'the boundary elements would need more than 2 GiB of memory', &
                'words of the refusal')
   end subroutine tiny_and_far
 

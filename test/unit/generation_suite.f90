@@ -217,7 +217,7 @@ contains
       'length, width or least_distance' // nl // &
       's:1:34: length: found ''-4.'', expected a number more than 0' // nl // &
       's:1:1: &surfaces needs width: found none, expected one' // nl // &
-      's:1:11: number: found no number of asperities for the upper surface, expected a whole ' // &
+      's:1:11: number: no count of asperities given for the upper surface, expected a whole ' // &
       'number from 1 to 20000000' // nl // &
       's:2:1: &heights needs deviation: found none, expected one, or 0' // nl // &
       's:2:17: mean: found ''a'', expected a finite number within the range of a double' // &

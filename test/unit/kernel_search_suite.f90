@@ -213,7 +213,7 @@ contains
     case (control_separation)
       closing = truth%closing
       level = pair_named(truth, closing)
-      if (level /= '') level = 'at this approach ' // level
+      if (level /= '') level = 'at this separation ' // level
     case default
       level = ''
       closing = listed%closing

@@ -540,8 +540,8 @@ contains
                 '&tilt, &loading, &limit or &effects')
     call refuse(error, deck // '|&motion|   X_frist = 1 /', '3:4', 'unknown name in &motion: ' // &
                 'found ''x_frist'', expected x_first, x_step, y_first, y_step or positions')
-    call refuse(error, deck // '|&motion / &motion /', '2:11', 'group &motion stands twice')
-    call refuse(error, deck // '|&motion x_first=1, x_first=1 /', '2:20', 'x_first stands twice')
+    call refuse(error, deck // '|&motion / &motion /', '2:11', 'group &motion occurs twice')
+    call refuse(error, deck // '|&motion x_first=1, x_first=1 /', '2:20', 'x_first occurs twice')
   end subroutine test_unknown
 
   subroutine test_bad_values(error)
@@ -569,8 +569,8 @@ contains
     call refuse(error, deck // '|&material poisson_ratio = 0.51, 0 /', '2:27', 'at most 0.5')
     call refuse(error, deck // '|&material poisson_ratio = 0, -1 /', '2:30', 'more than -1')
     call refuse(error, deck // '|&loading control="lode" /', '2:18', &
-                'found the text ''lode'', expected ''limit'', ''approach'', ''load'', ' // &
-                '''vertical_load'' or ''pressure''')
+                'found the text ''lode'', expected ''limit'', ''separation'', ''load'', ' // &
+                '''vertical_load'', ''pressure'', ''compression'' or ''approach''')
     call refuse(error, deck // '|&loading control=limit /', '2:18', 'found ''limit'', expected')
     call refuse(error, deck // '|&loading control="load", value=0 /', '2:32', 'more than 0')
     call refuse(error, deck // '|&loading points=-1 /', '2:17', 'a whole number from 0')
@@ -781,8 +781,8 @@ contains
     call one(head, '2:1', 'no asperity')
     call one('x,y|1,2|', '1:1', 'no column height')
     call one('|x,y,height,raduis|1,2,3,4|', '2:12', 'unknown column: found ''raduis''')
-    call one('x,y,X,height|', '1:5', 'column x stands twice')
-    call one('x,y,height,x|', '1:12', 'column x stands twice')
+    call one('x,y,X,height|', '1:5', 'column x occurs twice')
+    call one('x,y,height,x|', '1:12', 'column x occurs twice')
     call one('x,y,height,radius,|', '2:1', 'no asperity')
     call one('1,2,0.1,1|', '1:1', 'no header')
     call one(head // '1,2,0.1|', '2:1', 'found 3 cells, expected 4')
