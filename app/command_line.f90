@@ -281,7 +281,7 @@ contains
 
     call buffer%line('part ' // decimal_text(line%share(1)) // ' of ' // &
                      decimal_text(line%share(2)) // ': ' // decimal_text(number) // ' ' // &
-                     pieces // ' are kept in ' // line%output('--keep') // &
+                     pieces // ' are saved in ' // line%output('--keep') // &
                      '; the outputs come from a run with the files of all parts')
   end subroutine tell_part
 

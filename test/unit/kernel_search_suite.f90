@@ -196,7 +196,7 @@ contains
     if (.not. any(truth%can_touch)) then
       call check(error, size(listed%list), 0, what // ': a pair of spheres that cannot touch')
       call check(error, allocated(failure) .eqv. scene_in%loading%control == control_load, &
-                 what // ': no load can be borne')
+                 what // ': they carry no load')
       return
     end if
     call check(error, allocated(failure) .eqv. allocated(list_failure), what // ': one fails')
