@@ -49,8 +49,8 @@ WORDS = (
     (r"\b(joins?|joined|joining)\b", "activate"),
     (r"\b(stands?|stood) (elsewhere|out)\b|\bstands? twice\b", "moves; occurs twice"),
     (r"\b(plants?|planted)\b", "build"),
-    (r"\b(creep around|crept|would creep|its rise|hold(s|ing)? (all|them) back|held at last)\b",
-     "stagnate, restrict, slope"),
+    (r"\b(creep around|crept|would creep|its rise|hold(s|ing)? (all|them) back|held at last)"
+     r"\b", "stagnate, restrict, slope"),
     (r"\b(speaks? for|the whole)\b", "representative; all parts"),
     (r"\bgive or take\b", "uncertainty"),
     (r"\b(next to nothing|no numbers?|is no solution|no few|very much|what is left|leaves much more)"

@@ -191,7 +191,8 @@ def how_many():
                 upper, FLAT, {**load(20000.0), **effects(interaction=way)},
                 (total(20000.0, 1.1e-3 if on_cells else 1e-2 if way == AUTO else 1e-9),),
                 "The load is met, or the refusal says that cells are too many.",
-                refused="the boundary elements would" if on_cells else "", either=on_cells, large=True,
+                refused="the boundary elements would" if on_cells else "", either=on_cells,
+                large=True,
                 open="does not end within minutes" if name == "close" else "")
     packed = [(0.01 * i - 0.05, 0.01 * j - 0.05, 0.5 - 1e-8 * (37 * (10 * i + j) % 100), 1.0)
               for i in range(10) for j in range(10)]

@@ -284,8 +284,9 @@ def test_interrupted_sweep_goes_on(run, asperity, tmp_path):
                  and (tmp_path / "kept").stat().st_size > 10000)
         child.send_signal(signal.SIGUSR1)
         _, err = child.communicate(timeout=20)
-    said = re.fullmatch(r"interrupted by signal 10, no output written; (\d+) positions are saved in "
-                        r"kept, the same command continues from there", err.decode().splitlines()[-1])
+    said = re.fullmatch(r"interrupted by signal 10, no output written; (\d+) positions are "
+                        r"saved in kept, the same command continues from there",
+                        err.decode().splitlines()[-1])
     assert child.returncode == 1 and said, err
     assert 0 < int(said[1]) < 40000
     assert (tmp_path / "kept").read_text(encoding="ascii").count("position ") >= int(said[1])
