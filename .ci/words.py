@@ -53,8 +53,8 @@ WORDS = (
      r"\b", "stagnate, restrict, slope"),
     (r"\b(speaks? for|the whole)\b", "representative; all parts"),
     (r"\bgive or take\b", "uncertainty"),
-    (r"\b(next to nothing|no numbers?|is no solution|no few|very much|what is left|leaves much more)"
-     r"\b", "name the quantity and its size"),
+    (r"\b(next to nothing|no numbers?|is no solution|no few|very much|what is left)\b|"
+     r"\bleaves much more\b", "name the quantity and its size"),
     (r"\b(of|by|to) now\b|\bno more\b|\bat once\b|\banew\b|\bof this state\b",
      "history belongs to git"),
     (r"\bfew that\b", "name the quantity"),

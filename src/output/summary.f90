@@ -404,10 +404,9 @@ contains
       with_sign(100 * record%stiffness_difference) // ' %'
     call buffer%line(text)
     associate (shares => record%shares)
-      call buffer%line('  share of the load: ' // percent(shares%on_edge) // &
-                       ' at the edge of the map, ' // percent(shares%without_summit) // &
-                       ' on contact patches without a summit,')
-      call buffer%line('  ' // percent(shares%on_lines) // ' on scan lines, ' // &
+      call buffer%line('  load: ' // percent(shares%on_edge) // ' at the edge, ' // &
+                       percent(shares%without_summit) // ' without a summit, ' // &
+                       percent(shares%on_lines) // ' on scan lines, ' // &
                        percent(shares%on_spikes) // ' on outliers')
     end associate
     if (.not. used) &

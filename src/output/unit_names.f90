@@ -7,9 +7,10 @@ module asperity_unit_names
   public :: axis_units, has_units, units_in_words, unit_of, with_unit
   public :: is_number, is_length, is_force, is_area, is_pressure, is_moment
 
-  !> Dimension of a quantity.
-  integer, parameter :: is_number = 0, is_length = 1, is_force = 2, is_area = 3, is_pressure = 4, &
-                        is_moment = 5
+  !> Dimensions of quantities.
+  enum, bind(c)
+    enumerator :: is_number = 0, is_length, is_force, is_area, is_pressure, is_moment
+  end enum
 
 contains
 

@@ -162,7 +162,7 @@ def study(exe, name, height, sides, shares, ways, seconds):
                                    give=told(summary, "uncertainty"), estimate=float(
                             got["error_estimate"] or "nan"), closing=np.nanmax(height) - level,
                             edge=share(summary, "at the edge"), lines=share(summary, "on scan"),
-                            without=share(summary, "on contact patches without"))
+                            without=share(summary, "without a summit"))
                 row.update(error=(at - level) / rms, ratio=its_area / area)
                 yield row
 

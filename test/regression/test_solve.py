@@ -55,7 +55,7 @@ def compare_with_truth(run, truth, worst, bound=TOTALS_BOUND):
         rows.setdefault(int(row["position"]), {})[names(row)] = row
     for m, row in enumerate(run.positions, 1):
         state = truth.state(m)
-        for name in (*TOTALS, "approach"):
+        for name in (*TOTALS, "separation"):
             error = relative(row[name], getattr(state, name))
             worst.see(name, error)
             assert error <= bound, f"position {m} {name}: off by {error:.2g}"
@@ -80,7 +80,7 @@ def compare_runs(run, reference, size, worst):
     ulp, shallow, ties = np.spacing(size), 0, 0
     closing = {row["position"]: float(row["compression"]) for row in reference.curve}
     for row, true in zip(run.positions, reference.positions, strict=True):
-        error = max(relative(row[name], float(true[name])) for name in (*TOTALS, "approach"))
+        error = max(relative(row[name], float(true[name])) for name in (*TOTALS, "separation"))
         if error > TOTALS_BOUND and closing[row["position"]] < SHALLOW * size:
             shallow += 1
             worst.see("shallow totals", error)

@@ -144,7 +144,7 @@ def test_events_is_a_word(asperity, tmp_path, word):
     (tmp_path / "a.scene").write_text(f"&surfaces deck = 'a.deck' / &loading events = {word} /\n")
     run = solve(asperity, tmp_path / "a.scene")
     assert run.status == 2 and "events: found" in run.stderr
-    assert "expected 'off' or 'on'" in run.stderr
+    assert "expected 'off' or 'on'" in run.stderr or "expected it in quotes" in run.stderr
 
 
 def test_five_points_of_many_contacts(asperity, tmp_path):

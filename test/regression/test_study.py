@@ -285,11 +285,12 @@ def test_images(study, tmp_path):
     (spec("separation = 0.2, places = 'here'"), ["places: found", "'grid' or 'random'"]),
     (spec("separation = 0.388"), ["no asperities can touch at the separation", "0.387"]),
     (spec("separation = -1.4"), ["may come level at the separation"]),
-    (spec("pressure = 1.e9"), ["the pressure is more than the surfaces bear"]),
+    (spec("pressure = 1.e9"), ["the pressure is more than the surfaces carry"]),
     (spec("separation = 0.2", ensemble=1), ["a.spec:4:", "fewer than 2 surfaces"]),
     (spec().replace("28.", "1.5"), ["the surfaces are too small"]),
     (spec().replace("&material", "&deck /\n&material"), ["group &deck: found in a study"]),
-    (spec().replace("poisson_ratio", "poisson"), ["unknown name in &material", "no poisson_ratio"]),
+    (spec().replace("poisson_ratio", "poisson"),
+     ["unknown name in &material", "needs poisson_ratio"]),
 ])
 def test_bad_specifications(study, tmp_path, text, messages):
     done = study(text, "--csv", "a.csv", status=2)
