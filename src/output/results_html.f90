@@ -12,7 +12,8 @@ module asperity_results_html
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: kinds_of_warnings, last_state, scene_results
   use asperity_scene_values, only: scene
-  use asperity_summary, only: errors_in_words, uses_samples, write_heading, write_map_table, write_remarks
+  use asperity_summary, only: errors_in_words, uses_samples, write_heading, write_map_table, &
+                              write_path, write_remarks
   use asperity_svg_plot, only: axis_over, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: list_totals, total_line
@@ -45,8 +46,7 @@ contains
     call write_heading(scene_in, results, text)
     call put_paragraphs(text%text(), '', buffer)
     call begin_section('summary', 'Summary', buffer)
-    call put_totals(scene_in, results, buffer)
-    call put_paragraphs(warnings%text(), ' class="warn"', buffer)
+    call put_totals(scene_in, results, warnings, buffer)
     call end_section(buffer)
     if (size(results%positions) > 1) then
       call begin_section('positions', 'Positions', buffer)
@@ -86,12 +86,14 @@ contains
     end do
   end subroutine put_paragraphs
 
-  subroutine put_totals(scene_in, results, buffer)
+  subroutine put_totals(scene_in, results, warnings, buffer)
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
+    type(problem_list), intent(in) :: warnings
     type(text_buffer), intent(inout) :: buffer
     type(total_line), allocatable :: lines(:)
-    type(text_buffer) :: remarks
+    type(text_buffer) :: path, remarks
+    character(len=:), allocatable :: text
     character(len=82) :: cells(4)
     integer :: i, k
 
@@ -114,7 +116,12 @@ contains
     if (errors_in_words(results) /= '') &
       call buffer%line('<p>' // errors_in_words(results) // '</p>')
     call write_remarks(scene_in, results, remarks)
+    call put_paragraphs(warnings%text(), ' class="warn"', buffer)
     call put_paragraphs(remarks%text(), '', buffer)
+    call write_path(scene_in, results, path)
+    text = path%text()
+    ! The lines begin with an empty one.
+    if (len(text) > 0) call put_lines('load path', text(2:), buffer)
   end subroutine put_totals
 
   subroutine put_effects(results, buffer)

@@ -23,8 +23,8 @@ module asperity_summary
   implicit none
   private
 
-  public :: write_summary, write_heading, write_remarks, write_corrected_table, write_choice, &
-            write_map_table, errors_in_words, uses_samples
+  public :: write_summary, write_heading, write_remarks, write_path, write_corrected_table, &
+            write_choice, write_map_table, errors_in_words, uses_samples
 
 contains
 
@@ -131,11 +131,11 @@ contains
                                     scene_in%effects%mode('interaction') == effect_off))
   end subroutine write_remarks
 
-  ! The state at each value of a load path, and the state of the largest load.
+  !> The state at each value of a load path, and the state of the largest load.
   subroutine write_path(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in
-    type(scene_results), intent(in) :: results
-    type(text_buffer), intent(inout) :: buffer
+    type(scene), intent(in) :: scene_in         !! the scene
+    type(scene_results), intent(in) :: results  !! its results
+    type(text_buffer), intent(inout) :: buffer  !! gets the lines; none without a load path
     character(len=*), parameter :: heads(5) = [character(len=18) :: 'vertical load', &
       'contact area', 'separation', 'compression', 'contacts']
     integer, parameter :: dimensions(5) = [is_force, is_area, is_length, is_length, is_number]

@@ -209,6 +209,9 @@ def test_curves(asperity, tmp_path):
     states = records(tmp_path / "c")
     load, area, apart = (np.array([float(row[name]) for row in states])
                          for name in ("load", "area", "separation"))
+    path = page.of("pre")[0]["text"].split("\n")
+    assert [line[:5] for line in path if line.startswith("end ")] == \
+        [f"end {number}" for number in range(1, 7)] and "largest load" in path[-2]
     sections = [section["aria-labelledby"] for section in page.of("section")]
     assert sections == ["summary", "curves", "contacts", "effects", "origin"]
     for svg, x, y, names in zip(page.of("svg"), (apart[0] - apart, load), (load, area),
