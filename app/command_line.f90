@@ -235,7 +235,8 @@ contains
       if (line%output('--keep') == '' .or. allocated(line%parts)) &
         call problems%add('--share: expected one --keep with the file of this part')
       if (line%cost) call problems%add('--cost does not estimate --share, expected one of both')
-      if (line%budget) call problems%add('--budget needs all positions, expected no --share beside it')
+      if (line%budget) call problems%add('--budget needs all positions, expected no ' // &
+          '--share beside it')
     end if
     if (.not. allocated(line%parts)) return
     do i = 1, size(line%parts)

@@ -56,8 +56,8 @@ module asperity_option_table
       'print the carriage control characters of column one (1, 0, blank)'), &
     option_entry('', '--fault-free', 'LIST', &
       'correct faults of the original (docs/faults.md): all, or names separated by commas: ' // &
-      'divisor, drift, overlap, overshoot, list, no-pair, reach, normal-load, shift, left-out, ' // &
-      'start-value, count'), &
+      'divisor, drift, overlap, overshoot, list, no-pair, reach, normal-load, shift, ' // &
+      'left-out, start-value, count'), &
     option_entry('', '--variance', 'FILE', 'write Table VI with all digits as CSV'), &
     option_entry('solve', '--contacts', 'FILE', 'write every contact of every state as CSV'), &
     option_entry('solve', '--positions', 'FILE', 'write the last state of every position as CSV'), &
@@ -91,7 +91,8 @@ module asperity_option_table
     option_entry('accuracy', '--seconds', 'S', &
       'time limit in seconds (default 60); slower methods are left out'), &
     option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
-    option_entry('accuracy', '--html', 'FILE', 'write an HTML page: choose an error, read the method'), &
+    option_entry('accuracy', '--html', 'FILE', 'write an HTML page: choose an error, read ' // &
+        'the method'), &
     option_entry('accuracy', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('accuracy', '--quiet', '', 'print no table'), &
     option_entry('generate', '--output', 'FILE', &
@@ -101,7 +102,8 @@ module asperity_option_table
     option_entry('generate', '--surface', 'N', 'only surface N of the ensemble'), &
     option_entry('generate', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('study', '--csv', 'FILE', 'write the table with all digits'), &
-    option_entry('study', '--keep', 'FILE', 'save solved surfaces in FILE; a rerun continues from it'), &
+    option_entry('study', '--keep', 'FILE', 'save solved surfaces in FILE; a rerun ' // &
+        'continues from it'), &
     option_entry('study', '--share', 'I/N', &
       'solve part I of N and save it with --keep, write no other output; a run with the ' // &
       '--keep files of all parts, one option each, writes the outputs'), &
@@ -121,7 +123,8 @@ module asperity_option_table
       'geometric (default of contact), inverse of their geometric mean; paraboloid, fit to ' // &
       'nine pixels'), &
     option_entry('summits', '--despike', '', 'remove single outliers and print their number'), &
-    option_entry('summits', '--spacing', 'X,Y', 'pixel spacing of a matrix, in its unit of length'), &
+    option_entry('summits', '--spacing', 'X,Y', 'pixel spacing of a matrix, in its unit ' // &
+        'of length'), &
     option_entry('summits', '--unit', 'NAME', &
       'unit of length of all outputs: m, mm, um, nm, cm or in (default: that of the file; m ' // &
       'for a surface data file)'), &

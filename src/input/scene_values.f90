@@ -8,7 +8,8 @@ module asperity_scene_values
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_effect_names, only: by_default, by_numbers, by_word, effect_auto, effect_boundary, &
                                    effect_coupled, effect_numbers, effect_off, effect_on, &
-                                   effect_words, hold_separation, hold_load, hold_words, known_effects
+                                   effect_words, hold_separation, hold_load, hold_words, &
+                                       known_effects
   use asperity_files, only: same_name
   use asperity_height_map, only: height_map, level_plane
   use asperity_kinds, only: int64, real64

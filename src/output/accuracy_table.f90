@@ -36,8 +36,8 @@ contains
     character(len=170) :: line
     integer :: i, k
 
-    call buffer%line('Time per position, and largest (mean) relative error over all positions. ' // &
-                     'Reference: exact events in real128.')
+    call buffer%line('Time per position, and largest (mean) relative error over all ' // &
+                     'positions. Reference: exact events in real128.')
     call buffer%line('* Pareto front: no other method is faster and more accurate')
     call buffer%line('')
     call buffer%line('  arithmetic method   step    overlap    us/position  spread    ratio  ' // &
@@ -52,8 +52,8 @@ contains
       call buffer%line(line)
     end do
     if (ways_left_out > 0) &
-      call buffer%line('left out: ' // decimal_text(ways_left_out) // ' methods that take longer ' // &
-                       'than --seconds allow')
+      call buffer%line('left out: ' // decimal_text(ways_left_out) // ' methods that take ' // &
+                       'longer than --seconds allow')
     call write_rungs(rungs, minval(rows%seconds), left_out, buffer)
   end subroutine write_accuracy_table
 
@@ -69,12 +69,12 @@ contains
     integer :: i
 
     call buffer%line('')
-    call buffer%line('Model: cost of elastic interaction. Largest (mean) error of the ratio of ' // &
-                     'the load to that of the same contacts as')
+    call buffer%line('Model: cost of elastic interaction. Largest (mean) error of the ' // &
+                     'ratio of the load to that of the same contacts as')
     call buffer%line('isolated contacts; reference: the finest boundary elements.')
     call buffer%line('')
-    call buffer%line('  interaction tolerance             us/position  spread    ratio  load ratio' // &
-                     '          at position')
+    call buffer%line('  interaction tolerance             us/position  spread    ratio  ' // &
+                     'load ratio          at position')
     do i = 1, size(rungs)
       tolerance = '-'
       if (rungs(i)%tolerance > 0.0_real64) write (tolerance, '(es7.0e2)') rungs(i)%tolerance

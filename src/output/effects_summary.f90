@@ -158,7 +158,8 @@ contains
     end if
     if (simulated_at < number .and. header%modes(e) == effect_auto) then
       first = maxloc(left_out, 1)
-      call add('', 'largest estimated influence left out ' // percent(left_out(first)) // at_position(first))
+      call add('', 'largest estimated influence left out ' // &
+          percent(left_out(first)) // at_position(first))
     end if
 
   contains

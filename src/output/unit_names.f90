@@ -53,6 +53,8 @@ contains
       unit = force // '/' // length // '2'
     case (is_moment)
       unit = force // ' ' // length
+    case default
+      unit = ''
     end select
   end function unit_of
 

@@ -64,7 +64,8 @@ contains
       call buffer%line('')
       call buffer%line('Reference: ' // trim(best%way%name) // ', ' // good_to(best) // '.')
       if (table%next_best > 0) &
-        call buffer%line('The next most accurate, ' // trim(table%rows(table%next_best)%way%name) // &
+        call buffer%line('The next most accurate, ' // &
+            trim(table%rows(table%next_best)%way%name) // &
                          ', differs from it by ' // trim(adjustl(number(table%next_best_differs))) &
                          // '.')
     end associate

@@ -208,7 +208,8 @@ contains
     results%way_taken = 'real64, effects as in the scene'
     if (any(scene_in%effects%modes == effect_auto)) results%way_taken = &
       'real64, ''auto'' with tolerance ' // real_text(scene_in%effects%number('tolerance'))
-    if (mode == effect_coupled) results%way_taken = results%way_taken // ', Hertzian contacts in the field of the others'
+    if (mode == effect_coupled) results%way_taken = results%way_taken // ', Hertzian ' // &
+        'contacts in the field of the others'
     if (mode == effect_boundary) results%way_taken = 'real64, pixels of the map'
     results%way_told = 'ten times better: '
     if (results%error_bound <= 0.1_real64 * accuracy) then
@@ -222,7 +223,8 @@ contains
       results%way_told = results%way_told // 'by boundary elements, in up to ten times the run time'
     else
       results%way_told = results%way_told // 'possible where Hertzian contacts suffice; areas ' // &
-                         'of boundary elements have a relative error of ' // real_text(finest_on_cells)
+                         'of boundary elements have a relative error of ' // &
+                             real_text(finest_on_cells)
     end if
   end subroutine tell_way
 
@@ -231,7 +233,8 @@ contains
     type(accuracy_had), intent(in) :: had   !! of the run
     character(len=:), allocatable :: text
 
-    text = 'an estimated error of loads and separations of ' // real_text(had%model + had%arithmetic + had%load)
+    text = 'an estimated error of loads and separations of ' // &
+        real_text(had%model + had%arithmetic + had%load)
     if (had%area > 0.0_real64) &
       text = text // ', of areas of ' // real_text(had%area + had%arithmetic + had%load)
   end function had_text

@@ -86,7 +86,8 @@ contains
     if (.not. by_summits) then
       results%map = of_summits%map
       call solve_samples(scene_in, map, options, results, failure)
-      if (allocated(failure)) failure = 'the error of its summits is above the tolerance; its pixels: ' // &
+      if (allocated(failure)) failure = 'the error of its summits is above the tolerance; ' // &
+          'its pixels: ' // &
                                         failure
     else
       results = of_summits

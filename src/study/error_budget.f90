@@ -294,7 +294,8 @@ contains
     end do
     why = ''
     if (squares > squares_allowed) &
-      why = 'up to ' // decimal_text(most) // ' contacts at a position are too many for boundary elements'
+      why = 'up to ' // decimal_text(most) // ' contacts at a position are too many for ' // &
+          'boundary elements'
   end function too_many_for_cells
 
   !> The last state of every position, and its factor.

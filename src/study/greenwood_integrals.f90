@@ -131,7 +131,8 @@ contains
       values = densities_at(law, separation)
       miss = log(max(values(vertical_per_area), tiny(miss))) - log(pressure)
       if (place >= 2 * deepest .and. miss < 0.0_real64) then
-        failure = 'the pressure is more than the surfaces carry before asperities penetrate by ' // &
+        failure = 'the pressure is more than the surfaces carry before asperities ' // &
+            'penetrate by ' // &
                   'half the sum of their radii'
         return
       end if

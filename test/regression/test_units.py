@@ -40,7 +40,7 @@ def test_units_are_names_alone(asperity, tmp_path):
     scene = scene_with(tmp_path, ", units = 'mm', 'N'")
     told = run(asperity, scene, *words).stdout
     assert "total load (N) " in told and "contact area (mm2) " in told and "(N/mm2) " in told
-    assert [re.sub(r" \([^)]*\) *", " ", line).split() for line in told.splitlines()] == \
+    assert [re.sub(r" \((?!Hertz)[^)]*\) *", " ", line).split() for line in told.splitlines()] == \
         [line.split() for line in bare.splitlines()]
     named = {option: path.read_text() for option, path in files.items()}
     for option in ("--positions", "--contacts", "--curve"):
