@@ -94,12 +94,13 @@ typedef struct {
 /* How summits are found. All bytes zero: the defaults. */
 typedef struct {
   const char *rule;   /* "eight" (also for NULL) or "contact" */
-  const char *level;  /* "plane" (also for NULL), "mean" or "none" */
+  const char *level;  /* "plane", "mean" or "none"; NULL: plane for a free map, mean for a periodic
+                         one */
   const char *radius; /* "neighbours", "geometric" or "paraboloid"; NULL: that of the rule */
   const char *unit;   /* "m", "mm", "um", "nm", "cm" or "in"; NULL: that of the file */
   double spacing[2];  /* along x and y, of a matrix in a text file, from 1e-30 to 1e30; 0 for other
                          files */
-  int despike;        /* not 0: single outliers are taken out */
+  int despike;        /* not 0: single outliers are removed */
 } asperity_summits_options;
 
 /* One thing that is wrong with an input. */
@@ -137,6 +138,10 @@ asperity_outcome *asperity_make_report(const char *deck, const char *arithmetic,
 
 /* Finds the summits of a measured height map. options may be NULL. */
 asperity_outcome *asperity_summits(const char *map, const asperity_summits_options *options);
+
+/* The same for a map that repeats itself along x and y. */
+asperity_outcome *asperity_periodic_summits(const char *map,
+                                            const asperity_summits_options *options);
 
 /* Makes the two random surfaces of a specification: of a file, or, where groups is not NULL, of the
  * text of its groups. surface: which of the ensemble, from 1. */

@@ -25,7 +25,8 @@ module asperity_c
   implicit none
   private
 
-  public :: c_read_scene, c_build_scene, c_solve, c_report, c_summits, c_generate
+  public :: c_read_scene, c_build_scene, c_solve, c_report, c_summits, c_periodic_summits, &
+            c_generate
   public :: c_surface, c_options, c_summits_options
 
   !> `asperity_surface` of the header.
@@ -48,7 +49,7 @@ module asperity_c
   type, bind(c) :: c_summits_options
     type(c_ptr) :: rule, level, radius, unit  !! names; null: the default
     real(c_double) :: spacing(2)              !! of a matrix; 0 elsewhere
-    integer(c_int) :: despike                 !! not 0: single outliers go
+    integer(c_int) :: despike                 !! not 0: single outliers are removed
   end type c_summits_options
 
 contains
@@ -246,6 +247,23 @@ contains
   type(c_ptr) function c_summits(path, choices) bind(c, name='asperity_summits') result(handle)
     type(c_ptr), value :: path     !! height map
     type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
+
+    handle = summits_with_edge(path, choices, .false.)
+  end function c_summits
+
+  !> `asperity_periodic_summits`.
+  type(c_ptr) function c_periodic_summits(path, choices) &
+    bind(c, name='asperity_periodic_summits') result(handle)
+    type(c_ptr), value :: path     !! height map that repeats itself
+    type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
+
+    handle = summits_with_edge(path, choices, .true.)
+  end function c_periodic_summits
+
+  ! Summits of a map with a free or periodic edge.
+  type(c_ptr) function summits_with_edge(path, choices, periodic) result(handle)
+    type(c_ptr), intent(in) :: path, choices
+    logical, intent(in) :: periodic
     type(outcome), pointer :: new
     type(c_summits_options), pointer :: options
     type(summit_choices) :: chosen
@@ -257,6 +275,7 @@ contains
 
     call begin(new, handle)
     if (.not. associated(new)) return
+    chosen%periodic = periodic
     if (c_associated(choices)) then
       call c_f_pointer(choices, options)
       call take_word('rule', options%rule, rule_names, chosen%rule, new%problems)
@@ -302,7 +321,7 @@ contains
       end associate
     end if
     call finish(new)
-  end function c_summits
+  end function summits_with_edge
 
   !> `asperity_generate`.
   type(c_ptr) function c_generate(path, groups, member) bind(c, name='asperity_generate') &

@@ -126,28 +126,35 @@ def report(deck: Path, arithmetic: str = "ibm370",
                    ).checked().text(_c.REPORT)
 
 
-def summits(map: Path, *, rule: str = "eight", level: str = "plane", radius: str | None = None,
-            unit: str | None = None, spacing: tuple[float, float] = (0.0, 0.0),
-            despike: bool = False) -> Summits:
+def summits(map: Path, *, rule: str = "eight", level: str | None = None,
+            radius: str | None = None, unit: str | None = None,
+            spacing: tuple[float, float] = (0.0, 0.0), despike: bool = False,
+            edge: str = "free") -> Summits:
     """Find the summits of a measured height map (docs/summits.md).
 
     map: the path of a surface data file (ISO 25178-71), a matrix of heights, or `x,y,z` lines.
     rule: `eight` (higher than all eight neighbours) or `contact` (for a contact calculation).
-    level: subtract the least-squares `plane`, the `mean`, or `none`.
+    level: subtract the least-squares `plane`, the `mean`, or `none`; None: `plane` for a free map,
+        `mean` for a periodic one.
     radius: `neighbours`, `geometric` or `paraboloid`; None: that of the rule.
     unit: `m`, `mm`, `um`, `nm`, `cm` or `in`, of all lengths that are given; None: the file's own.
     spacing: of a matrix, along x and y, in its unit, from 1e-30 to 1e30; other files have their
         own.
-    despike: take single outliers out.
+    despike: remove single outliers.
+    edge: `free`, or `periodic` for a map that repeats itself.
 
     Raises InputError for a bad map, ComputeError where there is not enough memory for it.
     """
     options = _c.SummitsOptions(
-        _a.word("rule", rule), _a.word("level", level),
+        _a.word("rule", rule), None if level is None else _a.word("level", level),
         None if radius is None else _a.word("radius", radius),
         None if unit is None else _a.word("unit", unit),
         _a.pair("spacing", spacing), _a.flag("despike", despike))
-    return Summits(_c.call("summits", _a.path("map", map), byref(options)).checked())
+    name = {b"free": "summits", b"periodic": "periodic_summits"}.get(_a.word("edge", edge))
+    if name is None:
+        raise InputError([Problem(None, None, None,
+                                  f"edge: found {edge!r}, expected 'free' or 'periodic'")])
+    return Summits(_c.call(name, _a.path("map", map), byref(options)).checked())
 
 
 def generate(specification: Path | Mapping[str, Mapping], surface: int = 1) -> tuple[Table, Table]:

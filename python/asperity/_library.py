@@ -61,6 +61,7 @@ for _name, _result, *_arguments in (
         ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
         ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
         ("summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
+        ("periodic_summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
         ("generate", c_void_p, c_char_p, c_char_p, c_int),
         ("status", c_int, c_void_p),
         ("text", c_char_p, c_void_p, c_int),

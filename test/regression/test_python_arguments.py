@@ -9,6 +9,7 @@ import math
 import os
 import pathlib
 import re
+import subprocess
 
 import numpy as np
 import pytest
@@ -99,6 +100,7 @@ ARGUMENTS = [
     ("unit", "word", [], option("summits", MAP, "unit")),
     ("spacing", "pair", [], option("summits", MATRIX, "spacing")),
     ("despike", "flag", [], option("summits", MAP, "despike")),
+    ("edge", "word", [], option("summits", MAP, "edge")),
     ("specification", "path", [], lambda asperity, value: asperity.generate(value)),
     ("surface", "whole", [0, -1, 2], option("generate", SPEC, "surface")),
     ("surfaces.upper", "surface", [], of_scene("surfaces.upper")),
@@ -124,7 +126,8 @@ ARGUMENTS = [
     ("effects.tolerance", "number", [0.0, 1.0], of_scene("effects.tolerance")),
 ]
 # A default, on, one radius for all, a path of loads, a list of one.
-GOOD_AFTER_ALL = {"radius": [None], "unit": [None], "effects.plasticity": [True],
+GOOD_AFTER_ALL = {"radius": [None], "unit": [None], "level": [None],
+                  "effects.plasticity": [True],
                   "surfaces.upper.radius": [[1.0]], "loading.points": [[1]],
                   "loading.value": [[1.0, 2.0], np.array([1.0, 2.0])]}
 COUNTS = r"found \d+ x, \d+ y, \d+ heights and \d+ radii"
@@ -277,3 +280,18 @@ def test_summits_of_a_flat_map(package, tmp_path):
     assert found.statistics["rms_height"] == 0.0
     shown = dict(re.findall(r"^(\S[^\n]*?)  +(\S+)", found.summary, re.M))
     assert shown["mean summit radius"] == shown["density of summits"] == "-"
+
+
+def test_summits_of_a_periodic_map(package, asperity, tmp_path):
+    """Edge and default level as on the command line; a plane of a periodic map is refused."""
+    height = np.random.default_rng(3).normal(size=(12, 16)).round(3)
+    np.savetxt(tmp_path / "map", height, fmt="%.3f")
+    for edge in ("free", "periodic"):
+        subprocess.run([asperity, "summits", tmp_path / "map", "--spacing=1,1", "--edge", edge,
+                        "--output", tmp_path / "s.csv", "--quiet"], check=True, timeout=60)
+        found = package.summits(tmp_path / "map", spacing=(1.0, 1.0), edge=edge)
+        rows = np.loadtxt(tmp_path / "s.csv", delimiter=",", skiprows=1)
+        for column, name in enumerate(("x", "y", "height", "radius")):
+            assert np.array_equal(np.asarray(found[name]), rows[:, column]), (edge, name)
+    with pytest.raises(package.InputError, match="level: .*plane"):
+        package.summits(tmp_path / "map", spacing=(1.0, 1.0), edge="periodic", level="plane")
