@@ -76,6 +76,8 @@ module asperity_contact_records
     real(real64) :: area = 0.0_real64            !! sum of the areas
     real(real64) :: projected_area = 0.0_real64  !! sum of the projected areas
     real(real64) :: greatest_pressure = 0.0_real64  !! at any point of a contact
+    !> Work dissipated by plasticity since first contact [force length]; `not_computed` without it.
+    real(real64) :: dissipated_work = not_computed
     integer :: asked = asked_nothing             !! which load was asked for
     real(real64) :: load_asked = 0.0_real64      !! how much of it
     integer :: first_row = 1                     !! its contacts are rows(first_row ...

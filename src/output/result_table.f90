@@ -232,6 +232,10 @@ contains
     call self%put('projected_area', state%projected_area)
     call self%put('vertical_load', state%vertical_load)
     call self%put('time', state%time)
+    if (allocated(results%effects)) then
+      if (any(results%effects%names == 'plasticity')) &
+        call self%put('dissipated_work', state%dissipated_work)
+    end if
     call fill_nominal(self, results, state)
     call fill_estimates(self, results, results%positions(m))
   end subroutine fill_state

@@ -13,12 +13,14 @@ module asperity_summary
   use asperity_position_lists, only: counted, percent, positions_listed
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_results, only: last_state, map_record, scene_results
-  use asperity_scene_values, only: control_limit, control_load, control_pressure, &
+  use asperity_scene_values, only: control_compression, control_limit, control_load, &
+                                   control_pressure, &
                                    control_vertical_load, control_words, criterion_none, &
                                    criterion_words, effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: load_is_met, summary_digits, write_totals
-  use asperity_unit_names, only: is_area, is_force, is_length, is_number, unit_of, with_unit
+  use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, unit_of, &
+                                 with_unit
   use asperity_warning_lines, only: list_warnings
   implicit none
   private
@@ -141,7 +143,9 @@ contains
     integer, parameter :: dimensions(5) = [is_force, is_area, is_length, is_length, is_number]
     character(len=120) :: line
     character(len=20) :: cell
-    real(real64), allocatable :: values(:)
+    character(len=:), allocatable :: text
+    real(real64), allocatable :: lost(:), values(:)
+    real(real64) :: before
     integer :: at, i, k, last
 
     if (.not. allocated(scene_in%loading%path) .or. size(results%positions) /= 1) return
@@ -156,15 +160,31 @@ contains
       end do
       call buffer%line(trim(line))
       last = 0
+      before = 0.0_real64
+      allocate (lost(0))
       do i = 1, size(values)
         at = last + findloc(abs(controlled(states(last + 1:)) - values(i)) <= &
                             load_is_met * maxval(abs(values)), .true., 1)
         if (at == last) cycle
         call put_state('end ' // decimal_text(i), states(at))
+        ! A cycle is closed by an end at less compression than the end before it.
+        if (last > 0) then
+          if (states(at)%closing < states(last)%closing) then
+            lost = [lost, states(at)%dissipated_work - before]
+            before = states(at)%dissipated_work
+          end if
+        end if
         last = at
       end do
       call put_state('largest load', states(maxloc(states%vertical_load, 1)))
+      if (size(lost) == 0 .or. .not. states(1)%dissipated_work > not_computed) return
     end associate
+    text = with_unit('energy lost in each cycle', unit_of(scene_in, is_moment)) // ': '
+    do i = 1, size(lost)
+      if (i > 1) text = text // ', '
+      text = text // readable(lost(i), summary_digits)
+    end do
+    call buffer%line(text)
 
   contains
 
@@ -179,6 +199,8 @@ contains
         controlled = state%vertical_load
       case (control_pressure)
         controlled = state%vertical_load / results%nominal_area
+      case (control_compression)
+        controlled = state%closing
       case default
         controlled = state%approach
       end select

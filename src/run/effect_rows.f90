@@ -89,6 +89,7 @@ contains
     totals%area = in_scene_units(pairs, totals%area, 0, 2)
     totals%projected_area = in_scene_units(pairs, totals%projected_area, 0, 2)
     totals%greatest_pressure = in_scene_units(pairs, totals%greatest_pressure, 1, 0)
+    totals%dissipated_work = state_value('dissipated_work', pairs, effects, outcomes)
     if (keep_rows) then
       call add_rows(result, rows(:totals%contacts), totals)
       call add_contact_values(pairs, effects, state, outcomes, result)
@@ -302,7 +303,25 @@ contains
     call move_alloc(values, result%contact_values)
   end subroutine add_contact_values
 
-  ! What the effects tell of the last state.
+  ! A column of the effects in a state, in the units of the scene; `not_computed` where none has it.
+  real(real64) function state_value(name, pairs, effects, outcomes) result(value)
+    character(len=*), intent(in) :: name
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    type(effect_outcome), intent(in) :: outcomes(:)
+    integer :: column, e
+
+    value = not_computed
+    do e = 1, size(effects)
+      associate (columns => effects(e)%effect%state_columns)
+        column = findloc(columns%text, name, 1)
+        if (column > 0 .and. allocated(outcomes(e)%of_state)) &
+          value = in_units(columns(column), pairs, outcomes(e)%of_state(column))
+      end associate
+    end do
+  end function state_value
+
+  ! The columns of the effects in the last state.
   subroutine set_state_values(pairs, effects, outcomes, result)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)

@@ -375,3 +375,17 @@ def test_notebook(venv, name):
         if "times" not in cell["metadata"].get("tags", ()):
             assert notebooks.shown(cell) == text, \
                 f"after pip install ./python: python {script.relative_to(ROOT)} --write {path}"
+
+
+def test_earlier_names_of_columns(package):
+    """`approach` and `decrease` answer with a warning that points at the caller."""
+    results = package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE,
+                                          effects={"interaction": "off"}))
+    for table in (results.positions, results.states, results.contacts):
+        assert "approach" not in list(table)
+        for earlier, name in (("approach", "separation"), ("decrease", "compression")):
+            with pytest.warns(DeprecationWarning, match=name) as told:
+                assert list(table[earlier]) == list(table[name])
+            assert told[0].filename == __file__
+    with pytest.raises(KeyError):
+        results.states["penetrations"]

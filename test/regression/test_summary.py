@@ -134,3 +134,24 @@ def test_influence_at_the_load_asked_for(asperity, tmp_path):
             assert float(percent[k]) == pytest.approx(change, rel=6e-3, abs=1e-4)
     assert abs(float(told[0][1])) > 1 and abs(float(told[1][0])) > 1
     assert "prescribed" not in solve_at_load(asperity, tmp_path, {}, load)[2]
+
+
+def test_energy_lost_in_each_cycle(asperity, tmp_path):
+    """The loops of load against compression enclose the energy that the summary has."""
+    done = subprocess.run([asperity, "solve", ROOT / "data/examples/effects/cycle.scene",
+                           "--curve", tmp_path / "curve"],
+                          capture_output=True, text=True, check=True)
+    rows = list(csv.DictReader((tmp_path / "curve").open()))
+    closing, load, work = ([float(row[name]) for row in rows]
+                           for name in ("compression", "vertical_load", "dissipated_work"))
+    lost = [float(word) for word in
+            re.search(r"energy lost in each cycle \(N cm\): (.*)", done.stdout)[1].split(", ")]
+    # Ends of the path: a load of 0 after each of the three loads.
+    ends = [0] + [k for k in range(1, len(rows)) if load[k] == 0 and load[k - 1] > 0]
+    assert len(ends) == 4 and len(lost) == 3
+    for first, last, energy in zip(ends, ends[1:], lost):
+        area = sum((load[k] + load[k + 1]) / 2 * (closing[k + 1] - closing[k])
+                   for k in range(first, last))
+        assert energy == pytest.approx(area, rel=0.01)
+        assert energy == pytest.approx(work[last] - work[first], rel=1e-5)
+    assert work == sorted(work)
