@@ -364,7 +364,7 @@ def test_body_that_yields(ball, body, asperity, tmp_path):
                  **({"plastic_body": body} if body else {})}))
     assert f"the {yields} body yields" in run.stdout
     curve = run.curve[-len(x):]
-    w = [mpf(row["approach"]) for row in curve]
+    w = [mpf(row["separation"]) for row in curve]
     x = [(mpf("0.5") - v) / law.critical_overlap for v in w]
     load = off(column(curve, "load"), [law.published(v) * law.critical_load for v in x])
     area = off(column(curve, "area"), [law.area(v) * law.critical_area for v in x])
