@@ -262,7 +262,7 @@ def law_one_more_state(scene, exe, folder, _rng):
     look(scene, one)
     look(other, two)
     if laws.both(one, two):
-        for name in (*laws.TOTALS, "approach"):
+        for name in (*laws.TOTALS, "separation"):
             laws.near(*(laws.number(r.files["positions"][-1], name) for r in (one, two)),
                       solved_share(scene, one, two), name)
     return one.status

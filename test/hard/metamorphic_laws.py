@@ -62,7 +62,7 @@ def look(scene, run):
             near(number(row, name), total, 1e-12, f"{name} and its contacts", size)
     last = {row["position"]: row for row in curve}
     for row in rows:
-        for name in (*TOTALS, "approach"):
+        for name in (*TOTALS, "separation"):
             claim(row[name] == last[row["position"]][name], f"{name} of the last state")
     loads_are_met(scene, rows, curve)
     if scene.lower:

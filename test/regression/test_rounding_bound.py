@@ -64,7 +64,7 @@ def test_bound_of_steep_contacts(seed, asperity, tmp_path):
             groups["loading"] = {"control": "approach",
                                  "value": float(run.positions[0]["separation"])}
         state = Truth(exact_csv_scene(upper, lower, **groups), 60).state(1)
-        for name in (*TOTALS, "approach"):
+        for name in (*TOTALS, "separation"):
             true = getattr(state, name)
             error = abs(float((float(run.positions[0][name]) - true) / true))
             assert error <= bound, (number, name, error, bound)

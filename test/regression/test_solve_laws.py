@@ -168,7 +168,7 @@ def test_common_shift_of_tilted_surfaces(run, scene, by):
         expected = float(one.positions[0][name])
         assert abs(float(two.positions[0][name]) - expected) <= (
             20 * 2.0 ** -49 / min(closing, 1.0) * abs(expected) + 20 * 2.0 ** -49 * (
-                name == "approach"))
+                name == "separation"))
 
 
 @same_bits
@@ -261,7 +261,7 @@ def test_load_and_approach_invert_each_other(run, scene, closing):
     assert abs(float(again.positions[0]["load"]) / load - 1) <= 1e-12
 
 
-POWER_OF = {"approach": 1, "load": 2, "vertical_load": 2, "area": 2, "projected_area": 2,
+POWER_OF = {"separation": 1, "load": 2, "vertical_load": 2, "area": 2, "projected_area": 2,
             "penetration": 1, "overlap": 1, "slope": 0, "average_pressure": 0,
             "maximum_pressure": 0, "x": 1, "y": 1, "compression": 1}
 

@@ -377,7 +377,7 @@ def test_error_of_nested_contacts(asperity, tmp_path):
             material={"contact_modulus": 1000.0},
             loading={"control": "load", "value": 101.49736966383077},
             effects={"interaction": interaction}))
-    closing = {name: SPOTS[1][2] - float(found.positions[0]["approach"])
+    closing = {name: SPOTS[1][2] - float(found.positions[0]["separation"])
                for name, found in run.items()}
     error = abs(closing["coupled"] / closing["boundary"] - 1)
     assert error > 2 * float(run["coupled"].positions[0]["error_estimate"])
