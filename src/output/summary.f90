@@ -386,7 +386,7 @@ contains
     text = counted(sum(circles), 'pair') // ' of contact circles overlap'
     if (sum(circles) == 1) text = text // 's'
     if (size(circles) > 1) text = text // ', at positions ' // positions_listed(circles > 0)
-    if (independent) text = text // ': their interaction is left out'
+    if (independent) text = text // ': their interaction is off'
   end function overlap_text
 
   ! Whether the scene names a limit or goes to one. A deck brings one that may not be meant.

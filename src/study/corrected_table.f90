@@ -96,8 +96,8 @@ contains
 
     associate (first => records%positions(1), next => records%positions(2))
       name = 'overshoot'
-      if (.not. all(records%positions%limit_reached)) name = name // ' or separations run out'
-      if (.not. any(records%positions%limit_reached)) name = 'separations run out'
+      if (.not. all(records%positions%limit_reached)) name = name // ' or approaches run out'
+      if (.not. any(records%positions%limit_reached)) name = 'approaches run out'
       ! What the deck's displacement was before the first step.
       if (max(abs(2 * first%x_displacement - next%x_displacement), &
               abs(2 * first%y_displacement - next%y_displacement)) > 1.0e-9_real64) &

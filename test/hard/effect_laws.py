@@ -13,7 +13,7 @@ def run(asperity, path, folder, *options, curve=False):
     assert solved.status in (0, 1), f"{path.name}: {solved.status} {solved.stderr}"
     if solved.status == 0:
         assert solved.positions
-        assert "effects: " in solved.stdout
+        assert "model: " in solved.stdout
     else:
         assert solved.stdout == "" and not solved.positions and not solved.contacts
         assert solved.stderr.startswith(f"{path}: ") and solved.stderr.count("\n") == 1

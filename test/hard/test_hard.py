@@ -76,8 +76,8 @@ def test_what_random_decks_lose_is_the_problem(seed, position, asperity, tmp_pat
 
 
 # Powers of the length by column; the rest has none.
-POWERS = {"separation": 1, "x": 1, "y": 1, "penetration": 1, "overlap": 1, "contact_radius": 1,
-          "area": 2, "projected_area": 2, "load": 2, "vertical_load": 2}
+POWERS = {"separation": 1, "compression": 1, "x": 1, "y": 1, "penetration": 1, "overlap": 1,
+          "contact_radius": 1, "area": 2, "projected_area": 2, "load": 2, "vertical_load": 2}
 
 
 @pytest.mark.parametrize("power, arithmetic", [

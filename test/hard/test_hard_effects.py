@@ -118,7 +118,8 @@ BASES["both"] = {**BASES["friction"], "interaction": COUPLED}
 SHARE = {COUPLED: 1e-10, BOUNDARY: 4e-6, AUTO: 4e-6, "friction": 1e-12, "both": 1e-10}
 LOADS = ("load", "vertical_load", "alone_load", "frictionless_load", "rig_force_x", "rig_force_y")
 # Powers of the length by column; the rest has none.
-POWERS = {"separation": 1, "x": 1, "y": 1, "penetration": 1, "overlap": 1, "lowered": 1,
+POWERS = {"separation": 1, "compression": 1, "x": 1, "y": 1, "penetration": 1, "overlap": 1,
+          "lowered": 1,
           "contact_radius": 1, "x_displacement": 1, "y_displacement": 1, "area": 2,
           "projected_area": 2, "tangential_load": 2, "lateral_x": 2, "lateral_y": 2,
           "rig_moment_x": 3, "rig_moment_y": 3, "rig_moment_z": 3, **dict.fromkeys(LOADS, 2)}

@@ -174,7 +174,7 @@ def test_pull_off(asperity, tmp_path):
     for value, most in (((0.1, -1.001 * PULL_OFF), PULL_OFF), (-PULL_OFF, 8 / 9 * PULL_OFF)):
         solved = run(asperity, tmp_path, one, {"control": "load", "value": value}, ADHESION)
         assert solved.status == 1
-        told = float(re.search(r"than the contacts bear: (\S+) at most", solved.stderr)[1])
+        told = float(re.search(r"than the contacts carry: (\S+) at most", solved.stderr)[1])
         assert abs(told / most - 1) < 1e-6
 
 

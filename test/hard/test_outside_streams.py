@@ -138,7 +138,7 @@ def test_surface_from_a_pipe(asperity, tmp_path, source, text, side, by_line):
         other = "lower" if side == "upper" else "upper"
         spacing = ", map_spacing = 0.01, 0.01" if text == HEIGHTS else ""
         return (f"&surfaces {side} = '{path}', {other} = 'plane'{spacing} / &material "
-                "contact_modulus = 1e3 / &loading control = 'load', value = 1e-3 / "
+                "contact_modulus = 1e3 / &loading control = 'load', value = 1e-6 / "
                 "&effects interaction = 'off' /\n")
     (tmp_path / "file").write_text(text)
     (tmp_path / "f.scene").write_text(scene("file"))

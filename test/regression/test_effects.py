@@ -256,7 +256,7 @@ def test_overlapping_circles_are_told(mode, sweeps):
     circles = {int(row["position"]): int(row["overlapping_circles"]) for row in run.positions}
     assert {m for m, count in circles.items() if count} == set(OVERLAPPING)
     assert "3 pairs of contact circles overlap" in run.stdout
-    assert ("their interaction is left out" in run.stdout) == (mode == "off")
+    assert ("their interaction is off" in run.stdout) == (mode == "off")
 
 
 # Load asked for.

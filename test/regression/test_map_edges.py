@@ -201,7 +201,7 @@ def test_spikes_on_the_seam(asperity, tmp_path):
         one = summits(asperity, tmp_path, Map(height, (1.0, 1.0), True), "contact", "--despike")
         two = summits(asperity, tmp_path, Map(np.roll(height, (9, 13), (0, 1)), (1.0, 1.0), True),
                       "contact", "--despike")
-        assert printed(one[0], "spikes removed") == printed(two[0], "spikes taken out") > 0
+        assert printed(one[0], "spikes removed") == printed(two[0], "spikes removed") > 0
         for name in ("rms height", "rms slope", "Nayak's alpha"):
             assert printed(one[0], name) == pytest.approx(printed(two[0], name), rel=1e-10)
 

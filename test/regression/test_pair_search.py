@@ -210,7 +210,8 @@ def test_contacts(case, asperity, tmp_path, tally):
         "&surfaces upper = 'upper.csv', lower = 'lower.csv' /\n"
         "&material elastic_modulus = 2*1.0, poisson_ratio = 2*0.3 /\n"
         f"&motion x_first = {shift[0]}, y_first = {shift[1]}, positions = 1 /\n"
-        f"&loading control = 'approach', value = {level!r} /\n", encoding="ascii")
+        f"&loading control = 'separation', value = {level!r} /\n"
+        "&effects interaction = 'off' /\n", encoding="ascii")
     done = subprocess.run([asperity, "solve", scene, "--quiet", "--contacts", tmp_path / "c.csv"],
                           capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -404,7 +404,7 @@ BINARY = (b"bISO-1.0sdfio     010120261200010120261200" + bytes([3, 0, 3, 0]) +
     ("0 0 1\n1 0 1\n2.4 0 1\n0 1 1\n1 1 1\n2 1 1\n0 2 1\n1 2 1\n2 2 1\n", [],
      r"2:1: found '1', expected a column"),
     ("0 0 1\n1 0 1\n2 0 1\n0 1 1\n1 1 1\n2 1 1\n0 2 1\n2 2 1\n2 2 1\n", [],
-     r"9:1: found a sample of column 3, row 3 for the second time"),
+     r"9:1: found a pixel of column 3, row 3 for the second time"),
     (b"\x00\x01\x02", [], r"1:1: found a control character"),
     (GOOD, ["--spacing=1,1", "--unit=mm"], r"--unit: .* has no unit"),
     (HEADER, [], r" found \d+ bytes, expected 3 x 4 pixels of INT16"),
@@ -429,7 +429,7 @@ BINARY = (b"bISO-1.0sdfio     010120261200010120261200" + bytes([3, 0, 3, 0]) +
     (BINARY[:78] + bytes([1]) + BINARY[79:], [], r" byte 79, record 1: Compression: found 1"),
     (BINARY[:46] + bytes(8) + BINARY[54:], [], r" byte 47, record 1: Xscale: found 0.0"),
     (BINARY[:79] + bytes([7]) + BINARY[80:] + np.array([1.0] * 5 + [np.inf] + [2.0] * 3).tobytes(),
-     [], r" byte 122, record 2: sample 3 of profile 2: found an infinite"),
+     [], r" byte 122, record 2: pixel 3 of profile 2: found an infinite"),
 ])
 def test_bad_maps_are_refused(content, options, message, summits, tmp_path):
     data = content if isinstance(content, bytes) else content.encode()
