@@ -234,8 +234,8 @@ def how_deep():
                 {**load(value), **effects(interaction=way)},
                 (total(value, 1.1e-3 if way == BOUNDARY else 1e-9),),
                 "The load is met; at 1e-300 cells may say that the contact is too shallow.",
-                refused="below the resolution of boundary" if name == "hardly_any" and way == BOUNDARY else "",
-                either=True)
+                refused="below the resolution of boundary"
+                if name == "hardly_any" and way == BOUNDARY else "", either=True)
     for name, value in (("beyond_all", 1e9), ("huge", 1e300)):
         for way in WAYS:
             yield EffectCase(
