@@ -10,7 +10,7 @@ floor_at = 1e-17
 place(error) = error > floor_at ? error : floor_at
 
 set logscale xy
-set xlabel 'Time a position (µs)'
+set xlabel 'Run time for each position (µs)'
 set ylabel 'Largest relative error of the load'
 set xrange [2:1000000]
 set yrange [1e-18:30]
@@ -22,7 +22,7 @@ unset mytics
 set ytics add ('0' floor_at)
 set key at graph 0.40, 0.52 left top reverse Left
 set arrow 1 from 2, floor_at to 1000000, floor_at nohead linecolor rgb '#999999' dashtype 3
-set label 1 'no error seen: drawn at 10^{-17}' at 2.5, 4 * floor_at \
+set label 1 'zero error, drawn at 10^{-17}' at 2.5, 4 * floor_at \
   textcolor rgb '#666666' font ',11'
 
 # The finest cells are what the others are measured against.

@@ -17,8 +17,8 @@ is(column, text) = strcol(column) eq text
 microseconds = 1e6
 
 set logscale xy
-set xlabel 'Time a position (µs)'
-set ylabel 'Largest relative error over all positions'
+set xlabel 'Run time for each position (µs)'
+set ylabel 'Largest relative error of the totals over all positions'
 set xrange [2:50000]
 set yrange [1e-18:30]
 set format x '%g'
@@ -30,7 +30,7 @@ set ytics add ('0' floor_at)
 set rmargin at screen 0.768
 set key at screen 0.785, 0.955 left top reverse Left samplen 1.2 spacing 1.25 font ',13'
 set arrow 1 from 2, floor_at to 50000, floor_at nohead linecolor rgb '#999999' dashtype 3
-set label 1 'no error seen: drawn at 10^{-17}' at 2.5, 4 * floor_at \
+set label 1 'zero error, drawn at 10^{-17}' at 2.5, 4 * floor_at \
   textcolor rgb '#666666' font ',11'
 
 at(a, m, overlap) = is('arithmetic', word(arithmetics, a)) && is('method', word(methods, m)) && \
@@ -41,7 +41,7 @@ step_format(step) = sprintf('step %%.%df cm', int(ceil(-log10(step) - 0.01)))
 
 plot "< awk -F, 'NR == 1 || ($2 != \"model\" && $19 == 1)' " . file \
     using (microseconds * column('seconds_per_position')):(place(column('worst'))) \
-    smooth unique with lines linetype 5 title 'cheapest (front)', \
+    smooth unique with lines linetype 5 title 'Pareto front', \
   for [a = 1:4] for [m = 1:3] file using (at(a, m, 'stable')):(place(column('worst'))) \
     with points pointtype filled[m] pointsize 0.65 linewidth 1 linecolor rgb colour[a] notitle, \
   for [a = 1:4] for [m = 1:3] file using (at(a, m, 'original')):(place(column('worst'))) \
