@@ -211,7 +211,8 @@ def test_curves(asperity, tmp_path):
                          for name in ("load", "area", "separation"))
     path = page.of("pre")[0]["text"].split("\n")
     assert [line[:5] for line in path if line.startswith("end ")] == \
-        [f"end {number}" for number in range(1, 7)] and "largest load" in path[-2]
+        [f"end {number}" for number in range(1, 7)] and "largest load" in path[-3]
+    assert path[-2].startswith("energy lost in each cycle (N cm): ")
     sections = [section["aria-labelledby"] for section in page.of("section")]
     assert sections == ["summary", "curves", "contacts", "effects", "origin"]
     for svg, x, y, names in zip(page.of("svg"), (apart[0] - apart, load), (load, area),

@@ -47,7 +47,7 @@ contains
     sent%first_step_pressure = huge(1.0_real64)
     allocate (sent%states(2), sent%rows(4))
     sent%states(2) = state_row(1.0_real64, 2.0_real64, 3.0_real64, 4, 5.0_real64, 6.0_real64, &
-                               7.0_real64, 8.0_real64, 8.5_real64, 2, 9.0_real64, 1, 2)
+                               7.0_real64, 8.0_real64, 8.5_real64, 10.0_real64, 2, 9.0_real64, 1, 2)
     sent%rows(2) = contact_row(2, 3, 4, .true., 5.0_real64, 6.0_real64, 7.0_real64, 8.0_real64, &
                                9.0_real64, 10.0_real64, 11.0_real64, 12.0_real64, 13.0_real64, &
                                14.0_real64, 15.0_real64)
@@ -60,6 +60,7 @@ contains
     call check(error, found%rows(2)%limit_exceeded .and. found%rows(2)%lower == 4, 'a contact')
     call check(error, found%states(2)%contacts == 4 .and. found%states(2)%last_row == 2, 'a state')
     call check(error, found%states(2)%greatest_pressure > 8.0_real64, 'a pressure')
+    call check(error, nint(found%states(2)%dissipated_work), 10, 'a work')
     call check(error, found%states(2)%asked == 2 .and. nint(found%states(2)%load_asked) == 9, &
                'a load asked for')
     call pack_position(found, again)
