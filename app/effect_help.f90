@@ -25,7 +25,8 @@ contains
       associate (effect => known_effects(i))
         call two_lines('  ' // effect%name, one_of(effect_words(pack(effect%ways, &
                        effect%ways > 0))) // '; default ' // &
-                       trim(merge('''auto''           ', '''auto'' by numbers', &
+                       trim(merge('''auto''                             ', &
+                                  '''auto'' with its numbers, else ''off''', &
                                   effect%name == 'interaction')), effect%meaning, text)
         call describe_numbers(trim(effect%name), text)
       end associate
