@@ -39,24 +39,34 @@ contains
     character(len=:), allocatable :: length, force
 
     unit = ''
-    if (.not. has_units(scene_in)) return
-    length = trim(scene_in%units(1))
+    length = length_unit(scene_in)
     force = trim(scene_in%units(2))
     select case (dimension)
     case (is_length)
       unit = length
+    case (is_area)
+      if (length /= '') unit = length // '2'
     case (is_force)
       unit = force
-    case (is_area)
-      unit = length // '2'
     case (is_pressure)
-      unit = force // '/' // length // '2'
+      if (force /= '') unit = force // '/' // length // '2'
     case (is_moment)
-      unit = force // ' ' // length
+      if (force /= '') unit = force // ' ' // length
     case default
       unit = ''
     end select
   end function unit_of
+
+  ! Unit of length of the scene, or of its height map; empty where neither has one.
+  pure function length_unit(scene_in) result(unit)
+    type(scene), intent(in) :: scene_in
+    character(len=:), allocatable :: unit
+
+    unit = trim(scene_in%units(1))
+    if (unit /= '' .or. .not. allocated(scene_in%map)) return
+    unit = trim(scene_in%map%lower%unit)
+    if (scene_in%map%lower%columns == 0) unit = trim(scene_in%map%upper%unit)
+  end function length_unit
 
   !> A name and its unit in brackets; the name alone where there is none.
   pure function with_unit(name, unit) result(text)
@@ -76,14 +86,7 @@ contains
     ! Superscript two, in UTF-8.
     character(len=*), parameter :: squared = char(194) // char(178)
 
-    units = [character(len=20) :: scene_in%units(1), '', scene_in%units(2)]
-    if (units(1) == '' .and. allocated(scene_in%map)) then
-      if (scene_in%map%lower%columns > 0) then
-        units(1) = scene_in%map%lower%unit
-      else
-        units(1) = scene_in%map%upper%unit
-      end if
-    end if
+    units = [character(len=20) :: length_unit(scene_in), '', scene_in%units(2)]
     if (units(1) == '') units(1) = 'length'
     if (units(3) == '') units(3) = 'force'
     units(2) = trim(units(1)) // squared

@@ -4,8 +4,10 @@ import json
 import re
 import subprocess
 
+import numpy as np
 import pytest
 from builds import ROOT
+from made_maps import write_bytes
 from surfaces_csv import write_csv_scene
 
 SURFACES = "upper = 'pair_upper.csv', lower = 'pair_lower.csv'"
@@ -81,3 +83,17 @@ def test_refused_otherwise(asperity, tmp_path):
     scene.write_text(f"&surfaces deck = '{ROOT}/data/thesis.deck', units = 'mm', 'N' /\n")
     assert ":1:" in (said := run(asperity, scene, status=2).stderr)
     assert "units: found beside deck, which brings cm and N" in said
+
+
+def test_unit_of_a_map_alone(asperity, tmp_path):
+    """The unit of a map names lengths and areas; forces and pressures have none."""
+    heights = np.zeros((4, 4))
+    heights[1, 1] = 1e-6
+    write_bytes(tmp_path / "m.sdf", heights, 1e-6, 1e-6)
+    (tmp_path / "m.scene").write_text(
+        "&surfaces upper = 'plane', lower = 'm.sdf', map_unit = 'um' /\n"
+        "&material contact_modulus = 1e3 /\n&loading control = 'load', value = 1. /\n"
+        "&effects interaction = 'boundary' /\n")
+    told = run(asperity, tmp_path / "m.scene").stdout
+    assert "separation (um) " in told and "contact area (um2) " in told
+    assert "total load  " in told and "mean pressure  " in told
