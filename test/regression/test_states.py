@@ -147,6 +147,8 @@ def test_events_is_a_word(asperity, tmp_path, word):
     assert "expected 'off' or 'on'" in run.stderr or "expected it in quotes" in run.stderr
 
 
+# The memory of a build with sanitizers is another.
+@pytest.mark.once
 def test_five_points_of_many_contacts(asperity, tmp_path):
     """2264 of 1e5 asperities on 1e5 touch: six states, and below 300 MB with every list written."""
     (tmp_path / "spec").write_text(
