@@ -18,7 +18,7 @@ MOST_EXCEPTIONS = 40
 MOST_WORDS = 30        # of a sentence of README
 MOST_CHARACTERS = 160  # of an entry of the changelog
 
-# What is looked for, and what to write. Case is ignored.
+# Refused words, as patterns, and their replacements. Case is ignored.
 WORDS = (
     (r"\b(who|whom|whoever|nobody|somebody)\b", "contacts and programs are things"),
     (r"\b(tells?|told|telling|foretells?|foretold)\b", "report, print, estimate, return"),
@@ -153,7 +153,7 @@ def exceptions():
 
 
 def words_in(text):
-    """What the rules find in a text: the words and the reason of each."""
+    """Findings of the rules in a text: the words and the reason of each."""
     found = [(match.group(0).strip(), instead) for pattern, instead in WORDS
              for match in re.finditer(pattern, text, re.IGNORECASE)]
     return found + [(match.group(1), "a sentence begins with its subject")

@@ -55,8 +55,8 @@ module asperity_output_files
 contains
 
   !> To be called once, at the start: an interruption, a fault or an end of memory leaves no file
-  !> behind, and a closed pipe or a full quota is told like any other failure. A signal that was
-  !> ignored stays so.
+  !> behind, and a closed pipe or a full quota is reported as any other failure. A signal that
+  !> was ignored remains ignored.
   subroutine guard_files()
     type(c_funptr) :: before
     integer(c_int) :: status

@@ -8,7 +8,7 @@ module asperity_problems
 
   public :: problem_list, problem_place, decimal_text, not_enough_memory, real_text
 
-  !> What a message says where memory ends.
+  !> Beginning of a message where memory ends.
   character(len=*), parameter :: not_enough_memory = 'not enough memory'
 
   !> An integer as text without blanks.

@@ -29,7 +29,7 @@ module asperity_system_calls
       integer(c_int), value :: mode
     end function posix_creat
 
-    !> What the system knows of a file (Linux, statx(2)); -1 when there is none.
+    !> Reads the attributes of a file (Linux, statx(2)); -1 when there is none.
     integer(c_int) function posix_statx(folder, path, flags, mask, found) bind(c, name='statx')
       import :: c_char, c_int, c_int32_t
       implicit none
@@ -38,7 +38,7 @@ module asperity_system_calls
       integer(c_int32_t), intent(out) :: found(64)
     end function posix_statx
 
-    !> Sets who may read and write a file; -1 when refused.
+    !> Sets the permission bits of a file; -1 when refused.
     integer(c_int) function posix_chmod(path, mode) bind(c, name='chmod')
       import :: c_char, c_int
       implicit none
@@ -235,7 +235,7 @@ module asperity_system_calls
 
 contains
 
-  !> Who owns a file and who may read and write it; a mode of -1 for a file that is not there.
+  !> Reads owner and permission bits of a file; a mode of -1 for a file that is not there.
   subroutine file_owner(path, mode, owner, group)
     character(len=*), intent(in) :: path              !! the file
     integer(c_int), intent(out) :: mode               !! permission bits; -1: there is no file

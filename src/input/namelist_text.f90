@@ -262,7 +262,7 @@ contains
     at = last + 2
   end subroutine read_repeats
 
-  ! What to do about the comments and marks of other kinds of file.
+  ! A remedy for comments and marks of other kinds of file; empty where there is none.
   pure function form_hint(text, at) result(hint)
     character(len=*), intent(in) :: text
     integer, intent(in) :: at

@@ -370,7 +370,7 @@ contains
     end do
   end subroutine refuse_units
 
-  ! What to do about a word without quotes; empty for a text that has them.
+  ! A remedy for a word without quotes; empty for a text that has them.
   function in_quotes(self, name, i) result(text)
     class(scene_fields), intent(in) :: self
     character(len=*), intent(in) :: name

@@ -21,7 +21,7 @@ module asperity_surface_columns
   !> Place in `column_names`.
   integer, parameter :: height_column = 3, radius_column = 4
 
-  ! So many names of unread columns are told; the rest is counted.
+  ! Unread columns that a note names; the rest is counted. Chosen: one line of a terminal.
   integer, parameter :: most_named = 5
 
   !> What the columns of a file are.

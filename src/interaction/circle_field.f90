@@ -35,8 +35,9 @@ module asperity_circle_field
   !> Circles or near pairs from which on threads share the work: less takes microseconds.
   integer, parameter, public :: many = 1000
 
-  ! Of a near pair: its terms, its two circles, its places in lists, the lists that blocks are made
-  ! from. Of a circle: what products and steps need, most of it blocks of circles, the largest.
+  ! Memory, bytes, an upper estimate that is compared with what is available. Near pair: 56 of its
+  ! terms, 24 of its circles and places in lists, 56 of the lists that blocks are made from. Circle:
+  ! 864 of a full block of 12, 440 of set and step, the rest for the tree.
   integer(int64), parameter :: bytes_of_pair = 136_int64, bytes_of_circle = 1600_int64
 
   ! Pairs whose terms are found together.

@@ -36,7 +36,7 @@ module asperity_html_plans
     real(real64), allocatable :: upper(:, :)     !! the same at no displacement
     real(real64) :: first(2) = 0.0_real64        !! displacement in the first plan
     integer :: plans = 0                         !! so many are drawn
-    !> What is left of the `most_` numbers.
+    !> Remainders of the `most_` numbers.
     integer :: circles = most_circles, rows = most_rows, stops = most_stops
   end type plan_frame
 
@@ -210,7 +210,7 @@ contains
     shift = [results%positions(m)%x_displacement, results%positions(m)%y_displacement]
   end function displacement
 
-  ! What the marks of a plan are.
+  ! The legend of a plan.
   subroutine put_legend(scene_in, frame, buffer)
     type(scene), intent(in) :: scene_in
     type(plan_frame), intent(in) :: frame

@@ -183,7 +183,7 @@ contains
     call fill_estimates(self, results, position)
   end subroutine fill_position
 
-  ! What is estimated of a position: the influence of each effect that is off, the error.
+  ! Estimates of a position: the influence of each effect that is off, the error.
   subroutine fill_estimates(self, results, position)
     class(result_table), intent(inout) :: self
     type(scene_results), intent(in) :: results

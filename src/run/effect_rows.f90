@@ -133,7 +133,7 @@ contains
       call close_position(scene_in, pairs, effects, outcomes, result)
   end subroutine add_without_effects
 
-  ! What the effects report of a position, from its last state.
+  ! Results of the effects for a position, from its last state.
   subroutine close_position(scene_in, pairs, effects, outcomes, result)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs

@@ -35,7 +35,7 @@ module asperity_effect_solver
     private
     type(scene), pointer :: scene_in => null()
     type(placed_scene) :: placed
-    ! Of another arithmetic, which has no effects; not allocated: doubles.
+    ! Solver in another arithmetic, without effects; not allocated: doubles.
     class(position_solver), allocatable :: other
     logical :: has_doubles = .true.              ! the scene can be placed in doubles
     logical :: by_estimate = .false.             ! all effects may turn out to be negligible
@@ -226,7 +226,7 @@ contains
     compression_of = scale(closing, -4 * pairs%length_power)
   end function compression_of
 
-  ! What the effects report of a position that was solved without them.
+  ! Moves the results of the effects to a position that was solved without them.
   subroutine move_values(told, result)
     type(position_result), intent(inout) :: told, result
 

@@ -60,7 +60,7 @@ contains
     seen%answer%interrupt = options%interrupt
     call see_map(map, loading, seen, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'
-    ! The pixels have no limit and know no effect but interaction.
+    ! The pixels have no limit and no effect but interaction.
     by_summits = mode /= effect_auto .or. scene_in%loading%control == control_limit .or. &
                  count(scene_in%effects%modes /= effect_off) > 1
     if (allocated(failure) .and. .not. by_summits) then
@@ -191,7 +191,7 @@ contains
               results%positions(1)%effects%simulated /= 'off')
   end function has_other_effect
 
-  ! What forbids to set interaction = 'boundary': another effect, or the control; '': nothing.
+  ! The name that rules out interaction = 'boundary': another effect, or the control; '': none.
   pure function forbids_boundary(scene_in) result(name)
     type(scene), intent(in) :: scene_in
     character(len=32) :: name
