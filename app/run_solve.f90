@@ -4,6 +4,7 @@ module asperity_run_solve
   use asperity_command_line, only: command_line, is_shared, refuse_input, tell_part
   use asperity_command_outcome, only: command_outcome
   use asperity_corrected_table, only: correct_table
+  use asperity_corrected_table_text, only: write_corrected_table
   use asperity_error_budget, only: error_budget, measure_budget
   use asperity_files, only: same_name, write_standard_error
   use asperity_images, only: image_number
@@ -23,7 +24,7 @@ module asperity_run_solve
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
-  use asperity_summary, only: write_choice, write_corrected_table, write_summary
+  use asperity_summary, only: write_choice, write_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: has_units, units_in_words
   use asperity_warning_lines, only: list_warnings

@@ -3,8 +3,9 @@
 !> script is a few lines that read the data of the page.
 module asperity_accuracy_page
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
-                                end_table, put_row, readable
+                                end_table, put_row
   use asperity_kinds, only: not_computed, real64
+  use asperity_position_lists, only: readable
   use asperity_scene_ways, only: family_words, of_input, of_theory
   use asperity_svg_plot, only: axis_over, plot_axis, svg_plot
   use asperity_text_buffer, only: text_buffer

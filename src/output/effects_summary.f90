@@ -1,9 +1,8 @@
 !> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
 module asperity_effects_summary
   use asperity_effect_names, only: known_effects
-  use asperity_html_page, only: readable
   use asperity_kinds, only: not_computed, real64
-  use asperity_position_lists, only: counted, percent, positions_text
+  use asperity_position_lists, only: counted, percent, positions_text, readable
   use asperity_problems, only: decimal_text, real_text
   use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: effect_auto, effect_words

@@ -1,7 +1,6 @@
 !> Pieces of a page of HTML that stands alone: head with its style, escaped text, tables. A page is
 !> well-formed XML, too; it loads nothing, and runs nothing but what stands in it.
 module asperity_html_page
-  use asperity_kinds, only: real64
   use asperity_printable, only: printable
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -9,7 +8,7 @@ module asperity_html_page
 
   public :: begin_page, end_page, begin_section, end_section
   public :: begin_table, put_row, end_table, put_lines
-  public :: escaped, readable
+  public :: escaped
 
 contains
 
@@ -218,38 +217,5 @@ contains
     end do
     safe = buffer%text()
   end function escaped
-
-  !> A number for reading: so many significant digits at most, no zeros behind the last.
-  pure function readable(value, digits) result(text)
-    real(real64), intent(in) :: value       !! finite
-    integer, intent(in) :: digits           !! from 1 to 15
-    character(len=:), allocatable :: text   !! without blanks
-    character(len=32) :: cell, format
-    integer :: last, power
-
-    ! The exponent after rounding.
-    write (format, '("(es32.", i0, "e3)")') digits - 1
-    write (cell, format) value
-    read (cell(29:), *) power
-    if (power >= -4 .and. power < max(digits, 6)) then
-      write (format, '("(f32.", i0, ")")') max(0, digits - 1 - power)
-      write (cell, format) value
-      cell = adjustl(cell)
-      last = len_trim(cell)
-      if (power < digits - 1) last = verify(trim(cell), '0', back=.true.)
-      if (cell(last:last) == '.') last = last - 1
-      text = cell(:last)
-      if (text == '-0' .or. text == '') text = '0'
-      if (text(1:1) == '.') text = '0' // text
-      if (index(text, '-.') == 1) text = '-0' // text(2:)
-    else
-      cell = adjustl(cell)
-      last = index(cell, 'E') - 1
-      if (digits > 1) last = verify(cell(:last), '0', back=.true.)
-      if (cell(last:last) == '.') last = last - 1
-      write (format, '(i0)') power
-      text = cell(:last) // 'e' // trim(format)
-    end if
-  end function readable
 
 end module asperity_html_page

@@ -4,9 +4,9 @@ module asperity_html_plans
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_height_map, only: height_map
-  use asperity_html_page, only: begin_table, end_table, escaped, put_row, readable
+  use asperity_html_page, only: begin_table, end_table, escaped, put_row
   use asperity_kinds, only: real64
-  use asperity_position_lists, only: counted
+  use asperity_position_lists, only: counted, readable
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene, scene_surface

@@ -1,11 +1,11 @@
-!> Counts, shares and lists of positions in words.
+!> Numbers, counts, shares and lists of positions in words.
 module asperity_position_lists
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
   implicit none
   private
 
-  public :: counted, percent, positions_text, positions_listed
+  public :: counted, percent, positions_text, positions_listed, readable
 
   ! A longer list is in the CSV file.
   integer, parameter :: most_characters = 400
@@ -72,5 +72,38 @@ contains
       if (abs(share) > 0.0_real64) text = real_text(100.0_real64 * share, 'es12.1e3') // ' %'
     end if
   end function percent
+
+  !> A number for reading: so many significant digits at most, no zeros behind the last.
+  pure function readable(value, digits) result(text)
+    real(real64), intent(in) :: value       !! finite
+    integer, intent(in) :: digits           !! from 1 to 15
+    character(len=:), allocatable :: text   !! without blanks
+    character(len=32) :: cell, format
+    integer :: last, power
+
+    ! The exponent after rounding.
+    write (format, '("(es32.", i0, "e3)")') digits - 1
+    write (cell, format) value
+    read (cell(29:), *) power
+    if (power >= -4 .and. power < max(digits, 6)) then
+      write (format, '("(f32.", i0, ")")') max(0, digits - 1 - power)
+      write (cell, format) value
+      cell = adjustl(cell)
+      last = len_trim(cell)
+      if (power < digits - 1) last = verify(trim(cell), '0', back=.true.)
+      if (cell(last:last) == '.') last = last - 1
+      text = cell(:last)
+      if (text == '-0' .or. text == '') text = '0'
+      if (text(1:1) == '.') text = '0' // text
+      if (index(text, '-.') == 1) text = '-0' // text(2:)
+    else
+      cell = adjustl(cell)
+      last = index(cell, 'E') - 1
+      if (digits > 1) last = verify(cell(:last), '0', back=.true.)
+      if (cell(last:last) == '.') last = last - 1
+      write (format, '(i0)') power
+      text = cell(:last) // 'e' // trim(format)
+    end if
+  end function readable
 
 end module asperity_position_lists

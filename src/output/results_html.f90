@@ -5,9 +5,10 @@ module asperity_results_html
   use asperity_effects_summary, only: list_effects, told_line
   use asperity_effect_names, only: known_effects
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
-                                end_table, escaped, put_lines, put_row, readable
+                                end_table, escaped, put_lines, put_row
   use asperity_html_plans, only: put_plans
   use asperity_kinds, only: not_computed, real64
+  use asperity_position_lists, only: readable
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: kinds_of_warnings, last_state, scene_results

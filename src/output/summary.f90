@@ -1,22 +1,16 @@
 !> What `asperity solve` prints: a short readable summary.
 module asperity_summary
   use asperity_contact_records, only: asked_nothing, position_result, state_row
-  use asperity_corrected_table, only: corrected_table, stage_name
-  use asperity_effect_names, only: known_effects
   use asperity_decimal, only: decimal_to_real64
+  use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: effects_in_words, write_effects
-  use asperity_html_page, only: readable
   use asperity_kinds, only: not_computed, real64
-  use asperity_original_records, only: approach_row, individual_difference_row, points_row, &
-                                       slope_row, total_area_row, total_difference_row, &
-                                       total_load_row
-  use asperity_position_lists, only: counted, percent, positions_listed
+  use asperity_position_lists, only: counted, percent, positions_listed, readable
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_results, only: last_state, map_record, scene_results
   use asperity_scene_values, only: control_compression, control_limit, control_load, &
-                                   control_pressure, &
-                                   control_vertical_load, control_words, criterion_none, &
-                                   criterion_words, effect_off, scene, scene_map
+                                   control_pressure, control_vertical_load, control_words, &
+                                   criterion_none, criterion_words, effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: load_is_met, summary_digits, write_totals
   use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, unit_of, &
@@ -25,8 +19,8 @@ module asperity_summary
   implicit none
   private
 
-  public :: write_summary, write_heading, write_remarks, write_path, write_corrected_table, &
-            write_choice, write_map_table, errors_in_words, uses_samples
+  public :: write_summary, write_heading, write_remarks, write_path, write_choice, &
+            write_map_table, errors_in_words, uses_samples
 
 contains
 
@@ -264,68 +258,6 @@ contains
     if (allocated(results%effects)) uses = any(results%effects%state_columns == 'sample_area')
   end function uses_samples
 
-  !> Table VI before and after, one line a number, with what each correction adds.
-  subroutine write_corrected_table(table, buffer)
-    type(corrected_table), intent(in) :: table  !! both versions and the changes
-    type(text_buffer), intent(inout) :: buffer  !! the text
-    character(len=*), parameter :: columns(3) = &
-      [character(len=7) :: 'maximum', 'minimum', 'average']
-    ! The port's word for the machine's result of x/0 is 1e27.
-    real(real64), parameter :: after_division_by_zero = 1.0e26_real64
-    integer, parameter :: rows(7) = [total_load_row, total_area_row, points_row, approach_row, &
-                                     slope_row, total_difference_row, individual_difference_row]
-    character(len=*), parameter :: names(7) = [character(len=20) :: 'total load', &
-      'total contact area', 'contact points', 'approach', 'slope of areas', 'area difference, %', &
-      'individual, %']
-    integer, parameter :: decimals(7) = [0, 4, 0, 4, 3, 1, 1]
-    integer :: i, column
-
-    call buffer%line('')
-    if (allocated(table%why_not)) then
-      call buffer%line('no Table VI to correct: the original program stops at ' // table%why_not)
-      return
-    end if
-    call buffer%line('Table VI, corrected                 historic corrected  reason')
-    do i = 1, size(rows)
-      do column = 1, size(columns)
-        call number_line(names(i), rows(i), column, decimals(i))
-      end do
-    end do
-
-  contains
-
-    subroutine number_line(name, row, column, decimals)
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: row, column, decimals
-      character(len=11) :: before, after
-      character(len=:), allocatable :: reason
-      character(len=57) :: line
-      integer :: places, stage
-
-      places = decimals
-      ! The original cuts the average number of points to a whole one.
-      if (row == points_row .and. column == 3) places = 2
-      before = fixed(table%historic(row, column), decimals)
-      after = fixed(table%corrected(row, column), places)
-      reason = ''
-      if (abs(table%historic(row, column)) > after_division_by_zero) then
-        reason = 'no contact at its limit: the original divided by zero'
-      else if (fixed(table%historic(row, column), places) /= after) then
-        do stage = 1, size(table%change, 3)
-          if (abs(table%change(row, column, stage)) < 0.5_real64 * 10.0_real64**(-places)) cycle
-          if (reason /= '') reason = reason // ', '
-          reason = reason // stage_name(table, stage, row) // ' ' // &
-                   signed(table%change(row, column, stage), places)
-        end do
-        if (reason == '') reason = 'changes below half a printed unit add up'
-      end if
-      write (line, '(2x, a20, 1x, a7, 3x, 2a11)') name, columns(column), &
-        before, after
-      call buffer%line(line // reason)
-    end subroutine number_line
-
-  end subroutine write_corrected_table
-
   !> Which way of computing was chosen for the accuracy asked for.
   subroutine write_choice(accuracy, results, buffer)
     real(real64), intent(in) :: accuracy        !! asked for, relative
@@ -349,33 +281,6 @@ contains
                                 allocated(results%effects))) // promised // off)
     call buffer%line(results%way_told)
   end subroutine write_choice
-
-  !> A number with so many decimals, right-justified.
-  pure function fixed(value, decimals) result(text)
-    real(real64), intent(in) :: value
-    integer, intent(in) :: decimals
-    character(len=11) :: text
-    character(len=12) :: format
-
-    if (abs(value) >= 10.0_real64**(9 - decimals)) then
-      write (text, '(es11.3e3)') value
-      return
-    end if
-    write (format, '("(f11.", i0, ")")') decimals
-    write (text, format) value
-    if (decimals == 0) text = ' ' // text(:10)
-  end function fixed
-
-  !> A change with its sign.
-  pure function signed(value, decimals) result(text)
-    real(real64), intent(in) :: value
-    integer, intent(in) :: decimals
-    character(len=:), allocatable :: text
-
-    text = real_text(value, 'sp, es24.3e3')
-    if (abs(value) < 10.0_real64**(14 - max(decimals, 1))) &
-      text = real_text(value, 'sp, f16.' // decimal_text(max(decimals, 1)))
-  end function signed
 
   !> Where contact circles overlap, as a warning.
   pure function overlap_text(circles, independent) result(text)

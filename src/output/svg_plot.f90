@@ -1,8 +1,9 @@
 !> A drawing with two axes inside a page (SVG): curves, arrows, dots, circles, surfaces in plan.
 !> Colours are those of the page's style (`asperity_html_page`).
 module asperity_svg_plot
-  use asperity_html_page, only: escaped, readable
+  use asperity_html_page, only: escaped
   use asperity_kinds, only: real64
+  use asperity_position_lists, only: readable
   use asperity_text_buffer, only: text_buffer
   implicit none
   private

@@ -2,8 +2,8 @@
 !> value over several.
 module asperity_totals_table
   use asperity_contact_records, only: position_result, state_row
-  use asperity_html_page, only: readable
   use asperity_kinds, only: not_computed, real64
+  use asperity_position_lists, only: readable
   use asperity_scene_results, only: last_state, nominal_values, scene_results
   use asperity_scene_values, only: scene
   use asperity_text_buffer, only: text_buffer
