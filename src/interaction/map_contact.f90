@@ -78,6 +78,7 @@ contains
     if (.not. present(load)) then
       if (.not. answer%level < top) then
         answer%pressure = 0.0_real64 * map%height
+        answer%load = 0.0_real64
         answer%ending = solve_ending(.true., 0.0_real64, 0)
         return
       end if

@@ -85,6 +85,34 @@ def test_map(asperity, tmp_path):
     assert float(rows[0]["load"]) == pytest.approx(float(rows[1]["load"]), rel=1e-9)
 
 
+@pytest.mark.parametrize("control, values, apart", [
+    ("compression", (2e-8, 0.0, 3e-8), (1,)), ("load", (1e-4, 0.0, 2e-4), (1,)),
+    ("separation", (5e-9, 1e-7, 8e-9), (1,))])
+@pytest.mark.parametrize("edge", ("free", "periodic"))
+def test_pixels_apart_again(asperity, tmp_path, edge, control, values, apart):
+    """Where the pixels are apart again on a path, load and area are 0, and no state before counts
+    in the states after it."""
+    height = np.random.default_rng(6).normal(size=(16, 16)) * 1e-8
+    write_bytes(tmp_path / "map.sdf", height, 1e-6, 1e-6)
+
+    def solved(value):
+        found = solve(asperity, write_scene(
+            tmp_path / "map.scene", surfaces={"upper": "plane", "lower": "map.sdf",
+                                              "map_edge": edge},
+            material={"contact_modulus": 1e9}, effects={"interaction": "boundary"},
+            loading={"control": control, "value": value}), curve=True)
+        assert found.status == 0, found.stderr
+        return found.curve
+
+    for k, row in enumerate(solved(values)):
+        if k in apart:
+            assert float(row["load"]) == float(row["area"]) == float(row["contacts"]) == 0
+        else:
+            alone = solved(values[k])[-1]
+            for name in ("load", "area", "compression"):
+                assert float(row[name]) == pytest.approx(float(alone[name]), rel=1e-6)
+
+
 @pytest.mark.parametrize("value", (-0.1, (-1e-9, 0.1)))
 def test_below_first_contact(asperity, tmp_path, value):
     """A compression is 0 or more."""
