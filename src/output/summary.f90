@@ -290,7 +290,9 @@ contains
 
     text = counted(sum(circles), 'pair') // ' of contact circles overlap'
     if (sum(circles) == 1) text = text // 's'
-    if (size(circles) > 1) text = text // ', at positions ' // positions_listed(circles > 0)
+    if (size(circles) > 1) text = text // ', at ' // &
+      trim(merge('position ', 'positions', count(circles > 0) == 1)) // ' ' // &
+      positions_listed(circles > 0)
     if (independent) text = text // ': their interaction is off'
   end function overlap_text
 

@@ -12,7 +12,7 @@ module asperity_effect_rows
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact
-  use asperity_theory_warnings, only: of_error, take_worse, theory_warning, warn
+  use asperity_theory_warnings, only: of_error, of_together, take_worse, theory_warning, warn
   implicit none
   private
 
@@ -148,7 +148,7 @@ contains
     do i = 1, size(outcomes)
       result%effects(i) = outcomes(i)%effect_record
     end do
-    result%error_estimate = total_error(scene_in, outcomes)
+    result%error_estimate = max(total_error(scene_in, outcomes), left_out_beside(scene_in, result))
     if (result%error_estimate > scene_in%effects%number('tolerance')) &
       call warn(warnings, of_error, result%error_estimate)
     call take_worse(result%warnings, warnings, size(result%states))
@@ -198,6 +198,21 @@ contains
       end associate
     end do
   end function total_error
+
+  ! The largest share, over the states, of an effect that has no common theory with another one and
+  ! is left out for it; `not_computed` where there is none.
+  pure real(real64) function left_out_beside(scene_in, result) result(share)
+    type(scene), intent(in) :: scene_in
+    type(position_result), intent(in) :: result
+    integer :: i
+
+    share = not_computed
+    if (.not. allocated(result%warnings)) return
+    do i = 1, size(result%warnings)
+      if (result%warnings(i)%kind == of_together) share = result%warnings(i)%size * &
+        merge(of_compression, 1.0_real64, is_load(scene_in%loading%control))
+    end do
+  end function left_out_beside
 
   ! One contact as it is held against the limits.
   pure type(seen_contact) function seen(pair, penetration, answer)

@@ -227,3 +227,20 @@ def test_estimates_stand_in_the_tables(asperity, tmp_path):
             for name in ("separation", "contact area", "contact stiffness")]
     for name, value, unit in zip(("separation", "area", "stiffness"), told, (1.0, 100.0, 100.0)):
         assert unit * float(row[f"summit_{name}_error"]) == pytest.approx(value, abs=0.06)
+
+
+def test_error_of_an_effect_left_out_on_a_path(asperity, tmp_path):
+    """Interaction beside adhesion is left out: its share in the worst state of a path bounds the
+    error estimate also where the path ends with contacts in tension."""
+    caps = [(3 * np.cos(a), 3 * np.sin(a), 0.3 + 0.002 * (k % 3), 1 + 0.1 * k)
+            for k, a in enumerate(np.arange(12) * np.pi / 6)]
+    scene = write_csv_scene(
+        tmp_path, caps, caps, by_default=True,
+        loading={"control": "separation", "value": (0.284, 0.304), "points": 3},
+        effects={"work_of_adhesion": 0.5e3, "equilibrium_distance": 1e-3})
+    scene.write_text(scene.read_text().replace("lower = 'pair_lower.csv'", "lower = 'plane'"))
+    done = solve(asperity, scene, contacts=False)
+    assert done.status == 0, done.stderr
+    told = re.search(r"\(interaction beside adhesion\), (\S+) % is the estimated", done.stderr)
+    assert float(told.group(1)) > 1
+    assert float(row_of(done)["error_estimate"]) >= 0.0095 * float(told.group(1))
