@@ -24,7 +24,6 @@ module asperity_totals_table
   type :: total_line
     character(len=40) :: name = ''            !! of the quantity, with its unit where that is known
     character(len=40) :: remark = ''          !! its reference; blank: the name is enough
-    logical :: is_of_effect = .false.         !! an effect computed it
     integer :: known = 0                      !! how many of `numbers` are used, 1 or 3
     real(real64) :: numbers(3) = 0.0_real64   !! the value; of several: largest, smallest, mean
   end type total_line
@@ -173,7 +172,7 @@ contains
     type(total_line), allocatable, intent(inout) :: lines(:)
     real(real64) :: values(size(results%positions))
     type(effect_total) :: total
-    integer :: before, k, m, row
+    integer :: k, m, row
 
     if (.not. allocated(results%effects)) return
     do k = 1, size(results%effects%state_columns)
@@ -183,11 +182,9 @@ contains
         values(m) = results%positions(m)%state_values(k)
       end do
       if (all(.not. (abs(values) > 0.0_real64 .and. values > not_computed))) cycle
-      before = size(lines)
       total = effect_totals(row)
       call add_line(with_unit(trim(total%name), unit_of(scene_in, total%dimension)), values, &
                     total%remark, lines)
-      if (size(lines) > before) lines(size(lines))%is_of_effect = .true.
     end do
   end subroutine list_effect_totals
 
