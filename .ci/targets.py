@@ -18,7 +18,7 @@ LISTS = {"test": "test/requirements.txt", "bench": "test/bench/requirements.txt"
          "build": ".ci/requirements/build.txt", "lint": ".ci/requirements/lint.txt",
          "docs": ".ci/requirements/docs.txt"}
 # What a package is called when it is imported.
-MODULES = {"pytest-xdist": "xdist"}
+MODULES = {"pytest-xdist": "xdist", "surfacetopography": "SurfaceTopography"}
 # Targets whose script runs the harness.
 HARNESS = {".ci/test", ".ci/images", ".ci/trouble"}
 
