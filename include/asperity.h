@@ -45,7 +45,14 @@ enum {
   ASPERITY_PROBLEMS = 2, /* a line a problem: FILE:LINE:COLUMN: what is wrong, found, expected */
   ASPERITY_WARNINGS = 3, /* a line a kind: what was computed but lies outside a theory */
   ASPERITY_NOTES = 4,    /* a line each: oddities of a deck that are no errors */
-  ASPERITY_REPORT = 5    /* the report, of asperity_make_report; else the summary of the program */
+  ASPERITY_REPORT = 5,   /* the report, of asperity_make_report; else the summary of the program */
+  ASPERITY_WARNING_KINDS = 6, /* a line for each line of ASPERITY_WARNINGS: NAME CLASS, for instance
+                                 "overlapping theory" or "error accuracy": outside the range of a
+                                 theory, or numbers in error */
+  ASPERITY_GROUPS = 8         /* of a scene, a line a name: GROUP, NAME and VALUES as they stand in its
+                                 text, with tabulators between and values on one line. A card deck has
+                                 the lines of the scene that says the same. Names of files are
+                                 relative to the scene's file */
 };
 
 /* Tables of an outcome, with the columns of the CSV files. A cell that was not computed is NaN. */
@@ -130,6 +137,21 @@ asperity_outcome *asperity_build_scene(const char *groups, const asperity_surfac
 asperity_outcome *asperity_solve_scene(const asperity_outcome *scene,
                                        const asperity_options *options);
 
+/* A scene with the surfaces of another scene, which are not read again, and the text of all its
+ * groups. &surfaces of the text is not looked at: nominal_area, units, map_level and so on keep their
+ * values. Surfaces from a card deck are read again, as the deck brings material and slopes, too: the
+ * text must have &surfaces then. Messages call the text by the file of the other scene. */
+asperity_outcome *asperity_rebuild_scene(const asperity_outcome *scene, const char *groups);
+
+/* As asperity_solve_scene. earlier: NULL, or the outcome of a solve of a scene with the same surfaces:
+ * its last solution shortens the work where it can, and is left alone elsewhere; results agree to the
+ * tolerance of the solver. It may be used by several calls at once, and freed afterwards. progress:
+ * NULL, or two numbers that other threads may read at any time: states that are done, and all of them,
+ * 0 as long as that is not known. They begin anew where a scene is solved in several ways. */
+asperity_outcome *asperity_solve_again(const asperity_outcome *scene,
+                                       const asperity_options *options,
+                                       const asperity_outcome *earlier, int *progress);
+
 /* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
  * (also for NULL), "real32", "real64" or "real128". tables: [number] positions from 1 to 100, whose
  * contact tables are printed; NULL: those of the thesis, 13, 55 and 56. */
@@ -167,6 +189,10 @@ int asperity_columns(const asperity_outcome *outcome, int table);
 const char *asperity_column_name(const asperity_outcome *outcome, int table, int column);
 int asperity_column_type(const asperity_outcome *outcome, int table, int column);
 const void *asperity_column(const asperity_outcome *outcome, int table, int column);
+
+/* Unit of a column, for instance "N/mm2"; "" for plain numbers, and where no unit is known or there is
+ * no such column. Never NULL. */
+const char *asperity_column_unit(const asperity_outcome *outcome, int table, int column);
 
 /* Frees an outcome; NULL is left alone. */
 void asperity_free(asperity_outcome *outcome);

@@ -20,10 +20,11 @@ module asperity
   use asperity_original_records, only: original_records, original_request, thesis_tables
   use asperity_problems, only: decimal_text, problem_list, problem_place
   use asperity_report, only: write_report
-  use asperity_result_arrays, only: add_reals, array_column, array_table, make_arrays
+  use asperity_result_arrays, only: add_reals, array_column, array_table, make_arrays, name_units
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_run_options, only: check_options, run_options
-  use asperity_scene_reader, only: build_scene, parse_scene, read_scene
+  use asperity_scene_reader, only: build_scene, parse_scene, read_scene, rebuild_scene
+  use asperity_scene_groups, only: list_groups
   use asperity_scene_results, only: effect_header, kinds_of_warnings, last_state, map_record, &
                                     scene_results
   use asperity_scene_surfaces, only: plane_surface, take_surface
@@ -37,13 +38,14 @@ module asperity
   use asperity_summit_spheres, only: radius_geometric, radius_names, radius_neighbours, &
                                       radius_paraboloid
   use asperity_version, only: version
-  use asperity_warning_lines, only: list_warnings
+  use asperity_warning_lines, only: list_warning_kinds, list_warnings
   implicit none
   private
 
   ! Scenes.
   public :: scene, scene_map, scene_surface, problem_list, problem_place, decimal_text
   public :: read_scene, parse_scene, take_surface, plane_surface, build_scene
+  public :: rebuild_scene, list_groups
   ! Measured maps and their summits.
   public :: height_map, is_measured, no_height, read_height_map
   public :: level_map, level_plane, level_mean, level_none, despike_map
@@ -65,10 +67,12 @@ module asperity
             map_record
   public :: last_state
   ! Results as tables of arrays, and in words.
-  public :: make_arrays, array_table, array_column, add_reals, of_positions, of_states, of_contacts
+  public :: make_arrays, array_table, array_column, add_reals, name_units
+  public :: of_positions, of_states, of_contacts
   public :: write_summary, text_buffer
   ! What lies outside a theory, and what was not computed.
   public :: theory_warning, warning_kind, warning_kinds, kinds_of_warnings, list_warnings
+  public :: list_warning_kinds
   public :: not_computed
 
 end module asperity

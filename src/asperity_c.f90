@@ -10,23 +10,24 @@ module asperity_c
   use asperity, only: add_reals, arithmetic_names, array_table, build_scene, card_deck, &
                       check_options, decimal_text, &
                       generate_surface, generated_surface, generation_spec, height_map, &
-                      length_units, level_names, list_warnings, make_arrays, map_statistics, &
-                      map_summits, measure_map, of_contacts, original_records, original_request, &
-                      parse_generation_spec, parse_scene, plan_surface, plane_surface, &
+                      length_units, level_names, list_warning_kinds, list_warnings, &
+                      make_arrays, map_statistics, map_summits, measure_map, name_units, &
+                      of_contacts, original_records, original_request, parse_generation_spec, &
+                      parse_scene, plan_surface, plane_surface, &
                       plain_unit, problem_list, radius_names, read_card_deck, &
                       read_generation_spec, read_scene, rule_names, run_in_arithmetic, &
                       run_options, scene, scene_results, scene_surface, solve, summit_choices, &
                       summits_of_file, surface_plan, take_surface, text_buffer, thesis_tables, &
                       write_report, write_summary, write_summits_table
-  use asperity_c_outcome, only: begin, finish, look_at, outcome, set_text, table_statistics, &
-                                table_summits, table_upper, text_notes, text_of, text_report, &
-                                text_warnings
+  use asperity_c_outcome, only: begin, finish, finish_scene, look_at, outcome, set_text, &
+                                table_statistics, table_summits, table_upper, text_notes, text_of, &
+                                text_report, text_warning_kinds, text_warnings
   use, intrinsic :: iso_fortran_env, only: int64, real64
   implicit none
   private
 
-  public :: c_read_scene, c_build_scene, c_solve, c_report, c_summits, c_periodic_summits, &
-            c_generate
+  public :: c_read_scene, c_build_scene, c_solve, c_solve_again, c_report, c_summits, &
+            c_periodic_summits, c_generate
   public :: c_surface, c_options, c_summits_options
 
   !> `asperity_surface` of the header.
@@ -64,7 +65,7 @@ contains
     allocate (new%scene_in)
     call require_text('scene', path, new%problems)
     if (new%problems%count() == 0) call read_scene(text_of(path), new%scene_in, new%problems)
-    call finish(new)
+    call finish_scene(new)
   end function c_read_scene
 
   !> `asperity_build_scene`.
@@ -89,7 +90,7 @@ contains
       if (new%problems%count() == 0) &
         call build_scene(surfaces(1), surfaces(2), text_of(groups), new%scene_in, new%problems)
     end if
-    call finish(new)
+    call finish_scene(new)
 
   contains
 
@@ -140,10 +141,33 @@ contains
     result(handle)
     type(c_ptr), value :: of_scene  !! outcome that has a scene
     type(c_ptr), value :: options   !! `c_options`; null: all defaults
+    type(run_options) :: chosen
+
+    handle = solve_chosen(of_scene, options, chosen)
+  end function c_solve
+
+  !> `asperity_solve_again`.
+  type(c_ptr) function c_solve_again(of_scene, options, earlier, progress) &
+    bind(c, name='asperity_solve_again') result(handle)
+    type(c_ptr), value :: of_scene  !! outcome that has a scene
+    type(c_ptr), value :: options   !! `c_options`; null: all defaults
+    type(c_ptr), value :: earlier   !! outcome of a solve; or null
+    type(c_ptr), value :: progress  !! two numbers; or null
+    type(run_options) :: chosen
+    type(outcome), pointer :: before
+
+    call look_at(earlier, before)
+    if (c_associated(progress)) call c_f_pointer(progress, chosen%count%numbers, [2])
+    handle = solve_chosen(of_scene, options, chosen)
+  end function c_solve_again
+
+  ! Solves a scene; some choices of the run may be made already.
+  type(c_ptr) function solve_chosen(of_scene, options, chosen) result(handle)
+    type(c_ptr), intent(in) :: of_scene, options
+    type(run_options), intent(inout) :: chosen
     type(outcome), pointer :: from, new
     type(scene_results) :: results
-    type(run_options) :: chosen
-    type(problem_list) :: warnings
+    type(problem_list) :: kinds, warnings
     type(text_buffer) :: summary
     integer :: which
 
@@ -164,20 +188,23 @@ contains
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
       call list_warnings(from%scene_in%file, results, warnings)
       call set_text(new, text_warnings, warnings%text())
+      call list_warning_kinds(results, kinds)
+      call set_text(new, text_warning_kinds, kinds%text())
       call write_summary(from%scene_in, results, summary)
       call set_text(new, text_report, summary%text())
       do which = 1, of_contacts
         if (.not. allocated(new%failure)) &
           call make_arrays(which, results, new%tables(which), new%failure)
+        if (.not. allocated(new%failure)) call name_units(from%scene_in, new%tables(which))
       end do
     end if
     call finish(new)
-  end function c_solve
+  end function solve_chosen
 
   ! The choices of a run. What is no choice is told.
   subroutine set_options(given, chosen, problems)
     type(c_ptr), intent(in) :: given
-    type(run_options), intent(out) :: chosen
+    type(run_options), intent(inout) :: chosen
     type(problem_list), intent(inout) :: problems
     type(c_options), pointer :: options
     integer :: which
@@ -294,30 +321,31 @@ contains
       call set_text(new, text_report, summary%text())
       call set_text(new, text_notes, map%notes%text())
       associate (table => new%tables(table_summits))
-        call set_surface(summits%x, summits%y, summits%height, summits%radius, table)
+        call set_surface(summits%x, summits%y, summits%height, summits%radius, table, map%unit)
       end associate
       associate (table => new%tables(table_statistics))
         call add_reals(table, 'samples', [real(found%samples, real64)])
         call add_reals(table, 'missing', [real(found%missing, real64)])
-        call add_reals(table, 'spacing_x', map%spacing(1:1))
-        call add_reals(table, 'spacing_y', map%spacing(2:2))
-        call add_reals(table, 'rms_height', [found%rms_height])
+        call add_reals(table, 'spacing_x', map%spacing(1:1), map%unit)
+        call add_reals(table, 'spacing_y', map%spacing(2:2), map%unit)
+        call add_reals(table, 'rms_height', [found%rms_height], map%unit)
         call add_reals(table, 'rms_slope', [found%rms_slope])
-        call add_reals(table, 'm0', [found%m0])
+        call add_reals(table, 'm0', [found%m0], power_of(map%unit, 2))
         call add_reals(table, 'm2_x', found%m2(1:1))
         call add_reals(table, 'm2_y', found%m2(2:2))
-        call add_reals(table, 'm4_x', found%m4(1:1))
-        call add_reals(table, 'm4_y', found%m4(2:2))
+        call add_reals(table, 'm4_x', found%m4(1:1), power_of(map%unit, -2))
+        call add_reals(table, 'm4_y', found%m4(2:2), power_of(map%unit, -2))
         call add_reals(table, 'alpha', [found%alpha])
-        call add_reals(table, 'density', [found%density])
-        call add_reals(table, 'mean_height', [found%mean_height])
-        call add_reals(table, 'height_deviation', [found%height_deviation])
-        call add_reals(table, 'mean_curvature', [found%mean_curvature])
-        call add_reals(table, 'mean_radius', [found%mean_radius])
-        call add_reals(table, 'expected_density', [found%expected_density])
-        call add_reals(table, 'expected_height', [found%expected_height])
-        call add_reals(table, 'expected_deviation', [found%expected_deviation])
-        call add_reals(table, 'expected_curvature', [found%expected_curvature])
+        call add_reals(table, 'density', [found%density], power_of(map%unit, -2))
+        call add_reals(table, 'mean_height', [found%mean_height], map%unit)
+        call add_reals(table, 'height_deviation', [found%height_deviation], map%unit)
+        call add_reals(table, 'mean_curvature', [found%mean_curvature], power_of(map%unit, -1))
+        call add_reals(table, 'mean_radius', [found%mean_radius], map%unit)
+        call add_reals(table, 'expected_density', [found%expected_density], power_of(map%unit, -2))
+        call add_reals(table, 'expected_height', [found%expected_height], map%unit)
+        call add_reals(table, 'expected_deviation', [found%expected_deviation], map%unit)
+        call add_reals(table, 'expected_curvature', [found%expected_curvature], &
+                       power_of(map%unit, -1))
       end associate
     end if
     call finish(new)
@@ -356,19 +384,32 @@ contains
       call generate_surface(plan, member, surface, new%failure)
       if (allocated(new%failure)) exit
       call surface%reals(x, y, height, radius)
-      call set_surface(x, y, height, radius, new%tables(table_upper + side - 1))
+      call set_surface(x, y, height, radius, new%tables(table_upper + side - 1), '')
     end do
     call finish(new)
   end function c_generate
 
-  subroutine set_surface(x, y, height, radius, table)
+  ! A power of a unit of length; empty where the unit is not known.
+  pure function power_of(unit, power) result(text)
+    character(len=*), intent(in) :: unit
+    integer, intent(in) :: power
+    character(len=:), allocatable :: text
+
+    text = trim(unit)
+    if (text == '') return
+    if (abs(power) > 1) text = text // decimal_text(abs(power))
+    if (power < 0) text = '1/' // text
+  end function power_of
+
+  subroutine set_surface(x, y, height, radius, table, unit)
     real(real64), intent(in) :: x(:), y(:), height(:), radius(:)
     type(array_table), intent(inout) :: table
+    character(len=*), intent(in) :: unit  ! empty: not known
 
-    call add_reals(table, 'x', x)
-    call add_reals(table, 'y', y)
-    call add_reals(table, 'height', height)
-    call add_reals(table, 'radius', radius)
+    call add_reals(table, 'x', x, trim(unit))
+    call add_reals(table, 'y', y, trim(unit))
+    call add_reals(table, 'height', height, trim(unit))
+    call add_reals(table, 'radius', radius, trim(unit))
   end subroutine set_surface
 
   ! That an array is there.

@@ -9,7 +9,7 @@ module asperity_c_answers
   private
 
   public :: c_version, c_status, c_text, c_problems, c_get_problem, c_problem
-  public :: c_rows, c_columns, c_column_name, c_column_type, c_column, c_free
+  public :: c_rows, c_columns, c_column_name, c_column_type, c_column_unit, c_column, c_free
 
   !> `asperity_problem` of the header.
   type, bind(c) :: c_problem
@@ -124,6 +124,21 @@ contains
     name = c_null_ptr
     if (has_column(it, table, column)) name = c_loc(it%names(column + 1, table)%letters)
   end function c_column_name
+
+  !> `asperity_column_unit`.
+  type(c_ptr) function c_column_unit(handle, table, column) bind(c, name='asperity_column_unit') &
+    result(unit)
+    type(c_ptr), value :: handle     !! outcome
+    integer(c_int), value :: table   !! one of the tables
+    integer(c_int), value :: column  !! from 0
+    type(outcome), pointer :: it
+
+    call look_at(handle, it)
+    unit = c_loc(no_text_letters)
+    if (.not. has_column(it, table, column)) return
+    if (allocated(it%units(column + 1, table)%letters)) &
+      unit = c_loc(it%units(column + 1, table)%letters)
+  end function c_column_unit
 
   !> `asperity_column_type`.
   integer(c_int) function c_column_type(handle, table, column) &

@@ -3,16 +3,18 @@
 module asperity_c_outcome
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr
-  use asperity, only: array_table, problem_list, problem_place, scene
+  use asperity, only: array_table, list_groups, problem_list, problem_place, scene
   implicit none
   private
 
-  public :: c_letters, outcome, begin, finish, look_at, has_column, set_text, text_of
+  public :: c_letters, outcome, begin, finish, finish_scene, look_at, has_column, &
+            set_text, text_of
 
   !> As in the header: what became of a call, its texts, its tables, types of columns.
   integer(c_int), parameter, public :: done = 0_c_int, not_computed = 1_c_int, bad_input = 2_c_int
   integer, parameter, public :: text_failure = 1, text_problems = 2, text_warnings = 3, &
-                                text_notes = 4, text_report = 5, texts = 5
+                                text_notes = 4, text_report = 5, text_warning_kinds = 6, &
+                                text_groups = 8, texts = 8
   !> The first three are those of a run; the lower surface follows the upper one.
   integer, parameter, public :: table_summits = 4, table_statistics = 5, table_upper = 6, &
                                 tables = 7
@@ -34,6 +36,7 @@ module asperity_c_outcome
     type(c_letters), allocatable :: files(:), messages(:)  !! of each problem
     type(problem_place), allocatable :: places(:)          !! of each problem
     type(c_letters), allocatable :: names(:, :)            !! of columns (column, table)
+    type(c_letters), allocatable :: units(:, :)            !! of columns (column, table)
     character(len=:), allocatable :: failure               !! why it was not computed
   end type outcome
 
@@ -72,9 +75,13 @@ contains
       first = last + 2
     end do
     allocate (new%names(maxval([(columns_of(new%tables(i)), i = 1, tables)]), tables))
+    allocate (new%units(size(new%names, 1), tables))
     do table = 1, tables
       do column = 1, columns_of(new%tables(table))
-        call set_letters(new%names(column, table), new%tables(table)%columns(column)%name)
+        associate (of => new%tables(table)%columns(column))
+          call set_letters(new%names(column, table), of%name)
+          if (allocated(of%unit)) call set_letters(new%units(column, table), of%unit)
+        end associate
       end do
     end do
     if (allocated(new%failure)) then
@@ -83,6 +90,14 @@ contains
     end if
     if (size(new%messages) > 0 .and. .not. new%problems%lacks_memory) new%status = bad_input
   end subroutine finish
+
+  !> Makes what C is told of an outcome that has a scene.
+  subroutine finish_scene(new)
+    type(outcome), intent(inout) :: new  !! whose scene is read or built
+
+    if (new%problems%count() == 0) call set_text(new, text_groups, list_groups(new%scene_in))
+    call finish(new)
+  end subroutine finish_scene
 
   !> The outcome behind a handle.
   subroutine look_at(handle, it)

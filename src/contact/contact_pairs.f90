@@ -7,6 +7,7 @@ module asperity_contact_pairs
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_theory_limits, only: theory_limits
+  use asperity_work_count, only: work_count
   implicit none
   private
 
@@ -53,6 +54,7 @@ module asperity_contact_pairs
     real(real64) :: x_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     type(interruption) :: interrupt                 !! who solves the position may be told to end
+    type(work_count) :: count                       !! states that are done are counted there
   end type contact_pairs
 
 contains

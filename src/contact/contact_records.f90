@@ -103,6 +103,7 @@ module asperity_contact_records
     real(real64) :: x_displacement = 0.0_real64        !! of the upper surface
     real(real64) :: y_displacement = 0.0_real64        !! of the upper surface
     logical :: limit_reached = .false.                 !! a contact is at its limit at the end
+    integer :: counted = 0                             !! states that progress has counted
     integer :: overlapping_circles = 0                 !! pairs of contact circles, at the end
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
     !> Estimated relative error of the load or, under load control, of the approach over the

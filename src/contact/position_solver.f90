@@ -4,6 +4,7 @@ module asperity_position_solver
   use asperity_contact_records, only: position_result
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
+  use asperity_work_count, only: work_count
   implicit none
   private
 
@@ -21,6 +22,7 @@ module asperity_position_solver
     real(real64) :: loads_differ = huge(1.0_real64)
     real(real64) :: nominal_area = 0.0_real64  !! in the scene's unit; 0: not given
     type(interruption) :: interrupt       !! of the run: long positions look at it
+    type(work_count) :: count             !! of the run: states of long positions are counted
   contains
     procedure(solve_one), deferred :: solve  !! one position
   end type position_solver

@@ -7,7 +7,7 @@ module asperity_theory_warnings
   implicit none
   private
 
-  public :: theory_warning, warning_kind, warning_kinds, warn, take_worse
+  public :: theory_warning, warning_kind, warning_kinds, class_names, warn, take_worse
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
             of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
@@ -24,9 +24,16 @@ module asperity_theory_warnings
       of_flat_map, of_off, of_barred, of_error, of_nested
   end enum
 
+  !> Classes of kinds: a result outside the range of a theory; a result whose numbers are in error,
+  !> by what the model, the data or the grid leave out.
+  integer, parameter :: in_theory = 1, in_accuracy = 2
+  !> What they are called.
+  character(len=*), parameter :: class_names(2) = [character(len=8) :: 'theory', 'accuracy']
+
   !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`. A star stands for the effect.
   type :: warning_kind
     character(len=16) :: name = ''             !! in one word
+    integer :: class = in_theory               !! `in_theory` or `in_accuracy`
     real(real64) :: limit = 0.0_real64         !! no warning up to it; 0: see where it is given
     logical :: is_share = .false.              !! the size is printed in percent
     character(len=64) :: what = ''             !! what is outside the theory
@@ -38,108 +45,108 @@ module asperity_theory_warnings
 
   !> All kinds, by their number.
   type(warning_kind), parameter :: warning_kinds(*) = [ &
-    warning_kind('contact_radius', 0.3_real64, .false., &
+    warning_kind('contact_radius', in_theory, 0.3_real64, .false., &
       'a contact circle is wide for its sphere', 'of the radius of the sphere (limit 0.3)', &
       'reduce the load or take these contacts as an extrapolation of Hertz'' theory'), &
-    warning_kind('cap', 0.0_real64, .true., &
+    warning_kind('cap', in_theory, 0.0_real64, .true., &
       'a contact extends below the base of its spherical cap', 'of the radius', &
       'reduce the load or increase the height of the asperities'), &
-    warning_kind('slope', 0.3_real64, .false., &
+    warning_kind('slope', in_theory, 0.3_real64, .false., &
       'a contact or a reference plane is steep', 'is the slope (limit 0.3)', &
       'expect relative errors of the order of the square of the slope'), &
-    warning_kind('yield', 1.0_real64, .false., &
+    warning_kind('yield', in_theory, 1.0_real64, .false., &
       'a contact is loaded beyond yield and plasticity is off', &
       'times the average pressure at yield', &
       'set plasticity = ''auto'' or reduce the load', 'reduce the load'), &
-    warning_kind('overlapping', 0.0_real64, .false., &
+    warning_kind('overlapping', in_theory, 0.0_real64, .false., &
       'contact circles overlap and interaction is off', 'pairs', &
       'these contacts are not independent'), &
-    warning_kind('crowding', 0.1_real64, .true., &
+    warning_kind('crowding', in_theory, 0.1_real64, .true., &
       'contacts cover much of the area and interaction is off', &
       'of the nominal area (limit 10 %)', &
       'these contacts are not independent'), &
-    warning_kind('tabor', 0.045_real64, .false., &
+    warning_kind('tabor', in_theory, 0.045_real64, .false., &
       'a contact adheres by the law for small Tabor parameters', &
       'is the Tabor parameter (limit 0.045)', &
       'expect a pull-off force that is more than 1 % too large'), &
-    warning_kind('creep_strain', 0.01_real64, .true., &
+    warning_kind('creep_strain', in_theory, 0.01_real64, .true., &
       'a contact creeps beyond the linear range', 'of strain (limit 1 %)', &
       'reduce the load or expect more creep than is computed'), &
-    warning_kind('relaxing', 0.0_real64, .true., &
+    warning_kind('relaxing', in_accuracy, 0.0_real64, .true., &
       'the hold ends before relaxation is done', &
       'of the load or of the compression still to come', &
       'increase hold_time if the final state is needed'), &
-    warning_kind('not_together', 0.0_real64, .true., &
+    warning_kind('not_together', in_accuracy, 0.0_real64, .true., &
       'two effects have no common theory and one is left out', &
       'is the estimated share of the one left out', &
       'choose one of them by ''off'' and ''on'''), &
-    warning_kind('load_direction', 0.0_real64, .true., &
+    warning_kind('load_direction', in_theory, 0.0_real64, .true., &
       'total normal force and vertical load differ', 'of the total normal force', &
       'use control = ''vertical_load'' for a dead weight or read vertical_load'), &
-    warning_kind('map_edge', 0.0_real64, .true., &
+    warning_kind('map_edge', in_accuracy, 0.0_real64, .true., &
       'hills that the edge cuts carry load', &
       'of the load on its two outer rows where a flat punch has less', &
       'take a larger map or another part of the surface'), &
-    warning_kind('no_summit', 0.0_real64, .true., &
+    warning_kind('no_summit', in_accuracy, 0.0_real64, .true., &
       'contact patches of the map without a summit carry load', 'of the load', &
       'set interaction = ''boundary'': no sphere represents them', &
       'expect an error of this order: no sphere represents them'), &
-    warning_kind('scan_lines', 0.0_real64, .true., &
+    warning_kind('scan_lines', in_accuracy, 0.0_real64, .true., &
       'single scan lines carry load', 'of the load', &
       'remove the noise of the instrument from the map'), &
-    warning_kind('spikes', 0.0_real64, .true., &
+    warning_kind('spikes', in_accuracy, 0.0_real64, .true., &
       'single outliers carry load', 'of the load', &
       'set map_despike = ''on'' where they are not part of the surface'), &
-    warning_kind('area', 0.0_real64, .true., &
+    warning_kind('area', in_accuracy, 0.0_real64, .true., &
       'the area is less sure than the tolerance', 'is its estimated error', &
       'use the area with this error: loads and separations keep the tolerance'), &
-    warning_kind('limit', 1.0_real64, .false., &
+    warning_kind('limit', in_theory, 1.0_real64, .false., &
       'a contact exceeds the limit of the scene and plasticity is off', 'times the limit', &
       'set plasticity = ''auto'' or reduce the load', 'reduce the load'), &
-    warning_kind('adhesion_range', 0.045_real64, .true., &
+    warning_kind('adhesion_range', in_theory, 0.045_real64, .true., &
       'adhesion acts farther than a sphere is a paraboloid', &
       'is equilibrium_distance over the radius (limit 4.5 %)', &
       'reduce equilibrium_distance or expect wrong pulls'), &
-    warning_kind('unlike_bodies', 0.0_real64, .true., &
+    warning_kind('unlike_bodies', in_theory, 0.0_real64, .true., &
       'creep takes both bodies for one solid and they are unlike', &
       'of the compliance relaxes by the solid of the softer body', &
       'expect an error of this order in what relaxes'), &
-    warning_kind('yield_strain', 0.0073_real64, .true., &
+    warning_kind('yield_strain', in_theory, 0.0073_real64, .true., &
       'the yield strain is beyond the fit of plasticity', &
       'is the yield stress over the combined modulus (limit 0.73 %)', &
       'take load and area of plastic contacts as an extrapolation'), &
-    warning_kind('flow_depth', 110.0_real64, .false., &
+    warning_kind('flow_depth', in_theory, 110.0_real64, .false., &
       'a contact flows beyond the fit of plasticity on loading', &
       'times the critical overlap (limit 110)', &
       'reduce the load or take these contacts as an extrapolation'), &
-    warning_kind('unloading_depth', 170.0_real64, .false., &
+    warning_kind('unloading_depth', in_theory, 170.0_real64, .false., &
       'a contact is unloaded from beyond the fit of plasticity', &
       'times the critical overlap (limit 170)', &
       'reduce the largest load or take these contacts as an extrapolation'), &
-    warning_kind('missing', 0.0_real64, .true., &
+    warning_kind('missing', in_accuracy, 0.0_real64, .true., &
       'missing pixels of the map carry no load', 'of the pixels are missing', &
       'fill them or expect a load that is too small by about this share'), &
-    warning_kind('border', 2.0_real64, .false., &
+    warning_kind('border', in_theory, 2.0_real64, .false., &
       'the map is not periodic although map_edge is', &
       'times the roughest inner line of pixels across its border (limit 2)', &
       'set map_edge = ''free'' or take a periodic map'), &
-    warning_kind('resolution', 0.2_real64, .true., &
+    warning_kind('resolution', in_accuracy, 0.2_real64, .true., &
       'contact patches are not resolved by the pixels of the map', &
       'of their area lies on rim pixels outside the contact (limit 20 %)', &
       'take a map of finer pixels or expect a smaller area'), &
-    warning_kind('flat_map', 0.0_real64, .false., &
+    warning_kind('flat_map', in_accuracy, 0.0_real64, .false., &
       'the map is flat', 'is the range of heights after levelling', &
       'check the level and the digits of the map if it should be rough'), &
-    warning_kind('off', 0.0_real64, .true., &
+    warning_kind('off', in_accuracy, 0.0_real64, .true., &
       '* is off', 'is its estimated influence on the load', 'set * = ''auto'''), &
-    warning_kind('barred', 0.0_real64, .true., &
+    warning_kind('barred', in_accuracy, 0.0_real64, .true., &
       '* is left out, as it cannot be computed here', 'is its estimated influence on the load', &
       'take the load with this error'), &
-    warning_kind('error', 0.0_real64, .true., &
+    warning_kind('error', in_accuracy, 0.0_real64, .true., &
       'the estimated error is above the tolerance', &
       'is that of the load, or of the compression where a load is asked for', &
       'take the results with this error'), &
-    warning_kind('nested', 0.02_real64, .true., &
+    warning_kind('nested', in_accuracy, 0.02_real64, .true., &
       'a contact overlaps the circle of one 3 times blunter', &
       'of the load: error_estimate may be too small (limit 2 %)', &
       'set interaction = ''auto'', which resolves them', &

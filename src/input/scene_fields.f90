@@ -27,6 +27,7 @@ module asperity_scene_fields
     type(known_name), allocatable :: known(:)    ! where those that are known stand in it
     logical, public :: is_text = .false.         !! otherwise nothing is to be taken from it
     logical, public :: surfaces_given = .false.  !! as arrays, beside the text
+    logical, public :: surfaces_kept = .false.   !! of another scene: &surfaces is not looked at
     type(problem_list), public :: problems       !! what is wrong with the scene
   contains
     procedure :: has_group          !! whether a group stands in the scene

@@ -20,7 +20,7 @@ module asperity_scene_reader
   implicit none
   private
 
-  public :: read_scene, parse_scene, build_scene
+  public :: read_scene, parse_scene, build_scene, rebuild_scene
 
   ! Room for results is bounded: a position takes some 400 bytes.
   integer, parameter :: most_positions = 1000000
@@ -77,6 +77,44 @@ contains
       call problems%add('surfaces: found two planes, expected one at most')
     call read_groups(fields, checked, problems)
   end subroutine build_scene
+
+  !> Makes a scene with the surfaces of another one, which are not read again, from the text of all
+  !> its groups. &surfaces of the text is not looked at: that of the other scene stays. Surfaces of
+  !> a deck are read anew, as the deck brings material and slopes, too.
+  subroutine rebuild_scene(other, text, checked, problems)
+    type(scene), intent(in) :: other              !! read or built without problems
+    character(len=*), intent(in) :: text          !! all groups
+    type(scene), intent(out) :: checked           !! its values, defaults filled in
+    type(problem_list), intent(out) :: problems   !! all that is wrong with the text
+    type(scene_fields) :: fields
+
+    if (other%from_deck) then
+      call parse_scene(other%file, text, checked, problems)
+      return
+    end if
+    checked%file = other%file
+    checked%text = text
+    checked%upper = as_in_its_file(other%upper)
+    checked%lower = as_in_its_file(other%lower)
+    if (allocated(other%map)) checked%map = other%map
+    checked%nominal_area = other%nominal_area
+    checked%units = other%units
+    call read_fields(checked%file, text, 'a scene', [a_scene], scene_table(), fields)
+    fields%surfaces_given = .true.
+    fields%surfaces_kept = .true.
+    call read_groups(fields, checked, problems)
+  end subroutine rebuild_scene
+
+  ! A surface without what other groups than &surfaces say of it.
+  pure type(scene_surface) function as_in_its_file(surface) result(bare)
+    type(scene_surface), intent(in) :: surface
+
+    bare = surface
+    bare%elastic_modulus = decimal_value()
+    bare%poisson_ratio = decimal_value()
+    bare%slope = decimal_value()
+    bare%rotation = decimal_value()
+  end function as_in_its_file
 
   !> All groups, in the order in which they need each other.
   subroutine read_groups(fields, checked, problems)

@@ -30,6 +30,7 @@ contains
     character(len=:), allocatable :: deck, upper, lower
     type(scene_motion) :: not_asked_for
 
+    if (fields%surfaces_kept) return
     call fields%take_number('surfaces', 'nominal_area', above_zero, checked%nominal_area)
     call fields%take_names('surfaces', 'units', checked%units)
     if (fields%surfaces_given) then

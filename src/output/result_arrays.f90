@@ -7,14 +7,18 @@ module asperity_result_arrays
   use asperity_result_table, only: cell_whole, cell_word, of_contacts, result_table, table_names, &
                                    word_length
   use asperity_scene_results, only: scene_results
+  use asperity_scene_values, only: scene
+  use asperity_unit_names, only: is_number, unit_of
   implicit none
   private
 
-  public :: array_column, array_table, make_arrays, add_reals
+  public :: array_column, array_table, make_arrays, add_reals, name_units
 
   !> One column. One of the three arrays is allocated.
   type :: array_column
     character(len=:), allocatable :: name                    !! as in the files
+    integer :: dimension = is_number                         !! one of the `is_` numbers
+    character(len=:), allocatable :: unit                    !! `N/mm2`; not allocated: not known
     real(real64), allocatable :: reals(:)                    !! NaN where a cell is empty
     integer(int32), allocatable :: wholes(:)                 !! whole numbers; yes and no: 1 and 0
     character(len=1), allocatable :: letters(:, :)           !! words (letter, row), blanks behind
@@ -51,6 +55,7 @@ contains
     do column = 1, size(arrays%columns)
       associate (new => arrays%columns(column))
         new%name = trim(table%names(column))
+        new%dimension = table%dimensions(column)
         select case (table%kinds(column))
         case (cell_whole)
           allocate (new%wholes(table%rows))
@@ -81,11 +86,23 @@ contains
     end do
   end subroutine make_arrays
 
+  !> Names the units of all columns of a table of a run.
+  subroutine name_units(scene_in, arrays)
+    type(scene), intent(in) :: scene_in            !! what was solved
+    type(array_table), intent(inout) :: arrays     !! from `make_arrays`
+    integer :: i
+
+    do i = 1, size(arrays%columns)
+      arrays%columns(i)%unit = unit_of(scene_in, arrays%columns(i)%dimension)
+    end do
+  end subroutine name_units
+
   !> Adds a column of doubles to a table.
-  subroutine add_reals(table, name, values)
+  subroutine add_reals(table, name, values, unit)
     type(array_table), intent(inout) :: table  !! without columns, or with some as long
     character(len=*), intent(in) :: name       !! of the column
     real(real64), intent(in) :: values(:)      !! its cells
+    character(len=*), intent(in), optional :: unit  !! its unit; absent: not known
     type(array_column), allocatable :: more(:)
     integer :: i
 
@@ -94,10 +111,12 @@ contains
     allocate (more(size(table%columns) + 1))
     do i = 1, size(table%columns)
       call move_alloc(table%columns(i)%name, more(i)%name)
+      call move_alloc(table%columns(i)%unit, more(i)%unit)
       call move_alloc(table%columns(i)%reals, more(i)%reals)
     end do
     more(i)%name = name
     more(i)%reals = values
+    if (present(unit)) more(i)%unit = unit
     call move_alloc(more, table%columns)
   end subroutine add_reals
 

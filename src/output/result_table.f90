@@ -9,6 +9,8 @@ module asperity_result_table
   use asperity_kinds, only: not_computed, real64
   use asperity_scene_results, only: kinds_of_warnings, last_state, nominal_names, nominal_values, &
                                     scene_results
+  use asperity_unit_names, only: dimension_of, is_area, is_force, is_length, is_moment, is_number, &
+                                 is_pressure
   implicit none
   private
 
@@ -26,6 +28,9 @@ module asperity_result_table
   !> and no; whole numbers that may be `not_computed`; words.
   integer, parameter :: cell_real = 1, cell_whole = 2, cell_count = 3, cell_word = 4
 
+  ! Dimensions of `nominal_names`.
+  integer, parameter :: nominal_dimensions(2) = [is_pressure, is_number]
+
   ! Columns that a table has without effects, at most, and that it has for each.
   integer, parameter :: most_own = 30, columns_of_effect = 5
 
@@ -37,6 +42,7 @@ module asperity_result_table
     integer :: rows = 0                                      !! all of them
     character(len=name_length), allocatable :: names(:)      !! of the columns
     integer, allocatable :: kinds(:)                         !! of each, one of the `cell_` numbers
+    integer, allocatable :: dimensions(:)                    !! of each, one of the `is_` numbers
     real(real64), allocatable :: numbers(:)                  !! of this row, by column
     character(len=word_length), allocatable :: words(:)      !! of this row, by column
     integer, private :: which = of_positions
@@ -66,7 +72,8 @@ contains
     if (allocated(results%effects)) &
       most = most + columns_of_effect * size(results%effects%names) + &
              size(results%effects%state_columns) + size(results%effects%contact_columns)
-    allocate (self%names(most), self%kinds(most), self%numbers(most), self%words(most))
+    allocate (self%names(most), self%kinds(most), self%dimensions(most), self%numbers(most), &
+              self%words(most))
     self%words = ''
     do m = 1, size(results%positions)
       associate (position => results%positions(m))
@@ -91,6 +98,7 @@ contains
     end select
     self%names = self%names(:self%at)
     self%kinds = self%kinds(:self%at)
+    self%dimensions = self%dimensions(:self%at)
   end subroutine begin
 
   !> Goes to the next row. `found` is false behind the last.
@@ -151,17 +159,17 @@ contains
 
     last = last_state(position)
     call self%put('position', m)
-    call self%put('x_displacement', position%x_displacement)
-    call self%put('y_displacement', position%y_displacement)
+    call self%put('x_displacement', position%x_displacement, is_length)
+    call self%put('y_displacement', position%y_displacement, is_length)
     call self%put('steps', size(position%states))
-    call self%put('separation', last%approach)
+    call self%put('separation', last%approach, is_length)
     call self%put('contacts', last%contacts)
-    call self%put('load', last%load)
-    call self%put('area', last%area)
-    call self%put('projected_area', last%projected_area)
+    call self%put('load', last%load, is_force)
+    call self%put('area', last%area, is_area)
+    call self%put('projected_area', last%projected_area, is_area)
     call self%put('limit_reached', position%limit_reached)
-    call self%put('vertical_load', last%vertical_load)
-    call self%put('compression', last%closing)
+    call self%put('vertical_load', last%vertical_load, is_force)
+    call self%put('compression', last%closing, is_length)
     call self%put('overlapping_circles', position%overlapping_circles)
     call fill_nominal(self, results, last)
     if (allocated(results%effects)) then
@@ -169,7 +177,8 @@ contains
         call fill_effect(self, trim(results%effects%names(i)), position%effects(i))
       end do
       do i = 1, size(position%state_values)
-        call self%put(results%effects%state_columns(i), position%state_values(i))
+        call self%put(results%effects%state_columns(i), position%state_values(i), &
+                      dimension_of(results%effects%state_powers(:, i)))
       end do
     end if
     if (allocated(results%map)) then
@@ -212,7 +221,7 @@ contains
     call self%put(name // '_estimate', effect%estimate)
     call self%put(name // '_influence', effect%influence)
     call self%put(name // '_residual', ending(1))
-    call self%put(name // '_iterations', ending(2), cell_count)
+    call self%put(name // '_iterations', ending(2), kind=cell_count)
   end subroutine fill_effect
 
   ! One state: the totals on the way to the end.
@@ -224,17 +233,17 @@ contains
 
     call self%put('position', m)
     call self%put('step', step)
-    call self%put('separation', state%approach)
-    call self%put('compression', state%closing)
+    call self%put('separation', state%approach, is_length)
+    call self%put('compression', state%closing, is_length)
     call self%put('contacts', state%contacts)
-    call self%put('load', state%load)
-    call self%put('area', state%area)
-    call self%put('projected_area', state%projected_area)
-    call self%put('vertical_load', state%vertical_load)
+    call self%put('load', state%load, is_force)
+    call self%put('area', state%area, is_area)
+    call self%put('projected_area', state%projected_area, is_area)
+    call self%put('vertical_load', state%vertical_load, is_force)
     call self%put('time', state%time)
     if (allocated(results%effects)) then
       if (any(results%effects%names == 'plasticity')) &
-        call self%put('dissipated_work', state%dissipated_work)
+        call self%put('dissipated_work', state%dissipated_work, is_moment)
     end if
     call fill_nominal(self, results, state)
     call fill_estimates(self, results, results%positions(m))
@@ -249,7 +258,7 @@ contains
 
     associate (values => nominal_values(results, state))
       do i = 1, size(values)
-        call self%put(nominal_names(i), values(i))
+        call self%put(nominal_names(i), values(i), nominal_dimensions(i))
       end do
     end associate
   end subroutine fill_nominal
@@ -265,47 +274,50 @@ contains
 
     associate (position => results%positions(m))
       call self%put('position', m)
-      call self%put('x_displacement', position%x_displacement)
-      call self%put('y_displacement', position%y_displacement)
+      call self%put('x_displacement', position%x_displacement, is_length)
+      call self%put('y_displacement', position%y_displacement, is_length)
       call self%put('step', step)
-      call self%put('separation', position%states(step)%approach)
+      call self%put('separation', position%states(step)%approach, is_length)
       call self%put('area_no', row%area_no)
-      call self%put('x', row%x)
-      call self%put('y', row%y)
+      call self%put('x', row%x, is_length)
+      call self%put('y', row%y, is_length)
       call self%put('upper', row%upper)
       call self%put('lower', row%lower)
-      call self%put('area', row%area)
-      call self%put('projected_area', row%projected_area)
+      call self%put('area', row%area, is_area)
+      call self%put('projected_area', row%projected_area, is_area)
       call self%put('slope', row%slope)
-      call self%put('load', row%load)
-      call self%put('average_pressure', row%average_pressure)
-      call self%put('maximum_pressure', row%maximum_pressure)
+      call self%put('load', row%load, is_force)
+      call self%put('average_pressure', row%average_pressure, is_pressure)
+      call self%put('maximum_pressure', row%maximum_pressure, is_pressure)
       call self%put('limit_exceeded', row%limit_exceeded)
-      call self%put('vertical_load', row%vertical_load)
-      call self%put('compression', position%states(step)%closing)
-      call self%put('penetration', row%penetration)
-      call self%put('overlap', row%overlap)
+      call self%put('vertical_load', row%vertical_load, is_force)
+      call self%put('compression', position%states(step)%closing, is_length)
+      call self%put('penetration', row%penetration, is_length)
+      call self%put('overlap', row%overlap, is_length)
       if (allocated(results%effects)) then
         value = not_computed
         do i = 1, size(results%effects%contact_columns)
           if (self%contact > 0) value = position%contact_values(self%contact, i)
-          call self%put(results%effects%contact_columns(i), value)
+          call self%put(results%effects%contact_columns(i), value, &
+                        dimension_of(results%effects%contact_powers(:, i)))
         end do
       end if
-      call self%put('contact_radius', contact_radius(row))
+      call self%put('contact_radius', contact_radius(row), is_length)
     end associate
   end subroutine fill_contact
 
-  subroutine put_number(self, name, value, kind)
+  subroutine put_number(self, name, value, dimension, kind)
     class(result_table), intent(inout) :: self
     character(len=*), intent(in) :: name
     real(real64), intent(in) :: value
-    integer, intent(in), optional :: kind
+    integer, intent(in), optional :: dimension, kind
 
     self%at = self%at + 1
     if (self%position == 0) then
       self%names(self%at) = name
       self%kinds(self%at) = cell_real
+      self%dimensions(self%at) = is_number
+      if (present(dimension)) self%dimensions(self%at) = dimension
       if (present(kind)) self%kinds(self%at) = kind
     end if
     self%numbers(self%at) = value
@@ -316,7 +328,7 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: value
 
-    call self%put_number(name, real(value, real64), cell_whole)
+    call self%put_number(name, real(value, real64), kind=cell_whole)
   end subroutine put_whole
 
   subroutine put_logical(self, name, value)
@@ -331,7 +343,7 @@ contains
     class(result_table), intent(inout) :: self
     character(len=*), intent(in) :: name, value
 
-    call self%put_number(name, not_computed, cell_word)
+    call self%put_number(name, not_computed, kind=cell_word)
     self%words(self%at) = value
   end subroutine put_word
 

@@ -4,7 +4,7 @@ module asperity_unit_names
   implicit none
   private
 
-  public :: axis_units, has_units, units_in_words, unit_of, with_unit
+  public :: axis_units, dimension_of, has_units, units_in_words, unit_of, with_unit
   public :: is_number, is_length, is_force, is_area, is_pressure, is_moment
 
   !> Dimensions of quantities.
@@ -30,6 +30,17 @@ contains
     text = 'length ' // text // ', force ' // trim(scene_in%units(2)) // ', area ' // text // &
            '2, pressure ' // trim(scene_in%units(2)) // '/' // text // '2'
   end function units_in_words
+
+  !> Dimension of a quantity whose unit holds the modulus and the length to some powers.
+  pure integer function dimension_of(powers) result(dimension)
+    integer, intent(in) :: powers(2)  !! of the modulus, of the length
+    integer, parameter :: known(2, is_number:is_moment) = &
+      reshape([0, 0, 0, 1, 1, 2, 0, 2, 1, 0, 1, 3], [2, 6])
+
+    do dimension = is_moment, is_number + 1, -1
+      if (all(known(:, dimension) == powers)) return
+    end do
+  end function dimension_of
 
   !> Unit of a dimension in the units of the scene; empty where it has none.
   pure function unit_of(scene_in, dimension) result(unit)

@@ -4,11 +4,11 @@ module asperity_warning_lines
   use asperity_position_lists, only: counted, percent
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_results, only: scene_results
-  use asperity_theory_warnings, only: theory_warning, warning_kinds
+  use asperity_theory_warnings, only: class_names, theory_warning, warning_kinds
   implicit none
   private
 
-  public :: list_warnings
+  public :: list_warning_kinds, list_warnings
 
 contains
 
@@ -33,6 +33,20 @@ contains
                      in_words(worst))
     end do
   end subroutine list_warnings
+
+  !> Adds `NAME CLASS` for every line of `list_warnings`, in the same order.
+  pure subroutine list_warning_kinds(results, lines)
+    type(scene_results), intent(in) :: results   !! solved
+    type(problem_list), intent(inout) :: lines   !! gets a line a kind
+    type(theory_warning) :: worst
+    integer :: kind, at, positions
+
+    do kind = 1, size(warning_kinds)
+      call find_worst(results, kind, worst, at, positions)
+      if (positions > 0) call lines%add(trim(warning_kinds(kind)%name) // ' ' // &
+                                        trim(class_names(warning_kinds(kind)%class)))
+    end do
+  end subroutine list_warning_kinds
 
   ! The worst warning of a kind, its position, and at how many there is one.
   pure subroutine find_worst(results, kind, worst, at, positions)

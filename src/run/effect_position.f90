@@ -144,6 +144,7 @@ contains
         result%states(i)%asked = merge(asked_vertical, asked_normal, pairs%vertical)
         result%states(i)%load_asked = in_scene_units(pairs, asked, 1, 2)
       end if
+      call pairs%count%step(result%counted)
       ! What follows may remember this state and answer otherwise.
       if (allocated(outcomes)) deallocate (outcomes)
       if (steps(i)%kind /= as_before) held = load_asked_for(pairs, state)

@@ -31,7 +31,8 @@ contains
     integer :: i
 
     allocate (header%names(size(effects)), header%modes(size(effects)), &
-              header%contact_columns(0), header%state_columns(0))
+              header%contact_columns(0), header%state_columns(0), header%contact_powers(2, 0), &
+              header%state_powers(2, 0))
     do i = 1, size(effects)
       associate (effect => effects(i)%effect)
         header%names(i) = effect%name
@@ -41,8 +42,24 @@ contains
                                   effect%contact_columns%text]
         header%state_columns = [character(len=20) :: header%state_columns, &
                                 effect%state_columns%text]
+        header%contact_powers = with_powers(header%contact_powers, effect%contact_columns)
+        header%state_powers = with_powers(header%state_powers, effect%state_columns)
       end associate
     end do
+
+  contains
+
+    ! The powers of more columns.
+    pure function with_powers(before, columns) result(powers)
+      integer, intent(in) :: before(:, :)
+      type(column_name), intent(in) :: columns(:)
+      integer :: powers(2, size(before, 2) + size(columns))
+
+      powers(:, :size(before, 2)) = before
+      powers(1, size(before, 2) + 1:) = columns%modulus_power
+      powers(2, size(before, 2) + 1:) = columns%length_power
+    end function with_powers
+
   end subroutine name_columns
 
   !> Adds a state to its position: totals, and the rows of its contacts when they are kept.

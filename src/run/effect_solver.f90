@@ -127,6 +127,7 @@ contains
     end if
     call try(too_far)
     if (too_far) then
+      call self%count%add(-result%counted)
       ! Pairs outside the candidate distance can matter: take all that can touch at all.
       call list_pairs(self%placed, m, .true., pairs, failure)
       if (.not. allocated(failure)) call try(too_far)
@@ -148,6 +149,7 @@ contains
 
       call copy_effects(self%effects, effects)
       pairs%interrupt = self%interrupt
+      pairs%count = self%count
       call run_position(self%scene_in, pairs, effects, keep_rows, result, law, simulated, too_far, &
                         failure)
     end subroutine try
@@ -230,6 +232,7 @@ contains
   subroutine move_values(told, result)
     type(position_result), intent(inout) :: told, result
 
+    result%counted = told%counted
     call move_alloc(told%effects, result%effects)
     call move_alloc(told%contact_values, result%contact_values)
     call move_alloc(told%state_values, result%state_values)

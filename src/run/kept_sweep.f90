@@ -27,6 +27,8 @@ contains
     type(kept_work) :: kept
 
     solver%interrupt = options%interrupt
+    solver%count = options%count
+    solver%count%of_position = max(1, solver%states)
     solver%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
     call name_work(scene_in, options, kept, failure)
     if (allocated(failure)) return

@@ -63,6 +63,8 @@ contains
     header%modes = [mode]
     header%contact_columns = [character(len=20) :: 'samples']
     header%state_columns = [character(len=20) :: 'samples_in_contact', 'sample_area']
+    header%contact_powers = reshape([0, 0], [2, 1])
+    header%state_powers = reshape([0, 0, 0, 2], [2, 2])
   end subroutine name_map_columns
 
   ! Presses to one state after the other, each the start of the next.
@@ -104,6 +106,7 @@ contains
       call tell_state(self, answer, patches, keep_rows, result, i)
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])
+      call self%count%step(result%counted)
     end do
     result%state_values = count(answer%pressure > 0.0_real64) * &
                           [1.0_real64, product(self%map%spacing)]

@@ -4,6 +4,7 @@ module asperity_run_options
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list, real_text
+  use asperity_work_count, only: work_count
   implicit none
   private
 
@@ -29,6 +30,7 @@ module asperity_run_options
     !> Files of further parts: all are there, and are joined; not allocated: this is no such run.
     type(kept_file), allocatable :: more_files(:)
     type(interruption) :: interrupt = interruption()  !! another thread can end the run, which fails
+    type(work_count) :: count = work_count()          !! another thread can see how far the run is
   end type run_options
 
 contains

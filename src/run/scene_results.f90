@@ -19,6 +19,8 @@ module asperity_scene_results
     integer, allocatable :: modes(:)                       !! as in &effects
     character(len=20), allocatable :: contact_columns(:)   !! of `contact_values` of a position
     character(len=20), allocatable :: state_columns(:)     !! of `state_values` of a position
+    !> Powers of the modulus and of the length in the unit of each of these columns (2, column).
+    integer, allocatable :: contact_powers(:, :), state_powers(:, :)
     real(real64) :: tolerance = 0.0_real64                 !! share of the load for `auto`
     real(real64) :: plasticity_index = -1.0_real64         !! of the surfaces; negative: not known
     character(len=5) :: plastic_body = ''                  !! that yields: upper or lower

@@ -80,6 +80,8 @@ contains
     if (allocated(kept%more) .and. sum(int(positions%rows_used, int64)) > most_rows) &
       watch%work%ending = too_many()
     call watch%progress%begin(options%progress, 'positions', number, watch%work%done)
+    call solver%count%begin(int(min(states, int(huge(number), int64))), &
+                            watch%work%done * solver%count%of_position)
     do
       call begin_round(watch%work, going_on)
       if (.not. going_on) exit
@@ -170,6 +172,7 @@ contains
     !$omp atomic write
     watch%last = last
     call watch%progress%step()
+    call solver%count%add(solver%count%of_position - position%counted)
     !$omp end critical (asperity_positions)
   end subroutine solve_one
 

@@ -1,0 +1,118 @@
+!> The groups of a scene as a table in text, for programs that change some of them and solve again.
+module asperity_scene_groups
+  use asperity_decimal, only: decimal_value
+  use asperity_file_kind, only: group_start
+  use asperity_namelist_text, only: a_group, a_name, namelist_text, parse_namelist
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_scene_values, only: scene
+  implicit none
+  private
+
+  public :: list_groups
+
+  character(len=1), parameter :: tabulator = achar(9)
+
+contains
+
+  !> A line a name: `GROUP, NAME, VALUES` with tabulators between, values as they stand in the text,
+  !> commas between. A card deck has the lines of the scene that says the same.
+  function list_groups(scene_in) result(lines)
+    type(scene), intent(in) :: scene_in     !! read or built without problems
+    character(len=:), allocatable :: lines  !! empty where there are none
+
+    if (scene_in%from_deck .and. group_start(scene_in%text) == 0) then
+      lines = lines_of_deck(scene_in)
+    else
+      lines = lines_of_text(scene_in%text)
+    end if
+  end function list_groups
+
+  ! The names of a text and their values.
+  function lines_of_text(text) result(lines)
+    character(len=*), intent(in) :: text
+    character(len=:), allocatable :: lines
+    type(namelist_text) :: list
+    type(problem_list) :: problems
+    character(len=:), allocatable :: group
+    integer :: i, value
+
+    lines = ''
+    group = ''
+    call parse_namelist(text, list, problems)
+    do i = 1, list%count
+      if (list%items(i)%kind == a_group) group = list%name_text(i)
+      if (list%items(i)%kind /= a_name) cycle
+      lines = lines // group // tabulator // list%name_text(i) // tabulator
+      do value = i + 1, i + list%items(i)%values
+        if (value > i + 1) lines = lines // ', '
+        lines = lines // as_it_stands(list, value)
+      end do
+      lines = lines // new_line('a')
+    end do
+  end function lines_of_text
+
+  ! A value with its quotes and repeats.
+  function as_it_stands(list, value) result(text)
+    type(namelist_text), intent(in) :: list
+    integer, intent(in) :: value
+    character(len=:), allocatable :: text
+
+    associate (item => list%items(value))
+      if (item%is_quoted) then
+        text = list%text(item%first - 1:item%last + 1)
+      else
+        text = list%text(item%first:item%last)
+      end if
+      if (item%repeats > 1) text = decimal_text(item%repeats) // '*' // text
+    end associate
+  end function as_it_stands
+
+  ! A deck alone stands for its sweep without interaction. Its name is relative to its own folder,
+  ! as names in a scene are.
+  function lines_of_deck(scene_in) result(lines)
+    type(scene), intent(in) :: scene_in
+    character(len=:), allocatable :: lines
+
+    associate (file => scene_in%file, motion => scene_in%motion)
+      lines = line('surfaces', 'deck', &
+                   in_quotes(file(index(file, '/', back=.true.) + 1:))) // &
+              line('motion', 'x_first', numeral(motion%x_first)) // &
+              line('motion', 'x_step', numeral(motion%x_step)) // &
+              line('motion', 'y_first', numeral(motion%y_first)) // &
+              line('motion', 'y_step', numeral(motion%y_step)) // &
+              line('motion', 'positions', decimal_text(motion%positions)) // &
+              line('effects', 'interaction', in_quotes('off'))
+    end associate
+  end function lines_of_deck
+
+  pure function line(group, name, values)
+    character(len=*), intent(in) :: group, name, values
+    character(len=:), allocatable :: line
+
+    line = group // tabulator // name // tabulator // values // new_line('a')
+  end function line
+
+  ! A number that is read as just this decimal.
+  pure function numeral(value) result(text)
+    type(decimal_value), intent(in) :: value
+    character(len=:), allocatable :: text
+
+    text = decimal_text(value%digits)
+    if (value%digits /= 0 .and. value%exponent /= 0) &
+      text = text // 'e' // decimal_text(value%exponent)
+  end function numeral
+
+  pure function in_quotes(word) result(text)
+    character(len=*), intent(in) :: word
+    character(len=:), allocatable :: text
+    integer :: i
+
+    text = ''''
+    do i = 1, len(word)
+      text = text // word(i:i)
+      if (word(i:i) == '''') text = text // ''''
+    end do
+    text = text // ''''
+  end function in_quotes
+
+end module asperity_scene_groups
