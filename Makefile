@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
-.PHONY: setup clean laws maps fault-table pages machine mutants
+.PHONY: setup clean laws maps fault-table pages machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
 
@@ -16,6 +16,14 @@ report: ## print the report of the original program (DECK=other.deck for another
 test: ## unit tests in the strict build, then the harness against the thesis
 	@bash .ci/setup build test
 	@bash .ci/test
+
+wheel: ## a wheel that needs no compiler and no other library, and the sources, in dist/
+	@bash .ci/setup build wheel
+	@bash .ci/wheel
+
+wheel-test: ## wheel and sources in empty environments
+	@bash .ci/setup build test wheel
+	@bash .ci/wheel-test
 
 images: ## a run of two images over MPI against one of one
 	@bash .ci/setup build test images
@@ -83,7 +91,7 @@ setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint
 
 clean: ## remove what was built (.venv stays)
-	rm -rf build docs/api .pytest_cache .hypothesis
+	rm -rf build dist docs/api .pytest_cache .hypothesis
 	find test -name __pycache__ -type d -prune -exec rm -rf {} +
 
 hard-table: ## make the table of docs/hard-cases.md anew

@@ -16,11 +16,11 @@ ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = [ROOT / "test" / name for name in ("", "regression", "hard", "bench")]
 LISTS = {"test": "test/requirements.txt", "bench": "test/bench/requirements.txt",
          "build": ".ci/requirements/build.txt", "lint": ".ci/requirements/lint.txt",
-         "docs": ".ci/requirements/docs.txt"}
+         "docs": ".ci/requirements/docs.txt", "wheel": ".ci/requirements/wheel.txt"}
 # What a package is called when it is imported.
 MODULES = {"pytest-xdist": "xdist", "surfacetopography": "SurfaceTopography"}
 # Targets whose script runs the harness.
-HARNESS = {".ci/test", ".ci/images", ".ci/trouble"}
+HARNESS = {".ci/test", ".ci/images", ".ci/trouble", ".ci/wheel-test"}
 
 
 def recipes():
@@ -65,7 +65,7 @@ def main():
             if ".ci/setup" in text else set()
         scripts = [ROOT / name for name in re.findall(r"python (\S+\.py)", text)]
         if any(f"bash {script}" in text for script in HARNESS):
-            scripts += [file for name in ("", "regression", "hard")
+            scripts += [file for name in ("", "regression", "hard", "wheel")
                         for file in sorted((ROOT / "test" / name).glob("*.py"))]
         have, seen = set(brought(groups)), set()
         for script in scripts:

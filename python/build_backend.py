@@ -1,27 +1,29 @@
-"""Builds the wheel: the library with fpm, then the package around it (PEP 517).
+"""Builds the wheel and the source distribution (PEP 517): the library with fpm, then the package.
 
-`pip install ./python` in a checkout of the project comes here. gfortran and FFTW must be there;
-fpm is taken from PyPI where none is found. The objects stay in `build/` of the project.
+`pip install ./python` in a checkout of the project comes here, and so does `pip install` of the
+source distribution. gfortran and FFTW must be there; fpm is taken from PyPI where none is found.
+The objects stay in `build/` of the project.
+
+`make wheel` sets `bundled`: auditwheel then completes the wheel with the libraries of
+libasperity.so. The program has no fixed place relative to these and contains its libraries.
 """
 
+import ast
 import base64
 import csv
 import fcntl
+import gzip
 import hashlib
 import io
 import os
 import platform
+import re
 import shutil
 import subprocess
-import sys
+import tarfile
 import tempfile
 import zipfile
 from pathlib import Path
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    tomllib = None
 
 PACKAGE = Path(__file__).resolve().parent
 ROOT = PACKAGE.parent
@@ -32,35 +34,74 @@ FLAGS = "-fPIC -fno-semantic-interposition"
 SHOWN = "{ global: asperity_*; local: *; };\n"
 
 
+# Libraries of the program of a bundled wheel, in the order of their use of each other.
+STATIC = ["-l:libfftw3.a", "-l:libgfortran.a", "-l:libquadmath.a", "-l:libgomp.a"]
+# FFTW; libgfortran and libgomp; libquadmath; libbacktrace, a part of libgfortran.
+BUNDLED_LICENCE = ("MIT AND GPL-2.0-or-later AND GPL-3.0-or-later WITH GCC-exception-3.1"
+                   " AND LGPL-2.1-or-later AND BSD-3-Clause")
+BUNDLED_TEXTS = {
+    "FFTW.txt": "/usr/share/doc/libfftw3-double3/copyright",
+    "GCC.txt": "/usr/share/doc/libgfortran5/copyright",
+    "GPL-2.txt": "/usr/share/common-licenses/GPL-2",
+    "GPL-3.txt": "/usr/share/common-licenses/GPL-3",
+    "LGPL-2.1.txt": "/usr/share/common-licenses/LGPL-2.1",
+}
+# The project without its tests and examples, which the source distribution does not have.
+SOURCES = ("app", "include", "src", "python")
+PAGES = ("CHANGELOG.md", "CITATION.cff", "LICENSE", "README.md")
+PARTS = (".F90", ".f90", ".h", ".inc", ".md", ".py", ".pyi", ".toml", ".typed")
+UNDISTRIBUTED = re.compile(r"^\[\[(?:test|example)\]\]\n(?:[^\[\n].*\n)*\n*", re.MULTILINE)
+
+
 def get_requires_for_build_wheel(config_settings=None):
     return [] if shutil.which("fpm") else [FPM]
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    raise SystemExit("asperity: the package is built from a checkout of the project, "
-                     "which holds the Fortran sources: pip install ./python")
+    """The Fortran sources and `python/`, as they lie in a checkout; `pyproject.toml` at the root
+    leads to this file."""
+    values = project()
+    base = f"{values['name']}-{values['version']}"
+    files = {path.relative_to(ROOT).as_posix(): path.read_bytes()
+             for folder in SOURCES for path in (ROOT / folder).rglob("*")
+             if path.suffix in PARTS}
+    files |= {name: (ROOT / name).read_bytes() for name in PAGES}
+    files["fpm.toml"] = UNDISTRIBUTED.sub("", text_of(ROOT / "fpm.toml")).encode()
+    files["pyproject.toml"] = text_of(PACKAGE / "pyproject.toml").replace(
+        'backend-path = ["."]', 'backend-path = ["python"]').encode()
+    files["PKG-INFO"] = metadata(values, values["license"], ["LICENSE"])
+    time = int(os.environ.get("SOURCE_DATE_EPOCH", "315532800"))
+    with open(Path(sdist_directory) / f"{base}.tar.gz", "wb") as raw, \
+            gzip.GzipFile("", "wb", fileobj=raw, mtime=time) as packed, \
+            tarfile.open(fileobj=packed, mode="w", format=tarfile.PAX_FORMAT) as archive:
+        for path, data in sorted(files.items()):
+            entry = tarfile.TarInfo(f"{base}/{path}")
+            entry.size, entry.mtime = len(data), time
+            archive.addfile(entry, io.BytesIO(data))
+    return f"{base}.tar.gz"
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     values = project()
+    bundled = "bundled" in (config_settings or {})
     name, version = values["name"], values["version"]
     system = f"{platform.system()}_{platform.machine()}".lower()
     info = f"{name}-{version}.dist-info"
-    files = {f"{name}/{path.name}": path.read_bytes()
-             for path in sorted((PACKAGE / name).iterdir()) if path.suffix in (".py", ".typed")}
+    files = {path.relative_to(PACKAGE).as_posix(): path.read_bytes()
+             for path in (PACKAGE / name).rglob("*") if path.suffix in (".py", ".pyi", ".typed")}
     with tempfile.TemporaryDirectory() as folder:
-        library, program = build_library(Path(folder))
+        library, program = build_library(Path(folder), bundled)
         files[f"{name}/{library.name}"] = library.read_bytes()
         files[f"{name}-{version}.data/scripts/{name}"] = program.read_bytes()
-    files[f"{info}/METADATA"] = (
-        f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n"
-        f"Summary: {values['description']}\nRequires-Python: {values['requires-python']}\n"
-        "License: MIT\n").encode()
+    texts = licence_texts(bundled)
+    files |= {f"{info}/licenses/{path}": text for path, text in texts.items()}
+    files[f"{info}/METADATA"] = metadata(
+        values, BUNDLED_LICENCE if bundled else values["license"], texts)
     files[f"{info}/WHEEL"] = ("Wheel-Version: 1.0\nGenerator: asperity\nRoot-Is-Purelib: false\n"
                               f"Tag: py3-none-{system}\n").encode()
     wheel = f"{name}-{version}-py3-none-{system}.whl"
     with zipfile.ZipFile(Path(wheel_directory) / wheel, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path, data in files.items():
+        for path, data in sorted(files.items()):
             entry = zipfile.ZipInfo(path)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = (0o100755 if "/scripts/" in path else 0o100644) << 16
@@ -69,13 +110,46 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     return wheel
 
 
+def text_of(path):
+    return path.read_text(encoding="utf-8")
+
+
 def project():
-    """Group [project] of pyproject.toml; Python 3.10 has no reader for it."""
-    text = (PACKAGE / "pyproject.toml").read_text(encoding="utf-8")
-    if tomllib:
-        return tomllib.loads(text)["project"]
-    lines = [line.partition(" = ") for line in text.split("[project]")[1].splitlines()]
-    return {name: value.strip('"') for name, _, value in lines}
+    """Group [project] of pyproject.toml and, as "extras", the optional dependencies. Python 3.10
+    has no reader for TOML: each value there is one line that is Python, too."""
+    groups, group = {}, None
+    for line in text_of(PACKAGE / "pyproject.toml").splitlines():
+        if line.startswith("["):
+            group = groups.setdefault(line.strip("[]"), {})
+        elif " = " in line:
+            key, _, value = line.partition(" = ")
+            group[key] = ast.literal_eval(value)
+    return {**groups["project"], "extras": groups["project.optional-dependencies"]}
+
+
+def metadata(values, licence, licence_files):
+    """The file METADATA of a wheel, PKG-INFO of a source distribution (version 2.4)."""
+    lines = ["Metadata-Version: 2.4", f"Name: {values['name']}", f"Version: {values['version']}",
+             f"Summary: {values['description']}", f"License-Expression: {licence}",
+             *(f"License-File: {path}" for path in licence_files),
+             f"Requires-Python: {values['requires-python']}",
+             f"Keywords: {','.join(values['keywords'])}",
+             *(f"Classifier: {words}" for words in values["classifiers"])]
+    for extra, packages in values["extras"].items():
+        lines += [f"Provides-Extra: {extra}",
+                  *(f'Requires-Dist: {package}; extra == "{extra}"' for package in packages)]
+    lines += ["Description-Content-Type: text/markdown", "", text_of(PACKAGE / values["readme"])]
+    return "\n".join(lines).encode()
+
+
+def licence_texts(bundled):
+    """The licence of the project and, bundled, of the libraries in the wheel: file and text."""
+    texts = {"LICENSE": (ROOT / "LICENSE").read_bytes()}
+    for name, source in (BUNDLED_TEXTS if bundled else {}).items():
+        if not Path(source).exists():
+            stop(f"{source} is not found: the wheel needs the licences of its libraries")
+        texts[f"bundled/{name}"] = Path(source).read_bytes()
+    return texts
 
 
 def record(files, own):
@@ -89,7 +163,7 @@ def record(files, own):
     return text.getvalue()
 
 
-def build_library(folder):
+def build_library(folder, bundled):
     """The shared library in a folder, and the program beside it."""
     compiler = shutil.which(os.environ.get("FPM_FC", "gfortran"))
     if not compiler:
@@ -104,14 +178,29 @@ def build_library(folder):
     # Tests of the project build there, too.
     with open(ROOT / "build" / "lock", "w", encoding="ascii") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        run([fpm, "install", "--profile", "release", "--no-prune", "--flag", FLAGS,
-             "--prefix", folder])
+        output = run([fpm, "install", "--profile", "release", "--no-prune", "--flag", FLAGS,
+                      "--prefix", folder])
+        if bundled:
+            link_program(compiler, folder, output)
     (folder / "shown").write_text(SHOWN, encoding="ascii")
     library = folder / "libasperity.so"
-    run([compiler, "-shared", "-fopenmp", "-o", library,
+    run([compiler, "-shared", "-fopenmp", *(["-s"] if bundled else []), "-o", library,
          "-Wl,--whole-archive", folder / "lib" / "libasperity.a", "-Wl,--no-whole-archive",
          f"-Wl,--version-script={folder / 'shown'}", "-lfftw3"])
     return library, folder / "bin" / "asperity"
+
+
+def link_program(compiler, folder, output):
+    """Links the program again, with all libraries inside but the C library. fpm itself links only
+    after a change of a source. Its objects are in the folder of the modules, which is in `output`,
+    what `fpm install` has printed."""
+    found = re.search(r"(build/\w+)/\w+\.mod -> ", output)
+    if not found:
+        stop("fpm install does not print the folder of the modules")
+    objects = [f"{found[1]}/asperity/app_{path.name}.o"
+               for path in sorted((ROOT / "app").glob("*.f90"))]
+    run([compiler, "-fopenmp", "-static-libgcc", "-s", "-o", folder / "bin" / "asperity", *objects,
+         folder / "lib" / "libasperity.a", "-Wl,--as-needed", *STATIC])
 
 
 def check_fftw(compiler, folder):
