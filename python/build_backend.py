@@ -199,8 +199,13 @@ def link_program(compiler, folder, output):
         stop("fpm install does not print the folder of the modules")
     objects = [f"{found[1]}/asperity/app_{path.name}.o"
                for path in sorted((ROOT / "app").glob("*.f90"))]
+    # The order of fpm's archive differs from build to build, and so would the bytes of the wheel.
+    library = folder / "lib" / "libasperity.a"
+    members = sorted(run(["ar", "t", library]).split())
+    library.unlink()
+    run(["ar", "rcsD", library, *(f"{found[1]}/asperity/{member}" for member in members)])
     run([compiler, "-fopenmp", "-static-libgcc", "-s", "-o", folder / "bin" / "asperity", *objects,
-         folder / "lib" / "libasperity.a", "-Wl,--as-needed", *STATIC])
+         library, "-Wl,--as-needed", *STATIC])
 
 
 def check_fftw(compiler, folder):
