@@ -4,18 +4,22 @@ module asperity_height_map
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
-  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
+  use asperity_problems, only: decimal_text, not_enough_memory, problem_list, real_text
   use asperity_process, only: has_memory
   implicit none
   private
 
-  public :: height_map, change_unit, length_units, unit_number, unit_ratio, plain_unit, &
+  public :: height_map, change_unit, move_map, put_in_unit, give_spacing, fault_of_map, &
+            fault_of_spacing, length_units, unit_number, unit_ratio, plain_unit, &
             no_height, is_measured, is_length, make_room, read_height, expected_length, &
+            expected_height, highest, largest_height, &
             most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
-            level_none, level_plane, usual_level
+            level_none, level_plane, periodic_edge, usual_level
 
   !> Edges: the half-space goes on without load beyond a free map; a periodic map repeats itself.
   character(len=*), parameter :: edge_names(2) = [character(len=8) :: 'free', 'periodic']
+  !> The second of them.
+  integer, parameter :: periodic_edge = 2
   !> Levels from which heights are measured: the plane of least squares, the mean height, or the
   !> heights as they are.
   integer, parameter :: level_plane = 1, level_mean = 2, level_none = 3
@@ -36,6 +40,14 @@ module asperity_height_map
   integer(int64), parameter :: most_samples = 2147483647_int64
   ! Lengths beyond these are no lengths of anything, and their powers would not fit in a double.
   real(real64), parameter :: least_length = 1.0e-30_real64, most_length = 1.0e30_real64
+  !> Larger heights are refused.
+  real(real64), parameter :: highest = 1.0e30_real64
+  !> What a message expects of a height.
+  character(len=*), parameter :: expected_height = 'a height of at most 1e30, or NaN where missing'
+  ! Fewer pixels a side have no summit.
+  integer, parameter :: fewest = 3
+  ! Squares of flatter maps would not fit in a double.
+  real(real64), parameter :: least_range = 1.0e-60_real64
   !> No digit was read yet.
   integer, parameter :: no_power = huge(0)
   !> What a message says of a length.
@@ -45,12 +57,13 @@ module asperity_height_map
   type :: height_map
     integer :: columns = 0                      !! samples of a profile, along x
     integer :: rows = 0                         !! profiles, along y
-    real(real64) :: spacing(2) = 0.0_real64     !! from sample to sample along x and y, more than 0
+    real(real64) :: spacing(2) = 0.0_real64     !! of pixels along x and y; 0: not given
     real(real64), allocatable :: height(:, :)   !! by column and row; `no_height` where missing
     character(len=:), allocatable :: unit       !! of all lengths; empty where the file has none
     !> What one more in the last digit of a height is, as the file has heights; 0: not known.
     real(real64) :: digit = 0.0_real64
-    logical :: own_spacing = .true.             !! the spacing is that of the file
+    logical :: own_spacing = .true.             !! the spacing came with the heights
+    integer :: edge = 0                         !! which of `edge_names` came with them; 0: none
     type(problem_list) :: notes                 !! what is odd about the file, no error
     logical :: periodic = .false.               !! it repeats itself along x and y: it has no edge
   end type height_map
@@ -92,6 +105,17 @@ contains
     is_length = value >= least_length .and. value <= most_length
   end function is_length
 
+  !> Moves a map without a copy of its heights.
+  pure subroutine move_map(from, to)
+    type(height_map), intent(inout) :: from  !! left without heights
+    type(height_map), intent(out) :: to      !! the map
+    real(real64), allocatable :: height(:, :)
+
+    call move_alloc(from%height, height)
+    to = from
+    call move_alloc(height, to%height)
+  end subroutine move_map
+
   !> Converts all lengths of a map to another unit.
   pure subroutine change_unit(map, unit)
     type(height_map), intent(inout) :: map  !! its unit is one of `length_units`
@@ -105,6 +129,81 @@ contains
     map%digit = map%digit * factor
     where (is_measured(map%height)) map%height = map%height * factor
   end subroutine change_unit
+
+  !> Converts all lengths of a map to a unit; a map without a unit has its numbers in this one.
+  pure subroutine put_in_unit(map, unit)
+    type(height_map), intent(inout) :: map  !! its unit is one of `length_units`, or empty
+    integer, intent(in) :: unit             !! which of `length_units`
+
+    if (map%unit == '') map%unit = trim(length_units(unit))
+    call change_unit(map, unit)
+  end subroutine put_in_unit
+
+  !> Gives a map that came without a spacing the one that stands beside it.
+  pure subroutine give_spacing(map, spacing, option, shared, fault)
+    type(height_map), intent(inout) :: map  !! its spacing is 0, 0 where it came without
+    real(real64), intent(in) :: spacing(2)  !! along x and y; 0, 0: none is given
+    character(len=*), intent(in) :: option  !! name of the spacing, for the message
+    logical, intent(in) :: shared           !! the spacing is that of another map, where not needed
+    character(len=:), allocatable, intent(out) :: fault  !! what is wrong; empty: nothing
+
+    fault = ''
+    map%own_spacing = all(map%spacing > 0.0_real64)
+    if (.not. map%own_spacing) map%spacing = spacing
+    if (map%own_spacing .and. any(spacing > 0.0_real64) .and. .not. shared) then
+      fault = option // ' given, but the map has its own, expected none'
+    else if (.not. all(map%spacing > 0.0_real64)) then
+      fault = 'found heights without a spacing, expected ' // option // ' along x and y'
+    end if
+  end subroutine give_spacing
+
+  !> What is wrong with a spacing that is given; empty: nothing.
+  pure function fault_of_spacing(spacing, option) result(fault)
+    real(real64), intent(in) :: spacing(2)   !! along x and y; 0, 0: none is given
+    character(len=*), intent(in) :: option   !! name of the spacing, for the message
+    character(len=:), allocatable :: fault   !! what was found and what is expected
+
+    fault = ''
+    if (all(abs(spacing) <= 0.0_real64) .or. all(is_length(spacing))) return
+    fault = option // ': found ' // real_text(spacing(1)) // ', ' // real_text(spacing(2)) // &
+            ', expected two numbers, each ' // expected_length // ', or 0 for both'
+  end function fault_of_spacing
+
+  !> What no map may be, whatever it came from; empty: nothing is wrong.
+  pure function fault_of_map(map) result(fault)
+    type(height_map), intent(in) :: map     !! with its heights
+    character(len=:), allocatable :: fault  !! what was found and what is expected
+    real(real64) :: low, high
+    integer(int64) :: measured
+    integer :: row
+
+    fault = ''
+    if (min(map%columns, map%rows) < fewest) then
+      fault = 'found ' // decimal_text(map%columns) // ' x ' // decimal_text(map%rows) // &
+              ' pixels, expected at least 3 x 3'
+      return
+    end if
+    low = huge(low)
+    high = -huge(high)
+    measured = 0_int64
+    do row = 1, map%rows
+      measured = measured + count(is_measured(map%height(:, row)), kind=int64)
+      low = min(low, minval(map%height(:, row), mask=is_measured(map%height(:, row))))
+      high = max(high, maxval(map%height(:, row), mask=is_measured(map%height(:, row))))
+    end do
+    if (measured == 0_int64) then
+      fault = 'all pixels are missing, expected heights'
+    else if (high > low .and. high - low < least_range) then
+      fault = 'heights differ by less than 1e-60, expected more, or none'
+    end if
+  end function fault_of_map
+
+  !> The largest height without its sign.
+  pure real(real64) function largest_height(map)
+    type(height_map), intent(in) :: map  !! with its heights
+
+    largest_height = maxval(abs(map%height), mask=is_measured(map%height))
+  end function largest_height
 
   !> How many of a unit are one of another.
   pure real(real64) function unit_ratio(from, to)

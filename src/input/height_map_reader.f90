@@ -1,8 +1,9 @@
 !> Reads a height map; what kind of file it is, its content tells.
 module asperity_height_map_reader
-  use asperity_height_map, only: expected_length, height_map, is_length, is_measured
+  use asperity_height_map, only: fault_of_map, fault_of_spacing, give_spacing, height_map
   use asperity_kinds, only: int64, real64
-  use asperity_problems, only: decimal_text, problem_list, real_text
+  use asperity_npy_map, only: is_npy, read_npy_map
+  use asperity_problems, only: decimal_text, problem_list
   use asperity_sdf_header, only: is_sdf, magic_length, read_binary_header, read_text_header, &
                                  sdf_header
   use asperity_sdf_samples, only: read_sdf_samples
@@ -16,17 +17,13 @@ module asperity_height_map_reader
   public :: read_height_map, take_height_map, is_height_map, head_length
 
   character(len=*), parameter :: expected = 'a surface data file (ISO 25178-71), a matrix of ' // &
-    'heights, or x,y,z lines'
-  ! Fewer samples a side have no summit.
-  integer, parameter :: fewest = 3
-  ! Squares of flatter maps would not fit in a double.
-  real(real64), parameter :: least_range = 1.0e-60_real64
+    'heights, x,y,z lines, or an array (.npy)'
 
 contains
 
-  !> Whether a file is a height map by its beginning: surface data, numbers, or the names x, y, z;
-  !> not the names of a surface. Four numbers with commas are a surface whose names were forgotten,
-  !> unless a spacing is given, so that they are heights.
+  !> Whether a file is a height map by its beginning: surface data, an array, numbers, or the names
+  !> x, y, z; not the names of a surface. Four numbers with commas are a surface whose names were
+  !> forgotten, unless a spacing is given, so that they are heights.
   logical function is_height_map(head, has_spacing)
     character(len=*), intent(in) :: head    !! `head_length` bytes, or the whole file
     logical, intent(in) :: has_spacing      !! a spacing is given
@@ -35,12 +32,12 @@ contains
     character(len=:), allocatable :: line
     integer :: i
 
-    is_height_map = is_sdf(head(:min(len(head), magic_length)))
+    is_height_map = is_sdf(head(:min(len(head), magic_length))) .or. is_npy(head)
     if (is_height_map) return
     call problems%start('')
     call notes%start('')
     call read_header(head, header, line, problems, notes)
-    is_height_map = has_spacing .or. header%names_line > 0 .or. all(header%extent > 0.0_real64)
+    is_height_map = has_spacing .or. header%names_line > 0 .or. header%has_spacing()
     if (is_numeric_line(line)) then
       is_height_map = is_height_map .or. &
                       count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
@@ -85,33 +82,35 @@ contains
     type(problem_list), intent(inout) :: problems           !! all that is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
     type(sdf_header) :: header
-    character(len=:), allocatable :: magic
+    character(len=:), allocatable :: fault, magic
     integer :: before
 
     call problems%start(path)
     before = problems%count()
     map%unit = ''
     call map%notes%start(path)
-    if (.not. (all(abs(spacing) <= 0.0_real64) .or. all(is_length(spacing)))) then
-      call problems%add(option // ': found ' // real_text(spacing(1)) // ', ' // &
-                        real_text(spacing(2)) // ', expected two numbers, each ' // &
-                        expected_length // ', or 0 for both')
+    fault = fault_of_spacing(spacing, option)
+    if (fault /= '') then
+      call problems%add(fault)
       return
     end if
     call file%take(magic_length, magic)
     if (allocated(file%failure)) then
       call problems%add_at(1, 1, file%failure // ', expected ' // expected)
     else if (is_sdf(magic)) then
-      if (any(spacing > 0.0_real64) .and. .not. shared) &
-        call problems%add_in_file(option // ' given, but the file has its own, ' // &
-                                  'expected none')
       if (scan(magic(1:1), 'aA') == 1) then
         call read_text_header(file, magic, header, problems)
       else
         call read_binary_header(file, magic, header, problems)
       end if
+      map%spacing = header%scale(:2)
+      if (problems%count() == before) call take_spacing()
       if (problems%count() == before) &
         call read_sdf_samples(file, header, progress, map, problems, failure)
+    else if (is_npy(magic)) then
+      call take_spacing()
+      if (problems%count() == before) &
+        call read_npy_map(file, magic, progress, map, problems, failure)
     else if (len(magic) == 0) then
       call problems%add_at(1, 1, 'the file is empty, expected ' // expected)
     else if (is_binary(magic)) then
@@ -123,7 +122,17 @@ contains
       call problems%add_in_file('byte ' // decimal_text(file%before + int(file%at, int64)) // &
                                 ': ' // file%failure)
     if (allocated(failure)) failure = path // ': ' // failure
-    if (problems%count() == before .and. .not. allocated(failure)) call check_map(map, problems)
+    if (problems%count() > before .or. allocated(failure)) return
+    fault = fault_of_map(map)
+    if (fault /= '') call problems%add_in_file(fault)
+
+  contains
+
+    subroutine take_spacing()
+      call give_spacing(map, spacing, option, shared, fault)
+      if (fault /= '') call problems%add_in_file(fault)
+    end subroutine take_spacing
+
   end subroutine take_height_map
 
   ! Whether the first bytes are none of a text.
@@ -137,34 +146,5 @@ contains
                                   index(achar(9) // achar(10) // achar(13), bytes(i:i)) == 0)
     end do
   end function is_binary
-
-  ! What no map may be, whatever its file.
-  subroutine check_map(map, problems)
-    type(height_map), intent(in) :: map
-    type(problem_list), intent(inout) :: problems
-    real(real64) :: low, high
-    integer(int64) :: measured
-    integer :: row
-
-    if (min(map%columns, map%rows) < fewest) then
-      call problems%add_in_file('found ' // decimal_text(map%columns) // ' x ' // &
-                                decimal_text(map%rows) // &
-                                ' pixels, expected at least 3 x 3')
-      return
-    end if
-    low = huge(low)
-    high = -huge(high)
-    measured = 0_int64
-    do row = 1, map%rows
-      measured = measured + count(is_measured(map%height(:, row)), kind=int64)
-      low = min(low, minval(map%height(:, row), mask=is_measured(map%height(:, row))))
-      high = max(high, maxval(map%height(:, row), mask=is_measured(map%height(:, row))))
-    end do
-    if (measured == 0_int64) then
-      call problems%add_in_file('all pixels are missing, expected heights')
-    else if (high > low .and. high - low < least_range) then
-      call problems%add_in_file('heights differ by less than 1e-60, expected more, or none')
-    end if
-  end subroutine check_map
 
 end module asperity_height_map_reader

@@ -26,7 +26,7 @@ module asperity_scene_fields
     type(namelist_text) :: list                  ! groups, names and values in their order
     type(known_name), allocatable :: known(:)    ! where those that are known stand in it
     logical, public :: is_text = .false.         !! otherwise nothing is to be taken from it
-    logical, public :: surfaces_given = .false.  !! as arrays, beside the text
+    logical, public :: given(2) = .false.        !! upper, lower: as arrays, beside the text
     logical, public :: surfaces_kept = .false.   !! of another scene: &surfaces is not looked at
     type(problem_list), public :: problems       !! what is wrong with the scene
   contains
@@ -43,7 +43,7 @@ module asperity_scene_fields
     procedure :: take_units         !! takes names of units, as numbers
     procedure :: comma_pair         !! two whole numbers with a comma between and no blank
     procedure :: complain_of_group  !! tells a problem at a group
-    procedure :: complain_of        !! tells a problem at a name that stands in the scene
+    procedure :: complain_of        !! tells a problem at a name
     procedure :: require            !! tells that a name is missing
     procedure, private :: in_quotes
     procedure, private :: item_of
@@ -319,15 +319,19 @@ contains
     call self%problems%add_at_byte(self%list%text, byte, message)
   end subroutine complain_of_group
 
-  !> Tells a problem at a name that stands in the scene.
+  !> Tells a problem at a name, where it stands in the scene; else by group and name.
   subroutine complain_of(self, group, name, message)
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    call self%problems%add_at_byte(self%list%text, &
-         self%list%items(self%item_of(group, name))%first, name // ': ' // message)
+    if (self%has(group, name)) then
+      call self%problems%add_at_byte(self%list%text, &
+           self%list%items(self%item_of(group, name))%first, name // ': ' // message)
+    else
+      call self%problems%add(group // '.' // name // ': ' // message)
+    end if
   end subroutine complain_of
 
   !> Tells that a name does not stand in the scene.

@@ -2,9 +2,9 @@
 module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_height_map, only: change_unit, edge_names, expected_length, height_map, is_length, &
-                                 length_units, level_names, level_plane, plain_unit, unit_number, &
-                                 usual_level
+  use asperity_height_map, only: change_unit, edge_names, expected_length, give_spacing, &
+                                 height_map, is_length, length_units, level_names, level_plane, &
+                                 periodic_edge, plain_unit, unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
   use asperity_input_text, only: quoted
   use asperity_kept_records, only: checksum
@@ -48,21 +48,24 @@ contains
     if (file%length < 0_int64) word = checksum(file%block(:file%used))
   end function checksum_of_pipe
 
-  !> Reads the maps that a scene names in the place of surfaces, whose files are set; '' is none.
+  !> Makes the maps of a scene: those that it names in the place of surfaces, whose files are set
+  !> ('' is none), and those that are given as arrays.
   subroutine read_maps(files, fields, checked, other_files)
     type(token_reader), intent(inout) :: files(2)     !! of both, open
     type(scene_fields), intent(inout) :: fields       !! the scene's text
-    type(scene), intent(inout) :: checked             !! gets the maps
+    type(scene), intent(inout) :: checked             !! gets the maps; has those that are given
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
     type(decimal_value) :: spacing(2, 2)
     integer :: despike, edge, sides, unit(2)
+    logical :: there(2)
 
-    edge = 1
     despike = 1
     unit = 0
-    call fields%take_word('surfaces', 'map_edge', edge_names, edge)
+    call take_edge()
     call fields%take_word('surfaces', 'map_despike', despike_words, despike)
-    sides = count([checked%upper%file /= '', checked%lower%file /= ''])
+    there = [checked%upper%file /= '' .or. checked%map%upper%columns > 0, &
+             checked%lower%file /= '' .or. checked%map%lower%columns > 0]
+    sides = count(there)
     call take_spacing()
     if (sides == 2 .and. fields%value_count('surfaces', 'map_unit') == 2) then
       call fields%take_units('surfaces', 'map_unit', length_units, unit)
@@ -73,9 +76,8 @@ contains
     if (fields%has('surfaces', 'radius')) &
       call fields%complain_of('surfaces', 'radius', 'found beside a map, whose summits have ' // &
                               'radii of their own, expected none')
-    allocate (checked%map)
     associate (maps => checked%map)
-      maps%periodic = edge == 2
+      maps%periodic = edge == periodic_edge
       maps%despike = despike == 2
       maps%level = usual_level(maps%periodic)
       call fields%take_word('surfaces', 'map_level', level_names, maps%level)
@@ -85,20 +87,34 @@ contains
       ! What was refused of it hides what a map needs.
       if (fields%has('surfaces', 'map_spacing') .and. &
           .not. all(is_length(decimal_to_real64(spacing)))) return
-      if (checked%upper%file /= '') call read_one(checked%upper, 1, maps%upper)
-      if (checked%lower%file /= '') call read_one(checked%lower, 2, maps%lower)
+      if (there(1)) call make_one(checked%upper, 1, maps%upper)
+      if (there(2)) call make_one(checked%lower, 2, maps%lower)
       if (other_files%count() > 0) return
       if (fields%has('surfaces', 'map_spacing') .and. sides == 2 .and. &
           maps%upper%own_spacing .and. maps%lower%own_spacing) &
         call fields%complain_of('surfaces', 'map_spacing', 'found although both maps have ' // &
                                 'their own, expected none')
       if (fields%has('surfaces', 'map_unit') .and. any(unit == 0)) return
-      if (maps%upper%columns > 0) call convert(checked%upper%file, 1, maps%upper, maps%lower)
-      if (maps%lower%columns > 0) call convert(checked%lower%file, 2, maps%lower, maps%upper)
+      if (there(1)) call convert(1, maps%upper, maps%lower)
+      if (there(2)) call convert(2, maps%lower, maps%upper)
       if (sides == 2) call compare_grids(maps%upper, maps%lower, fields)
     end associate
 
   contains
+
+    ! The edge that is named, or else that of the arrays.
+    subroutine take_edge()
+      integer :: of_arrays(2)
+
+      of_arrays = [checked%map%upper%edge, checked%map%lower%edge]
+      edge = max(1, maxval(of_arrays))
+      if (fields%has('surfaces', 'map_edge')) then
+        call fields%take_word('surfaces', 'map_edge', edge_names, edge)
+      else if (all(of_arrays > 0) .and. of_arrays(1) /= of_arrays(2)) then
+        call fields%complain_of('surfaces', 'upper', 'two maps: found one that is free and one ' &
+                                // 'that is periodic, expected both alike, or map_edge')
+      end if
+    end subroutine take_edge
 
     ! A pair for all maps, or one for each.
     subroutine take_spacing()
@@ -118,47 +134,41 @@ contains
              real_text(decimal_to_real64(values(bad))) // ', expected ' // expected_length)
     end subroutine take_spacing
 
-    subroutine read_one(surface, side, map)
+    subroutine make_one(surface, side, map)
       type(scene_surface), intent(inout) :: surface
       integer, intent(in) :: side
-      type(height_map), intent(out) :: map
+      type(height_map), intent(inout) :: map
       type(problem_list) :: found
-      character(len=:), allocatable :: failure
+      character(len=:), allocatable :: failure, fault
+      logical :: shared
 
       ! One pair beside two maps is that of the one that has no spacing.
-      call take_height_map(surface%file, files(side), decimal_to_real64(spacing(:, side)), &
-                           'map_spacing', &
-                           sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2, &
-                           .true., map, found, failure)
-      surface%checksum = checksum_of_pipe(files(side))
-      if (allocated(failure)) then
-        call found%add(failure)
-        found%lacks_memory = .true.
+      shared = sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2
+      if (fields%given(side)) then
+        call give_spacing(map, decimal_to_real64(spacing(:, side)), 'map_spacing', shared, fault)
+        if (fault /= '') &
+          call found%add('surfaces.' // trim(merge('upper', 'lower', side == 1)) // ': ' // fault)
+      else
+        call take_height_map(surface%file, files(side), decimal_to_real64(spacing(:, side)), &
+                             'map_spacing', shared, .true., map, found, failure)
+        surface%checksum = checksum_of_pipe(files(side))
+        if (allocated(failure)) call found%add(failure)
+        found%lacks_memory = allocated(failure)
       end if
       map%periodic = checked%map%periodic
       call other_files%append(found)
       call checked%notes%append(map%notes)
-    end subroutine read_one
+    end subroutine make_one
 
-    ! Puts a map in the unit of the scene, which is that of the first map. One without a unit is
-    ! taken to be in the unit that is named for its side, where the other map gives it a meaning.
-    subroutine convert(file, side, map, other)
-      character(len=*), intent(in) :: file
+    ! Puts a map in the unit of the scene, which is that of the first map. One without a unit has
+    ! its numbers in the unit that is named for its side.
+    subroutine convert(side, map, other)
       integer, intent(in) :: side
       type(height_map), intent(inout) :: map
       type(height_map), intent(in) :: other
 
-      if (unit(side) > 0 .and. map%unit == '') then
-        if (sides == 2) then
-          if (other%unit /= '' .or. unit(1) /= unit(2)) map%unit = trim(length_units(unit(side)))
-        end if
-        if (map%unit == '') then
-          call fields%complain_of('surfaces', 'map_unit', quoted(file) // ' has no unit, ' // &
-                                  'expected none: its lengths are taken as they are')
-          return
-        end if
-      end if
-      if (unit(1) > 0) then
+      if (unit(side) > 0) then
+        if (map%unit == '') map%unit = trim(length_units(unit(side)))
         call change_unit(map, unit(1))
       else if (side == 2 .and. sides == 2 .and. map%unit /= '') then
         if (unit_number(other%unit) > 0) call change_unit(map, unit_number(other%unit))

@@ -4,6 +4,7 @@ module asperity_scene_reader
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: a_scene, group_start, other_kind
+  use asperity_height_map, only: move_map
   use asperity_input_text, only: blanks, read_text, text_start
   use asperity_kinds, only: real64
   use asperity_namelist_cursor, only: skip_blanks
@@ -16,11 +17,11 @@ module asperity_scene_reader
   use asperity_scene_maps, only: check_map_scene
   use asperity_scene_names, only: scene_table
   use asperity_scene_surfaces, only: from_csv, read_surfaces
-  use asperity_scene_values, only: by_word, scene, scene_motion, scene_surface
+  use asperity_scene_values, only: by_word, scene, scene_motion, scene_side, scene_surface
   implicit none
   private
 
-  public :: read_scene, parse_scene, build_scene, rebuild_scene
+  public :: read_scene, parse_scene, build_scene, build_scene_of, rebuild_scene
 
   ! Room for results is bounded: a position takes some 400 bytes.
   integer, parameter :: most_positions = 1000000
@@ -57,26 +58,51 @@ contains
     call read_groups(fields, checked, problems)
   end subroutine parse_scene
 
-  !> Makes a scene of two surfaces in memory. `text` has the groups of a scene but `&surfaces`, for
-  !> instance `&material ... / &loading control = 'load', value = 500. /`.
+  !> Makes a scene of two surfaces in memory. `text` has the groups of a scene, of `&surfaces` only
+  !> what does not name them, for instance
+  !> `&material ... / &loading control = 'load', value = 500. /`.
   subroutine build_scene(upper, lower, text, checked, problems)
     type(scene_surface), intent(in) :: upper        !! from take_surface
     type(scene_surface), intent(in) :: lower        !! from take_surface
     character(len=*), intent(in) :: text            !! the other groups
     type(scene), intent(out) :: checked             !! its values, defaults filled in
     type(problem_list), intent(inout) :: problems   !! all that is wrong
+    type(scene_side) :: sides(2)
+
+    allocate (sides(1)%surface, source=upper)
+    allocate (sides(2)%surface, source=lower)
+    call build_scene_of(sides, text, checked, problems)
+  end subroutine build_scene
+
+  !> Makes a scene of its text and of surfaces or height maps in memory; a side that is not given is
+  !> named in the text, as in a file.
+  subroutine build_scene_of(sides, text, checked, problems)
+    type(scene_side), intent(inout) :: sides(2)     !! upper, lower; heights of maps are moved away
+    character(len=*), intent(in) :: text            !! the groups
+    type(scene), intent(out) :: checked             !! its values, defaults filled in
+    type(problem_list), intent(inout) :: problems   !! all that is wrong
     type(scene_fields) :: fields
 
     checked%file = 'scene'
     checked%text = text
-    checked%upper = upper
-    checked%lower = lower
     call read_fields(checked%file, text, 'a scene', [a_scene], scene_table(), fields)
-    fields%surfaces_given = .true.
-    if (upper%is_plane .and. lower%is_plane) &
-      call problems%add('surfaces: found two planes, expected one at most')
+    fields%given = [is_given(sides(1)), is_given(sides(2))]
+    if (allocated(sides(1)%map) .or. allocated(sides(2)%map)) allocate (checked%map)
+    if (allocated(sides(1)%map)) call move_map(sides(1)%map, checked%map%upper)
+    if (allocated(sides(2)%map)) call move_map(sides(2)%map, checked%map%lower)
+    if (allocated(sides(1)%surface)) checked%upper = sides(1)%surface
+    if (allocated(sides(2)%surface)) checked%lower = sides(2)%surface
     call read_groups(fields, checked, problems)
-  end subroutine build_scene
+
+  contains
+
+    pure logical function is_given(side)
+      type(scene_side), intent(in) :: side
+
+      is_given = allocated(side%surface) .or. allocated(side%map)
+    end function is_given
+
+  end subroutine build_scene_of
 
   !> Makes a scene with the surfaces of another one, which are not read again, from the text of all
   !> its groups. &surfaces of the text is not looked at: that of the other scene stays. Surfaces of
@@ -100,7 +126,7 @@ contains
     checked%nominal_area = other%nominal_area
     checked%units = other%units
     call read_fields(checked%file, text, 'a scene', [a_scene], scene_table(), fields)
-    fields%surfaces_given = .true.
+    fields%given = .true.
     fields%surfaces_kept = .true.
     call read_groups(fields, checked, problems)
   end subroutine rebuild_scene

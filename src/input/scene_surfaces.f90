@@ -33,12 +33,23 @@ contains
     if (fields%surfaces_kept) return
     call fields%take_number('surfaces', 'nominal_area', above_zero, checked%nominal_area)
     call fields%take_names('surfaces', 'units', checked%units)
-    if (fields%surfaces_given) then
-      if (any([fields%has('surfaces', 'deck'), fields%has('surfaces', 'upper'), &
-               fields%has('surfaces', 'lower'), fields%has('surfaces', 'radius')])) &
-        call fields%complain_of_group('surfaces', 'found &surfaces beside surfaces that are ' // &
-                                      'given as arrays, expected none, or nominal_area and ' // &
-                                      'units alone')
+    if (any(fields%given)) then
+      call fields%take_text('surfaces', 'upper', upper)
+      call fields%take_text('surfaces', 'lower', lower)
+      if (fields%has('surfaces', 'deck')) then
+        call refuse_beside_arrays('deck')
+      else if (any(fields%given .and. named())) then
+        if (fields%given(1) .and. fields%has('surfaces', 'upper')) &
+          call refuse_beside_arrays('upper')
+        if (fields%given(2) .and. fields%has('surfaces', 'lower')) &
+          call refuse_beside_arrays('lower')
+      else if (.not. all(fields%given .or. named())) then
+        call fields%complain_of_group('surfaces', 'a surface is missing: found one as an ' // &
+             'array, expected the other one as an array, too, or its file or ''plane'' as ' // &
+             trim(merge('lower', 'upper', fields%given(1))) // ' in &surfaces')
+      else
+        call read_files(path, upper, lower, fields, checked, other_files)
+      end if
       return
     end if
     if (.not. fields%has_group('surfaces')) then
@@ -64,6 +75,22 @@ contains
       call fields%complain_of_group('surfaces', 'a surface is missing: expected deck, or both ' // &
                                     'upper and lower, in &surfaces')
     end if
+
+  contains
+
+    function named()
+      logical :: named(2)
+
+      named = [fields%has('surfaces', 'upper'), fields%has('surfaces', 'lower')]
+    end function named
+
+    subroutine refuse_beside_arrays(name)
+      character(len=*), intent(in) :: name
+
+      call fields%complain_of('surfaces', name, 'found beside a surface that is given as an ' // &
+                              'array, expected none')
+    end subroutine refuse_beside_arrays
+
   end subroutine read_surfaces
 
   !> Two files, or one and a plane: maps or CSV files, by their first bytes. Each is opened
@@ -77,8 +104,8 @@ contains
     type(token_reader) :: files(2)
     logical :: maps(2)
 
-    checked%upper%is_plane = is_plane(upper)
-    checked%lower%is_plane = is_plane(lower)
+    if (.not. fields%given(1)) checked%upper%is_plane = is_plane(upper)
+    if (.not. fields%given(2)) checked%lower%is_plane = is_plane(lower)
     if (checked%upper%is_plane .and. checked%lower%is_plane) then
       call fields%complain_of('surfaces', 'lower', 'found two planes, expected one at most')
       return
@@ -93,7 +120,7 @@ contains
       end if
     end if
     call look_at(lower, files(2), maps(2))
-    if (any(maps)) then
+    if (any(maps) .or. allocated(checked%map)) then
       call take_maps(path, upper, lower, files, maps, fields, checked, other_files)
     else
       call read_csv_files(path, upper, lower, files, fields, checked, other_files)
@@ -172,9 +199,9 @@ contains
         call fields%complain_of_group('surfaces', 'no radius: found no radius column in the ' // &
              which // ' surface''s file, expected radius = upper, lower in &surfaces')
     else if (upper_has_radius .and. lower_has_radius .and. other_files%count() == 0 .and. &
-             allocated(upper) .and. allocated(lower)) then
-      call fields%complain_of('surfaces', 'radius', 'found although both files have a radius ' // &
-                              'column, expected only where one has none')
+             all(fields%given .or. [allocated(upper), allocated(lower)])) then
+      call fields%complain_of('surfaces', 'radius', 'found although both surfaces have radii ' // &
+                              'of their own, expected only where a file has none')
     end if
   end subroutine read_csv_files
 
@@ -187,9 +214,12 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
+    character(len=*), parameter :: no_map = 'found no map beside a map, expected ' // &
+      '''plane'' or a map on the same grid'
 
     call take('upper', upper, files(1), maps(1), checked%upper)
     call take('lower', lower, files(2), maps(2), checked%lower)
+    if (.not. allocated(checked%map)) allocate (checked%map)
     call read_maps(files, fields, checked, other_files)
 
   contains
@@ -199,8 +229,12 @@ contains
       character(len=:), allocatable, intent(in) :: name
       type(token_reader), intent(in) :: file
       logical, intent(in) :: names_map
-      type(scene_surface), intent(out) :: surface
+      type(scene_surface), intent(inout) :: surface
+      logical :: asperities
 
+      asperities = allocated(surface%x)
+      if (asperities) asperities = size(surface%x) > 0
+      if (asperities) call fields%complain_of('surfaces', which, no_map)
       surface = plane_surface()
       if (.not. allocated(name)) return
       if (is_plane(name)) return
@@ -210,8 +244,7 @@ contains
         call other_files%start(beside(path, name))
         call other_files%add_at(1, 1, file%failure // ', expected a map')
       else
-        call fields%complain_of('surfaces', which, 'found no map beside a map, expected ' // &
-                                '''plane'' or a map on the same grid')
+        call fields%complain_of('surfaces', which, no_map)
       end if
     end subroutine take
 
@@ -284,7 +317,7 @@ contains
   pure logical function from_csv(fields)
     type(scene_fields), intent(in) :: fields  !! the scene's text
 
-    from_csv = fields%surfaces_given .or. (.not. fields%has('surfaces', 'deck') .and. &
+    from_csv = any(fields%given) .or. (.not. fields%has('surfaces', 'deck') .and. &
                (fields%has('surfaces', 'upper') .or. fields%has('surfaces', 'lower')))
   end function from_csv
 

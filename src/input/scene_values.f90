@@ -17,7 +17,8 @@ module asperity_scene_values
   implicit none
   private
 
-  public :: scene_map, scene, scene_surface, scene_motion, scene_loading, scene_limit, scene_effects
+  public :: scene_map, scene, scene_side, scene_surface, scene_motion, scene_loading, scene_limit, &
+            scene_effects
   public :: control_limit, control_separation, control_load, control_vertical_load, &
             control_pressure, control_compression, control_words, is_load, is_vertical_load
   public :: criterion_none, criterion_load, criterion_pressure, criterion_greenwood_williamson, &
@@ -135,6 +136,13 @@ module asperity_scene_values
     integer :: level = level_plane !! from which heights are measured
     logical :: despike = .false.   !! single outliers are taken out of them
   end type scene_map
+
+  !> One side of a scene that is given beside its text; where neither is allocated, the text names a
+  !> file or a plane.
+  type :: scene_side
+    type(scene_surface), allocatable :: surface  !! asperities or a plane
+    type(height_map), allocatable :: map         !! a height map
+  end type scene_side
 
   !> A whole scene, resolved: defaults and the deck's own values are filled in.
   !>

@@ -5,8 +5,8 @@
 !> the first profile is that of the largest y, as other programs have it. Bytes behind the pixels
 !> are text of the maker, which is noted, or refused: the header may be longer than it should be.
 module asperity_sdf_samples
-  use asperity_height_map, only: digit_of, height_map, is_measured, make_room, most_samples, &
-                                 no_height, no_power, read_height
+  use asperity_height_map, only: digit_of, height_map, highest, is_measured, largest_height, &
+                                 make_room, most_samples, no_height, no_power, read_height
   use asperity_input_text, only: blanks, lower_case, quoted
   use asperity_kinds, only: int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
@@ -19,8 +19,6 @@ module asperity_sdf_samples
   public :: read_sdf_samples
 
   integer, parameter :: binary32 = 3, binary64 = 7
-  ! Heights beyond this, in metres, are no heights.
-  real(real64), parameter :: highest = 1.0e30_real64
   ! Text behind the pixels of a binary file has fewer bytes.
   integer, parameter :: longest_text = 1000000
 
@@ -54,7 +52,6 @@ contains
     others = 0_int64
     map%columns = int(header%points)
     map%rows = int(header%profiles)
-    map%spacing = header%scale(1:2)
     map%unit = 'm'
     call make_room(map, failure)
     if (allocated(failure)) return
@@ -144,7 +141,7 @@ contains
     end do
     ! A whole number counts; a real one is as good as its format.
     map%digit = 1.0_real64
-    largest = maxval(abs(map%height), mask=is_measured(map%height)) / header%scale(3)
+    largest = largest_height(map) / header%scale(3)
     if (header%data_type == binary32) map%digit = real(spacing(real(largest, real32)), real64)
     if (header%data_type == binary64) map%digit = spacing(largest)
     place = here(file)

@@ -2,7 +2,7 @@
 !> numbers, with the units, width and height that they give.
 module asperity_text_header
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_height_map, only: plain_unit, unit_number
+  use asperity_height_map, only: is_length, plain_unit, unit_number
   use asperity_input_text, only: blanks, lower_case, quoted, text_start
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
@@ -25,6 +25,9 @@ module asperity_text_header
     character(len=unit_length) :: unit(3) = ''  !! of x, y and z as it is written; empty: none
     real(real64) :: extent(2) = 0.0_real64      !! width and height of the map, in `unit(1:2)`
     real(real64) :: extent_error(2) = 0.0_real64  !! half a unit of their last digit
+    real(real64) :: spacing(2) = 0.0_real64     !! along x and y, in `unit(1:2)`; 0: not given
+  contains
+    procedure :: has_spacing  !! whether the spacing of a matrix follows from it
   end type text_header
 
   !> Names of columns with their units.
@@ -34,6 +37,13 @@ module asperity_text_header
   end type column_list
 
 contains
+
+  !> Whether the spacing of a matrix follows from the header.
+  pure logical function has_spacing(self)
+    class(text_header), intent(in) :: self  !! that was read
+
+    has_spacing = all(self%spacing > 0.0_real64) .or. all(self%extent > 0.0_real64)
+  end function has_spacing
 
   !> Reads the lines in front of the first number: comments, and the names x, y, z.
   subroutine read_header(head, header, text, problems, notes)
@@ -205,6 +215,18 @@ contains
         first = i
         last = i
       end if
+    case ('spacing')
+      at = scan(value // ' ', blanks // ',')
+      call read_numeral(value(:at - 1), number, good)
+      header%spacing(1) = decimal_to_real64(number)
+      value = trimmed(value(at + 1:))
+      if (good) call read_numeral(value, number, good)
+      header%spacing(2) = decimal_to_real64(number)
+      if (good) good = all(is_length(header%spacing))
+      if (good) return
+      header%spacing = 0.0_real64
+      call notes%add_at(line, 1, 'note: the spacing in ' // quoted(text) // ' is not used, ' // &
+                        'expected two numbers: spacing: X Y')
     case ('value units', 'value unit', 'z units', 'z unit', 'height units', 'height unit')
       first = 3
       last = 3

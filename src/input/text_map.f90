@@ -2,9 +2,9 @@
 !>
 !> `find_layout` finds lines, columns, separator and units before the numbers are read.
 module asperity_text_map
-  use asperity_height_map, only: change_unit, digit_of, height_map, is_length, is_measured, &
-                                 length_units, make_room, most_samples, no_power, read_height, &
-                                 unit_number, unit_ratio
+  use asperity_height_map, only: change_unit, digit_of, height_map, highest, is_length, &
+                                 is_measured, length_units, make_room, most_samples, no_power, &
+                                 read_height, unit_number, unit_ratio
   use asperity_input_text, only: quoted
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
@@ -21,8 +21,7 @@ module asperity_text_map
   real(real64), parameter :: same = 1.0e-12_real64
   ! A coordinate may be off its place by so much of the spacing: it was written with few digits.
   real(real64), parameter :: most_off = 0.1_real64
-  real(real64), parameter :: highest = 1.0e30_real64
-  character(len=*), parameter :: expected_height = &
+  character(len=*), parameter :: expected_cell = &
     'a height of at most 1e30, or NaN or BAD for a missing one'
 
   ! The least and the largest coordinate, and how many pixels share the least.
@@ -58,6 +57,11 @@ contains
       call problems%add_at(layout%names_line, 1, option // ' given, but x,y,z lines have ' // &
                            'their own, expected none')
       return
+    else if (given .and. all(layout%spacing > 0.0_real64) .and. &
+             any(abs(spacing - layout%spacing) > 1.0e-6_real64 * spacing)) then
+      call problems%add_in_file(option // ' contradicts the spacing of the map in its header, ' // &
+                                'expected the same, or none')
+      return
     end if
     points = .not. given .and. (layout%names_line > 0 .or. .not. has_own(layout))
     map%spacing = spacing
@@ -65,7 +69,11 @@ contains
       call read_matrix(file, layout, progress, map, problems, failure)
       if (problems%count() > 0 .or. allocated(failure)) return
       if (.not. given .or. .not. is_list_of_points(map%height)) then
-        if (.not. given) map%spacing = layout%extent / real([map%columns, map%rows], real64)
+        if (.not. given) then
+          map%spacing = layout%spacing
+          if (.not. all(map%spacing > 0.0_real64)) &
+            map%spacing = layout%extent / real([map%columns, map%rows], real64)
+        end if
       else if (shared) then
         deallocate (map%height)
         points = .true.
@@ -113,7 +121,7 @@ contains
   pure logical function has_own(layout)
     type(text_layout), intent(in) :: layout
 
-    has_own = layout%names_line > 0 .or. all(layout%extent > 0.0_real64)
+    has_own = layout%names_line > 0 .or. layout%has_spacing()
   end function has_own
 
   ! The unit of the map: that of all lengths, or metres where each has one of its own.
@@ -244,7 +252,7 @@ contains
         i = i + 1
         if (word%cell_missing) &
           call problems%add_at(line, word%column, 'an empty cell before this one, expected ' // &
-                               expected_height)
+                               expected_cell)
         if (i <= map%columns) then
           call read_cell(word, layout, map%height(i, row), good, power)
           if (.not. good) call refuse(word, problems)
@@ -428,7 +436,7 @@ contains
     type(problem_list), intent(inout) :: problems
 
     call problems%add_at(word%line, word%column, 'found ' // quoted(word%text(:word%length)) // &
-                         ', expected ' // expected_height)
+                         ', expected ' // expected_cell)
   end subroutine refuse
 
 end module asperity_text_map

@@ -1,7 +1,7 @@
 !> From the file of a height map to its summits: read, put in a unit, levelled, outliers taken out.
 module asperity_summits_of_file
-  use asperity_height_map, only: change_unit, height_map, length_units, level_names, level_plane, &
-                                 usual_level
+  use asperity_height_map, only: fault_of_spacing, give_spacing, height_map, length_units, &
+                                 level_names, level_plane, periodic_edge, put_in_unit, usual_level
   use asperity_height_map_reader, only: read_height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
@@ -13,7 +13,7 @@ module asperity_summits_of_file
   implicit none
   private
 
-  public :: summit_choices, summits_of_file, summits_of_samples
+  public :: summit_choices, summits_of_file, summits_of_array, summits_of_samples
 
   !> How it is done.
   type :: summit_choices
@@ -42,6 +42,43 @@ contains
     character(len=:), allocatable, intent(out) :: failure   !! why not
 
     spikes = -1_int64
+    call check_choices(choices, problems)
+    if (problems%count() > 0) return
+    call read_height_map(path, choices%spacing, choices%progress, map, problems, failure, &
+                         trim(choices%prefix) // 'spacing')
+    if (problems%count() > 0 .or. allocated(failure)) return
+    if (choices%unit > 0) call put_in_unit(map, choices%unit)
+    call summits_of_samples(map, choices, summits, spikes, failure)
+    if (allocated(failure)) failure = path // ': ' // failure
+  end subroutine summits_of_file
+
+  !> The same of a map in memory, which has its own edge.
+  subroutine summits_of_array(map, choices, summits, spikes, problems, failure)
+    type(height_map), intent(inout) :: map                  !! from take_map; then levelled
+    type(summit_choices), intent(inout) :: choices          !! learns the edge, the rule for radii
+    type(map_summits), intent(out) :: summits               !! of the map
+    integer(int64), intent(out) :: spikes                   !! removed; -1: were not looked for
+    type(problem_list), intent(inout) :: problems           !! what is wrong
+    character(len=:), allocatable, intent(out) :: failure   !! why there are none
+    character(len=:), allocatable :: fault
+
+    spikes = -1_int64
+    choices%periodic = map%edge == periodic_edge
+    call check_choices(choices, problems)
+    fault = fault_of_spacing(choices%spacing, trim(choices%prefix) // 'spacing')
+    if (fault == '') &
+      call give_spacing(map, choices%spacing, trim(choices%prefix) // 'spacing', .false., fault)
+    if (fault /= '') call problems%add(fault)
+    if (problems%count() > 0) return
+    if (choices%unit > 0) call put_in_unit(map, choices%unit)
+    call summits_of_samples(map, choices, summits, spikes, failure)
+  end subroutine summits_of_array
+
+  ! That every choice is one.
+  subroutine check_choices(choices, problems)
+    type(summit_choices), intent(inout) :: choices
+    type(problem_list), intent(inout) :: problems
+
     if (choices%level == 0) choices%level = usual_level(choices%periodic)
     if (choices%periodic .and. choices%level == level_plane) &
       call problems%add(trim(choices%prefix) // &
@@ -51,20 +88,6 @@ contains
     call check_choice('level', choices%level, 1, size(level_names))
     call check_choice('radius', choices%radius, 0, size(radius_names))
     call check_choice('unit', choices%unit, 0, size(length_units))
-    if (problems%count() > 0) return
-    call read_height_map(path, choices%spacing, choices%progress, map, problems, failure, &
-                         trim(choices%prefix) // 'spacing')
-    if (problems%count() > 0 .or. allocated(failure)) return
-    if (choices%unit > 0) then
-      if (map%unit == '') then
-        call problems%add(trim(choices%prefix) // 'unit: ' // path // ' has no unit, ' // &
-                          'expected none: its lengths are written as they are')
-        return
-      end if
-      call change_unit(map, choices%unit)
-    end if
-    call summits_of_samples(map, choices, summits, spikes, failure)
-    if (allocated(failure)) failure = path // ': ' // failure
 
   contains
 
@@ -77,7 +100,7 @@ contains
                           'from ' // decimal_text(least) // ' to ' // decimal_text(most))
     end subroutine check_choice
 
-  end subroutine summits_of_file
+  end subroutine check_choices
 
   !> The same of a map that was read: levels it and takes outliers out as chosen.
   subroutine summits_of_samples(map, choices, summits, spikes, failure)

@@ -174,4 +174,4 @@ def test_project_outside(asperity, tmp_path):
     assert "upper: found 1 x, 2 y, 1 heights and 1 radii" in rest
     assert ("lower.radius: found -1.000000E+000 as number 1 of 1, "
             "expected a finite number more than 0") in rest
-    assert "found &surfaces beside surfaces that are given as arrays" in rest
+    assert "deck: found beside a surface that is given as an array, expected none" in rest

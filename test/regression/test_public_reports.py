@@ -471,6 +471,7 @@ def test_two_maps_each_with_its_unit_and_spacing(maps):
             two(maps, sdf(), MATRIX, map_spacing="0.5, 0.25", map_unit="'um'"),
             two(maps, MATRIX, sdf(), map_spacing="0.5, 0.25", map_unit="'µm'"),
             two(maps, sdf(), in_mm, map_spacing="5e-4, 2.5e-4", map_unit="'um', 'mm'"),
+            two(maps, MATRIX, MATRIX, map_spacing="0.5, 0.25", map_unit="'um'"),
             two(maps, sdf(), sdf(), map_unit="'um'"), two(maps, sdf(), sdf(), map_unit="2*'um'"),
             two(maps, "x [um] y [um] z [um]\n" + POINTS, sdf()),
             two(maps, "x y z\n" + POINTS, MATRIX, map_spacing="0.5, 0.25"),
@@ -487,9 +488,8 @@ def test_two_maps_each_with_its_unit_and_spacing(maps):
      "two maps: found 16 x 12 and 15 x 12 pixels, expected the same grid"),
     (sdf(), sdf(), {"map_spacing": "0.5, 0.25"}, "map_spacing: found although both maps have"),
     (sdf(), MATRIX, {"map_spacing": "5e-7, 2.5e-7, 5e-7, 2.5e-7"},
-     "U: map_spacing given, but the file has its own"),
+     "U: map_spacing given, but the map has its own"),
     (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25, 0.5"}, "found 3, expected 2"),
-    (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25", "map_unit": "'um'"}, "has no unit"),
     (MATRIX, MATRIX, {"map_spacing": "0.5, 0.25", "map_unit": "'um', 'ft'"}, "found the text 'ft'"),
 ])
 def test_what_differs_of_two_maps_is_named(upper, lower, surfaces, said, maps):

@@ -483,7 +483,7 @@ contains
     call refuse(error, '&surfaces upper="upper.csv", lower="lower.csv" /' // material // limit, &
                 '1:1', 'no radius column in the upper and the lower surface''s file')
     call refuse(error, '&surfaces upper="ball.csv", lower="bump.csv",| radius=1,1 /' // &
-                material // limit, '2:2', 'radius: found although both files')
+                material // limit, '2:2', 'radius: found although both surfaces')
   end subroutine test_csv_radii
 
   subroutine test_loading_and_limit(error)
