@@ -49,6 +49,7 @@ enum {
   ASPERITY_WARNING_KINDS = 6, /* a line for each line of ASPERITY_WARNINGS: NAME CLASS, for instance
                                  "overlapping theory" or "error accuracy": outside the range of a
                                  theory, or numbers in error */
+  ASPERITY_UNIT = 7,          /* asperity_read_map: unit of all lengths; "" where the map has none */
   ASPERITY_GROUPS = 8         /* of a scene, a line a name: GROUP, NAME and VALUES as they stand in its
                                  text, with tabulators between and values on one line. A card deck has
                                  the lines of the scene that says the same. Names of files are
@@ -63,7 +64,10 @@ enum {
   ASPERITY_SUMMITS = 4,    /* asperity_summits: x, y, height, radius */
   ASPERITY_STATISTICS = 5, /* asperity_summits: one row */
   ASPERITY_UPPER = 6,      /* asperity_generate: x, y, height, radius */
-  ASPERITY_LOWER = 7       /* asperity_generate: x, y, height, radius */
+  ASPERITY_LOWER = 7,      /* asperity_generate: x, y, height, radius */
+  ASPERITY_MAP = 8,        /* asperity_read_map: columns, rows, spacing_x, spacing_y; one row */
+  ASPERITY_PIXELS = 9      /* asperity_read_map: height, of rows * columns pixels, row by row; NaN where
+                              one is missing */
 };
 
 /* What the cells of a column are. */
@@ -85,6 +89,23 @@ typedef struct {
   const double *radius; /* [radii] of the summits, more than 0 */
 } asperity_surface;
 
+/* A height map. The heights are copied: they may go when the function has come back. */
+typedef struct {
+  int columns, rows;    /* pixels along x and along y, at least 3 of each */
+  const double *height; /* [rows][columns], y grows with the row; NaN: missing; at most 1e30 */
+  double spacing[2];    /* of pixels along x and y, from 1e-30 to 1e30; 0, 0: map_spacing of the scene,
+                           or spacing of the options, has it */
+  const char *unit;     /* of all lengths: "m", "mm", "um", "nm", "cm" or "in"; NULL or "": none */
+  int periodic;         /* 1: it repeats itself along x and y; 0: it is free; -1: not known, free unless
+                           the scene or the other map has an edge */
+} asperity_height_map;
+
+/* One side of a scene, as asperities or as a map; with NULL for both the text names it. */
+typedef struct {
+  const asperity_surface *asperities;
+  const asperity_height_map *map;
+} asperity_side;
+
 /* How a scene is solved. All bytes zero: the defaults. */
 typedef struct {
   const char *arithmetic; /* "real64" (also for NULL), "real32", "real128" or "ibm370" */
@@ -104,9 +125,10 @@ typedef struct {
   const char *level;  /* "plane", "mean" or "none"; NULL: plane for a free map, mean for a periodic
                          one */
   const char *radius; /* "neighbours", "geometric" or "paraboloid"; NULL: that of the rule */
-  const char *unit;   /* "m", "mm", "um", "nm", "cm" or "in"; NULL: that of the file */
-  double spacing[2];  /* along x and y, of a matrix in a text file, from 1e-30 to 1e30; 0 for other
-                         files */
+  const char *unit;   /* "m", "mm", "um", "nm", "cm" or "in": lengths are converted to it, or, of a map
+                         without a unit, are in it; NULL: that of the map */
+  double spacing[2];  /* along x and y, from 1e-30 to 1e30, of a map without a spacing: a matrix in a
+                         text file, an array; 0 for other maps */
   int despike;        /* not 0: single outliers are removed */
 } asperity_summits_options;
 
@@ -130,6 +152,12 @@ asperity_outcome *asperity_read_scene(const char *scene);
  * it; without, it is the decimal itself. */
 asperity_outcome *asperity_build_scene(const char *groups, const asperity_surface *upper,
                                        const asperity_surface *lower);
+
+/* The same with sides that are asperities, height maps, or named in the text: &surfaces may have upper =
+ * 'FILE' or 'plane' for a side that is not given, and nominal_area, units, radius and all names of maps.
+ * A side may be NULL: the text names it. map_edge of the text has precedence over the edge of a map. */
+asperity_outcome *asperity_build_scene_of(const char *groups, const asperity_side *upper,
+                                          const asperity_side *lower);
 
 /* Solves a scene: an outcome of the two functions above, which stays as it is and may be freed
  * afterwards. What is wrong with the scene is wrong with this outcome, too: it is enough to ask
@@ -164,6 +192,20 @@ asperity_outcome *asperity_summits(const char *map, const asperity_summits_optio
 /* The same for a map that repeats itself along x and y. */
 asperity_outcome *asperity_periodic_summits(const char *map,
                                             const asperity_summits_options *options);
+
+/* The same for a map in memory, with the edge that it has. */
+asperity_outcome *asperity_summits_of_map(const asperity_height_map *map,
+                                          const asperity_summits_options *options);
+
+/* Reads a height map of any format: its size and spacing, its pixels, its unit, notes. spacing: [2] along
+ * x and y, for a map without a spacing; else NULL. unit: lengths are converted to it, or, of a map
+ * without a unit, are in it; NULL: that of the map. Heights are not levelled. */
+asperity_outcome *asperity_read_map(const char *map, const double *spacing, const char *unit);
+
+/* Writes a height map with all its bits. The ending of the path chooses the format: .sdf (ISO 25178-71,
+ * binary; a unit and a spacing are needed), .npy (array of doubles), .txt (matrix, spacing and unit as
+ * comments). */
+asperity_outcome *asperity_write_map(const asperity_height_map *map, const char *path);
 
 /* Makes the two random surfaces of a specification: of a file, or, where groups is not NULL, of the
  * text of its groups. surface: which of the ensemble, from 1. */

@@ -10,28 +10,34 @@ module asperity
   use asperity_generation_spec, only: parse_generation_spec, read_generation_spec
   use asperity_generation_values, only: generation_spec
   use asperity_height_map, only: edge_names, height_map, is_measured, length_units, level_mean, &
-                                 level_names, level_none, level_plane, no_height, plain_unit
+                                 level_names, level_none, level_plane, most_samples, no_height, &
+                                 periodic_edge, &
+                                 plain_unit, put_in_unit
+  use asperity_height_map_array, only: take_map
   use asperity_height_map_reader, only: read_height_map
+  use asperity_map_file, only: write_map_file
   use asperity_map_despiking, only: despike_map
   use asperity_map_levelling, only: level_map
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, rule_eight, rule_names
   use asperity_original, only: arithmetic_names, run_in_arithmetic
   use asperity_original_records, only: original_records, original_request, thesis_tables
-  use asperity_problems, only: decimal_text, problem_list, problem_place
+  use asperity_problems, only: decimal_text, not_enough_memory, problem_list, problem_place
   use asperity_report, only: write_report
-  use asperity_result_arrays, only: add_reals, array_column, array_table, make_arrays, name_units
+  use asperity_result_arrays, only: add_reals, add_wholes, array_column, array_table, make_arrays, &
+                                    name_units
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_run_options, only: check_options, run_options
-  use asperity_scene_reader, only: build_scene, parse_scene, read_scene, rebuild_scene
+  use asperity_scene_reader, only: build_scene, build_scene_of, parse_scene, read_scene, &
+                                   rebuild_scene
   use asperity_scene_groups, only: list_groups
   use asperity_scene_results, only: effect_header, kinds_of_warnings, last_state, map_record, &
                                     scene_results
   use asperity_scene_surfaces, only: plane_surface, take_surface
-  use asperity_scene_values, only: scene, scene_map, scene_surface
+  use asperity_scene_values, only: scene, scene_map, scene_side, scene_surface
   use asperity_solve, only: solve
   use asperity_summary, only: write_summary
-  use asperity_summits_of_file, only: summit_choices, summits_of_file
+  use asperity_summits_of_file, only: summit_choices, summits_of_array, summits_of_file
   use asperity_summits_table, only: write_summits_table
   use asperity_text_buffer, only: text_buffer
   use asperity_theory_warnings, only: theory_warning, warning_kind, warning_kinds
@@ -43,17 +49,20 @@ module asperity
   private
 
   ! Scenes.
-  public :: scene, scene_map, scene_surface, problem_list, problem_place, decimal_text
-  public :: read_scene, parse_scene, take_surface, plane_surface, build_scene
+  public :: scene, scene_map, scene_side, scene_surface, problem_list, problem_place
+  public :: decimal_text, not_enough_memory
+  public :: read_scene, parse_scene, take_surface, plane_surface, build_scene, build_scene_of
   public :: rebuild_scene, list_groups
   ! Measured maps and their summits.
-  public :: height_map, is_measured, no_height, read_height_map
+  public :: height_map, is_measured, no_height, read_height_map, take_map, put_in_unit, &
+            write_map_file, most_samples
   public :: level_map, level_plane, level_mean, level_none, despike_map
   public :: find_summits, map_summits, rule_eight, rule_contact
   public :: radius_neighbours, radius_geometric, radius_paraboloid
   public :: measure_map, map_statistics
-  public :: summits_of_file, summit_choices, write_summits_table
-  public :: edge_names, length_units, plain_unit, level_names, radius_names, rule_names
+  public :: summits_of_file, summits_of_array, summit_choices, write_summits_table
+  public :: edge_names, periodic_edge, length_units, plain_unit, level_names, &
+            radius_names, rule_names
   ! Generated surfaces.
   public :: generation_spec, read_generation_spec, parse_generation_spec
   public :: surface_plan, plan_surface, generated_surface, generate_surface
@@ -67,7 +76,7 @@ module asperity
             map_record
   public :: last_state
   ! Results as tables of arrays, and in words.
-  public :: make_arrays, array_table, array_column, add_reals, name_units
+  public :: make_arrays, array_table, array_column, add_reals, add_wholes, name_units
   public :: of_positions, of_states, of_contacts
   public :: write_summary, text_buffer
   ! What lies outside a theory, and what was not computed.

@@ -7,35 +7,23 @@
 !> The name of a procedure for C must not be that of a module, as `asperity_solve` is one.
 module asperity_c
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
-  use asperity, only: add_reals, arithmetic_names, array_table, build_scene, card_deck, &
-                      check_options, decimal_text, &
-                      generate_surface, generated_surface, generation_spec, height_map, &
-                      length_units, level_names, list_warning_kinds, list_warnings, &
-                      make_arrays, map_statistics, map_summits, measure_map, name_units, &
-                      of_contacts, original_records, original_request, parse_generation_spec, &
-                      parse_scene, plan_surface, plane_surface, &
-                      plain_unit, problem_list, radius_names, read_card_deck, &
-                      read_generation_spec, read_scene, rule_names, run_in_arithmetic, &
-                      run_options, scene, scene_results, scene_surface, solve, summit_choices, &
-                      summits_of_file, surface_plan, take_surface, text_buffer, thesis_tables, &
-                      write_report, write_summary, write_summits_table
-  use asperity_c_outcome, only: begin, finish, finish_scene, look_at, outcome, set_text, &
-                                table_statistics, table_summits, table_upper, text_notes, text_of, &
-                                text_report, text_warning_kinds, text_warnings
-  use, intrinsic :: iso_fortran_env, only: int64, real64
+  use asperity, only: arithmetic_names, build_scene, card_deck, check_options, decimal_text, &
+                      generate_surface, generated_surface, generation_spec, list_warning_kinds, &
+                      list_warnings, make_arrays, name_units, of_contacts, original_records, &
+                      original_request, parse_generation_spec, parse_scene, plan_surface, &
+                      problem_list, read_card_deck, read_generation_spec, read_scene, &
+                      run_in_arithmetic, run_options, scene_results, scene_surface, solve, &
+                      surface_plan, text_buffer, thesis_tables, write_report, write_summary
+  use asperity_c_arguments, only: require_text, take_asperities, take_word
+  use asperity_c_outcome, only: begin, finish, finish_scene, look_at, outcome, set_surface, &
+                                set_text, table_upper, text_notes, text_of, text_report, &
+                                text_warning_kinds, text_warnings
+  use, intrinsic :: iso_fortran_env, only: real64
   implicit none
   private
 
-  public :: c_read_scene, c_build_scene, c_solve, c_solve_again, c_report, c_summits, &
-            c_periodic_summits, c_generate
-  public :: c_surface, c_options, c_summits_options
-
-  !> `asperity_surface` of the header.
-  type, bind(c) :: c_surface
-    integer(c_int) :: count             !! asperities; 0: a plane
-    integer(c_int) :: radii             !! 1, or as many
-    type(c_ptr) :: x, y, height, radius !! their numbers
-  end type c_surface
+  public :: c_read_scene, c_build_scene, c_solve, c_solve_again, c_report, c_generate
+  public :: c_options
 
   !> `asperity_options` of the header.
   type, bind(c) :: c_options
@@ -45,13 +33,6 @@ module asperity_c
     integer(c_int) :: threads        !! 0: as many as OpenMP gives
     type(c_ptr) :: interrupt         !! a number that is not 0 when the work shall end; may be null
   end type c_options
-
-  !> `asperity_summits_options` of the header.
-  type, bind(c) :: c_summits_options
-    type(c_ptr) :: rule, level, radius, unit  !! names; null: the default
-    real(c_double) :: spacing(2)              !! of a matrix; 0 elsewhere
-    integer(c_int) :: despike                 !! not 0: single outliers are removed
-  end type c_summits_options
 
 contains
 
@@ -85,55 +66,12 @@ contains
       if (new%problems%count() == 0) &
         call parse_scene('scene', text_of(groups), new%scene_in, new%problems)
     else
-      call take('surfaces.upper', upper, surfaces(1), new%problems)
-      call take('surfaces.lower', lower, surfaces(2), new%problems)
+      call take_asperities('surfaces.upper', upper, surfaces(1), new%problems)
+      call take_asperities('surfaces.lower', lower, surfaces(2), new%problems)
       if (new%problems%count() == 0) &
         call build_scene(surfaces(1), surfaces(2), text_of(groups), new%scene_in, new%problems)
     end if
     call finish_scene(new)
-
-  contains
-
-    subroutine take(which, given, surface, problems)
-      character(len=*), intent(in) :: which
-      type(c_ptr), intent(in) :: given
-      type(scene_surface), intent(out) :: surface
-      type(problem_list), intent(inout) :: problems
-      type(c_surface), pointer :: numbers
-      real(c_double), pointer :: x(:), y(:), height(:), radius(:)
-      integer :: before
-
-      if (.not. c_associated(given)) then
-        call problems%add(which // ': found NULL beside a surface that is given as arrays, ' // &
-                          'expected both, or a plane')
-        return
-      end if
-      call c_f_pointer(given, numbers)
-      if (numbers%count == 0_c_int) then
-        surface = plane_surface()
-        return
-      end if
-      before = problems%count()
-      if (numbers%count < 0_c_int) then
-        call problems%add(which // '.count: found ' // decimal_text(numbers%count) // &
-                          ', expected 0 for a plane, or more')
-      else if (all(numbers%radii /= [1_c_int, numbers%count])) then
-        call problems%add(which // '.radii: found ' // decimal_text(numbers%radii) // &
-                          ', expected 1 or ' // decimal_text(numbers%count) // ', as many as x')
-      end if
-      call require_numbers(which // '.x', numbers%x, problems)
-      call require_numbers(which // '.y', numbers%y, problems)
-      call require_numbers(which // '.height', numbers%height, problems)
-      call require_numbers(which // '.radius', numbers%radius, problems)
-      if (problems%count() == before) then
-        call c_f_pointer(numbers%x, x, [numbers%count])
-        call c_f_pointer(numbers%y, y, [numbers%count])
-        call c_f_pointer(numbers%height, height, [numbers%count])
-        call c_f_pointer(numbers%radius, radius, [numbers%radii])
-        call take_surface(which, x, y, height, radius, surface, problems)
-      end if
-    end subroutine take
-
   end function c_build_scene
 
   !> `asperity_solve_scene`.
@@ -270,87 +208,6 @@ contains
     call finish(new)
   end function c_report
 
-  !> `asperity_summits`.
-  type(c_ptr) function c_summits(path, choices) bind(c, name='asperity_summits') result(handle)
-    type(c_ptr), value :: path     !! height map
-    type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
-
-    handle = summits_with_edge(path, choices, .false.)
-  end function c_summits
-
-  !> `asperity_periodic_summits`.
-  type(c_ptr) function c_periodic_summits(path, choices) &
-    bind(c, name='asperity_periodic_summits') result(handle)
-    type(c_ptr), value :: path     !! height map that repeats itself
-    type(c_ptr), value :: choices  !! `c_summits_options`; null: all defaults
-
-    handle = summits_with_edge(path, choices, .true.)
-  end function c_periodic_summits
-
-  ! Summits of a map with a free or periodic edge.
-  type(c_ptr) function summits_with_edge(path, choices, periodic) result(handle)
-    type(c_ptr), intent(in) :: path, choices
-    logical, intent(in) :: periodic
-    type(outcome), pointer :: new
-    type(c_summits_options), pointer :: options
-    type(summit_choices) :: chosen
-    type(height_map) :: map
-    type(map_summits) :: summits
-    type(map_statistics) :: found
-    type(text_buffer) :: summary
-    integer(int64) :: spikes
-
-    call begin(new, handle)
-    if (.not. associated(new)) return
-    chosen%periodic = periodic
-    if (c_associated(choices)) then
-      call c_f_pointer(choices, options)
-      call take_word('rule', options%rule, rule_names, chosen%rule, new%problems)
-      call take_word('level', options%level, level_names, chosen%level, new%problems)
-      call take_word('radius', options%radius, radius_names, chosen%radius, new%problems)
-      call take_word('unit', options%unit, length_units, chosen%unit, new%problems)
-      chosen%spacing = options%spacing
-      chosen%despike = options%despike /= 0_c_int
-    end if
-    call require_text('map', path, new%problems)
-    if (new%problems%count() == 0) &
-      call summits_of_file(text_of(path), chosen, map, summits, spikes, new%problems, new%failure)
-    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
-      call measure_map(map, summits, found)
-      call write_summits_table(text_of(path), chosen, spikes, map, summits, found, summary)
-      call set_text(new, text_report, summary%text())
-      call set_text(new, text_notes, map%notes%text())
-      associate (table => new%tables(table_summits))
-        call set_surface(summits%x, summits%y, summits%height, summits%radius, table, map%unit)
-      end associate
-      associate (table => new%tables(table_statistics))
-        call add_reals(table, 'samples', [real(found%samples, real64)])
-        call add_reals(table, 'missing', [real(found%missing, real64)])
-        call add_reals(table, 'spacing_x', map%spacing(1:1), map%unit)
-        call add_reals(table, 'spacing_y', map%spacing(2:2), map%unit)
-        call add_reals(table, 'rms_height', [found%rms_height], map%unit)
-        call add_reals(table, 'rms_slope', [found%rms_slope])
-        call add_reals(table, 'm0', [found%m0], power_of(map%unit, 2))
-        call add_reals(table, 'm2_x', found%m2(1:1))
-        call add_reals(table, 'm2_y', found%m2(2:2))
-        call add_reals(table, 'm4_x', found%m4(1:1), power_of(map%unit, -2))
-        call add_reals(table, 'm4_y', found%m4(2:2), power_of(map%unit, -2))
-        call add_reals(table, 'alpha', [found%alpha])
-        call add_reals(table, 'density', [found%density], power_of(map%unit, -2))
-        call add_reals(table, 'mean_height', [found%mean_height], map%unit)
-        call add_reals(table, 'height_deviation', [found%height_deviation], map%unit)
-        call add_reals(table, 'mean_curvature', [found%mean_curvature], power_of(map%unit, -1))
-        call add_reals(table, 'mean_radius', [found%mean_radius], map%unit)
-        call add_reals(table, 'expected_density', [found%expected_density], power_of(map%unit, -2))
-        call add_reals(table, 'expected_height', [found%expected_height], map%unit)
-        call add_reals(table, 'expected_deviation', [found%expected_deviation], map%unit)
-        call add_reals(table, 'expected_curvature', [found%expected_curvature], &
-                       power_of(map%unit, -1))
-      end associate
-    end if
-    call finish(new)
-  end function summits_with_edge
-
   !> `asperity_generate`.
   type(c_ptr) function c_generate(path, groups, member) bind(c, name='asperity_generate') &
     result(handle)
@@ -388,70 +245,5 @@ contains
     end do
     call finish(new)
   end function c_generate
-
-  ! A power of a unit of length; empty where the unit is not known.
-  pure function power_of(unit, power) result(text)
-    character(len=*), intent(in) :: unit
-    integer, intent(in) :: power
-    character(len=:), allocatable :: text
-
-    text = trim(unit)
-    if (text == '') return
-    if (abs(power) > 1) text = text // decimal_text(abs(power))
-    if (power < 0) text = '1/' // text
-  end function power_of
-
-  subroutine set_surface(x, y, height, radius, table, unit)
-    real(real64), intent(in) :: x(:), y(:), height(:), radius(:)
-    type(array_table), intent(inout) :: table
-    character(len=*), intent(in) :: unit  ! empty: not known
-
-    call add_reals(table, 'x', x, trim(unit))
-    call add_reals(table, 'y', y, trim(unit))
-    call add_reals(table, 'height', height, trim(unit))
-    call add_reals(table, 'radius', radius, trim(unit))
-  end subroutine set_surface
-
-  ! That an array is there.
-  subroutine require_numbers(name, address, problems)
-    character(len=*), intent(in) :: name
-    type(c_ptr), intent(in) :: address
-    type(problem_list), intent(inout) :: problems
-
-    if (.not. c_associated(address)) call problems%add(name // ': found NULL, expected numbers')
-  end subroutine require_numbers
-
-  ! That the name of a file is there.
-  subroutine require_text(name, address, problems)
-    character(len=*), intent(in) :: name
-    type(c_ptr), intent(in) :: address
-    type(problem_list), intent(inout) :: problems
-
-    if (.not. c_associated(address)) then
-      call problems%add(name // ': found NULL, expected a path')
-    else if (text_of(address) == '') then
-      call problems%add(name // ': found an empty text, expected a path')
-    end if
-  end subroutine require_text
-
-  ! A word of a list; a null pointer leaves the choice as it is.
-  subroutine take_word(name, word, known, choice, problems)
-    character(len=*), intent(in) :: name
-    type(c_ptr), intent(in) :: word
-    character(len=*), intent(in) :: known(:)
-    integer, intent(inout) :: choice
-    type(problem_list), intent(inout) :: problems
-    character(len=:), allocatable :: list
-    integer :: i
-
-    if (.not. c_associated(word)) return
-    choice = findloc(known == plain_unit(text_of(word)), .true., 1)
-    if (choice > 0) return
-    list = trim(known(1))
-    do i = 2, size(known)
-      list = list // ', ' // trim(known(i))
-    end do
-    call problems%add(name // ': found ' // text_of(word) // ', expected one of ' // list)
-  end subroutine take_word
 
 end module asperity_c

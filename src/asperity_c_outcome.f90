@@ -3,21 +3,22 @@
 module asperity_c_outcome
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr
-  use asperity, only: array_table, list_groups, problem_list, problem_place, scene
+  use, intrinsic :: iso_fortran_env, only: real64
+  use asperity, only: add_reals, array_table, list_groups, problem_list, problem_place, scene
   implicit none
   private
 
   public :: c_letters, outcome, begin, finish, finish_scene, look_at, has_column, &
-            set_text, text_of
+            set_surface, set_text, text_of
 
   !> As in the header: what became of a call, its texts, its tables, types of columns.
   integer(c_int), parameter, public :: done = 0_c_int, not_computed = 1_c_int, bad_input = 2_c_int
   integer, parameter, public :: text_failure = 1, text_problems = 2, text_warnings = 3, &
                                 text_notes = 4, text_report = 5, text_warning_kinds = 6, &
-                                text_groups = 8, texts = 8
+                                text_unit = 7, text_groups = 8, texts = 8
   !> The first three are those of a run; the lower surface follows the upper one.
   integer, parameter, public :: table_summits = 4, table_statistics = 5, table_upper = 6, &
-                                tables = 7
+                                table_map = 8, table_pixels = 9, tables = 9
   integer(c_int), parameter, public :: type_double = 1_c_int, type_int = 2_c_int, &
                                        type_word = 3_c_int
 
@@ -124,6 +125,19 @@ contains
     columns_of = 0
     if (allocated(table%columns)) columns_of = size(table%columns)
   end function columns_of
+
+  !> The table of the summits or asperities of a surface.
+  subroutine set_surface(x, y, height, radius, table, unit)
+    real(real64), intent(in) :: x(:), y(:)             !! places
+    real(real64), intent(in) :: height(:), radius(:)   !! as many
+    type(array_table), intent(inout) :: table          !! gets its columns
+    character(len=*), intent(in) :: unit               !! of length; empty: not known
+
+    call add_reals(table, 'x', x, trim(unit))
+    call add_reals(table, 'y', y, trim(unit))
+    call add_reals(table, 'height', height, trim(unit))
+    call add_reals(table, 'radius', radius, trim(unit))
+  end subroutine set_surface
 
   !> Sets one of the texts.
   subroutine set_text(new, which, text)

@@ -21,7 +21,8 @@ settings.load_profile("fixed")
 
 # Tests that share what takes long to make: all of such a file run in one process.
 TOGETHER = ("test_archive.py", "test_accuracy.py", "test_effects.py", "test_python.py",
-            "test_python_arguments.py", "test_python_copies.py", "test_c_arguments.py")
+            "test_python_arguments.py", "test_python_copies.py", "test_c_arguments.py",
+            "test_map_arrays.py")
 
 
 class Tally:

@@ -12,7 +12,7 @@ module asperity_result_arrays
   implicit none
   private
 
-  public :: array_column, array_table, make_arrays, add_reals, name_units
+  public :: array_column, array_table, make_arrays, add_reals, add_wholes, name_units
 
   !> One column. One of the three arrays is allocated.
   type :: array_column
@@ -103,21 +103,43 @@ contains
     character(len=*), intent(in) :: name       !! of the column
     real(real64), intent(in) :: values(:)      !! its cells
     character(len=*), intent(in), optional :: unit  !! its unit; absent: not known
+
+    call add_column(table, name)
+    table%rows = size(values)
+    associate (new => table%columns(size(table%columns)))
+      new%reals = values
+      if (present(unit)) new%unit = unit
+    end associate
+  end subroutine add_reals
+
+  !> Adds a column of whole numbers to a table.
+  subroutine add_wholes(table, name, values)
+    type(array_table), intent(inout) :: table  !! without columns, or with some as long
+    character(len=*), intent(in) :: name       !! of the column
+    integer(int32), intent(in) :: values(:)    !! its cells
+
+    call add_column(table, name)
+    table%rows = size(values)
+    table%columns(size(table%columns))%wholes = values
+  end subroutine add_wholes
+
+  ! Adds a column without cells.
+  subroutine add_column(table, name)
+    type(array_table), intent(inout) :: table
+    character(len=*), intent(in) :: name
     type(array_column), allocatable :: more(:)
     integer :: i
 
     if (.not. allocated(table%columns)) allocate (table%columns(0))
-    table%rows = size(values)
     allocate (more(size(table%columns) + 1))
     do i = 1, size(table%columns)
       call move_alloc(table%columns(i)%name, more(i)%name)
       call move_alloc(table%columns(i)%unit, more(i)%unit)
       call move_alloc(table%columns(i)%reals, more(i)%reals)
+      call move_alloc(table%columns(i)%wholes, more(i)%wholes)
     end do
     more(i)%name = name
-    more(i)%reals = values
-    if (present(unit)) more(i)%unit = unit
     call move_alloc(more, table%columns)
-  end subroutine add_reals
+  end subroutine add_column
 
 end module asperity_result_arrays

@@ -1,0 +1,199 @@
+!> Writes a height map as a file that is read again: surface data, an array, or a text matrix.
+module asperity_map_file
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: iso_c_binding, only: c_int, c_null_char
+  use asperity_files, only: write_bytes
+  use asperity_height_map, only: height_map, is_measured, unit_ratio
+  use asperity_input_text, only: lower_case
+  use asperity_kinds, only: int64, real64
+  use asperity_npy_map, only: npy_magic
+  use asperity_problems, only: decimal_text, problem_list
+  use asperity_system_calls, only: posix_close, posix_creat, system_reason
+  implicit none
+  private
+
+  public :: write_map_file
+
+  integer, parameter :: block_size = 65536
+  integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int)
+  ! More pixels a side have no place in the header of ISO-1.0.
+  integer, parameter :: most_of_iso_1 = 65535
+
+  !> A file that is being written, block by block.
+  type :: byte_writer
+    integer(c_int) :: descriptor = -1_c_int
+    character(len=block_size) :: block
+    integer :: used = 0
+    character(len=:), allocatable :: failure
+  contains
+    procedure :: put
+    procedure :: flush => flush_block
+  end type byte_writer
+
+contains
+
+  !> Writes a map; the ending of the path, .sdf, .npy or .txt, chooses the format. Heights keep all
+  !> their bits. `failure` is allocated when the file cannot be written.
+  subroutine write_map_file(path, map, problems, failure)
+    character(len=*), intent(in) :: path                    !! the file
+    type(height_map), intent(in) :: map                     !! checked
+    type(problem_list), intent(inout) :: problems           !! what the format does not hold
+    character(len=:), allocatable, intent(out) :: failure   !! why it was not written
+    type(byte_writer) :: file
+    character(len=:), allocatable :: ending, head
+    integer(c_int) :: status
+    integer :: column, row
+
+    ending = lower_case(path(index(path, '.', back=.true.) + 1:))
+    select case (ending)
+    case ('sdf')
+      if (map%unit == '') then
+        call problems%add(path // ': found a map without a unit, expected one: lengths of ' // &
+                          'surface data are metres')
+      else if (.not. all(map%spacing > 0.0_real64)) then
+        call problems%add(path // ': found a map without a spacing, expected one')
+      else
+        head = surface_data_header(map)
+      end if
+    case ('npy')
+      head = array_header(map)
+    case ('txt')
+      head = text_header(map)
+    case default
+      call problems%add(path // ': found another ending, expected .sdf, .npy or .txt')
+    end select
+    if (.not. allocated(head)) return
+    file%descriptor = posix_creat(path // c_null_char, mode_rw_r_r)
+    if (file%descriptor < 0_c_int) file%failure = system_reason()
+    call file%put(head)
+    do row = 1, map%rows
+      do column = 1, map%columns
+        if (allocated(file%failure)) exit
+        call file%put(pixel(map%height(column, row)))
+      end do
+      if (ending == 'txt') call file%put(new_line('a'))
+    end do
+    call file%flush()
+    if (file%descriptor >= 0_c_int) then
+      status = posix_close(file%descriptor)
+      if (status /= 0_c_int .and. .not. allocated(file%failure)) file%failure = system_reason()
+    end if
+    if (allocated(file%failure)) failure = path // ': cannot be written: ' // file%failure
+
+  contains
+
+    pure function pixel(height) result(bytes)
+      real(real64), intent(in) :: height
+      character(len=:), allocatable :: bytes
+
+      if (ending == 'sdf') then
+        ! A missing pixel is the lowest number, here as there.
+        bytes = bytes_of(transfer(height, 0_int64), 8)
+      else if (ending == 'npy' .and. is_measured(height)) then
+        bytes = bytes_of(transfer(height, 0_int64), 8)
+      else if (ending == 'npy') then
+        bytes = bytes_of(transfer(ieee_value(height, ieee_quiet_nan), 0_int64), 8)
+      else if (is_measured(height)) then
+        bytes = number_text(height) // ' '
+      else
+        bytes = 'NaN '
+      end if
+    end function pixel
+
+  end subroutine write_map_file
+
+  ! ISO 25178-71, binary, heights in the unit of the map, whose metres are the scale.
+  function surface_data_header(map) result(head)
+    type(height_map), intent(in) :: map
+    character(len=:), allocatable :: head
+    integer, parameter :: binary64 = 7
+    real(real64) :: metres
+    integer :: wide
+
+    metres = unit_ratio(map%unit, 1)
+    wide = merge(2, 4, max(map%columns, map%rows) <= most_of_iso_1)
+    head = 'bISO-' // merge('1.0', '2.0', wide == 2) // 'asperity  ' // repeat('0', 24) // &
+           bytes_of(int(map%columns, int64), wide) // bytes_of(int(map%rows, int64), wide) // &
+           double(map%spacing(1) * metres) // double(map%spacing(2) * metres) // double(metres) // &
+           double(-1.0_real64) // char(0) // char(binary64) // char(0)
+
+  contains
+
+    pure function double(number) result(bytes)
+      real(real64), intent(in) :: number
+      character(len=8) :: bytes
+
+      bytes = bytes_of(transfer(number, 0_int64), 8)
+    end function double
+
+  end function surface_data_header
+
+  ! Version 1 of the format; the pixels begin at a multiple of 64 bytes.
+  function array_header(map) result(head)
+    type(height_map), intent(in) :: map
+    character(len=:), allocatable :: head
+    character(len=:), allocatable :: text
+
+    text = '{''descr'': ''<f8'', ''fortran_order'': False, ''shape'': (' // &
+           decimal_text(map%rows) // ', ' // decimal_text(map%columns) // '), }'
+    text = text // repeat(' ', modulo(-(len(text) + 11), 64)) // new_line('a')
+    head = npy_magic // char(1) // char(0) // bytes_of(len(text, int64), 2) // text
+  end function array_header
+
+  ! The comments of a matrix that `asperity_text_header` reads.
+  function text_header(map) result(head)
+    type(height_map), intent(in) :: map
+    character(len=:), allocatable :: head
+
+    head = ''
+    if (all(map%spacing > 0.0_real64)) &
+      head = '# Spacing: ' // number_text(map%spacing(1)) // ' ' // number_text(map%spacing(2)) // &
+             new_line('a')
+    if (map%unit /= '') head = head // '# Units: ' // map%unit // new_line('a')
+  end function text_header
+
+  ! 17 significant digits.
+  pure function number_text(number) result(text)
+    real(real64), intent(in) :: number
+    character(len=:), allocatable :: text
+    character(len=24) :: digits
+
+    write (digits, '(es24.16e3)') number
+    text = trim(adjustl(digits))
+  end function number_text
+
+  ! The lowest byte first.
+  pure function bytes_of(bits, wide) result(bytes)
+    integer(int64), intent(in) :: bits
+    integer, intent(in) :: wide
+    character(len=wide) :: bytes
+    integer :: i
+
+    do i = 1, wide
+      bytes(i:i) = char(int(iand(shiftr(bits, 8 * (i - 1)), 255_int64)))
+    end do
+  end function bytes_of
+
+  ! Adds bytes.
+  subroutine put(self, bytes)
+    class(byte_writer), intent(inout) :: self
+    character(len=*), intent(in) :: bytes
+
+    if (self%used + len(bytes) > block_size) call self%flush()
+    if (allocated(self%failure)) return
+    self%block(self%used + 1:self%used + len(bytes)) = bytes
+    self%used = self%used + len(bytes)
+  end subroutine put
+
+  ! Writes what has not been written yet.
+  subroutine flush_block(self)
+    class(byte_writer), intent(inout) :: self
+    character(len=:), allocatable :: failure
+
+    if (allocated(self%failure)) return
+    call write_bytes(self%descriptor, self%block(:self%used), failure)
+    self%used = 0
+    if (allocated(failure)) call move_alloc(failure, self%failure)
+  end subroutine flush_block
+
+end module asperity_map_file
