@@ -41,8 +41,8 @@ module asperity_option_table
       'size and prints the smallest representative area.'), &
     command_entry('summits', 'MAP', 'map', &
       'Finds the summits of a measured height map and prints statistics. Formats, recognised ' // &
-      'by content: surface data file (ISO 25178-71), matrix of heights with --spacing, x,y,z ' // &
-      'lines of a full regular grid.')]
+      'by content: surface data file (ISO 25178-71), array of NumPy (.npy) or matrix of ' // &
+      'heights with --spacing, x,y,z lines of a full regular grid.')]
 
   !> In the order of the help.
   type(option_entry), parameter :: options(*) = [ &
@@ -123,11 +123,11 @@ module asperity_option_table
       'geometric (default of contact), inverse of their geometric mean; paraboloid, fit to ' // &
       'nine pixels'), &
     option_entry('summits', '--despike', '', 'remove single outliers and print their number'), &
-    option_entry('summits', '--spacing', 'X,Y', 'pixel spacing of a matrix, in its unit ' // &
-        'of length'), &
+    option_entry('summits', '--spacing', 'X,Y', 'pixel spacing of a matrix or an array, in ' // &
+        'its unit of length'), &
     option_entry('summits', '--unit', 'NAME', &
-      'unit of length of all outputs: m, mm, um, nm, cm or in (default: that of the file; m ' // &
-      'for a surface data file)'), &
+      'unit of length of all outputs, and of a map without a unit: m, mm, um, nm, cm or in ' // &
+      '(default: that of the file; m for a surface data file)'), &
     option_entry('summits', '--picture', 'FILE', 'draw the map and its summits (SVG)'), &
     option_entry('summits', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('summits', '--quiet', '', 'print no summary')]

@@ -2,6 +2,7 @@
 module asperity_file_kind
   use asperity_input_text, only: blanks, line_end, lower_case, text_start
   use asperity_namelist_cursor, only: next_character, skip_blanks
+  use asperity_npy_map, only: npy_magic
   implicit none
   private
 
@@ -41,7 +42,8 @@ contains
     kind_of = 0
     at = text_start(text)
     small = lower_case(text(:min(len(text), 20000)))
-    if (any(small(at:min(len(small), at + 3)) == ['abcr', 'bbcr', 'aiso', 'biso'])) kind_of = a_map
+    if (any(small(at:min(len(small), at + 3)) == ['abcr', 'bbcr', 'aiso', 'biso']) .or. &
+        index(small, lower_case(npy_magic)) == 1) kind_of = a_map
     call skip_blanks(small, at)
     if (group_start(small) > 0) then
       if (any([index(small, '&heights'), index(small, '&radii')] > 0)) kind_of = a_specification

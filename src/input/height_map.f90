@@ -198,11 +198,11 @@ contains
     end if
   end function fault_of_map
 
-  !> The largest height without its sign.
+  !> The largest height without its sign; 0 where all pixels are missing.
   pure real(real64) function largest_height(map)
     type(height_map), intent(in) :: map  !! with its heights
 
-    largest_height = maxval(abs(map%height), mask=is_measured(map%height))
+    largest_height = max(0.0_real64, maxval(abs(map%height), mask=is_measured(map%height)))
   end function largest_height
 
   !> How many of a unit are one of another.

@@ -141,7 +141,8 @@ contains
     end do
     ! A whole number counts; a real one is as good as its format.
     map%digit = 1.0_real64
-    largest = largest_height(map) / header%scale(3)
+    largest = 0.0_real64
+    if (problems%count() == 0) largest = largest_height(map) / header%scale(3)
     if (header%data_type == binary32) map%digit = real(spacing(real(largest, real32)), real64)
     if (header%data_type == binary64) map%digit = spacing(largest)
     place = here(file)

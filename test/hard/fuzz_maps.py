@@ -8,6 +8,7 @@ everywhere.
 """
 
 import argparse
+import io
 import random
 import re
 import subprocess
@@ -23,9 +24,10 @@ FIELDS = ("ManufacID", "CreateDate", "ModDate", "NumPoints", "NumProfiles", "Xsc
           "Zscale", "Zresolution", "Compression", "DataType", "CheckType")
 WORDS = (b"BAD", b"NaN", b"*", b"=", b";", b"#", b",", b"\n", b"\r", b"\x00", b"-", b"1e400",
          b"inf", b"1e-400", b"99999999999", b"\xff\xff\xff\xff", b"\x00\x00\x80\x7f",
-         b"\xef\xbb\xbf", b"0", b"ISO-2.0", b"NumPoints = 3\n", b" ", b"1d5", b"+", b".")
-PLACE = re.compile(r"m\.map(?::\d+:\d+|: byte \d+(?:, record [12])?|: found|: heights|"
-                   r": all samples|: and \d+ more|: --spacing)")
+         b"\xef\xbb\xbf", b"0", b"ISO-2.0", b"NumPoints = 3\n", b" ", b"1d5", b"+", b".",
+         b"\x93NUMPY\x01\x00", b"(9, 3)", b"'<f4'", b"True", b"{", b"}", b"'", b"3")
+PLACE = re.compile(r"m\.map(?::\d+:\d+|: byte \d+(?:, record [12])?|: header|: found|: heights|"
+                   r": all pixels|: and \d+ more|: --spacing)")
 CRASH = re.compile(r"Error termination|runtime error|Backtrace|Segmentation|Aborted|At line \d+|"
                    r"IEEE_")
 
@@ -69,6 +71,15 @@ def points(rng, rows, columns):
     return "\n".join(rng.choice(([], ["x,y,z"])) + lines).encode()
 
 
+def array(rng, rows, columns):
+    kind = rng.choice(("<f8", "<f8", ">f8", "<f4", ">f4", "|i1", "|u1", ">i2", "<u4", ">i8", "<u8"))
+    file = io.BytesIO()
+    np.lib.format.write_array(file, np.array(heights(rng, rows, columns, kind),
+                                             order=rng.choice("CF")),
+                              version=(rng.choice((1, 2, 3)), 0))
+    return file.getvalue()
+
+
 def mutate(rng, data):
     """Flip, change, cut out, double and put in, anywhere, more often in the first hundred bytes."""
     data = bytearray(data)
@@ -98,11 +109,11 @@ def mutate(rng, data):
 def case(seed):
     rng = random.Random(seed)
     rows, columns = rng.randrange(3, 9), rng.randrange(3, 9)
-    kind = rng.choice((binary, binary, text, text, matrix, points))
+    kind = rng.choice((binary, binary, text, text, matrix, points, array, array))
     options = [option for option in ("--despike", "--rule=contact", "--radius=paraboloid",
                                      "--radius=geometric", "--level=none", "--level=mean")
                if rng.random() < 0.25]
-    if kind is matrix or rng.random() < 0.02:
+    if kind in (matrix, array) or rng.random() < 0.02:
         options.append("--spacing=0.5,2")
     return mutate(rng, kind(rng, rows, columns)), options
 
