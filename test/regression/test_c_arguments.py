@@ -115,6 +115,35 @@ int main(int words, char **word)
   map("spacing: found 1.000000E+031, 1.", word[2], 1e31, 1.);
   map("spacing: found -1.", word[2], -1., 1.);
   map("spacing: found 0.", word[2], 0., 1.);
+  /* Maps as arrays. The heights are of the size that is stated, no larger. */
+  double heights[12] = {0., 1., 0., 2., 1., NAN, 3., 1., 0., 1., 2., 0.};
+  asperity_height_map area = {3, 4, heights, {.5, .25}, "um", -1}, bad = area;
+  const asperity_side map_side = {NULL, &area}, both = {&good, &area}, none_given = {NULL, NULL};
+  asperity_outcome *pixels = expect(ASPERITY_DONE, "", asperity_build_scene_of(
+    GROUPS " &effects interaction = 'boundary' / &surfaces upper = 'plane' /", NULL, &map_side));
+  asperity_free(expect(ASPERITY_DONE, "", asperity_solve_scene(pixels, NULL)));
+  asperity_free(pixels);
+  asperity_free(expect(ASPERITY_DONE, "", asperity_summits_of_map(&area, NULL)));
+  asperity_free(expect(ASPERITY_DONE, "", asperity_read_map(word[2], area.spacing, "mm")));
+  asperity_free(expect(ASPERITY_DONE, "", asperity_write_map(&area, "a.npy")));
+  refused("surfaces.upper: found asperities and a map",
+          asperity_build_scene_of(GROUPS, &both, NULL));
+  refused("no surfaces: found no group", asperity_build_scene_of(GROUPS, &none_given, NULL));
+  refused("a surface is missing", asperity_build_scene_of(GROUPS, &map_side, &none_given));
+  refused("groups: found NULL", asperity_build_scene_of(NULL, &map_side, &map_side));
+  refused("map: found NULL, expected a height map", asperity_summits_of_map(NULL, NULL));
+  refused("map: found NULL, expected a path", asperity_read_map(NULL, NULL, NULL));
+  refused("unit: found ell, expected one of m", asperity_read_map(word[2], area.spacing, "ell"));
+  refused("path: found NULL, expected a path", asperity_write_map(&area, NULL));
+  bad.height = NULL;
+  refused("map.height: found NULL, expected numbers", asperity_write_map(&bad, "a.npy"));
+  bad = area;
+  bad.rows = -1;
+  refused("map.rows: found -1, expected 3 or more", asperity_summits_of_map(&bad, NULL));
+  bad = area;
+  bad.spacing[1] = 0.;
+  refused("map.spacing: found 5.", asperity_summits_of_map(&bad, NULL));
+
   refused("specification: found NULL, expected a path", asperity_generate(NULL, NULL, 1));
   refused("surface: found 0, which is not in the ensemble", asperity_generate(
     NULL, "&surfaces number = 9, length = 1., width = 1. / &heights mean = 1., deviation = 1. /"
@@ -124,7 +153,7 @@ int main(int words, char **word)
   asperity_get_problem(scene, 0, NULL);
   asperity_get_problem(NULL, -1, &problem);
   if (!problem.file || !problem.text || *problem.file || *problem.text) wrong++;
-  for (int which = -1; which < 9; which++) {
+  for (int which = -1; which < 12; which++) {
     if (!asperity_text(NULL, which) || !asperity_text(solved, which)) wrong++;
     if (asperity_rows(NULL, which) || asperity_columns(NULL, which)) wrong++;
     if (asperity_column(NULL, which, 0) || asperity_column(solved, which, -1)) wrong++;
@@ -149,12 +178,12 @@ def test_bad_arguments_under_valgrind(venv, tmp_path):
                    cwd=tmp_path, check=True, timeout=100)
     (tmp_path / "m.txt").write_text("0 1 0\n1 3 1\n0 1 0\n")
     words = [tmp_path / "a", ROOT / "data/thesis.deck", tmp_path / "m.txt"]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=100)
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=100)
     assert done.returncode == 0 and done.stdout == done.stderr == "", done.stdout + done.stderr
     if not shutil.which("valgrind"):
         pytest.skip("no valgrind here (bash .ci/setup trouble)")
     done = subprocess.run(["valgrind", "-q", "--error-exitcode=99", "--leak-check=full",
                            "--errors-for-leak-kinds=definite,indirect", *words],
-                          env={**os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True,
-                          text=True, timeout=300)
+                          env={**os.environ, "OMP_NUM_THREADS": "1"}, cwd=tmp_path,
+                          capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
