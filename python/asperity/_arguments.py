@@ -12,9 +12,14 @@ import re
 import reprlib
 from array import array
 from collections.abc import Mapping
-from ctypes import POINTER, byref, c_double, cast
+from ctypes import POINTER, c_double, cast
+from typing import Any, TypeAlias
 
-from ._library import InputError, Problem, Surface
+from ._columns import Values, numpy
+from ._errors import InputError, Problem
+from ._library import Surface
+
+Path: TypeAlias = "str | os.PathLike[str]"
 
 COLUMNS = ("x", "y", "height", "radius")
 INT = range(-2**31, 2**31)  #: C's int
@@ -29,12 +34,12 @@ def wrong(name: str, found: str, expected: str) -> InputError:
     return InputError([Problem(None, None, None, f"{name}: found {found}, expected {expected}")])
 
 
-def wrong_type(name: str, value, expected: str) -> TypeError:
+def wrong_type(name: str, value: Any, expected: str) -> TypeError:
     """The error for a value of a type that is refused."""
     return TypeError(f"{name}: found {shown(value)}, expected {expected}")
 
 
-def shown(value) -> str:
+def shown(value: Any) -> str:
     """A value for a message; of a large one its type."""
     try:
         return reprlib.repr(value) if isinstance(value, PLAIN) else f"a {type(value).__name__}"
@@ -42,11 +47,11 @@ def shown(value) -> str:
         return f"a large {type(value).__name__}"
 
 
-def is_text(value) -> bool:
+def is_text(value: Any) -> bool:
     return isinstance(value, (str, bytes, os.PathLike))
 
 
-def path(name: str, value, expected: str = A_PATH) -> bytes:
+def path(name: str, value: Any, expected: str = A_PATH) -> bytes:
     """A path, or any other text, as the system has it."""
     try:
         coded = os.fsencode(value)
@@ -54,19 +59,21 @@ def path(name: str, value, expected: str = A_PATH) -> bytes:
         raise wrong_type(name, value, expected) from None
     except UnicodeEncodeError:
         raise wrong(name, ascii(value), f"{expected} that the system can encode") from None
+    if coded == b"" and expected == A_PATH:
+        raise wrong(name, "an empty text", expected)
     if b"\0" in coded:
         raise wrong(name, shown(os.fspath(value)), f"{expected} without null characters")
     return coded
 
 
-def word(name: str, value) -> bytes:
+def word(name: str, value: Any) -> bytes:
     value = unwrapped(name, value)
     if not isinstance(value, str):
         raise wrong_type(name, value, "a word")
     return path(name, value, "a word")
 
 
-def unwrapped(name: str, value):
+def unwrapped(name: str, value: Any) -> Any:
     """The value in an array without dimensions or in a numpy scalar; otherwise the value itself."""
     if getattr(value, "shape", None) != () or not hasattr(value, "item"):
         return value
@@ -74,15 +81,15 @@ def unwrapped(name: str, value):
     return value.item()
 
 
-def refuse_mask(name: str, values):
-    is_any_masked = getattr(getattr(values, "mask", None), "any", None)
+def refuse_mask(name: str, values: Any) -> None:
+    is_any_masked: Any = getattr(getattr(values, "mask", None), "any", None)
     if is_any_masked is not None and is_any_masked():
         raise wrong(name, "a masked value", "none: leave out what is masked")
 
 
-def number(name: str, value, expected: str = "a number") -> float:
+def number(name: str, value: Any, expected: str = "a number") -> float:
     value = unwrapped(name, value)
-    if isinstance(value, (bool, complex)) or getattr(value, "ndim", 0) or not (
+    if isinstance(value, (bool, complex)) or getattr(value, "ndim", None) or not (
             hasattr(type(value), "__float__") or hasattr(type(value), "__index__")):
         raise wrong_type(name, value, expected)
     try:
@@ -93,7 +100,7 @@ def number(name: str, value, expected: str = "a number") -> float:
         raise wrong(name, shown(value), f"{expected} within the range of a double") from None
 
 
-def whole(name: str, value, expected: str) -> int:
+def whole(name: str, value: Any, expected: str) -> int:
     """A whole number that C's int can hold."""
     value = unwrapped(name, value)
     try:
@@ -107,14 +114,14 @@ def whole(name: str, value, expected: str) -> int:
     return found
 
 
-def flag(name: str, value) -> bool:
+def flag(name: str, value: Any) -> bool:
     value = unwrapped(name, value)
     if not isinstance(value, int) or value not in (0, 1):
         raise wrong_type(name, value, "True or False")
     return bool(value)
 
 
-def several(name: str, values, expected: str) -> list:
+def several(name: str, values: Any, expected: str) -> list[Any]:
     """The members of a sequence, in their order."""
     refuse_mask(name, values)
     if (values is None or is_text(values)
@@ -126,89 +133,107 @@ def several(name: str, values, expected: str) -> list:
         raise wrong_type(name, values, expected) from None
 
 
-def doubles(name: str, values):
-    """An array of C's doubles: in the memory of what has a writable buffer of them, else a copy."""
-    expected = "numbers, an array of one dimension"
+def doubles(name: str, values: Any, dimensions: int = 1) -> Any:
+    """An array of C's doubles, row by row: in the memory of what has a buffer of them, else a copy.
+    Of two dimensions, `rows` and `columns` of the result have the shape."""
+    expected = ("numbers, an array of one dimension" if dimensions == 1 else
+                "heights, an array of two dimensions, [row, column]")
+    values = getattr(values, "_values", values) if isinstance(values, Values) else values
+    shape = None
     if hasattr(type(values), "__array__"):
-        refuse_mask(name, values)
-        try:
-            import numpy
-            cells = numpy.asarray(values)
-        except (ImportError, TypeError, ValueError):
-            raise wrong_type(name, values, expected) from None
-        if cells.ndim > 1:
-            raise wrong(name, f"{cells.ndim} dimensions", expected)
-        if cells.dtype.kind not in "fiuO":
-            raise TypeError(f"{name}: found an array of {cells.dtype}, expected {expected}")
-        values = cells.reshape(-1)
-        if cells.dtype.kind != "O":
-            values = numpy.require(values, numpy.float64, ("C", "W", "A")).data
+        values, shape = _numpy_doubles(name, values, dimensions, expected)
+    elif dimensions == 2:
+        rows = several(name, values, expected)
+        if not all(hasattr(type(row), "__len__") for row in rows):
+            raise wrong(name, f"{len(rows)} numbers in one row", expected)
+        rows = [doubles(f"{name}[{i}]", row) for i, row in enumerate(rows)]
+        shape = len(rows), len(rows[0]) if rows else 0
+        for i, row in enumerate(rows):
+            if len(row) != shape[1]:
+                raise wrong(f"{name}[{i}]", f"{len(row)} heights",
+                            f"{shape[1]}, as many as in the first row")
+        values = memoryview(array("d", (value for row in rows for value in row)))
     try:
         view = memoryview(values)
     except TypeError:
         view = None
     if isinstance(values, (bytes, bytearray)) or view is None or view.format != "d" or \
             view.ndim != 1 or not view.c_contiguous:
-        if hasattr(type(values), "__float__") and not hasattr(type(values), "__iter__"):
-            values = (values,)
-        members = several(name, values, expected)
-        try:
-            if not set(map(type, members)) <= {float, int}:
-                raise OverflowError
-            view = memoryview(array("d", members))
-        except OverflowError:
-            view = memoryview(array("d", [
-                number(f"{name}[{i}]", value) for i, value in enumerate(members)]))
-    elif view.readonly:
+        view = memoryview(_copied(name, values, expected))
+    if view.readonly:
         view = memoryview(array("d", bytes(view)))
-    return (c_double * len(view)).from_buffer(view) if len(view) else (c_double * 0)()
+    found: Any = (c_double * len(view)).from_buffer(view) if len(view) else (c_double * 0)()
+    if shape is not None:
+        if len(found) == 0:
+            raise wrong(name, "no heights", expected)
+        found.rows, found.columns = shape
+    return found
 
 
-def pair(name: str, values):
-    """Two numbers, along x and y."""
+def _numpy_doubles(name: str, values: Any, dimensions: int,
+                   expected: str) -> tuple[Any, tuple[int, int] | None]:
+    """The numbers of an array of numpy in one row, and the shape of one of two dimensions."""
+    library: Any = numpy()
+    if dimensions == 1:
+        refuse_mask(name, values)
+    elif hasattr(values, "mask"):
+        values = library.ma.filled(values.astype(float), library.nan)
+    try:
+        cells = library.asarray(values)
+    except (AttributeError, TypeError, ValueError):
+        raise wrong_type(name, values, expected) from None
+    if cells.ndim > dimensions or (dimensions == 2 and cells.ndim < 2):
+        raise wrong(name, f"an array of {cells.ndim} dimensions", expected)
+    if cells.dtype.kind not in ("fiuO" if dimensions == 1 else "fiu"):
+        raise TypeError(f"{name}: found an array of {cells.dtype}, expected {expected}")
+    shape = cells.shape if dimensions == 2 else None
+    values = cells.reshape(-1)
+    if cells.dtype.kind == "O":
+        return values, shape
+    return library.require(values, library.float64, ("C", "W", "A")).data, shape
+
+
+def _copied(name: str, values: Any, expected: str) -> array[float]:
+    """A copy of numbers of any type."""
+    if hasattr(type(values), "__float__") and not hasattr(type(values), "__iter__"):
+        values = (values,)
+    members = several(name, values, expected)
+    try:
+        if not set(map(type, members)) <= {float, int}:
+            raise OverflowError
+        return array("d", members)
+    except OverflowError:
+        return array("d", [number(f"{name}[{i}]", value) for i, value in enumerate(members)])
+
+
+def pair(name: str, values: Any) -> tuple[float, float]:
+    """Two numbers, along x and y, or one for both."""
+    if hasattr(type(values), "__float__") and not hasattr(values, "__len__"):
+        value = number(name, values)
+        return value, value
     found = doubles(name, values)
     if len(found) != 2:
-        raise wrong(name, f"{len(found)} numbers", "two numbers, along x and y")
-    return tuple(found)
+        raise wrong(name, f"{len(found)} numbers", "one number, or two, along x and y")
+    return found[0], found[1]
 
 
-def surfaces(groups: Mapping):
-    """The group `surfaces` of a scene, without its arrays, and the two surfaces that they are, for
-    C; none where both are files."""
-    given = groups.get("surfaces")
-    if not isinstance(given, Mapping):
-        return groups, (None, None)
-    sides = {side: value for side, value in given.items() if side in ("upper", "lower")}
-    if all(map(is_text, sides.values())):
-        return groups, (None, None)
-    others = {name: value for name, value in given.items() if name not in sides}
-    rest = {**groups, "surfaces": others}
-    if not others:
-        del rest["surfaces"]
-    return rest, tuple(byref(_surface(f"surfaces.{side}", sides.get(side)))
-                       for side in ("upper", "lower"))
+def columns_of(value: Any) -> list[str] | None:
+    """The names of the columns of a table, of whatever kind; None for what is no table."""
+    names = getattr(getattr(value, "dtype", None), "names", None)
+    if names is None and hasattr(type(value), "keys"):
+        names = value.keys()
+    return None if names is None else [name for name in names if isinstance(name, str)]
 
 
-def _surface(name: str, columns) -> Surface:
-    """One surface for the library, which reads the arrays where they are."""
-    if is_text(columns):
-        file = os.fsdecode(path(name, columns))
-        if file == "plane":
-            return Surface()
-        raise wrong(name, f"{shown(file)} beside a surface of arrays", "arrays or 'plane'")
-    known = getattr(getattr(columns, "dtype", None), "names", None)
-    if known is None and hasattr(type(columns), "keys"):
-        known = [key for key in columns.keys() if isinstance(key, str)]
-    if known is None:
-        raise wrong_type(name, columns,
-                         "a path, 'plane', or a mapping with x, y, height and radius")
+def asperities(name: str, table: Any, known: list[str]) -> Surface:
+    """The asperities of a surface for the library, which reads the arrays where they are."""
     missing = [column for column in COLUMNS if column not in known]
     if missing:
         near = [(column, match) for column in missing for match in
                 difflib.get_close_matches(column, set(known).difference(COLUMNS), 1)]
         raise wrong(name, f"no {', '.join(missing)}", "x, y, height and radius" + "".join(
             f"; did you mean {column!r} by {match!r}?" for column, match in near[:1]))
-    x, y, height, radius = (doubles(f"{name}.{column}", columns[column]) for column in COLUMNS)
+    x, y, height, radius = (doubles(f"{name}.{column}", table[column]) for column in COLUMNS)
     count = len(x)
     if count == 0 or {len(y), len(height)} != {count} or len(radius) not in (1, count):
         raise wrong(name, f"{count} x, {len(y)} y, {len(height)} heights and {len(radius)} radii",
@@ -217,10 +242,14 @@ def _surface(name: str, columns) -> Surface:
                                          for cells in (x, y, height, radius)))
 
 
+class Written(str):
+    """Values as they stand in a scene file."""
+
+
 class Groups:
     """Groups as a scene file has them, one a line, and what stands where in it."""
 
-    def __init__(self, kind: str, groups: Mapping, suffix: str = ""):
+    def __init__(self, kind: str, groups: Mapping[str, Any], suffix: str = ""):
         self.kind = kind
         self.text = b""
         self._places: list[tuple[str, list[tuple[int, str]]]] = []
@@ -237,7 +266,7 @@ class Groups:
             self._places.append((group, places))
 
     @staticmethod
-    def _check_name(where: str, name):
+    def _check_name(where: str, name: Any) -> None:
         if not isinstance(name, str):
             raise wrong_type(where, name, "a text as a name")
         if not re.fullmatch(r"[a-zA-Z_]\w*", name, re.ASCII):
@@ -250,7 +279,7 @@ class Groups:
         text, where = problem.text, self.kind
         if problem.line <= len(self._places):
             where, places = self._places[problem.line - 1]
-            names = [name for column, name in places if column <= problem.column]
+            names = [name for column, name in places if column <= (problem.column or 0)]
             other = re.search(r"&(\w+)", text)
             if names:
                 text = text.removeprefix(f"{names[-1].lower()}: ")
@@ -260,15 +289,18 @@ class Groups:
         return Problem(None, None, None, f"{where}: {text}")
 
 
-def _values(name: str, value, suffix: str) -> bytes:
+def _values(name: str, value: Any, suffix: str) -> bytes:
     """The values of a name as a scene file has them."""
-    if is_text(value) or not hasattr(type(value), "__iter__") or getattr(value, "shape", 1) == ():
+    if isinstance(value, Written):
+        return value.encode("utf-8", "surrogateescape")
+    is_single = not hasattr(type(value), "__iter__") or getattr(value, "shape", None) == ()
+    if is_text(value) or is_single:
         return _value(name, value, suffix)
     expected = "a number, a text, or several in one row"
     return b", ".join(_value(name, one, suffix) for one in several(name, value, expected))
 
 
-def _value(name: str, value, suffix: str) -> bytes:
+def _value(name: str, value: Any, suffix: str) -> bytes:
     value = unwrapped(name, value)
     if is_text(value):
         coded = path(name, value, "a text")

@@ -5,16 +5,22 @@ from __future__ import annotations
 import ctypes
 import os
 import threading
-import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int, c_void_p
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any
+
+from . import _errors
+from ._columns import Table, column
+from ._errors import ComputeError, InputError, Problem
+
+if TYPE_CHECKING:
+    from ._columns import Column
 
 # Of the header.
 NOT_COMPUTED, BAD_INPUT = 1, 2
-FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT = 1, 2, 3, 4, 5
-POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER = 1, 2, 3, 4, 5, 6, 7
+FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT, WARNING_KINDS, UNIT, GROUPS = range(1, 9)
+POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER, MAP, PIXELS = range(1, 10)
 WORD_LENGTH = 16
 # Of the types of columns: bytes of a cell, and its code for `memoryview`; a word is 16 letters.
 CELLS = {1: (8, "d"), 2: (4, "i"), 3: (WORD_LENGTH, "c")}
@@ -23,6 +29,15 @@ CELLS = {1: (8, "d"), 2: (4, "i"), 3: (WORD_LENGTH, "c")}
 class Surface(Structure):
     _fields_ = [("count", c_int), ("radii", c_int)] + [
         (name, POINTER(c_double)) for name in ("x", "y", "height", "radius")]
+
+
+class Map(Structure):
+    _fields_ = [("columns", c_int), ("rows", c_int), ("height", POINTER(c_double)),
+                ("spacing", c_double * 2), ("unit", c_char_p), ("periodic", c_int)]
+
+
+class Side(Structure):
+    _fields_ = [("asperities", POINTER(Surface)), ("map", POINTER(Map))]
 
 
 class Options(Structure):
@@ -54,80 +69,55 @@ def _loaded(path: Path) -> ctypes.CDLL:
 
 
 _C = _loaded(Path(__file__).with_name("libasperity.so"))
-for _name, _result, *_arguments in (
-        ("get_version", c_char_p),
-        ("read_scene", c_void_p, c_char_p),
-        ("build_scene", c_void_p, c_char_p, POINTER(Surface), POINTER(Surface)),
-        ("solve_scene", c_void_p, c_void_p, POINTER(Options)),
-        ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
-        ("summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
-        ("periodic_summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
-        ("generate", c_void_p, c_char_p, c_char_p, c_int),
-        ("status", c_int, c_void_p),
-        ("text", c_char_p, c_void_p, c_int),
-        ("problem_count", c_int, c_void_p),
-        ("get_problem", None, c_void_p, c_int, POINTER(CProblem)),
-        ("rows", c_int, c_void_p, c_int),
-        ("columns", c_int, c_void_p, c_int),
-        ("column_name", c_char_p, c_void_p, c_int, c_int),
-        ("column_type", c_int, c_void_p, c_int, c_int),
-        ("column", c_void_p, c_void_p, c_int, c_int),
-        ("free", None, c_void_p)):
+_FUNCTIONS: list[tuple[Any, ...]] = [
+    ("get_version", c_char_p),
+    ("read_scene", c_void_p, c_char_p),
+    ("build_scene_of", c_void_p, c_char_p, POINTER(Side), POINTER(Side)),
+    ("rebuild_scene", c_void_p, c_void_p, c_char_p),
+    ("solve_again", c_void_p, c_void_p, POINTER(Options), c_void_p, POINTER(c_int)),
+    ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
+    ("summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
+    ("periodic_summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
+    ("summits_of_map", c_void_p, POINTER(Map), POINTER(SummitsOptions)),
+    ("read_map", c_void_p, c_char_p, POINTER(c_double), c_char_p),
+    ("write_map", c_void_p, POINTER(Map), c_char_p),
+    ("generate", c_void_p, c_char_p, c_char_p, c_int),
+    ("status", c_int, c_void_p),
+    ("text", c_char_p, c_void_p, c_int),
+    ("problem_count", c_int, c_void_p),
+    ("get_problem", None, c_void_p, c_int, POINTER(CProblem)),
+    ("rows", c_int, c_void_p, c_int),
+    ("columns", c_int, c_void_p, c_int),
+    ("column_name", c_char_p, c_void_p, c_int, c_int),
+    ("column_type", c_int, c_void_p, c_int, c_int),
+    ("column_unit", c_char_p, c_void_p, c_int, c_int),
+    ("column", c_void_p, c_void_p, c_int, c_int),
+    ("free", None, c_void_p)]
+for _name, _result, *_arguments in _FUNCTIONS:
     _function = getattr(_C, f"asperity_{_name}")
     _function.restype, _function.argtypes = _result, _arguments
 
-VERSION = _C.asperity_get_version().decode()
-
-
-class Problem(NamedTuple):
-    """One thing that is wrong with an input."""
-
-    file: str | None    #: as it was named; None where the problem is of no file
-    line: int | None    #: from 1; None where it has none
-    column: int | None  #: in bytes, from 1; None where it has none
-    text: str           #: what is wrong, what was found, what is expected
-
-    def __str__(self) -> str:
-        place = [str(part) for part in self[:3] if part is not None]
-        return ": ".join([":".join(place), self.text] if place else [self.text])
-
-
-class InputError(ValueError):
-    """The input is bad. `problems` has all that is wrong with it, in the order found."""
-
-    def __init__(self, problems: list[Problem]):
-        super().__init__(problems)
-        self.problems = problems
-
-    def __str__(self) -> str:
-        return "\n".join(map(str, self.problems))
-
-
-class ComputeError(RuntimeError):
-    """A valid scene that cannot be solved; the text gives the reason."""
-
-
-class TheoryWarning(UserWarning):
-    """A result outside the range of validity of a theory."""
+VERSION: str = _C.asperity_get_version().decode()
 
 
 class Outcome:
-    """Result of a call of the library, the only owner of its address. Everything that is read from
-    it is a copy."""
+    """Result of a call of the library, the only owner of its address. The columns that are read
+    from it use its memory and keep it."""
 
     _free = staticmethod(_C.asperity_free)
 
     def __init__(self, handle: int | None):
         self.handle = handle
 
-    def __del__(self):
+    def __del__(self) -> None:
         self._free(self.handle)
 
-    def __reduce__(self):
+    def __reduce__(self) -> Any:
         raise TypeError("an outcome of the library cannot be copied")
 
     def text(self, which: int) -> str:
-        return _C.asperity_text(self.handle, which).decode(errors="replace")
+        text: bytes = _C.asperity_text(self.handle, which)
+        return text.decode(errors="replace")
 
     def lines(self, which: int) -> list[str]:
         return self.text(which).splitlines()
@@ -141,16 +131,29 @@ class Outcome:
                                  one.column or None, one.text.decode(errors="replace")))
         return found
 
-    def columns(self, which: int) -> dict[str, tuple[str, bytes]]:
-        """The columns of a table by name: the code of their values, and the values."""
-        rows, found = _C.asperity_rows(self.handle, which), {}
+    def table(self, which: int, name: str) -> Table:
+        """A table, with the units of its columns."""
+        found: dict[str, Column] = {}
+        units: dict[str, str] = {}
+        rows = _C.asperity_rows(self.handle, which)
         for number in range(_C.asperity_columns(self.handle, which)):
             place = self.handle, which, number
-            size, code = CELLS[_C.asperity_column_type(*place)]
-            cells = (c_char * (size * rows)).from_address(_C.asperity_column(*place)).raw \
-                if rows else b""
-            found[_C.asperity_column_name(*place).decode()] = code, cells
-        return found
+            title = _C.asperity_column_name(*place).decode()
+            units[title] = _C.asperity_column_unit(*place).decode()
+            found[title] = self._column(place, rows)
+        return Table(found, units, name)
+
+    def _column(self, place: tuple[int | None, int, int], rows: int) -> Column:
+        size, code = CELLS[_C.asperity_column_type(*place)]
+        cells: Any = (c_char * 0)()
+        if rows:
+            cells = (c_char * (size * rows)).from_address(_C.asperity_column(*place))
+            cells.outcome = self
+        if code != "c":
+            view: Any = memoryview(cells).toreadonly().cast("B")
+            return column(view.cast(code))
+        letters = cells.raw.decode("ascii")
+        return column([letters[i:i + size].rstrip() for i in range(0, size * rows, size)])
 
     def checked(self, named: Callable[[Problem], Problem] = lambda problem: problem) -> Outcome:
         """Itself after a success; its warnings become Python warnings. `named` gives the place of
@@ -161,62 +164,26 @@ class Outcome:
         if status == NOT_COMPUTED:
             failure = self.text(FAILURE)
             raise MemoryError(failure) if self.handle is None else ComputeError(failure)
-        for line in self.lines(WARNINGS):
-            # Of whoever called the function of the package that called this.
-            warnings.warn(line, TheoryWarning, stacklevel=3)
+        _errors.issue(self.lines(WARNINGS), self.lines(WARNING_KINDS))
         return self
 
 
-# Names of columns in version 0.2.0, and their names since.
-EARLIER_NAMES = {"approach": "separation", "decrease": "compression"}
+# Seconds from one look at the progress to the next, and that a call has to end after Ctrl-C.
+PAUSE, TIME_TO_END = 0.1, 1.0
 
 
-class Table(Mapping):
-    """Columns by name, in the order of the CSV files, all as long as `rows`.
+def call(name: str, *arguments: Any, interrupt: c_int | None = None,
+         watch: Callable[[], None] | None = None) -> Outcome:
+    """Call the library from a thread of its own, so that Ctrl-C is heard while it computes.
 
-    A column of numbers is a read-only `memoryview`, of doubles or of whole numbers (yes and no are
-    1 and 0): it indexes, iterates and has a length, and numpy takes it without a copy, as in
-    `numpy.asarray(table["load"])`. A value that was not computed is NaN. A column of words is
-    a tuple of `str`. A table can be copied and pickled.
-    """
-
-    def __init__(self, columns: dict[str, tuple[str, bytes]]):
-        self._columns = columns
-        code, cells = next(iter(columns.values()), ("c", b""))
-        self.rows: int = len(cells) // {code: size for size, code in CELLS.values()}[code]
-
-    def __getitem__(self, name: str) -> memoryview | tuple[str, ...]:
-        if name in EARLIER_NAMES and name not in self._columns:
-            warnings.warn(f"column {name!r} is now {EARLIER_NAMES[name]!r}", DeprecationWarning,
-                          stacklevel=2)
-            name = EARLIER_NAMES[name]
-        code, cells = self._columns[name]
-        if code != "c":
-            return memoryview(cells).cast(code)
-        letters = cells.decode("ascii")
-        return tuple(letters[i:i + WORD_LENGTH].rstrip()
-                     for i in range(0, len(letters), WORD_LENGTH))
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        return len(self._columns)
-
-    def __repr__(self) -> str:
-        return f"<{self.rows} rows of {', '.join(self)}>"
-
-
-def call(name: str, *arguments, interrupt: c_int | None = None) -> Outcome:
-    """Calls the library from a thread of its own, so that Ctrl-C is heard while it computes.
-
-    After Ctrl-C `KeyboardInterrupt` is raised immediately. The thread ends at the next position
-    where the call has an `interrupt`, and keeps its arguments until then.
+    `watch` is called ten times a second. After Ctrl-C the call is asked to end by its `interrupt`;
+    `KeyboardInterrupt` is raised when it has ended, and after a second at the latest. The thread
+    keeps the arguments until the call has ended.
     """
     outcomes: list[Outcome] = []
     errors: list[BaseException] = []
 
-    def work():
+    def work() -> None:
         try:
             handles = (getattr(value, "handle", value) for value in arguments)
             outcomes.append(Outcome(getattr(_C, f"asperity_{name}")(*handles)))
@@ -226,10 +193,14 @@ def call(name: str, *arguments, interrupt: c_int | None = None) -> Outcome:
     thread = threading.Thread(target=work, name=f"asperity {name}", daemon=True)
     thread.start()
     try:
+        while watch and thread.is_alive():
+            thread.join(PAUSE)
+            watch()
         thread.join()
     except BaseException:
         if interrupt is not None:
             interrupt.value = 1
+            thread.join(TIME_TO_END)
         raise
     if errors:
         raise errors[0]

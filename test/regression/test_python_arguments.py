@@ -46,8 +46,11 @@ BAD = {
                [1.0, "1"], [1.0, True], [1.0, 1j], [1.0], [1.0] * 3, [[1.0, 2.0]], [10**400, 1],
                np.zeros((2, 2)), np.array([1j, 1]), np.array([True, False]), np.array(["1", "2"]),
                np.array([1, 2], "M8[s]"), np.array([1.0, None]), np.float32([1, NAN]), *OF_ANY],
-    "surface": [None, 3, 1.5, True, [], {}, np.zeros((3, 4)), [1.0, 2.0], {"x": [1.0]}, {1: 2},
+    "surface": [None, 3, 1.5, True, [], {}, [1.0, 2.0], np.zeros(3), {"x": [1.0]}, {1: 2},
                 *OF_ANY],
+    "matrix": [None, 3, 1.5, True, [], {}, "abc", [1.0, 2.0], [[1.0], [1.0, 2.0]], [["1"]],
+               [[1j]], [[1.0, None]], np.zeros(3), np.zeros((2, 2, 2)), np.zeros((2, 2), complex),
+               np.array([["1"]]), np.zeros((2, 2), bool), *OF_ANY],
     "group": [None, 3, "a", [1], [("value", 1)], {1: 2}, {"a b": 1}, {"value = 1, a": 1},
               {"no_such_name": 1}, *OF_ANY],
 }
@@ -90,6 +93,7 @@ ARGUMENTS = [
     ("accuracy", "number", [-1.0, 1.0, 2.0, -1e-300], option("solve", SCENE, "accuracy")),
     ("contacts", "flag", [], option("solve", SCENE, "contacts")),
     ("threads", "whole", [-1, 10000, 2**31 - 1], option("solve", SCENE, "threads")),
+    ("progress", "flag", [], option("solve", SCENE, "progress")),
     ("deck", "path", [], lambda asperity, value: asperity.report(value)),
     ("arithmetic", "word", [], option("report", DECK, "arithmetic")),
     ("tables", "wholes", [[0], [101], [-1]], option("report", DECK, "tables")),
@@ -101,6 +105,15 @@ ARGUMENTS = [
     ("spacing", "pair", [], option("summits", MATRIX, "spacing")),
     ("despike", "flag", [], option("summits", MAP, "despike")),
     ("edge", "word", [], option("summits", MAP, "edge")),
+    ("path", "path", [], lambda asperity, value: asperity.read_map(value)),
+    ("spacing", "pair", [], option("read_map", MATRIX, "spacing")),
+    ("unit", "word", [], option("read_map", MAP, "unit")),
+    ("periodic", "flag", [], option("read_map", MAP, "periodic")),
+    ("heights", "matrix", [], lambda asperity, value: asperity.HeightMap(value, 1.0)),
+    ("spacing", "pair", [], lambda asperity, value: asperity.HeightMap([[1.0]], value)),
+    ("unit", "word", ["furlong"], lambda asperity, value: asperity.HeightMap([[1.0]], 1.0, value)),
+    ("periodic", "flag", [], lambda asperity, value: asperity.HeightMap(
+        [[1.0]], 1.0, periodic=value)),
     ("specification", "path", [], lambda asperity, value: asperity.generate(value)),
     ("surface", "whole", [0, -1, 2], option("generate", SPEC, "surface")),
     ("surfaces.upper", "surface", [], of_scene("surfaces.upper")),
@@ -126,7 +139,8 @@ ARGUMENTS = [
     ("effects.tolerance", "number", [0.0, 1.0], of_scene("effects.tolerance")),
 ]
 # A default, on, one radius for all, a path of loads, a list of one.
-GOOD_AFTER_ALL = {"radius": [None], "unit": [None], "level": [None],
+GOOD_AFTER_ALL = {"radius": [None], "unit": [None], "level": [None], "edge": [None],
+                  "spacing": [None, 0.5],
                   "effects.plasticity": [True],
                   "surfaces.upper.radius": [[1.0]], "loading.points": [[1]],
                   "loading.value": [[1.0, 2.0], np.array([1.0, 2.0])]}
@@ -246,7 +260,7 @@ def test_true_and_false(package):
     ({"surfaces__upper": {"x": [0], "y": [0], "heights": [1], "radius": 2}},
      "^surfaces.upper: found no height, expected x, y, height and radius; "
      "did you mean 'height' by 'heights'"),
-    ({"surfaces__upper": "u.csv", "surfaces__lower": {}}, "^surfaces.upper: found 'u.csv' beside"),
+    ({"surfaces__lower": {}}, "^surfaces.lower: found no x, y, height, radius"),
     ({"material__contact_modulus": -0.1}, "found '-0.1', expected a number more than 0$")])
 def test_names_in_messages(package, groups, told):
     with pytest.raises(package.InputError, match=told):

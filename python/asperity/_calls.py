@@ -1,0 +1,173 @@
+"""The report of the original program, summits of maps, and random surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from ctypes import byref, c_int
+from typing import TYPE_CHECKING, Any
+
+from . import _arguments as _a
+from . import _library as _c
+from ._columns import Table
+from ._maps import HeightMap, map_of
+from ._results import Summits
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def report(deck: _a.Path, arithmetic: str = "ibm370",
+           tables: Iterable[int] = (13, 55, 56)) -> str:
+    """Run the original program of the thesis on a card deck.
+
+    Parameters
+    ----------
+    deck : str or os.PathLike
+        A card deck, in inches and psi; the report is in cm and N.
+    arithmetic : str, default "ibm370"
+        `ibm370`, with which the thesis was printed, `real32`, `real64` or `real128`.
+    tables : iterable of int
+        Positions, from 1 to 100, whose contact tables are printed.
+
+    Returns
+    -------
+    str
+        The printed report.
+
+    Raises
+    ------
+    InputError
+        For a bad deck or argument.
+    ComputeError
+        Where the original program would have failed.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> lines = asperity.report("data/thesis.deck").splitlines()
+    >>> sum("TABLE" in line for line in lines) >= 4
+    True
+    """
+    expected = "positions from 1 to 100"
+    positions = [_a.whole("tables", one, expected)
+                 for one in _a.several("tables", tables, expected)]
+    return _c.call("make_report", _a.path("deck", deck), _a.word("arithmetic", arithmetic),
+                   (c_int * max(1, len(positions)))(*positions), len(positions)
+                   ).checked().text(_c.REPORT)
+
+
+def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]], *,
+            rule: str = "eight", level: str | None = None, radius: str | None = None,
+            unit: str | None = None, spacing: float | Sequence[float] = (0.0, 0.0),
+            despike: bool = False, edge: str | None = None) -> Summits:
+    """Find the summits of a height map (`docs/summits.md`).
+
+    Parameters
+    ----------
+    map : str, os.PathLike, HeightMap, array_like of shape (rows, columns), or topography
+        A file, a height map, a matrix of heights with `spacing`, or a topography of
+        SurfaceTopography.
+    rule : str, default "eight"
+        `eight` (higher than all eight neighbours) or `contact` (for a contact calculation).
+    level : str, optional
+        Subtract the least-squares `plane`, the `mean`, or `none`. Default: `plane` for a free map,
+        `mean` for a periodic one.
+    radius : str, optional
+        `neighbours`, `geometric` or `paraboloid`. Default: that of the rule.
+    unit : str, optional
+        `m`, `mm`, `um`, `nm`, `cm` or `in`, of all lengths that are returned. Default: that of the
+        map. For a map without a unit it is the unit of its numbers.
+    spacing : float or (float, float), optional
+        Distance of pixels along x and y, from 1e-30 to 1e30, for a map without one, in its unit.
+    despike : bool, default False
+        Remove single outliers.
+    edge : str, optional
+        `free`, or `periodic` for a map that repeats itself. Default: that of a `HeightMap`,
+        otherwise `free`.
+
+    Returns
+    -------
+    Summits
+
+    Raises
+    ------
+    InputError
+        For a bad map or argument.
+    ComputeError
+        Where there is not enough memory.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> found = asperity.summits([[0, 0, 0, 0], [0, 2, 0, 0], [0, 0, 0, 0]], spacing=1,
+    ...                          level="none", unit="um")
+    >>> found["x"].tolist(), found["y"].tolist(), found["height"].tolist()
+    ([1.0], [1.0], [2.0])
+    >>> found.units["x"]
+    'um'
+    """
+    steps = _a.pair("spacing", spacing)
+    options = _c.SummitsOptions(
+        _a.word("rule", rule), None if level is None else _a.word("level", level),
+        None if radius is None else _a.word("radius", radius),
+        None if unit is None else _a.word("unit", unit), steps, _a.flag("despike", despike))
+    periodic = None if edge is None else {b"free": False, b"periodic": True}.get(
+        _a.word("edge", edge))
+    if edge is not None and periodic is None:
+        raise _a.wrong("edge", repr(edge), "'free' or 'periodic'")
+    pixels = map_of("map", map)
+    if pixels is not None:
+        if periodic is not None:
+            pixels.periodic = periodic
+        found = _c.call("summits_of_map", byref(pixels), byref(options)).checked()
+        source: Any = map
+        if not hasattr(map, "heights"):
+            source = HeightMap(source, steps, unit)
+        return Summits(found, source)
+    name = "periodic_summits" if periodic else "summits"
+    return Summits(_c.call(name, _a.path("map", map), byref(options)).checked(), map)
+
+
+def generate(specification: _a.Path | Mapping[str, Mapping[str, Any]],
+             surface: int = 1) -> tuple[Table, Table]:
+    """Make the two random surfaces of a specification (`docs/generate.md`).
+
+    Parameters
+    ----------
+    specification : str, os.PathLike or mapping
+        The path of a file, or its groups as a dict of dicts.
+    surface : int, default 1
+        Which of the ensemble, from 1.
+
+    Returns
+    -------
+    (Table, Table)
+        The upper and the lower surface: columns `x`, `y`, `height` and `radius` in the unit of the
+        specification, which serve as surfaces of a scene. The same specification gives the same
+        numbers everywhere.
+
+    Raises
+    ------
+    InputError
+        For a bad specification or argument.
+    ComputeError
+        Where the surface has no room for so many asperities.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> upper, lower = asperity.generate({"surfaces": {"number": 60, "length": 1, "width": 1},
+    ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
+    >>> upper
+    <asperity.Table of 60 asperities: 4 columns x, y, height, radius>
+    """
+    number = _a.whole("surface", surface, "a number from 1 to the size of the ensemble")
+    place: tuple[bytes | None, bytes | None]
+    if isinstance(specification, Mapping):
+        groups = _a.Groups("specification", specification)
+        place = None, groups.text
+    else:
+        groups = _a.Groups("specification", {})
+        place = _a.path("specification", specification, "a path, or a dict of groups"), None
+    made = _c.call("generate", *place, number).checked(groups.named)
+    return made.table(_c.UPPER, "asperities"), made.table(_c.LOWER, "asperities")

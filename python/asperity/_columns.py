@@ -1,0 +1,267 @@
+"""Tables of results: columns by name, as numpy arrays where numpy is installed."""
+
+from __future__ import annotations
+
+import copy
+import difflib
+import functools
+import html
+import importlib
+import operator
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import-untyped, unused-ignore]
+    from numpy.typing import NDArray
+
+    #: A numpy array, read-only; where numpy is not installed a `Values`.
+    Column: TypeAlias = NDArray[Any]
+
+# Names of columns in version 0.2.0, and their names since.
+EARLIER_NAMES = {"approach": "separation", "decrease": "compression"}
+# Rows of a table that a notebook shows, and columns that `repr` lists.
+SHOWN_ROWS, SHOWN_COLUMNS = 12, 8
+SHOWN_VALUES = 6
+
+
+@functools.cache
+def numpy() -> ModuleType | None:
+    """numpy, where it is installed."""
+    try:
+        return importlib.import_module("numpy")
+    except ImportError:
+        return None
+
+
+def needed(module: str, extra: str, what: str) -> Any:
+    """A module of an optional extra."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        name = module.partition(".")[0]
+        raise ImportError(f"{what} needs {name}: pip install {name}, or asperity[{extra}]",
+                          name=name) from None
+
+
+class Values(Sequence[Any]):
+    """The values of a column where numpy is not installed.
+
+    It indexes, slices, iterates and has a length. A comparison with a number gives a list of bools,
+    one for each value; a comparison with a sequence compares as lists do. It is read-only.
+    """
+
+    def __init__(self, values: Sequence[Any]):
+        self._values = values
+
+    def __getitem__(self, place: Any) -> Any:
+        return Values(self._values[place]) if isinstance(place, slice) else self._values[place]
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def tolist(self) -> list[Any]:
+        """The values as a list."""
+        return list(self._values)
+
+    def _compared(self, other: Any, how: Callable[[Any, Any], bool]) -> Any:
+        if isinstance(other, (int, float)):
+            return [how(value, other) for value in self._values]
+        if isinstance(other, Sequence) and not isinstance(other, str):
+            return how(self.tolist(), list(other))
+        return NotImplemented
+
+    def __eq__(self, other: object) -> Any:
+        return self._compared(other, operator.eq)
+
+    def __lt__(self, other: Any) -> Any:
+        return self._compared(other, operator.lt)
+
+    def __le__(self, other: Any) -> Any:
+        return self._compared(other, operator.le)
+
+    def __gt__(self, other: Any) -> Any:
+        return self._compared(other, operator.gt)
+
+    def __ge__(self, other: Any) -> Any:
+        return self._compared(other, operator.ge)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> Any:
+        return Values, (self.tolist(),)
+
+    def __repr__(self) -> str:
+        count, parts = len(self), [repr(value) for value in self._values[:SHOWN_VALUES // 2]]
+        if count > SHOWN_VALUES:
+            parts.append("...")
+        rest = max(SHOWN_VALUES // 2, count - SHOWN_VALUES // 2)
+        parts += [repr(value) for value in self._values[rest:]]
+        return f"[{', '.join(parts)}]" + (f" ({count} values)" if count > SHOWN_VALUES else "")
+
+
+def column(values: Any) -> Column:
+    """A column of a read-only `memoryview` of numbers, or of a list of words."""
+    library = numpy()
+    if library is None:
+        return cast("Column", Values(values))
+    array = library.asarray(values)
+    if not len(array) and isinstance(values, list):
+        array = library.empty(0, dtype="U1")
+    array.flags.writeable = False
+    return cast("Column", array)
+
+
+class _Count(int):
+    """A number of rows, which gives the rows when it is called."""
+
+    table: Table
+
+    def __call__(self) -> Iterator[dict[str, Any]]:
+        names = list(self.table)
+        cells = [values.tolist() for values in self.table.values()]
+        return (dict(zip(names, row)) for row in zip(*cells))
+
+
+class Table(dict[str, "Column"]):
+    """A table: columns by name, in the order of the CSV files. `len` is the number of rows.
+
+    Columns of numbers are read-only numpy arrays of doubles or of whole numbers (yes and no are
+    1 and 0) that use the memory of the library; a value that was not computed is NaN. Words are
+    arrays of `str`. Where numpy is not installed, columns are sequences that index, slice and
+    compare (`asperity.Values`).
+
+    Attributes
+    ----------
+    name : str
+        What the rows are, for instance `states`.
+    units : dict of str to str
+        The unit of each column, "" where it is not known or has none.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> upper, lower = asperity.generate({"surfaces": {"number": 3, "length": 1, "width": 1},
+    ...     "heights": {"mean": 0.01, "deviation": 0.001}, "radii": {"mean": 0.5}})
+    >>> len(upper), list(upper)
+    (3, ['x', 'y', 'height', 'radius'])
+    >>> bool((upper["radius"] * 2 == 1.0).all())
+    True
+    >>> [row["radius"] for row in upper.rows()]
+    [0.5, 0.5, 0.5]
+    """
+
+    def __init__(self, columns: dict[str, Column] | None = None,
+                 units: dict[str, str] | None = None, name: str = "rows"):
+        super().__init__(columns or {})
+        self.units: dict[str, str] = units or {}
+        self.name = name
+
+    @property
+    def rows(self) -> _Count:
+        """Iterator over the rows, each a dict from the name of a column to its value; without
+        parentheses the number of rows."""
+        found = _Count(len(self))
+        found.table = self
+        return found
+
+    def __len__(self) -> int:
+        return len(next(iter(self.values()), ()))
+
+    def __bool__(self) -> bool:
+        return len(self) > 0
+
+    def __missing__(self, name: str) -> Column:
+        if name in EARLIER_NAMES and EARLIER_NAMES[name] in self:
+            warnings.warn(f"column {name!r} is now {EARLIER_NAMES[name]!r}", DeprecationWarning,
+                          stacklevel=2)
+            return self[EARLIER_NAMES[name]]
+        near = difflib.get_close_matches(str(name), list(self), 1)
+        raise KeyError(f"no column {name!r} in the table of {self.name}" +
+                       (f"; did you mean {near[0]!r}?" if near else f": {', '.join(self)}"))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same columns with the same bits: NaN equals NaN."""
+        return isinstance(other, Table) and list(self) == list(other) and all(
+            repr(mine.tolist()) == repr(their.tolist())
+            for mine, their in zip(self.values(), other.values()))
+
+    __hash__ = None
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """A numpy array of the rows, whose fields have the names of the columns."""
+        library: Any = needed("numpy", "numpy", "an array")
+        kinds = [(name, values.dtype) for name, values in self.items()]
+        array: NDArray[Any] = library.empty(len(self), dtype=kinds)
+        for name, values in self.items():
+            array[name] = values
+        return array if dtype is None else array.astype(dtype)
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """The columns as lists of Python numbers and words."""
+        return {name: values.tolist() for name, values in self.items()}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The table as a `pandas.DataFrame`; `attrs["units"]` has the units."""
+        frame: pandas.DataFrame = needed("pandas", "pandas", "a DataFrame").DataFrame(self)
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+    def __reduce__(self) -> Any:
+        state = {key: value for key, value in vars(self).items()}
+        return _restored, (type(self), dict(self), state)
+
+    def __copy__(self) -> Any:
+        return _restored(type(self), dict(self), dict(vars(self)))
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Any:
+        # Columns are read-only: only what they stand in is copied.
+        return _restored(type(self), dict(self), copy.deepcopy(vars(self), memo))
+
+    def label(self, name: str) -> str:
+        """The name of a column in words, with its unit in brackets: for an axis of a plot."""
+        unit = self.units.get(name, "")
+        return name.replace("_", " ") + (f" ({unit})" if unit else "")
+
+    def __repr__(self) -> str:
+        names = list(self)
+        shown = ", ".join(names[:SHOWN_COLUMNS]) + (", ..." if len(names) > SHOWN_COLUMNS else "")
+        return f"<asperity.{type(self).__name__} of {len(self)} {self.name}: " \
+               f"{len(names)} columns {shown}>"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _repr_html_(self) -> str:
+        """The first and last rows, for a notebook."""
+        count = len(self)
+        places = list(range(count))
+        if count > SHOWN_ROWS:
+            places[SHOWN_ROWS // 2:count - SHOWN_ROWS // 2] = [-1]
+        lines = ["<table>", _row("th", list(self)),
+                 _row("td", [self.units.get(name, "") for name in self])]
+        for place in places:
+            lines.append(_row("td", ["..." if place < 0 else shown(values[place])
+                                     for values in self.values()]))
+        return "\n".join([*lines, "</table>", f"<p>{count} {html.escape(self.name)}</p>"])
+
+
+def _restored(kind: type[Table], columns: dict[str, Column], state: dict[str, Any]) -> Table:
+    table: Table = kind.__new__(kind)
+    for name, values in columns.items():
+        if numpy():
+            values.flags.writeable = False
+        table[name] = values
+    vars(table).update(state)
+    return table
+
+
+def _row(tag: str, cells: list[str]) -> str:
+    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+
+def shown(value: Any) -> str:
+    """A value with six digits."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

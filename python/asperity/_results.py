@@ -1,0 +1,200 @@
+"""Results of a solve, and the summits of a height map."""
+
+from __future__ import annotations
+
+import html
+import math
+from typing import TYPE_CHECKING, Any
+
+from . import _library as _c
+from ._columns import Table, shown
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import-untyped, unused-ignore]
+    from matplotlib.axes import Axes
+
+# Tables of results by the name of the attribute.
+TABLES = {"positions": _c.POSITIONS, "states": _c.STATES, "contacts": _c.CONTACTS}
+# Columns that `repr` prints of the last state.
+FACTS = ("load", "separation", "area", "contacts")
+
+
+class Results:
+    """Results of `solve`: tables, summary, warnings.
+
+    Lengths, forces and pressures are in the units of the scene; `docs/columns.md` lists the columns
+    with meaning, unit and sign. Results can be copied, pickled and sent to another process.
+
+    Attributes
+    ----------
+    positions : Table
+        One row for each position of the motion: its last state.
+    states : Table
+        One row for each state of each position.
+    contacts : Table
+        One row for each contact of each state.
+    summary : str
+        The printed summary.
+    warnings : list of str
+        One line for each kind; each is also issued as `TheoryWarning` or `AccuracyWarning`.
+    notes : list of str
+        Notes on the deck, the scene or the map.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
+    >>> results = asperity.solve({"surfaces": {"upper": sphere, "lower": "plane"},
+    ...     "material": {"contact_modulus": 1000.0},
+    ...     "loading": {"control": "compression", "value": 0.01, "points": 4}})
+    >>> len(results.states)
+    5
+    >>> print(f"{results.states['load'][-1]:.6f}")  # Hertz: 4/3 E sqrt(R) d**1.5
+    4.216370
+    >>> [f"{row['load']:.3f}" for row in results.states.rows()]
+    ['0.000', '0.527', '1.491', '2.739', '4.216']
+    """
+
+    def __init__(self, outcome: _c.Outcome):
+        self._outcome: _c.Outcome | None = outcome
+        self.summary: str = outcome.text(_c.REPORT)
+        self.warnings: list[str] = outcome.lines(_c.WARNINGS)
+        self.notes: list[str] = outcome.lines(_c.NOTES)
+
+    if TYPE_CHECKING:
+        positions: Table
+        states: Table
+        contacts: Table
+
+    def __getattr__(self, name: str) -> Table:
+        # A table is made when it is first asked for.
+        outcome = vars(self).get("_outcome")
+        if name not in TABLES or outcome is None:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        table: Table = outcome.table(TABLES[name], name)
+        setattr(self, name, table)
+        return table
+
+    def __getstate__(self) -> dict[str, Any]:
+        for name in TABLES:
+            getattr(self, name)
+        return {**vars(self), "_outcome": None}
+
+    def to_dict(self) -> dict[str, Any]:
+        """All results as lists, numbers and texts: what `json` writes."""
+        tables = {name: getattr(self, name) for name in TABLES}
+        return {**{name: table.to_dict() for name, table in tables.items()},
+                "units": {name: dict(table.units) for name, table in tables.items()},
+                "summary": self.summary, "warnings": list(self.warnings),
+                "notes": list(self.notes)}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The states as a `pandas.DataFrame`; `positions` and `contacts` have `to_pandas`, too."""
+        return self.states.to_pandas()
+
+    def plot(self, ax: Any = None) -> tuple[Axes, Axes]:
+        """Draw the load against the separation, and the contact area against the load.
+
+        Parameters
+        ----------
+        ax : pair of matplotlib.axes.Axes, optional
+            Where to draw; a new figure otherwise.
+
+        Returns
+        -------
+        (matplotlib.axes.Axes, matplotlib.axes.Axes)
+        """
+        from ._plots import draw_curves
+        return draw_curves(self, ax)
+
+    def plot_contacts(self, position: int = 1, state: int = -1, ax: Axes | None = None) -> Axes:
+        """Draw the contacts in plan: circles of equal area, coloured by pressure.
+
+        Parameters
+        ----------
+        position : int, default 1
+            Position of the motion, from 1.
+        state : int, default -1
+            Index among the states of the position, from 0; -1: the last.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure otherwise.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        IndexError
+            For a position or a state that the results do not have.
+        """
+        from ._plots import draw_contacts
+        return draw_contacts(self, position, state, ax)
+
+    def __str__(self) -> str:
+        return self.summary
+
+    def __repr__(self) -> str:
+        facts = [counted(len(self.positions), "position"), counted(len(self.states), "state")]
+        if self.states:
+            for name in FACTS:
+                value, unit = self.states[name].tolist()[-1], self.states.units.get(name, "")
+                if not math.isnan(value):
+                    facts.append(f"{name} {shown(value)}" + (f" {unit}" if unit else ""))
+        if self.warnings:
+            facts.append(counted(len(self.warnings), "warning"))
+        return f"<asperity.Results: {', '.join(facts)}>"
+
+    def _repr_html_(self) -> str:
+        parts = [self.states._repr_html_(), f"<pre>{html.escape(self.summary)}</pre>"]
+        if self.warnings:
+            parts.append("<ul>" + "".join(f"<li>{html.escape(line)}</li>"
+                                          for line in self.warnings) + "</ul>")
+        return "\n".join(parts)
+
+
+class Summits(Table):
+    """Summits of a height map: columns `x`, `y`, `height` and `radius`, in the unit of the map
+    or in the requested one. It can be used as a surface of a scene.
+
+    Attributes
+    ----------
+    statistics : dict of str to float
+        Statistics of the map and its summits by name, in the same unit of length.
+    summary : str
+        The printed summary.
+    notes : list of str
+        Notes on the file of the map.
+    """
+
+    def __init__(self, outcome: _c.Outcome, source: Any):
+        table = outcome.table(_c.SUMMITS, "summits")
+        super().__init__(dict(table), table.units, table.name)
+        self.statistics: dict[str, float] = {
+            name: float(values[0])
+            for name, values in outcome.table(_c.STATISTICS, "maps").items()}
+        self.summary: str = outcome.text(_c.REPORT)
+        self.notes: list[str] = outcome.lines(_c.NOTES)
+        self._source = source
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the summits in plan on their height map, coloured by height.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure otherwise.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from ._plots import draw_summits
+        return draw_summits(self, self._source, ax)
+
+    def __str__(self) -> str:
+        return self.summary
+
+
+def counted(number: int, noun: str) -> str:
+    return f"{number} {noun}" + ("" if number == 1 else "s")

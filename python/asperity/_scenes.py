@@ -1,0 +1,282 @@
+"""Scenes: read and checked once, solved many times."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Mapping
+from ctypes import POINTER, byref, c_int, pointer
+from typing import Any
+
+from . import _arguments as _a
+from . import _library as _c
+from ._maps import map_of
+from ._results import Results
+
+EXPECTED_SCENE = "a path, or a dict of groups"
+EXPECTED_SIDE = "a path, a height map, 'plane', or a mapping with x, y, height and radius"
+
+
+class Scene:
+    """A scene that is read and checked once and can be solved many times.
+
+    Surfaces, neighbour lists and the last solution are kept from solve to solve.
+
+    Parameters
+    ----------
+    scene : str, os.PathLike or mapping
+        As for `solve`.
+
+    Attributes
+    ----------
+    groups : dict
+        The groups of the scene without its arrays; for a file, values as they stand there.
+
+    Raises
+    ------
+    InputError
+        With all that is wrong with the scene.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> sphere = {"x": [0.0], "y": [0.0], "height": [1.0], "radius": [10.0]}
+    >>> scene = asperity.Scene({"surfaces": {"upper": sphere, "lower": "plane"},
+    ...     "material": {"contact_modulus": 1000.0}, "loading": {"control": "load", "value": 1}})
+    >>> for load in (1, 8):
+    ...     print(f"{scene.solve(loading={'value': load}).states['compression'][-1]:.6f}")
+    0.003832
+    0.015326
+    """
+
+    def __init__(self, scene: _a.Path | Mapping[str, Mapping[str, Any]]):
+        self._source = scene
+        self._earlier: _c.Outcome | None = None
+        self.groups: dict[str, dict[str, Any]]
+        self._name = "scene"
+        if isinstance(scene, Mapping):
+            rest, sides = _without_arrays(scene)
+            text = _a.Groups(self._name, rest, _a.DOUBLE)
+            self._read = _c.call("build_scene_of", text.text, *map(byref, sides)).checked(
+                text.named)
+            self.groups = {group: dict(names) for group, names in rest.items()}
+        else:
+            coded = _a.path("scene", scene, EXPECTED_SCENE)
+            self._name = os.fsdecode(coded)
+            self._read = _c.call("read_scene", coded).checked()
+            self.groups = {}
+            for line in self._read.lines(_c.GROUPS):
+                group, name, values = line.split("\t", 2)
+                self.groups.setdefault(group, {})[name] = _a.Written(values)
+
+    def solve(self, *, arithmetic: str = "real64", accuracy: float = 0.0, contacts: bool = True,
+              threads: int = 0, progress: bool = False,
+              **groups: Mapping[str, Any] | None) -> Results:
+        """Solve the scene, with other values where they are given.
+
+        Parameters
+        ----------
+        arithmetic, accuracy, contacts, threads, progress
+            As for `asperity.solve`.
+        **groups
+            Values that replace those of the scene for this solve: `loading={"value": 20}` keeps the
+            other names of the group. None in place of a value or of a group removes it. The group
+            `surfaces` cannot be changed.
+
+        Returns
+        -------
+        Results
+            Those of a new scene with these values, to the tolerance of the solver.
+
+        Raises
+        ------
+        InputError, ComputeError
+            As `asperity.solve`.
+        """
+        read, text = self._read, _a.Groups(self._name, {})
+        if groups:
+            if "surfaces" in groups:
+                raise _a.wrong("surfaces", "a change of the surfaces", "a new asperity.Scene")
+            text = _a.Groups(self._name, _changed(self.groups, groups), _a.DOUBLE)
+            read = _c.call("rebuild_scene", self._read, text.text).checked(text.named)
+        solved = _solve(read, self._earlier, text, arithmetic, accuracy, contacts, threads,
+                        progress)
+        self._earlier = solved
+        return Results(solved)
+
+    def __reduce__(self) -> Any:
+        return Scene, (self._source,)
+
+    def __repr__(self) -> str:
+        return f"<asperity.Scene {self._name!r}: {', '.join(self.groups)}>"
+
+
+def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmetic: str = "real64",
+          accuracy: float = 0.0, contacts: bool = True, threads: int = 0,
+          progress: bool = False) -> Results:
+    """Solve a scene: contacts, load, area and pressures of two surfaces.
+
+    Parameters
+    ----------
+    scene : str, os.PathLike, mapping or Scene
+        The path of a scene file or of a card deck; or the groups of a scene as a dict of dicts,
+        with the names and units of `docs/scene.md`. There, `upper` and `lower` of the group
+        `surfaces` are a path, relative to the current folder; `"plane"` for one of the two;
+        asperities: a mapping, a structured array or a pandas table with `x`, `y` (places on the
+        reference plane), `height` (above it) and `radius` (more than 0), arrays of n numbers each,
+        or one radius for all; or a height map: a `HeightMap`, a topography of SurfaceTopography, or
+        a matrix of heights `[y, x]` with `map_spacing` in the same group. Numbers are taken as the
+        doubles that they are; True and False stand for `on` and `off`.
+    arithmetic : str, default "real64"
+        `real64`, `real32`, `real128` or `ibm370`. Effects need `real64`.
+    accuracy : float, default 0
+        Largest estimated relative error of every total, less than 1; the fastest method with this
+        error is used. 0: no such choice.
+    contacts : bool, default True
+        False: totals only, `contacts` of the results has no rows.
+    threads : int, default 0
+        0: all cores; at most 9999. The results are the same for any number.
+    progress : bool, default False
+        Show a bar of tqdm, or a line on standard error where tqdm is not installed.
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    InputError
+        With all that is wrong with the scene or an argument, each under the name that it was given
+        with, as in `surfaces.upper.height`.
+    TypeError
+        For a value of a type that cannot be taken.
+    ComputeError
+        When the scene cannot be solved.
+    KeyboardInterrupt
+        After Ctrl-C, within a second.
+
+    Warns
+    -----
+    TheoryWarning
+        For a result outside the range of a theory.
+    AccuracyWarning
+        For a result with a larger error than the tolerance.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> ridges = [[0.0, 0.1, 0.0, -0.1] * 8] * 32  # heights in um
+    >>> results = asperity.solve({
+    ...     "surfaces": {"upper": "plane", "lower": ridges, "map_spacing": 0.5, "map_unit": "um",
+    ...                  "map_edge": "periodic"},
+    ...     "material": {"contact_modulus": 1e5},
+    ...     "loading": {"control": "pressure", "value": 500.0}})
+    >>> print(f"{results.states['nominal_pressure'][-1]:.1f}")
+    500.0
+    """
+    given = scene if isinstance(scene, Scene) else Scene(scene)
+    return given.solve(arithmetic=arithmetic, accuracy=accuracy, contacts=contacts,
+                       threads=threads, progress=progress)
+
+
+def _solve(read: _c.Outcome, earlier: _c.Outcome | None, text: _a.Groups, arithmetic: str,
+           accuracy: float, contacts: bool, threads: int, progress: bool) -> _c.Outcome:
+    interrupt = c_int(0)
+    options = _c.Options(
+        _a.word("arithmetic", arithmetic), _a.number("accuracy", accuracy),
+        not _a.flag("contacts", contacts),
+        _a.whole("threads", threads, "a number from 1 to 9999, or 0 for all cores"),
+        POINTER(c_int)(interrupt))
+    counts = (c_int * 2)()
+    bar = _Progress(counts) if _a.flag("progress", progress) else None
+    try:
+        return _c.call("solve_again", read, byref(options), earlier, counts, interrupt=interrupt,
+                       watch=bar.show if bar else None).checked(text.named)
+    finally:
+        if bar:
+            bar.end()
+
+
+def _without_arrays(scene: Mapping[str, Any]) -> tuple[dict[str, Any], list[Any]]:
+    """The groups of a scene without its arrays, and the two sides for the library."""
+    rest, sides = dict(scene), [_c.Side(), _c.Side()]
+    given = scene.get("surfaces")
+    if isinstance(given, Mapping):
+        rest["surfaces"] = dict(given)
+        if "map_spacing" in given and not _a.is_text(given["map_spacing"]):
+            rest["surfaces"]["map_spacing"] = _spacing(given["map_spacing"])
+        for name, side in zip(("upper", "lower"), sides):
+            if name in given and not _a.is_text(given[name]):
+                _fill(side, f"surfaces.{name}", given[name])
+                del rest["surfaces"][name]
+        if not rest["surfaces"]:
+            del rest["surfaces"]
+    return rest, sides
+
+
+def _spacing(value: Any) -> Any:
+    """The spacing of height maps; one number is that along x and along y."""
+    is_single = hasattr(type(value), "__float__") and not hasattr(type(value), "__len__")
+    return [value, value] if is_single else value
+
+
+def _fill(side: Any, name: str, value: Any) -> None:
+    """Set one side of a scene to a height map or a table of asperities."""
+    pixels = map_of(name, value)
+    if pixels is not None:
+        side.map = pointer(pixels)
+        return
+    known = _a.columns_of(value)
+    if known is None:
+        raise _a.wrong_type(name, value, EXPECTED_SIDE)
+    side.asperities = pointer(_a.asperities(name, value, known))
+
+
+def _changed(groups: Mapping[str, Mapping[str, Any]],
+             changes: Mapping[str, Mapping[str, Any] | None]) -> dict[str, dict[str, Any]]:
+    """The groups with other values; None removes one."""
+    found = {group: dict(names) for group, names in groups.items()}
+    for group, names in changes.items():
+        if names is None:
+            found.pop(group, None)
+            continue
+        if not isinstance(names, Mapping):
+            raise _a.wrong_type(group, names, "a dict of names and values, or None")
+        merged = {**found.get(group, {}), **names}
+        found[group] = {name: value for name, value in merged.items() if value is not None}
+    return found
+
+
+class _Progress:
+    """How far a solve has come: a bar of tqdm, or a line on standard error."""
+
+    def __init__(self, counts: Any):
+        self._counts = counts
+        self._last = ""
+        self._bar: Any = None
+        try:
+            self._bar = importlib.import_module("tqdm.auto").tqdm(unit="state", desc="asperity")
+        except ImportError:
+            pass
+
+    def show(self) -> None:
+        done, total = self._counts
+        if not total:
+            return
+        if self._bar is not None:
+            self._bar.total, self._bar.n = total, done
+            self._bar.refresh()
+            return
+        line = f"asperity: {done} of {total} states"
+        if line != self._last:
+            sys.stderr.write(f"\r{line}")
+            sys.stderr.flush()
+            self._last = line
+
+    def end(self) -> None:
+        self.show()
+        if self._bar is not None:
+            self._bar.close()
+        elif self._last:
+            sys.stderr.write("\n")

@@ -1,0 +1,286 @@
+"""Height maps in Python: arrays, HeightMap, files, topographies of SurfaceTopography."""
+
+import copy
+import pickle
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+import pandas as pd
+import pytest
+from builds import ROOT, build
+from SurfaceTopography import Topography
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning"),
+              pytest.mark.filterwarnings("ignore::DeprecationWarning")]
+
+ROUGH = ROOT / "data/examples/summits/rough.sdf"
+DX, DY = 0.5, 0.25
+ASPERITY = {"x": [3.0], "y": [4.0], "height": [1.0], "radius": [2.0]}
+
+
+def made(rows=24, columns=32, seed=5):
+    """Heights without symmetry, of few digits, so that a text has them all."""
+    rng = np.random.default_rng(seed)
+    spectrum = np.fft.fft2(rng.standard_normal((rows, columns)))
+    q = np.hypot(*np.meshgrid(np.fft.fftfreq(columns), np.fft.fftfreq(rows))) + 0.05
+    heights = np.fft.ifft2(spectrum * (q < 0.3) / q**2).real
+    return np.round(0.02 * heights / heights.std(), 8)
+
+
+HEIGHTS = made()
+
+
+def scene(lower, **more):
+    return {"surfaces": {"upper": "plane", "lower": lower, **more},
+            "material": {"contact_modulus": 10.0},
+            "loading": {"control": "pressure", "value": 0.04, "points": 3}}
+
+
+@pytest.fixture(autouse=True)
+def closed_figures():
+    yield
+    plt.close("all")
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+@pytest.mark.parametrize("interaction", ["coupled", "boundary", "auto"])
+def test_one_map_six_ways(package, tmp_path, periodic, interaction):
+    """An array, a HeightMap, `.npy`, SDF, a text and a topography: the same bits."""
+    if periodic and interaction == "coupled":
+        pytest.skip("summits of a periodic map are not coupled")
+    np.save(tmp_path / "m.npy", HEIGHTS)
+    np.savetxt(tmp_path / "m.txt", HEIGHTS, fmt="%.17g")
+    surface = package.HeightMap(HEIGHTS, (DX, DY), "um", periodic)
+    bare = {"map_spacing": (DX, DY), "map_unit": "um",
+            "map_edge": "periodic" if periodic else "free"}
+    topography = Topography(HEIGHTS.T, (DX * HEIGHTS.shape[1], DY * HEIGHTS.shape[0]), unit="um",
+                            periodic=periodic)
+    scenes = {"array": scene(HEIGHTS, **bare), "list": scene(HEIGHTS.tolist(), **bare),
+              "float32 strided": scene(np.asfortranarray(HEIGHTS), **bare),
+              "HeightMap": scene(surface), "npy": scene(str(tmp_path / "m.npy"), **bare),
+              "text": scene(tmp_path / "m.txt", **bare), "topography": scene(topography)}
+    found = {}
+    for name, groups in scenes.items():
+        groups["effects"] = {"interaction": interaction}
+        results = package.solve(groups)
+        found[name] = results.states.to_dict(), results.contacts.to_dict()
+    expected = repr(found.pop("HeightMap"))
+    assert {name for name, one in found.items() if repr(one) != expected} == set()
+    assert package.solve(scenes["HeightMap"]).states.units["separation"] == "um"
+
+
+def test_axes(package):
+    """The one summit of [row, column] = [2, 5] stands at x = 5 dx, y = 2 dy."""
+    heights = np.zeros((6, 9))
+    heights[2, 5] = 1.0
+    surface = package.HeightMap(heights, (DX, DY), "um")
+    topography = Topography(heights.T, (DX * 9, DY * 6), unit="um")
+    for one in (surface, topography):
+        found = package.summits(one, level="none")
+        assert (found["x"].tolist(), found["y"].tolist()) == ([5 * DX], [2 * DY])
+    found = package.summits(heights, level="none", spacing=(DX, DY))
+    assert (found["x"].tolist(), found["y"].tolist()) == ([5 * DX], [2 * DY])
+    axes = surface.plot()
+    assert axes.images[0].get_extent() == [0.0, 9 * DX, 0.0, 6 * DY]
+    assert np.array_equal(axes.images[0].get_array(), heights) and axes.images[0].origin == "lower"
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_summits_of_all_kinds(package, tmp_path, periodic):
+    """Summits and statistics of array, file and topography, to the last bit."""
+    np.savetxt(tmp_path / "m.txt", HEIGHTS, fmt="%.17g")
+    edge = "periodic" if periodic else "free"
+    expected = package.summits(tmp_path / "m.txt", spacing=(DX, DY), edge=edge, unit="um")
+    surface = package.HeightMap(HEIGHTS, (DX, DY), "um", periodic)
+    topography = Topography(HEIGHTS.T, (DX * HEIGHTS.shape[1], DY * HEIGHTS.shape[0]), unit="um",
+                            periodic=periodic)
+    for found in (package.summits(surface), package.summits(topography),
+                  package.summits(HEIGHTS, spacing=(DX, DY), unit="um", edge=edge)):
+        assert found == expected and found.units == expected.units
+        assert repr(found.statistics) == repr(expected.statistics)
+    assert len(expected) > 10 and expected.units["x"] == "um"
+    millimetres = package.summits(surface, unit="mm")
+    assert np.allclose(millimetres["x"], expected["x"] * 1e-3, rtol=1e-14)
+
+
+def test_missing_pixels(package, tmp_path):
+    """NaN and a mask are missing pixels, as the word BAD in a text."""
+    mask = np.zeros(HEIGHTS.shape, bool)
+    mask[4:7, 10:14] = True
+    with_nan = np.where(mask, np.nan, HEIGHTS)
+    masked = np.ma.masked_array(HEIGHTS, mask=mask)
+    np.savetxt(tmp_path / "m.txt", with_nan, fmt="%.17g")
+    expected = package.summits(tmp_path / "m.txt", spacing=(DX, DY))
+    for heights in (with_nan, masked):
+        assert package.summits(heights, spacing=(DX, DY)) == expected
+        assert "12 pixels missing" in repr(package.HeightMap(heights, 1.0))
+    assert expected.statistics["missing"] == 12
+
+
+def test_read_and_write(package, tmp_path):
+    """A map comes back from `.sdf`, `.npy` and text as it was; the command reads all of them."""
+    surface = package.HeightMap(HEIGHTS, (DX, DY), "um")
+    for ending in ("sdf", "npy", "txt"):
+        path = tmp_path / f"m.{ending}"
+        surface.write(path)
+        given = {} if ending == "sdf" else {"spacing": (DX, DY)} if ending == "npy" else {}
+        again = package.read_map(path, unit="um", **given)
+        tolerance = {"rtol": 1e-14} if ending == "sdf" else {"rtol": 0}
+        assert np.allclose(again.heights, HEIGHTS, atol=1e-15, **tolerance)
+        assert again.spacing == pytest.approx((DX, DY), rel=1e-14) and again.unit == "um"
+        words = ["--spacing", f"{DX},{DY}"] if given else []
+        done = subprocess.run([build("release"), "summits", path, "--unit", "um", *words],
+                              capture_output=True, text=True, timeout=100)
+        assert done.returncode == 0 and f"{HEIGHTS.size}" in done.stdout, done.stderr
+    assert np.array_equal(np.load(tmp_path / "m.npy"), HEIGHTS)
+    with pytest.raises(package.InputError, match="sdf"):
+        surface.write(tmp_path / "m.jpg")
+    with pytest.raises(package.ComputeError, match="m.npy: cannot be written"):
+        surface.write(tmp_path / "none/m.npy")
+    with pytest.raises(package.InputError, match="unit"):
+        package.HeightMap(HEIGHTS, 1.0).write(tmp_path / "u.sdf")
+
+
+def test_read_other_formats(package, tmp_path):
+    """A format that only SurfaceTopography reads: here its own NetCDF or Gwyddion-like files."""
+    topography = Topography(HEIGHTS.T, (DX * HEIGHTS.shape[1], DY * HEIGHTS.shape[0]), unit="um",
+                            periodic=True)
+    topography.to_netcdf(str(tmp_path / "m.nc"))
+    found = package.read_map(tmp_path / "m.nc")
+    assert np.array_equal(found.heights, HEIGHTS) and found.periodic and found.unit == "µm"[1:] \
+        or found.unit in ("um", "µm")
+    assert found.spacing == pytest.approx((DX, DY), rel=1e-14)
+    assert package.solve(scene(found)).states["load"][-1] > 0
+    (tmp_path / "bad").write_bytes(bytes(range(256)) * 9)
+    with pytest.raises(package.InputError, match="control character"):
+        package.read_map(tmp_path / "bad")
+
+
+def test_file_beside_array(package, tmp_path):
+    """One side a file and the other an array: asperities and maps, either way round."""
+    pd.DataFrame({"x": [3.1], "y": [4.0], "height": [0.5], "radius": [1.0]}).to_csv(
+        tmp_path / "a.csv", index=False)
+    other = {"x": [3.1], "y": [4.0], "height": [0.5], "radius": [1.0]}
+    groups = {"material": {"contact_modulus": 10.0}, "loading": {"control": "load", "value": 0.1}}
+    both = [package.solve({"surfaces": {"upper": upper, "lower": lower}, **groups}).states
+            for upper, lower in ((ASPERITY, other), (ASPERITY, tmp_path / "a.csv"),
+                                 (pd.DataFrame(ASPERITY), str(tmp_path / "a.csv")))]
+    assert both[1] == both[0] == both[2]
+    surface = package.HeightMap(HEIGHTS, (DX, DY), "um")
+    surface.write(tmp_path / "m.txt")
+    two = [package.solve({**scene(lower), "surfaces": {"upper": upper, "lower": lower}}).states
+           for upper, lower in ((surface, surface), (surface, tmp_path / "m.txt"),
+                                (tmp_path / "m.txt", surface))]
+    assert two[0] == two[1] == two[2]
+
+
+def test_structured_array_and_pandas(package):
+    """Tables of numpy and pandas as surfaces."""
+    frame = pd.DataFrame(ASPERITY)
+    groups = {"material": {"contact_modulus": 10.0}, "loading": {"control": "load", "value": 0.1}}
+    found = [package.solve({"surfaces": {"upper": one, "lower": "plane"}, **groups}).states
+             for one in (ASPERITY, frame, frame.to_records(index=False))]
+    assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize("heights, told", [
+    ([[0.0, 1.0], [0.0]], r"heights\[1\]: found 1 heights, expected 2"),
+    (np.zeros(9), "an array of 1 dimensions"), (np.zeros((3, 3, 3)), "3 dimensions"),
+    ([1.0, 2.0], "2 numbers in one row"), (3.0, "heights"), ("abc", "heights")])
+def test_no_matrix(package, heights, told):
+    with pytest.raises((package.InputError, TypeError), match=told):
+        package.HeightMap(heights, 1.0)
+
+
+@pytest.mark.parametrize("surfaces, told", [
+    ({"lower": HEIGHTS}, "map_spacing"),
+    ({"lower": np.full((3, 3), np.inf), "map_spacing": 1.0}, "surfaces.lower"),
+    ({"lower": np.full((3, 3), np.nan), "map_spacing": 1.0}, "missing"),
+    ({"lower": np.zeros((2, 2)), "map_spacing": 1.0}, "at least 3 x 3"),
+    ({"lower": HEIGHTS, "map_spacing": -1.0}, "map_spacing"),
+    ({"lower": HEIGHTS, "map_spacing": 1.0, "map_unit": "furlong"}, "furlong"),
+    ({"lower": HEIGHTS, "map_spacing": 1.0, "map_edge": "perodic"}, "did you mean 'periodic'"),
+    ({"lower": HEIGHTS, "map_spacing": 1.0, "upper": ASPERITY}, "surfaces"),
+    ({"lower": HEIGHTS, "map_spacing": 1.0, "upper": HEIGHTS[:5]}, "grid")])
+def test_bad_maps(package, surfaces, told):
+    """Each is refused in a sentence that names what was given."""
+    groups = scene(None)
+    groups["surfaces"].update(surfaces)
+    with pytest.raises(package.InputError, match=told):
+        package.solve(groups)
+
+
+def test_height_map_is_its_own(package):
+    """It copies heights; it can be copied and pickled; `asarray` of it is read-only heights."""
+    heights = HEIGHTS.copy()
+    surface = package.HeightMap(heights, (DX, DY), "um", True)
+    heights[:] = 0
+    for one in (surface, copy.deepcopy(surface), pickle.loads(pickle.dumps(surface)),
+                package.HeightMap(surface, (DX, DY), "um", True)):
+        assert np.array_equal(one.heights, HEIGHTS) and np.array_equal(np.asarray(one), HEIGHTS)
+        assert (one.spacing, one.unit, one.periodic) == ((DX, DY), "um", True)
+        assert one.sizes == (DX * 32, DY * 24) and one.shape == (24, 32)
+        assert not one.heights.flags.writeable
+    assert repr(surface).startswith("<asperity.HeightMap of 32 x 24 pixels: 16 x 6 um, heights -")
+    assert repr(surface).endswith(" um, periodic>") and "32 x 24" in surface._repr_html_()
+
+
+def test_edge_of_the_map_and_of_the_scene(package):
+    """A scene takes the edge of its map; its own word comes first."""
+    def separation(periodic, **more):
+        surface = package.HeightMap(HEIGHTS, (DX, DY), "um", periodic)
+        groups = scene(surface, **more)
+        groups["effects"] = {"interaction": "boundary"}
+        return package.solve(groups).states["separation"][-1]
+    free, periodic = separation(False), separation(True)
+    assert free != periodic
+    assert separation(False, map_edge="periodic") == periodic
+    assert separation(True, map_edge="free") == free
+
+
+def test_plots(package):
+    """Map and summits with axes and units; on axes that are given."""
+    surface = package.read_map(ROUGH, unit="um")
+    axes = surface.plot()
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (um)", "y (um)")
+    assert axes.figure.axes[1].get_ylabel() == "height (um)"
+    for source in (surface, ROUGH):
+        summits = package.summits(source, unit="um")
+        _, own = plt.subplots()
+        assert summits.plot(ax=own) is own and len(own.images) == 1
+        points = own.collections[0].get_offsets()
+        assert np.array_equal(points[:, 0], summits["x"])
+        assert np.array_equal(np.ma.filled(own.images[0].get_array(), np.nan), surface.heights,
+                              equal_nan=True)
+    assert len(package.summits(HEIGHTS, spacing=1.0).plot().images) == 1
+
+
+TWELVE = """
+import asperity
+import numpy as np
+q = np.hypot(*np.meshgrid(np.fft.fftfreq(256), np.fft.fftfreq(256)))
+noise = np.fft.fft2(np.random.default_rng(1).standard_normal((256, 256)))
+heights = np.fft.ifft2(noise * np.where((q > 0.008) & (q < 0.1), q + 1e-9, 1e9)**-1.8).real
+surface = asperity.HeightMap(0.1 * heights / heights.std(), 0.5, "um", periodic=True)
+states = asperity.solve({"surfaces": {"upper": "plane", "lower": surface},
+                         "material": {"contact_modulus": 1e5},
+                         "loading": {"control": "pressure", "value": 1000, "points": 5}}).states
+import matplotlib.pyplot as plt
+plt.plot(states["nominal_pressure"], states["area_fraction"])
+print(*states["area_fraction"])
+"""
+
+
+def test_twelve_lines(venv):
+    """A numpy map to area against pressure, in twelve lines."""
+    code = f"import sys; sys.path.insert(0, {str(next(venv.glob('lib/python*/site-packages')))!r})"
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code + TWELVE], text=True,
+                          env={"MPLBACKEND": "Agg"}, capture_output=True, timeout=100)
+    assert done.returncode == 0 and len(TWELVE.strip().splitlines()) <= 12, done.stderr
+    areas = [float(word) for word in done.stdout.split()]
+    assert len(areas) >= 5 and areas == sorted(areas) and 0 < areas[-1] < 1
