@@ -46,7 +46,7 @@ def draw_curves(results: Results, ax: Any) -> tuple[Axes, Axes]:
 
 
 def draw_contacts(results: Results, position: int, state: int, ax: Axes | None) -> Axes:
-    """Contacts of one state in plan: circles of equal area, coloured by the greatest pressure."""
+    """Contacts of one state in plan, with their area, coloured by the greatest pressure."""
     table, states = results.contacts, results.states
     steps = states["step"][states["position"] == position]
     if len(steps) == 0:

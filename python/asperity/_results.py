@@ -108,7 +108,7 @@ class Results:
         return draw_curves(self, ax)
 
     def plot_contacts(self, position: int = 1, state: int = -1, ax: Axes | None = None) -> Axes:
-        """Draw the contacts in plan: circles of equal area, coloured by pressure.
+        """Draw the contacts in plan, with their area, coloured by pressure.
 
         Parameters
         ----------
