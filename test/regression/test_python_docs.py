@@ -102,7 +102,7 @@ def test_page_examples(package, venv, tmp_path):
         assert done.returncode == 0, (name, done.stderr)
 
 
-def test_ten_lines_of_the_page():
+def test_first_example_is_short():
     """The page keeps its promise: at most twelve lines, and neither savetxt nor asarray."""
     text = page_examples()["python_1"]
     assert len(text.splitlines()) <= 12 and "savetxt" not in text and "asarray" not in text
