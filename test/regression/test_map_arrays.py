@@ -324,11 +324,13 @@ def test_map_beside_a_map(library, tmp_path, interaction):
     same_tables(both, library.solve(
         GROUPS.format(interaction, "map_spacing = 0.5, 0.375, map_unit = 'um', 'um'"),
         height_map(upper), height_map(lower, (0, 0), None)))
-    # Millimetres become micrometres.
-    scaled = library.solve(GROUPS.format(interaction, "map_unit = 'um'"), height_map(upper),
-                           height_map(lower / 1000, np.array(SPACING) / 1000, b"mm"))
-    assert scaled.wrong == ""
-    assert scaled.table(POSITIONS)["area"] == pytest.approx(both.table(POSITIONS)["area"], rel=1e-6)
+    # The lower one in millimetres, whether it has a unit or the text names it: micrometres.
+    small, own = lower / 1000, np.array(SPACING) / 1000
+    one = library.solve(GROUPS.format(interaction, ""), height_map(upper),
+                        height_map(small, own, b"mm"))
+    same_tables(one, library.solve(GROUPS.format(interaction, "map_unit = 'um', 'mm'"),
+                                   height_map(upper, unit=None), height_map(small, own, None)))
+    assert one.table(POSITIONS)["area"] == pytest.approx(both.table(POSITIONS)["area"], rel=1e-6)
 
 
 def test_units_of_maps_without_one(library, tmp_path):
@@ -343,6 +345,10 @@ def test_units_of_maps_without_one(library, tmp_path):
     read = library.read(tmp_path / "m.txt", SPACING, b"nm")
     assert (read.text(UNIT), read.table(MAP)["spacing_x"][0]) == ("nm", 0.5)
     assert read.table(PIXELS)["height"].tobytes() == heights.tobytes()
+    # Summits, too: converted, or in the unit that is named.
+    found = [library.summits(height_map(heights, unit=own), unit=b"nm").table(SUMMITS)["radius"]
+             for own in (b"um", None)]
+    assert found[0] == pytest.approx(1000 * found[1], rel=1e-12) and len(found[0])
     # One value serves two maps without a unit, and converts one that has a unit.
     both = library.solve(GROUPS.format("off", "map_unit = 'um'"), height_map(heights, unit=None),
                          height_map(heights, unit=b""))

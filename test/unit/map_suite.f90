@@ -1,15 +1,20 @@
 !> Tests of a map of heights under a rigid flat, against closed forms: Hertz' ball (1882) and
 !> Westergaard's wave (1939).
 module asperity_map_suite
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use asperity_contact_records, only: state_row
-  use asperity_height_map, only: height_map, no_height
+  use asperity_height_map, only: height_map, is_measured, no_height
+  use asperity_height_map_array, only: take_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_check, only: hold_against_map, map_seen, see_map
   use asperity_map_contact, only: half_map, map_answer, press_map
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
   use asperity_map_summits, only: map_summits
+  use asperity_problems, only: problem_list
+  use asperity_scene_reader, only: build_scene_of
   use asperity_scene_results, only: map_record
+  use asperity_scene_values, only: scene, scene_side
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -38,7 +43,8 @@ contains
       new_unittest('a coarser map says what all samples do', coarser_map), &
       new_unittest('nothing touches; a flat below the mean height is refused', refused), &
       new_unittest('far beyond full contact load adds a punch', far_beyond_full_contact), &
-      new_unittest('units of length and load scale by powers of two', scaled)]
+      new_unittest('units of length and load scale by powers of two', scaled), &
+      new_unittest('a map in memory is that of a scene', map_in_memory)]
   end subroutine collect_maps
 
   ! The ball's cap, on a square a little wider than its contact.
@@ -358,5 +364,41 @@ contains
     call check(error, .not. any(abs(large%pressure - plain%pressure * along) > 0.0_real64), &
                'the pressures scale without rounding')
   end subroutine scaled
+
+  ! Places, missing pixels, unit and edge arrive in a scene, the heights by being moved.
+  subroutine map_in_memory(error)
+    !> failure
+    type(error_type), allocatable, intent(out) :: error
+    character(len=*), parameter :: groups = '&surfaces upper = ''plane'' / &material ' // &
+      'contact_modulus = 1. / &loading control = ''load'', value = 1. /'
+    type(height_map) :: map
+    type(scene_side) :: sides(2)
+    type(scene) :: built
+    type(problem_list) :: problems
+    character(len=:), allocatable :: failure
+    real(real64) :: heights(4, 3)
+    integer :: i
+
+    heights = reshape([(real(i, real64), i = 1, 12)], [4, 3])
+    heights(2, 3) = ieee_value(1.0_real64, ieee_quiet_nan)
+    call take_map('lower', heights, [0.5_real64, 0.25_real64], 'micron', 2, map, problems, failure)
+    call check(error, problems%text(), '', 'nothing is wrong')
+    allocate (sides(2)%map, source=map)
+    call build_scene_of(sides, groups, built, problems)
+    call check(error, problems%text(), '', 'nothing is wrong with the scene')
+    if (allocated(error)) return
+    call check(error, .not. allocated(sides(2)%map%height), 'the heights are moved')
+    associate (lower => built%map%lower)
+      call check(error, built%map%periodic .and. lower%unit == 'um', 'edge and unit')
+      call check(error, all([lower%columns, lower%rows] == [4, 3]), 'columns and rows')
+      call check(error, count(.not. is_measured(lower%height)), 1, 'one pixel is missing')
+      heights(2, 3) = no_height
+      call check(error, .not. any(abs(lower%height - heights) > 0.0_real64), 'the heights')
+      call check(error, lower%digit, spacing(12.0_real64), 0.0_real64, 'the last digit')
+    end associate
+    call take_map('lower', heights, [1.0_real64, 0.0_real64], 'ell', 3, map, problems, &
+                  failure)
+    call check(error, problems%count(), 4, 'spacing, unit, edge, too large a height')
+  end subroutine map_in_memory
 
 end module asperity_map_suite
