@@ -267,9 +267,10 @@ contains
           return
         end if
         table%rows = size(map%height)
-        where (.not. is_measured(map%height)) map%height = ieee_value(0.0_real64, ieee_quiet_nan)
         do row = 1, map%rows
-          table%columns(1)%reals((row - 1) * map%columns + 1:row * map%columns) = map%height(:, row)
+          table%columns(1)%reals((row - 1) * map%columns + 1:row * map%columns) = &
+            merge(map%height(:, row), ieee_value(0.0_real64, ieee_quiet_nan), &
+                  is_measured(map%height(:, row)))
         end do
       end associate
     end subroutine set_pixels
