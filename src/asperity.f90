@@ -36,6 +36,7 @@ module asperity
   use asperity_scene_surfaces, only: plane_surface, take_surface
   use asperity_scene_values, only: scene, scene_map, scene_side, scene_surface
   use asperity_solve, only: solve
+  use asperity_solution_start, only: solution_start
   use asperity_summary, only: write_summary
   use asperity_summits_of_file, only: summit_choices, summits_of_array, summits_of_file
   use asperity_summits_table, only: write_summits_table
@@ -70,6 +71,7 @@ module asperity
   public :: card_deck, read_card_deck, run_in_arithmetic, arithmetic_names
   public :: original_request, original_records, thesis_tables, write_report
   ! Running scenes.
+  public :: solution_start
   public :: solve, run_options, check_options, version
   ! Results.
   public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header, &

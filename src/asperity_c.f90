@@ -95,6 +95,9 @@ contains
     type(outcome), pointer :: before
 
     call look_at(earlier, before)
+    if (associated(before)) then
+      if (allocated(before%solutions)) chosen%reuse%earlier => before%solutions
+    end if
     if (c_associated(progress)) call c_f_pointer(progress, chosen%count%numbers, [2])
     handle = solve_chosen(of_scene, options, chosen)
   end function c_solve_again
@@ -119,11 +122,19 @@ contains
       new%failure = 'no scene'
     else if (from%problems%count() == 0) then
       call set_options(options, chosen, new%problems)
+      chosen%reuse%keeps = .true.
       if (new%problems%count() == 0) call solve(from%scene_in, results, new%failure, chosen)
       if (allocated(new%failure)) new%failure = from%scene_in%file // ': ' // new%failure
       call set_text(new, text_notes, from%scene_in%notes%text())
     end if
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      allocate (new%solutions(size(results%positions)))
+      do which = 1, size(new%solutions)
+        call move_alloc(results%positions(which)%start%of, new%solutions(which)%of)
+        if (allocated(new%solutions(which)%of) .or. .not. associated(chosen%reuse%earlier)) cycle
+        if (which <= size(chosen%reuse%earlier)) &
+          new%solutions(which) = chosen%reuse%earlier(which)
+      end do
       call list_warnings(from%scene_in%file, results, warnings)
       call set_text(new, text_warnings, warnings%text())
       call list_warning_kinds(results, kinds)

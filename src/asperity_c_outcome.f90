@@ -4,7 +4,8 @@ module asperity_c_outcome
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: real64
-  use asperity, only: add_reals, array_table, list_groups, problem_list, problem_place, scene
+  use asperity, only: add_reals, array_table, list_groups, problem_list, problem_place, scene, &
+                      solution_start
   implicit none
   private
 
@@ -38,6 +39,7 @@ module asperity_c_outcome
     type(problem_place), allocatable :: places(:)          !! of each problem
     type(c_letters), allocatable :: names(:, :)            !! of columns (column, table)
     type(c_letters), allocatable :: units(:, :)            !! of columns (column, table)
+    type(solution_start), allocatable :: solutions(:)      !! by position, for further solves
     character(len=:), allocatable :: failure               !! why it was not computed
   end type outcome
 

@@ -6,6 +6,7 @@ module asperity_contact_pairs
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
+  use asperity_solution_start, only: solution_start
   use asperity_theory_limits, only: theory_limits
   use asperity_work_count, only: work_count
   implicit none
@@ -55,6 +56,8 @@ module asperity_contact_pairs
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     type(interruption) :: interrupt                 !! who solves the position may be told to end
     type(work_count) :: count                       !! states that are done are counted there
+    type(solution_start), pointer :: start => null() !! earlier solutions; or none
+    logical :: keeps_solution = .false.             !! the result has the last one, too
   end type contact_pairs
 
 contains

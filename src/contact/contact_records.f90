@@ -6,6 +6,7 @@ module asperity_contact_records
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_solve_ending, only: solve_ending
+  use asperity_solution_start, only: solution_start
   use asperity_theory_warnings, only: theory_warning
   implicit none
   private
@@ -121,6 +122,7 @@ module asperity_contact_records
     type(effect_record), allocatable :: effects(:)
     real(real64), allocatable :: contact_values(:, :)  !! what they tell (row, column)
     real(real64), allocatable :: state_values(:)       !! what they tell of the last state (column)
+    type(solution_start) :: start                      !! solutions for further runs, where kept
   end type position_result
 
 contains

@@ -7,7 +7,12 @@ module asperity_contact_state
   private
 
   public :: contact_state, start_state, answer_all, in_contact
+  public :: apart, move_x, move_y
   public :: total_load, total_vertical_load, load_asked_for
+
+  !> Columns of `found`: shifts of coupled contacts; in the first row 1 where the solution does not
+  !> depend on its start.
+  integer, parameter :: move_x = 5, move_y = 6, apart = 7
 
   ! Fewest pairs for which threads are started.
   integer, parameter :: many = 1000

@@ -4,6 +4,7 @@ module asperity_position_solver
   use asperity_contact_records, only: position_result
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
+  use asperity_solution_start, only: solution_reuse
   use asperity_work_count, only: work_count
   implicit none
   private
@@ -23,6 +24,7 @@ module asperity_position_solver
     real(real64) :: nominal_area = 0.0_real64  !! in the scene's unit; 0: not given
     type(interruption) :: interrupt       !! of the run: long positions look at it
     type(work_count) :: count             !! of the run: states of long positions are counted
+    type(solution_reuse) :: reuse         !! of the run: solutions of an earlier one
   contains
     procedure(solve_one), deferred :: solve  !! one position
   end type position_solver

@@ -7,7 +7,9 @@ module asperity_interaction
   use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, plain
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_state, only: answer_all, contact_state
+  use asperity_contact_state, only: answer_all, apart, contact_state, move_x, move_y
+  use asperity_coupled_joining, only: stand_apart
+  use asperity_earlier_solutions, only: start_from_earlier
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
@@ -34,8 +36,8 @@ module asperity_interaction
 
   ! What a solve has found is kept as numbers: a row of what is of all, then a row by pair.
   integer, parameter :: cells = 1, error = 2, area_error = 3, residual = 4, iterations = 5, &
-                        nested = 6
-  integer, parameter :: penetration = 1, area = 2, pressure = 3, resolved = 4
+                        nested = 6  ! then apart
+  integer, parameter :: penetration = 1, area = 2, pressure = 3, resolved = 4  ! then move_x, move_y
 
 contains
 
@@ -167,29 +169,59 @@ contains
     real(real64), intent(in), optional :: target
     type(joint_solution) :: solution
     integer :: which
+    logical :: has_start
 
     ! Cells are elastic: contacts of another law stay circles.
     which = resolve_none
     if (self%mode == effect_boundary) which = resolve_all
     if (self%mode == effect_auto .and. same_type_as(law, hertz_law())) which = resolve_called_for
     solution%coupled%closing = closing
-    call solve_joint(pairs, law, which, min(self%tolerance, left), self%boundary_tolerance, &
-                     self%area_tolerance, solution, target)
+    if (which /= resolve_all .and. same_type_as(law, hertz_law())) &
+      call start_from_earlier(pairs, solution%coupled, target)
+    has_start = allocated(solution%coupled%penetration)
+    call solve_now()
+    if (has_start .and. .not. pairs%interrupt%is_asked()) then
+      if (.not. is_one_solution(pairs, solution)) then
+        solution = joint_solution()
+        solution%coupled%closing = closing
+        call solve_now()
+      end if
+    end if
     if (allocated(solution%failure)) then
       failure = solution%failure
       return
     end if
     closing = solution%coupled%closing
-    allocate (found(1 + size(solution%area), nested), source=0.0_real64)
+    allocate (found(1 + size(solution%area), apart), source=0.0_real64)
     associate (coupled => solution%coupled)
       found(1, :) = [real(solution%cells, real64), solution%error, solution%area_error, &
                      coupled%ending%residual, real(coupled%ending%iterations, real64), &
-                     merge(solution%nested, 0.0_real64, which == resolve_none)]
+                     merge(solution%nested, 0.0_real64, which == resolve_none), &
+                     merge(1.0_real64, 0.0_real64, is_one_solution(pairs, solution))]
       found(2:, penetration) = coupled%penetration
     end associate
     found(2:, area) = solution%area
     found(2:, pressure) = solution%maximum_pressure
     found(2:, resolved) = merge(1.0_real64, 0.0_real64, solution%is_resolved)
+    found(2:, move_x) = solution%coupled%move(1, :)
+    found(2:, move_y) = solution%coupled%move(2, :)
+
+  contains
+
+    subroutine solve_now()
+      call solve_joint(pairs, law, which, min(self%tolerance, left), self%boundary_tolerance, &
+                       self%area_tolerance, solution, target)
+    end subroutine solve_now
+
   end subroutine solve_together
+
+  ! Whether a solution does not depend on its start.
+  logical function is_one_solution(pairs, solution)
+    type(contact_pairs), intent(in) :: pairs
+    type(joint_solution), intent(in) :: solution
+
+    is_one_solution = .not. allocated(solution%failure) .and. solution%cells == 0
+    if (is_one_solution) is_one_solution = stand_apart(pairs, solution%coupled)
+  end function is_one_solution
 
 end module asperity_interaction

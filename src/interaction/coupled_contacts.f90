@@ -27,7 +27,7 @@ module asperity_coupled_contacts
   public :: adopt, coupled_solution, resolved_contacts, solve_coupled
 
   ! Residuals: asked for; accepted where rounding allows no less, and of many, sums over whom are
-  ! good to 1e-8 only.
+  ! good to 1e-8 only. From a start nearby the last step is not worth its cost (measured).
   real(real64), parameter :: asked = 1.0e-11_real64, accepted = 1.0e-9_real64
   ! Of a group what all are off by, and steps: one that takes more is left to the others.
   real(real64), parameter :: group_left = 0.01_real64
@@ -45,6 +45,8 @@ module asperity_coupled_contacts
   ! Products are rough and leave out derivatives by shifts of far circles, so that of many a step
   ! leaves .05 in any case (measured).
   real(real64), parameter :: most_left = 0.1_real64, least_left(2) = [0.01_real64, 0.05_real64]
+  ! From a start nearby: share of the residual that will do that the last step aims at (chosen).
+  real(real64), parameter :: left_at_end = 0.1_real64
   ! Open contacts are looked at when the residual has fallen to this share, as long as any joins;
   ! groups are solved again as long as that brings it there.
   real(real64), parameter :: look_again = 0.5_real64
@@ -72,19 +74,26 @@ contains
     call prepare(pairs, law, solution, state, target, resolved)
     if (allocated(solution%failure)) return
     call set_out(pairs, law, solution, state, resolved)
-    ! Circles with cells begin with what they were.
-    if (.not. (present(share) .or. present(resolved))) &
+    ! None has been looked at yet.
+    joined = -1
+    state%is_near = solution%is_near
+    solution%is_near = .false.
+    if (state%is_near) then
+      ! Its closing is near, too: contacts that are new join before the first step.
+      call look(pairs, law, asked, .true., solution, state, resolved, joined)
+      joined = 0
+    else if (.not. (present(share) .or. present(resolved))) then
+      ! Circles with cells begin with what they were.
       call open_hidden(pairs, law, state%target, solution)
+    end if
     call evaluate(pairs, law, solution, state, resolved)
     looked = 1.0_real64
     before = huge(before)
-    ! None has been looked at yet.
-    joined = -1
     do iteration = 0, merge(most_of_group, most_iterations, present(share))
       if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
       if (allocated(solution%failure)) return
       ! Or as small as rounding lets it be: it falls no more.
-      enough = merge(accepted, asked, size(solution%set%x) > many)
+      enough = merge(accepted, asked, state%is_near .or. size(solution%set%x) > many)
       if (present(share)) enough = max(enough, share)
       done = state%residual <= enough .or. &
              (state%residual <= accepted .and. .not. state%residual < before)
@@ -247,6 +256,8 @@ contains
     if (n == 0) return
     left = least_left(merge(2, 1, n > many))
     allocate (step(3, n))
+    ! No more than the end takes.
+    if (state%is_near) left = max(left, left_at_end * accepted / state%residual)
     call newton_step(solution%set, gradient_of(solution%set, state), state%target > 0.0_real64, &
                      min(most_left, max(left, state%residual)), &
                      min(most_left, state%residual), step, solution%products)

@@ -14,7 +14,7 @@ module asperity_coupled_joining
   implicit none
   private
 
-  public :: look, open_hidden, stand_out
+  public :: look, open_hidden, stand_apart, stand_out
 
   integer, parameter :: most_looks = 4, most_steps = 40, most_cuts = 40
   ! Of the closing: what sums over many are off by. Who touches by less stays open, as another sum
@@ -32,6 +32,9 @@ module asperity_coupled_joining
   ! contacts nearer than that have several solutions, and that with the deepest alone in its place
   ! has the least potential. With the share above 10,000 caps of one level take 13 steps, not 11.
   real(real64), parameter :: out_at_start = 0.2_real64
+  ! Contacts that stand out of each other by this share have one solution (chosen: above
+  ! `out_of_opened`, below which there are several).
+  real(real64), parameter :: out_of_each_other = 1.0_real64
 
 contains
 
@@ -141,6 +144,25 @@ contains
     if (target > 0.0_real64) call raise(pairs, law, target, solution%penetration)
   end subroutine open_hidden
 
+  !> Whether no contact is hidden in another one, or nearly so: others have several solutions, and
+  !> which of them is found depends on the start.
+  pure logical function stand_apart(pairs, solution)
+    type(contact_pairs), intent(in) :: pairs         !! the position
+    type(coupled_solution), intent(in) :: solution   !! solved; below 0 by no number: hidden
+    integer :: k
+
+    stand_apart = .not. any(pairs%list%gap < solution%closing .and. &
+                            abs(solution%penetration) <= tiny(1.0_real64))
+    associate (set => solution%set)
+      if (.not. allocated(set%one)) return
+      do k = 1, size(set%one)
+        stand_apart = stand_apart .and. &
+          min(standing_share(pairs, set, set%one(k), set%number(set%other(k))), &
+              standing_share(pairs, set, set%other(k), set%number(set%one(k)))) >= out_of_each_other
+      end do
+    end associate
+  end function stand_apart
+
   !> How far the surface of a pair stands out of a loaded one's, its host, at most, and how far from
   !> the middle of the host's circle. Paraboloids.
   pure subroutine stand_out(pairs, set, host, i, reach, height, off, slope)
@@ -201,6 +223,7 @@ contains
     real(real64), allocatable :: field(:, :)
     real(real64) :: above, before, far(3), shift(2)
     integer :: i, k, n
+    logical :: settled
 
     n = size(number)
     allocate (field(6, n))
@@ -215,7 +238,8 @@ contains
         return
       end if
       call sum_sources(tree, set%load / pi, hertz_spread * set%circle**2, field)
-      !$omp parallel do schedule(dynamic, 64) private(i, above, before, far, shift) if(n > many)
+      !$omp parallel do schedule(dynamic, 64) private(i, above, before, far, shift, settled) &
+      !$omp   if(n > many)
       do k = 1, n
         i = number(k)
         far = field([1, 3, 4], k)
@@ -234,8 +258,9 @@ contains
           call settle(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, near, far, &
                       0.1_real64 * least, shift, before, above)
           touches(i) = rise - before > least
-          p = rise - merge(before, above, touches(i))
-          if (.not. touches(i)) solution%move(:, i) = shift
+          settled = state%is_near .or. .not. touches(i)
+          p = rise - merge(above, before, settled)
+          if (settled) solution%move(:, i) = shift
         end associate
       end do
       !$omp end parallel do

@@ -31,6 +31,7 @@ module asperity_coupled_state
     real(real64), allocatable :: outer(:, :)        !! field from outside, as `circle_set` has it
     type(circle_set) :: set                         !! those that carry load, with their field
     type(solve_ending) :: ending                    !! residual over the largest penetration
+    logical :: is_near = .false.                    !! given: the start is a solution nearby
     integer :: products = 0                         !! of the matrix, in all steps
     integer :: fields = 0                           !! found in all steps
     character(len=:), allocatable :: failure        !! why there is none
@@ -45,6 +46,7 @@ module asperity_coupled_state
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
     real(real64) :: least = huge(1.0_real64)        !! residual that any step began from
+    logical :: is_near = .false.                    !! the start was a solution nearby
     integer :: since = 0                            !! steps since then
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
     integer, allocatable :: joins(:)                !! how often a pair has joined
@@ -159,7 +161,8 @@ contains
     call gather(pairs, law, solution, state, resolved, same)
     associate (set => solution%set)
       if (size(set%x) == 0) return
-      if (same) same = (size(set%x) > many .or. solution%fields > fields_anew) .and. &
+      if (same) same = (size(set%x) > many .or. solution%fields > fields_anew .or. &
+                        state%is_near) .and. &
                        all(set%circle < outgrown * set%planted(1, :) .and. &
                            set%planted(1, :) < outgrown * set%circle .and. &
                            norm2(set%move - set%planted(2:, :), 1) < set%planted(1, :))

@@ -6,7 +6,9 @@ module asperity_effect_position
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_records, only: asked_normal, asked_vertical, most_rows, &
                                       position_result
-  use asperity_contact_state, only: contact_state, load_asked_for, start_state
+  use asperity_contact_state, only: apart, contact_state, load_asked_for, move_x, move_y, &
+                                    start_state, total_load, total_vertical_load
+  use asperity_earlier_solutions, only: keep_solution
   use asperity_effect_at_load, only: weigh_at_load
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, stay, to_closing, &
@@ -70,6 +72,12 @@ contains
               called_for, found, held, simulated, too_far, failure)
     ! More contacts than can be kept end the walk early.
     if (too_far .or. allocated(failure) .or. .not. allocated(result%effects)) return
+    if (pairs%keeps_solution .and. allocated(state%found)) then
+      if (state%found(1, apart) > 0.0_real64) &
+        call keep_solution(pairs, state%closing, [total_load(state), total_vertical_load(state)], &
+                           state%penetration, transpose(state%found(2:, move_x:move_y)), &
+                           result%start)
+    end if
     if (only_grows(steps)) &
       call weigh_at_load(pairs, effects, held, state, result%effects, failure)
     ! A load that is not borne with fewer effects cannot be compared.

@@ -10,6 +10,7 @@ module asperity_effect_solver
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
   use asperity_contact_state, only: contact_state, start_state
+  use asperity_earlier_solutions, only: closing_expected
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
@@ -39,6 +40,7 @@ module asperity_effect_solver
     class(position_solver), allocatable :: other
     logical :: has_doubles = .true.              ! the scene can be placed in doubles
     logical :: by_estimate = .false.             ! all effects may turn out to be negligible
+    logical :: remembers = .true.                ! a path, or effects other than interaction
     type(effect_box), allocatable :: effects(:)  ! as they are before a position
     type(effect_box), allocatable :: left_out(:) ! those that are off, to be estimated
   contains
@@ -78,6 +80,7 @@ contains
     if (allocated(failure)) return
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
                       all(header%names == 'interaction') .and. all(header%modes == effect_auto)
+    new%remembers = allocated(scene_in%loading%path) .or. any(header%names /= 'interaction')
     ! Effects take long: a few positions are worth a thread each.
     if (size(new%effects) > 0) new%work = huge(new%work)
     call move_alloc(new, solver)
@@ -115,6 +118,11 @@ contains
     end if
     call list_pairs(self%placed, m, .false., pairs, failure)
     if (allocated(failure)) return
+    call take_start()
+    if (closing_expected(pairs) > pairs%complete_to) then
+      call list_pairs(self%placed, m, .true., pairs, failure)
+      if (allocated(failure)) return
+    end if
     if (size(pairs%list) == 0) then
       result = position_result()
       call copy_effects(self%effects, effects)
@@ -143,6 +151,14 @@ contains
 
   contains
 
+    ! Solutions of an earlier run, where the contacts remember nothing.
+    subroutine take_start()
+      if (self%remembers) return
+      pairs%keeps_solution = self%reuse%keeps
+      if (.not. associated(self%reuse%earlier)) return
+      if (m <= size(self%reuse%earlier)) pairs%start => self%reuse%earlier(m)
+    end subroutine take_start
+
     ! With effects of its own.
     subroutine try(too_far)
       logical, intent(out) :: too_far
@@ -150,6 +166,7 @@ contains
       call copy_effects(self%effects, effects)
       pairs%interrupt = self%interrupt
       pairs%count = self%count
+      call take_start()
       call run_position(self%scene_in, pairs, effects, keep_rows, result, law, simulated, too_far, &
                         failure)
     end subroutine try

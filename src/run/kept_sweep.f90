@@ -27,6 +27,7 @@ contains
     type(kept_work) :: kept
 
     solver%interrupt = options%interrupt
+    solver%reuse = options%reuse
     solver%count = options%count
     solver%count%of_position = max(1, solver%states)
     solver%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)

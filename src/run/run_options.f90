@@ -4,6 +4,7 @@ module asperity_run_options
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, problem_list, real_text
+  use asperity_solution_start, only: solution_reuse
   use asperity_work_count, only: work_count
   implicit none
   private
@@ -31,6 +32,7 @@ module asperity_run_options
     type(kept_file), allocatable :: more_files(:)
     type(interruption) :: interrupt = interruption()  !! another thread can end the run, which fails
     type(work_count) :: count = work_count()          !! another thread can see how far the run is
+    type(solution_reuse) :: reuse = solution_reuse()  !! solutions of an earlier run
   end type run_options
 
 contains

@@ -1,0 +1,30 @@
+!> Solutions of coupled contacts that were found before, as starts of further ones.
+module asperity_solution_start
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: contact_solution, solution_reuse, solution_start
+
+  !> One solution of a position. Lengths are in the unit of its pairs, loads over their modulus.
+  type :: contact_solution
+    real(real64) :: closing = 0.0_real64           !! compression
+    real(real64) :: load(2) = 0.0_real64           !! sum of the normal and of the vertical loads
+    !> Pairs that may touch at this compression, in the order of their gaps: indices of asperities,
+    !> gaps, penetrations, shifts (2, pair).
+    integer, allocatable :: upper(:), lower(:)
+    real(real64), allocatable :: gap(:), penetration(:), move(:, :)
+  end type contact_solution
+
+  !> Solutions of one position.
+  type :: solution_start
+    type(contact_solution), allocatable :: of(:)   !! not allocated: none
+  end type solution_start
+
+  !> Which solutions a run begins with, and whether it keeps its own.
+  type :: solution_reuse
+    logical :: keeps = .false.                               !! the results have solutions
+    type(solution_start), pointer :: earlier(:) => null()    !! by position; or none
+  end type solution_reuse
+
+end module asperity_solution_start
