@@ -23,7 +23,7 @@ module asperity_command_line
   implicit none
   private
 
-  public :: command_line, is_shared, output_place, parse_command_line, refuse_input, tell_part
+  public :: check_ending, command_line, is_shared, output_place, parse_command_line, refuse_input, tell_part
 
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 
@@ -337,17 +337,10 @@ contains
   subroutine check_endings(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
-    character(len=*), parameter :: known(*) = [character(len=4) :: 'csv', 'json', 'html', 'htm', &
-      'svg', 'png', 'pdf', 'jpg', 'jpeg', 'gif', 'tif', 'tiff', 'eps', 'vtp', 'vtk', 'vtu', 'xls', &
-      'xlsx', 'npy', 'h5']
-    character(len=:), allocatable :: ending, path
     character(len=4) :: format
     integer :: i
 
     do i = 1, size(line%outputs)
-      path = line%output(line%outputs(i)%option)
-      ending = lower_case(path(index(path, '.', back=.true.) + 1:))
-      if (len(ending) == len(path)) cycle
       select case (line%outputs(i)%option)
       case ('--keep')
         cycle
@@ -357,15 +350,35 @@ contains
         format = 'vtp'
       case ('--html', '--json')
         format = line%outputs(i)%option(3:6)
+      case ('--output')
+        ! A specification decides what is generated.
+        if (line%command == 'generate') cycle
+        format = 'csv'
       case default
         format = 'csv'
       end select
-      if (all(known /= ending) .or. index(format, ending(:min(3, len(ending)))) == 1) cycle
-      call problems%add(trim(line%outputs(i)%option) // ': found ' // quoted(path) // &
-                        ', expected a name that ends with .' // trim(format) // &
-                        ', as that is what is written')
+      call check_ending(line, trim(line%outputs(i)%option), format, problems)
     end do
   end subroutine check_endings
+
+  !> The ending of an output's name must not be that of another format than its own.
+  subroutine check_ending(line, option, format, problems)
+    type(command_line), intent(in) :: line          !! the user's choices
+    character(len=*), intent(in) :: option          !! that names the output
+    character(len=*), intent(in) :: format          !! ending of the output's format
+    type(problem_list), intent(inout) :: problems   !! what is wrong
+    character(len=*), parameter :: known(*) = [character(len=4) :: 'csv', 'json', 'html', 'htm', &
+      'svg', 'png', 'pdf', 'jpg', 'jpeg', 'gif', 'tif', 'tiff', 'eps', 'vtp', 'vtk', 'vtu', 'xls', &
+      'xlsx', 'npy', 'h5']
+    character(len=:), allocatable :: ending, path
+
+    path = line%output(option)
+    ending = lower_case(path(index(path, '.', back=.true.) + 1:))
+    if (len(ending) == len(path)) return
+    if (all(known /= ending) .or. index(format, ending(:min(3, len(ending)))) == 1) return
+    call problems%add(option // ': found ' // quoted(path) // ', expected a name that ends with .' &
+                      // trim(format) // ', as that is what is written')
+  end subroutine check_ending
 
   !> No output may take the place of an input, be it named here or in a scene.
   subroutine refuse_input(line, input, problems)

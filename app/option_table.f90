@@ -12,7 +12,7 @@ module asperity_option_table
     character(len=8) :: name      !! the word; blank: the original program, which has none
     character(len=15) :: operand  !! its file, as a usage line has it
     character(len=13) :: called   !! the same in a sentence
-    character(len=300) :: text    !! what it does
+    character(len=340) :: text    !! what it does
   end type command_entry
 
   !> An option of a command.
@@ -34,8 +34,9 @@ module asperity_option_table
       'sweep to the limit load is solved by more methods. Default: data/thesis.deck.'), &
     command_entry('generate', 'SPEC', 'specification', &
       'Generates random surfaces from a specification, as CSV, or as a card deck where it has ' // &
-      'a group &deck. Without options the upper surface, or the deck, is printed. A % in a ' // &
-      'file name is replaced by the number of the surface in the ensemble.'), &
+      'a group &deck, or a self-affine height map where it has a group &map. Without options ' // &
+      'the upper surface, the deck or the map is printed. A % in a file name is replaced by the ' // &
+      'number of the surface in the ensemble.'), &
     command_entry('study', 'SPEC', 'specification', &
       'Brings an ensemble of random surfaces into contact, evaluates sections of decreasing ' // &
       'size and prints the smallest representative area.'), &
@@ -96,7 +97,7 @@ module asperity_option_table
     option_entry('accuracy', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('accuracy', '--quiet', '', 'print no table'), &
     option_entry('generate', '--output', 'FILE', &
-      'write the upper surface, or the deck'), &
+      'write the upper surface, the deck, or the height map (.sdf, .npy or .txt)'), &
     option_entry('generate', '--upper', 'FILE', 'write the upper surface as CSV; not for a deck'), &
     option_entry('generate', '--lower', 'FILE', 'write the lower surface as CSV; not for a deck'), &
     option_entry('generate', '--surface', 'N', 'only surface N of the ensemble'), &

@@ -1,13 +1,17 @@
-!> The command `asperity generate SPEC`: random surfaces as CSV files, or as a card deck.
+!> The command `asperity generate SPEC`: random surfaces as CSV files or as a card deck, or a random
+!> height map.
 module asperity_run_generate
-  use asperity_command_line, only: command_line, output_place, refuse_input
+  use asperity_command_line, only: check_ending, command_line, output_place, refuse_input
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: write_standard_error, write_standard_output
+  use asperity_generated_map, only: generate_map, try_map
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                          surface_plan
   use asperity_generation_spec, only: read_generation_spec
   use asperity_generation_values, only: generation_spec
-  use asperity_kinds, only: int64
+  use asperity_height_map, only: height_map, length_units
+  use asperity_kinds, only: int64, real64
+  use asperity_map_file, only: check_map_path, stage_map_file
   use asperity_output_files, only: commit_files, same_file, stage_file
   use asperity_problems, only: decimal_text, problem_list
   use asperity_surface_text, only: surface_as_csv, surfaces_as_deck
@@ -28,6 +32,10 @@ contains
     integer :: member
 
     call read_generation_spec(line%input, spec, outcome%problems)
+    if (spec%is_map) then
+      call make_map(line, spec, outcome)
+      return
+    end if
     if (outcome%problems%count() == 0) call check_outputs(line, spec, outcome%problems)
     if (outcome%problems%count() > 0) return
     call plan_surface(spec, 1, plans(1))
@@ -46,6 +54,51 @@ contains
       if (allocated(outcome%failure)) return
     end do
   end subroutine run_generate_command
+
+  !> Makes a height map and stages its file, or prints it as text.
+  subroutine make_map(line, spec, outcome)
+    type(command_line), intent(in) :: line
+    type(generation_spec), intent(in) :: spec
+    type(command_outcome), intent(inout) :: outcome
+    type(height_map) :: map
+    character(len=2) :: unit
+
+    if (outcome%problems%count() > 0) return
+    unit = ''
+    if (spec%map%unit > 0) unit = length_units(spec%map%unit)
+    if (line%member > 0) &
+      call outcome%problems%add('--surface: found for a height map, expected none')
+    if (line%output('--upper') // line%output('--lower') /= '') &
+      call outcome%problems%add('--upper and --lower: found for a height map, expected --output')
+    call check_map_path(line%output('--output'), trim(unit), outcome%problems)
+    if (outcome%problems%count() > 0) return
+    if (line%cost) then
+      call try_waves(spec, outcome)
+      return
+    end if
+    call generate_map(spec%map, map, outcome%failure)
+    if (allocated(outcome%failure)) then
+      outcome%failure = spec%file // ': ' // outcome%failure
+      return
+    end if
+    call stage_map_file(line%output('--output'), map, outcome%problems, outcome%failure)
+    if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
+  end subroutine make_map
+
+  !> Estimates the cost of a map from a few of its waves; nothing is written.
+  subroutine try_waves(spec, outcome)
+    type(generation_spec), intent(in) :: spec
+    type(command_outcome), intent(inout) :: outcome
+    type(work_cost) :: cost
+    integer(int64) :: bytes
+
+    cost%pieces = 'columns of waves'
+    cost%tried = pieces_tried
+    call cpu_time(cost%begun)
+    call try_map(spec%map, cost%tried, cost%total, bytes)
+    cost%bytes_each = real(bytes, real64) / max(1, cost%total - cost%tried)
+    call tell_cost(cost, outcome%text)
+  end subroutine try_waves
 
   !> Tells the cost from the first surfaces of the ensemble; nothing is written.
   subroutine try_surfaces(line, spec, plans, outcome)
@@ -91,6 +144,7 @@ contains
     character(len=:), allocatable :: pattern
     integer :: i, member
 
+    call check_ending(line, '--output', 'csv', problems)
     if (line%member > spec%ensemble) &
       call problems%add('--surface: found ' // decimal_text(line%member) // ', expected at ' // &
                         'most ' // decimal_text(spec%ensemble) // ', the ensemble of ' // spec%file)

@@ -4,8 +4,11 @@ module asperity_kinds
   implicit none
   private
 
-  public :: int32, int64, real32, real64, real128
+  public :: int32, int64, int128, real32, real64, real128
   public :: not_computed
+
+  !> Whole numbers of 128 bits, for products of two of 64.
+  integer, parameter :: int128 = selected_int_kind(38)
 
   !> What stands in the place of a number that was not computed: every number that was is larger.
   !> Writers leave its cell empty.

@@ -17,7 +17,7 @@ module asperity_output_files
   implicit none
   private
 
-  public :: stage_file, commit_files, discard_files, guard_files, same_file
+  public :: stage_file, open_part, close_part, commit_files, discard_files, guard_files, same_file
   public :: tell_kept
 
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int), write_only = 1_c_int
@@ -81,27 +81,53 @@ contains
     character(len=*), intent(in) :: path                   !! the file
     character(len=*), intent(in) :: text                   !! its bytes
     character(len=:), allocatable, intent(out) :: failure  !! why not
+    integer(c_int) :: descriptor
+
+    call open_part(path, descriptor, failure)
+    if (allocated(failure)) return
+    call write_bytes(descriptor, text, failure)
+    call close_part(path, descriptor, failure)
+  end subroutine stage_file
+
+  !> Opens a file beside its place for writing; `close_part` must follow. `failure` is allocated, with
+  !> the reason, when that is not possible; nothing staged is left then.
+  subroutine open_part(path, descriptor, failure)
+    character(len=*), intent(in) :: path                   !! the file
+    integer(c_int), intent(out) :: descriptor              !! takes its bytes
+    character(len=:), allocatable, intent(out) :: failure  !! why it cannot be written
     character(len=:), allocatable :: place, part
-    integer(c_int) :: descriptor, status
 
     call open_special(path, descriptor, failure)
-    if (descriptor >= 0) then
-      call write_bytes(descriptor, text, failure)
-      if (descriptor > standard_error) status = posix_close(descriptor)
-    else if (.not. allocated(failure)) then
+    if (descriptor < 0 .and. .not. allocated(failure)) then
       place = canonical_path(path)
       part = place(:index(place, '/', back=.true.)) // '.asperity.' // &
              decimal_text(int(posix_getpid())) // '.' // decimal_text(staged + 1) // '.part'
       if (staged == most_files .or. len(part) >= longest_path) then
         failure = 'too many files, or too long a path'
       else
-        call write_part(place, part, path, text, failure)
+        call create_part(place, part, path, descriptor, failure)
       end if
     end if
     if (.not. allocated(failure)) return
     failure = path // ': cannot be written: ' // failure
     call discard_files()
-  end subroutine stage_file
+  end subroutine open_part
+
+  !> Closes a file beside its place; a failure of its writing is given the name of the file.
+  subroutine close_part(path, descriptor, failure)
+    character(len=*), intent(in) :: path                      !! the file
+    integer(c_int), intent(in) :: descriptor                  !! from `open_part`
+    character(len=:), allocatable, intent(inout) :: failure   !! reason, where a write has failed
+    integer(c_int) :: status
+
+    if (descriptor > standard_error) then
+      status = posix_close(descriptor)
+      if (status /= 0 .and. .not. allocated(failure)) failure = system_reason()
+    end if
+    if (.not. allocated(failure)) return
+    failure = path // ': cannot be written: ' // failure
+    call discard_files()
+  end subroutine close_part
 
   !> Gives all staged files their names. `failure` is allocated, with the reason, when one cannot
   !> have it; the rest is taken away then.
@@ -182,11 +208,12 @@ contains
     descriptor = -1
   end subroutine open_special
 
-  !> Writes a file under its first name, which is known to `end_at_signal` before the file is there.
-  subroutine write_part(place, part, path, text, failure)
-    character(len=*), intent(in) :: place, part, path, text
+  !> Creates a file under its first name, which is known to `end_at_signal` before the file is there.
+  subroutine create_part(place, part, path, descriptor, failure)
+    character(len=*), intent(in) :: place, part, path
+    integer(c_int), intent(out) :: descriptor
     character(len=:), allocatable, intent(out) :: failure
-    integer(c_int) :: descriptor, status, mode, owner, group
+    integer(c_int) :: status, mode, owner, group
     integer :: i
 
     call file_owner(place, mode, owner, group)
@@ -209,10 +236,7 @@ contains
       status = posix_chown(part // c_null_char, owner, group)
       status = posix_chmod(part // c_null_char, mode)
     end if
-    call write_bytes(descriptor, text, failure)
-    status = posix_close(descriptor)
-    if (status /= 0 .and. .not. allocated(failure)) failure = system_reason()
-  end subroutine write_part
+  end subroutine create_part
 
   !> Ends the program at a signal: files that are not whole go, status 1. Only what a signal's
   !> procedure may do is done here: no allocation, no Fortran output.

@@ -46,7 +46,8 @@ contains
         index(small, lower_case(npy_magic)) == 1) kind_of = a_map
     call skip_blanks(small, at)
     if (group_start(small) > 0) then
-      if (any([index(small, '&heights'), index(small, '&radii')] > 0)) kind_of = a_specification
+      if (any([index(small, '&heights'), index(small, '&radii'), index(small, '&map')] > 0)) &
+        kind_of = a_specification
       if (index(small, '&study') > 0) kind_of = a_study
       if (any([index(small, '&loading'), index(small, '&effects'), index(small, '&motion'), &
                index(small, '&tilt'), index(small, '&limit')] > 0)) &

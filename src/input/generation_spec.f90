@@ -3,6 +3,7 @@
 module asperity_generation_spec
   use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: a_specification
+  use asperity_generation_map, only: map_table, take_map_spec
   use asperity_generation_values, only: exact_value, gaussian_spec, generation_spec, &
                                         most_asperities, side_names
   use asperity_input_text, only: read_text
@@ -46,10 +47,36 @@ contains
     type(scene_fields) :: fields
 
     spec%file = path
-    call read_fields(path, text, 'a specification', [a_specification], generation_table(), fields)
-    if (fields%is_text) call take_generation(fields, spec)
+    call read_fields(path, text, 'a specification', [a_specification], &
+                     [generation_table(), map_table()], fields)
+    if (fields%is_text) then
+      spec%is_map = fields%has_group('map')
+      if (spec%is_map) then
+        call refuse_others(fields)
+        call take_map_spec(fields, spec%map)
+      else
+        call take_generation(fields, spec)
+      end if
+    end if
     problems = fields%problems
   end subroutine parse_generation_spec
+
+  ! A height map has no group beside &map.
+  subroutine refuse_others(fields)
+    type(scene_fields), intent(inout) :: fields
+    type(known_name), allocatable :: table(:)
+    integer :: i
+
+    table = generation_table()
+    do i = 1, size(table)
+      if (i > 1) then
+        if (table(i)%group == table(i - 1)%group) cycle
+      end if
+      if (fields%has_group(table(i)%group)) &
+        call fields%complain_of_group(table(i)%group, 'found &' // trim(table(i)%group) // &
+                                      ' beside &map, expected one of them')
+    end do
+  end subroutine refuse_others
 
   !> The groups and names of a specification.
   pure function generation_table() result(table)

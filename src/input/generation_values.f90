@@ -4,10 +4,12 @@
 module asperity_generation_values
   use asperity_decimal, only: decimal_value
   use asperity_kinds, only: int64, real128
+  use asperity_whole_fourier, only: smooth_length
   implicit none
   private
 
-  public :: generation_spec, side_spec, gaussian_spec, deck_spec
+  public :: generation_spec, side_spec, gaussian_spec, deck_spec, map_spec
+  public :: below_flat, below_none, below_words, period_of
   public :: most_asperities, exact_value, side_names
 
   !> Asperities of one surface: more would not fit into a file that the solver reads.
@@ -44,7 +46,27 @@ module asperity_generation_values
     type(decimal_value) :: displacement(2)     !! along x and y
   end type deck_spec
 
-  !> A whole specification.
+  integer, parameter :: below_flat = 1  !! the spectrum of a map is constant below the roll-off
+  integer, parameter :: below_none = 2  !! it is 0 there
+  !> Their words.
+  character(len=*), parameter :: below_words(2) = [character(len=4) :: 'flat', 'none']
+
+  !> A self-affine random height map. Lengths are in one unit.
+  type :: map_spec
+    integer :: pixels(2) = 0                !! columns and rows
+    type(decimal_value) :: spacing(2)       !! of pixels along x and y, more than 0
+    real(real128) :: hurst = 1.0_real128    !! Hurst exponent, more than 0, at most 1
+    real(real128) :: roll_off = 0.0_real128 !! wavelength beyond which `below` holds
+    real(real128) :: cut_off = 0.0_real128  !! shortest wavelength, at least 2 spacings
+    integer :: below = below_flat           !! spectrum at wavelengths beyond the roll-off
+    logical :: of_slope = .false.           !! the rms slope is given, not the rms height
+    real(real128) :: rms = 0.0_real128      !! rms height, or rms slope, of the map; more than 0
+    integer :: seed = 1                     !! 0 or more
+    logical :: periodic = .true.            !! the map repeats itself along x and y
+    integer :: unit = 0                     !! which of `length_units`; 0: none
+  end type map_spec
+
+  !> A whole specification: of a height map, or of two surfaces.
   type :: generation_spec
     character(len=:), allocatable :: file      !! where it was read from
     type(side_spec) :: sides(2)                !! upper and lower surface
@@ -53,11 +75,22 @@ module asperity_generation_values
     integer :: tries = 10000                   !! places tried at most for one asperity
     logical :: is_deck = .false.               !! a card deck is wanted, not CSV
     type(deck_spec) :: deck                    !! only for a deck
+    logical :: is_map = .false.                !! a height map is wanted: only `map` is filled
+    type(map_spec) :: map                      !! only for a height map
   end type generation_spec
 
 contains
 
-  !> A decimal in 113 bits.
+  !> Pixels along a side of the periodic map, of which a free map is a part.
+  elemental integer function period_of(pixels, periodic) result(period)
+    integer, intent(in) :: pixels    !! of the map
+    logical, intent(in) :: periodic  !! the map itself repeats
+
+    period = pixels
+    if (.not. periodic) period = smooth_length(2 * pixels)
+  end function period_of
+
+  !> A number in 113 bits.
   elemental real(real128) function exact_value(value)
     type(decimal_value), intent(in) :: value  !! at most 18 digits
     integer :: power
@@ -68,6 +101,7 @@ contains
     else
       exact_value = real(value%digits, real128) * 10.0_real128**power
     end if
+    if (value%twos /= 0) exact_value = scale(real(value%digits, real128), value%twos)
     if (value%digits == 0_int64) exact_value = 0.0_real128
   end function exact_value
 

@@ -14,12 +14,12 @@ module asperity_height_map
             no_height, is_measured, is_length, make_room, read_height, expected_length, &
             expected_height, highest, largest_height, &
             most_samples, digit_of, no_power, edge_names, index_beside, level_mean, level_names, &
-            level_none, level_plane, periodic_edge, usual_level
+            level_none, level_plane, free_edge, periodic_edge, usual_level
 
   !> Edges: the half-space goes on without load beyond a free map; a periodic map repeats itself.
   character(len=*), parameter :: edge_names(2) = [character(len=8) :: 'free', 'periodic']
-  !> The second of them.
-  integer, parameter :: periodic_edge = 2
+  !> The first and the second of them.
+  integer, parameter :: free_edge = 1, periodic_edge = 2
   !> Levels from which heights are measured: the plane of least squares, the mean height, or the
   !> heights as they are.
   integer, parameter :: level_plane = 1, level_mean = 2, level_none = 3

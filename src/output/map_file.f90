@@ -7,12 +7,13 @@ module asperity_map_file
   use asperity_input_text, only: lower_case
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: npy_magic
+  use asperity_output_files, only: close_part, open_part
   use asperity_problems, only: decimal_text, problem_list
   use asperity_system_calls, only: posix_close, posix_creat, system_reason
   implicit none
   private
 
-  public :: write_map_file
+  public :: write_map_file, stage_map_file, check_map_path
 
   integer, parameter :: block_size = 65536
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int)
@@ -39,12 +40,72 @@ contains
     type(height_map), intent(in) :: map                     !! checked
     type(problem_list), intent(inout) :: problems           !! what the format does not hold
     character(len=:), allocatable, intent(out) :: failure   !! why it was not written
-    type(byte_writer) :: file
-    character(len=:), allocatable :: ending, head
-    integer(c_int) :: status
-    integer :: column, row
+    character(len=:), allocatable :: head
+    integer(c_int) :: descriptor, status
+
+    call make_header(path, ending_of(path), map, head, problems)
+    if (.not. allocated(head)) return
+    descriptor = posix_creat(path // c_null_char, mode_rw_r_r)
+    if (descriptor < 0_c_int) then
+      failure = system_reason()
+    else
+      call write_map(descriptor, ending_of(path), head, map, failure)
+      status = posix_close(descriptor)
+      if (status /= 0_c_int .and. .not. allocated(failure)) failure = system_reason()
+    end if
+    if (allocated(failure)) failure = path // ': cannot be written: ' // failure
+  end subroutine write_map_file
+
+  !> The same beside its place, as `asperity_output_files` does; without a path a text matrix goes to
+  !> standard output.
+  subroutine stage_map_file(path, map, problems, failure)
+    character(len=*), intent(in) :: path                    !! the file; empty: standard output
+    type(height_map), intent(in) :: map                     !! checked
+    type(problem_list), intent(inout) :: problems           !! what the format does not hold
+    character(len=:), allocatable, intent(out) :: failure   !! why it was not written
+    character(len=:), allocatable :: ending, head, place
+    integer(c_int) :: descriptor
+
+    place = path
+    if (place == '') place = '/dev/stdout'
+    ending = ending_of(path)
+    call make_header(path, ending, map, head, problems)
+    if (.not. allocated(head)) return
+    call open_part(place, descriptor, failure)
+    if (allocated(failure)) return
+    call write_map(descriptor, ending, head, map, failure)
+    call close_part(place, descriptor, failure)
+  end subroutine stage_map_file
+
+  !> Checks that a map of a unit can be written, before it is made.
+  subroutine check_map_path(path, unit, problems)
+    character(len=*), intent(in) :: path            !! the file; empty: standard output
+    character(len=*), intent(in) :: unit            !! of all lengths; empty: none
+    type(problem_list), intent(inout) :: problems   !! what the format does not hold
+    character(len=:), allocatable :: head
+    type(height_map) :: map
+
+    map%unit = unit
+    map%spacing = 1.0_real64
+    call make_header(path, ending_of(path), map, head, problems)
+  end subroutine check_map_path
+
+  ! What stands behind the last point, in small letters; text for standard output.
+  pure function ending_of(path) result(ending)
+    character(len=*), intent(in) :: path
+    character(len=:), allocatable :: ending
 
     ending = lower_case(path(index(path, '.', back=.true.) + 1:))
+    if (path == '' .or. path == '/dev/stdout') ending = 'txt'
+  end function ending_of
+
+  ! The header, or a problem.
+  subroutine make_header(path, ending, map, head, problems)
+    character(len=*), intent(in) :: path, ending
+    type(height_map), intent(in) :: map
+    character(len=:), allocatable, intent(out) :: head
+    type(problem_list), intent(inout) :: problems
+
     select case (ending)
     case ('sdf')
       if (map%unit == '') then
@@ -62,9 +123,18 @@ contains
     case default
       call problems%add(path // ': found another ending, expected .sdf, .npy or .txt')
     end select
-    if (.not. allocated(head)) return
-    file%descriptor = posix_creat(path // c_null_char, mode_rw_r_r)
-    if (file%descriptor < 0_c_int) file%failure = system_reason()
+  end subroutine make_header
+
+  ! Writes header and heights to an open file.
+  subroutine write_map(descriptor, ending, head, map, failure)
+    integer(c_int), intent(in) :: descriptor
+    character(len=*), intent(in) :: ending, head
+    type(height_map), intent(in) :: map
+    character(len=:), allocatable, intent(out) :: failure
+    type(byte_writer) :: file
+    integer :: column, row
+
+    file%descriptor = descriptor
     call file%put(head)
     do row = 1, map%rows
       do column = 1, map%columns
@@ -74,11 +144,7 @@ contains
       if (ending == 'txt') call file%put(new_line('a'))
     end do
     call file%flush()
-    if (file%descriptor >= 0_c_int) then
-      status = posix_close(file%descriptor)
-      if (status /= 0_c_int .and. .not. allocated(file%failure)) file%failure = system_reason()
-    end if
-    if (allocated(file%failure)) failure = path // ': cannot be written: ' // file%failure
+    if (allocated(file%failure)) call move_alloc(file%failure, failure)
 
   contains
 
@@ -100,7 +166,7 @@ contains
       end if
     end function pixel
 
-  end subroutine write_map_file
+  end subroutine write_map
 
   ! ISO 25178-71, binary, heights in the unit of the map, whose metres are the scale.
   function surface_data_header(map) result(head)
