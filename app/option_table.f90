@@ -129,6 +129,9 @@ module asperity_option_table
     option_entry('summits', '--unit', 'NAME', &
       'unit of length of all outputs, and of a map without a unit: m, mm, um, nm, cm or in ' // &
       '(default: that of the file; m for a surface data file)'), &
+    option_entry('summits', '--spectrum', 'FILE', &
+      'write power spectral densities as CSV: of the area, averaged over rings, and of lines ' // &
+      'along x and along y'), &
     option_entry('summits', '--picture', 'FILE', 'draw the map and its summits (SVG)'), &
     option_entry('summits', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('summits', '--quiet', '', 'print no summary')]

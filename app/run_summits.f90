@@ -1,4 +1,4 @@
-!> The command `asperity summits MAP`: a height map, its summits, a surface and a picture.
+!> The command `asperity summits MAP`: a height map, its summits, spectra, a surface and a picture.
 module asperity_run_summits
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
@@ -6,10 +6,12 @@ module asperity_run_summits
   use asperity_height_map_reader, only: read_height_map
   use asperity_kinds, only: int64, real64
   use asperity_map_picture, only: draw_map
+  use asperity_map_spectrum, only: measure_spectra, power_spectrum
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: map_summits
   use asperity_printable, only: printable
   use asperity_problems, only: decimal_text
+  use asperity_spectrum_table, only: write_spectrum_csv
   use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
   use asperity_summits_table, only: write_summits_csv, write_summits_table
   use asperity_text_buffer, only: text_buffer
@@ -34,7 +36,8 @@ contains
     type(map_summits) :: summits
     type(map_statistics) :: found
     type(summit_choices) :: choices
-    type(text_buffer) :: surface, picture
+    type(text_buffer) :: surface, picture, spectrum
+    type(power_spectrum) :: spectra(3)
     integer(int64) :: spikes
 
     choices = summit_choices(rule=line%rule, level=line%level, periodic=line%edge == 2, &
@@ -48,6 +51,12 @@ contains
     call summits_of_file(line%input, choices, map, summits, spikes, outcome%problems, &
                          outcome%failure)
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
+    if (line%output('--spectrum') /= '') then
+      call measure_spectra('--spectrum: ' // line%input, map, spectra, outcome%problems, &
+                           outcome%failure)
+      if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
+      call write_spectrum_csv(spectra, spectrum)
+    end if
     call outcome%warnings%append(map%notes)
     if (.not. line%quiet) then
       call measure_map(map, summits, found)
@@ -55,6 +64,7 @@ contains
     end if
     if (line%output('--output') /= '') call write_summits_csv(summits, surface)
     call outcome%stage(line%output('--output'), surface)
+    call outcome%stage(line%output('--spectrum'), spectrum)
     if (line%output('--picture') /= '') &
       call draw_map(printable(line%input), map, summits, picture)
     call outcome%stage(line%output('--picture'), picture)

@@ -10,6 +10,10 @@ module asperity_cell_convolution
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_int, c_loc, &
                                          c_null_ptr, c_ptr
   use asperity_constants, only: pi
+  use asperity_fftw_calls, only: fftw_backward, fftw_complex, fftw_complex_to_real, fftw_destroy, &
+                                 fftw_estimate, fftw_forward, fftw_plan_complex, &
+                                 fftw_plan_complex_to_real, fftw_plan_real_to_complex, &
+                                 fftw_real_to_complex
   use asperity_kinds, only: real64
   implicit none
   private
@@ -40,76 +44,6 @@ module asperity_cell_convolution
   ! Columns that are gathered at once, which share lines of the cache; numbers of a transform from
   ! which on threads are worth it.
   integer, parameter :: at_once = 8, many = 30000
-
-  ! The procedures of FFTW 3 that are called here. Arrays are handed over as addresses. Executing is
-  ! safe in threads; plans are made and destroyed within `critical (fftw_plans)`. A plan may be
-  ! executed on any arrays that `allocate` gives, whose addresses are multiples of 16 bytes.
-
-  ! A plan made without measuring: the same length gives the same plan, and so the same bytes.
-  integer(c_int), parameter :: fftw_estimate = 64_c_int
-
-  ! Signs of the exponent.
-  integer(c_int), parameter :: fftw_forward = -1_c_int, fftw_backward = 1_c_int
-
-  interface
-    ! Plans a transform of `length` doubles to `length/2 + 1` numbers.
-    type(c_ptr) function fftw_plan_real_to_complex(length, values, transform, flags) &
-      bind(c, name='fftw_plan_dft_r2c_1d')
-      import :: c_int, c_ptr
-      implicit none
-      integer(c_int), value :: length
-      type(c_ptr), value :: values, transform
-      integer(c_int), value :: flags
-    end function fftw_plan_real_to_complex
-
-    ! Plans the way back. It overwrites the transform, and multiplies by `length`.
-    type(c_ptr) function fftw_plan_complex_to_real(length, transform, values, flags) &
-      bind(c, name='fftw_plan_dft_c2r_1d')
-      import :: c_int, c_ptr
-      implicit none
-      integer(c_int), value :: length
-      type(c_ptr), value :: transform, values
-      integer(c_int), value :: flags
-    end function fftw_plan_complex_to_real
-
-    ! Plans a transform of `length` complex numbers; where `from` is `to`, in their place.
-    type(c_ptr) function fftw_plan_complex(length, from, to, sign, flags) &
-      bind(c, name='fftw_plan_dft_1d')
-      import :: c_int, c_ptr
-      implicit none
-      integer(c_int), value :: length
-      type(c_ptr), value :: from, to
-      integer(c_int), value :: sign, flags
-    end function fftw_plan_complex
-
-    ! Transforms as planned.
-    subroutine fftw_real_to_complex(plan, values, transform) bind(c, name='fftw_execute_dft_r2c')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: plan, values, transform
-    end subroutine fftw_real_to_complex
-
-    ! Transforms back as planned.
-    subroutine fftw_complex_to_real(plan, transform, values) bind(c, name='fftw_execute_dft_c2r')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: plan, transform, values
-    end subroutine fftw_complex_to_real
-
-    ! Transforms as planned.
-    subroutine fftw_complex(plan, from, to) bind(c, name='fftw_execute_dft')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: plan, from, to
-    end subroutine fftw_complex
-
-    ! Frees a plan.
-    subroutine fftw_destroy(plan) bind(c, name='fftw_destroy_plan')
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: plan
-    end subroutine fftw_destroy
-  end interface
 
 contains
 

@@ -1,0 +1,251 @@
+!> Power spectral densities of a height map.
+!>
+!> With the transform h(q) = sum over pixels of h w exp(-i q.(x, y)) dx dy on a map of sides L_x, L_y
+!>
+!>   C(q)     = |h(q_x, q_y)|**2/(L_x L_y)     two-dimensional, averaged over rings of |q|
+!>   C_1D(q)  = |h(q)|**2/L                    of a line along x or along y, averaged over all lines
+!>
+!> (T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, sections 2
+!> and 3). So the mean square of h is the sum of C over all q, over L_x L_y, and twice the sum of C_1D
+!> over q > 0, over L.
+!>
+!> A periodic map has w = 1. Of a free map the edges are no edges of waves: it has a Hann window, whose
+!> mean square is 1, of lines w in proportion to 1 - cos(2 pi i/n), of the area w in proportion to
+!> 1 + cos(pi r/R) within the circle of radius R, half of the shorter side, about pixel (n_x/2, n_y/2).
+!>
+!> Rings are as those of SurfaceTopography 1.27: 10 edges for each decade, and 10 more, equally spaced
+!> in the logarithm from the smallest wave number of the map to the lower of its two Nyquist wave
+!> numbers, pi over the spacing, and 0.01 decades beyond both. Corners of the (q_x, q_y) plane are
+!> left out, and lines have the wave numbers below the Nyquist wave number.
+module asperity_map_spectrum
+  use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_loc, c_ptr
+  use asperity_constants, only: pi
+  use asperity_fftw_calls, only: fftw_complex, fftw_destroy, fftw_estimate, fftw_forward, &
+                                 fftw_plan_complex, fftw_plan_real_to_complex, fftw_real_to_complex
+  use asperity_height_map, only: height_map, is_measured
+  use asperity_kinds, only: int64, real64
+  use asperity_problems, only: decimal_text, not_enough_memory, problem_list
+  use asperity_process, only: has_memory
+  implicit none
+  private
+
+  public :: power_spectrum, measure_spectra, spectrum_names
+
+  !> Names of the spectra: of the area, averaged over rings; of lines along x; along y.
+  character(len=*), parameter :: spectrum_names(3) = [character(len=3) :: 'iso', 'x', 'y']
+
+  !> One spectrum.
+  type :: power_spectrum
+    real(real64), allocatable :: q(:)     !! wave number, 2 pi over the wavelength, ascending; mean of a
+                                          !! ring
+    real(real64), allocatable :: c(:)     !! density, length**4 of the area, length**3 of lines
+    integer, allocatable :: number(:)     !! how many values were averaged: wave vectors, or lines
+  end type power_spectrum
+
+  ! Edges for each decade, and decades beyond the ends (SurfaceTopography 1.27, make_grid).
+  integer, parameter :: edges_of_decade = 10
+  real(real64), parameter :: decades_beyond = 0.01_real64
+  ! Rounding of a number of edges.
+  real(real64), parameter :: slack = 1.0e-6_real64
+
+contains
+
+  !> Measures the three spectra of a map as it is: levelled, if it has to be.
+  subroutine measure_spectra(name, map, spectra, problems, failure)
+    character(len=*), intent(in) :: name                    !! of the map, for a message
+    type(height_map), intent(in) :: map                     !! no pixel may be missing
+    type(power_spectrum), intent(out) :: spectra(3)         !! in the order of `spectrum_names`
+    type(problem_list), intent(inout) :: problems           !! what is wrong
+    character(len=:), allocatable, intent(out) :: failure   !! why there are none
+    integer(int64) :: missing
+    integer :: row
+
+    missing = 0_int64
+    do row = 1, map%rows
+      missing = missing + count(.not. is_measured(map%height(:, row)), kind=int64)
+    end do
+    if (missing > 0_int64) then
+      call problems%add(name // ': found ' // decimal_text(missing) // ' missing pixels, ' // &
+                        'expected none, as a power spectrum needs all heights')
+      return
+    end if
+    if (.not. has_memory(16_int64 * (map%columns / 2 + 1) * map%rows)) then
+      failure = name // ': ' // not_enough_memory // ' for the power spectrum'
+      return
+    end if
+    call measure_area(map, spectra(1))
+    call measure_lines(map, 1, spectra(2))
+    call measure_lines(map, 2, spectra(3))
+  end subroutine measure_spectra
+
+  ! The window of lines: 1, or Hann's with the mean square 1.
+  pure function line_window(n, periodic) result(window)
+    integer, intent(in) :: n
+    logical, intent(in) :: periodic
+    real(real64) :: window(0:n - 1)
+    integer :: i
+
+    window = 1.0_real64
+    if (periodic) return
+    window = [(1.0_real64 - cos(2 * pi * i / n), i=0, n - 1)]
+    window = window * sqrt(n / sum(window**2))
+  end function line_window
+
+  ! Spectrum of lines along x or y.
+  subroutine measure_lines(map, along, spectrum)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: along
+    type(power_spectrum), intent(out) :: spectrum
+    real(c_double), allocatable, target :: line(:)
+    complex(c_double_complex), allocatable, target :: waves(:)
+    real(real64), allocatable :: window(:)
+    type(c_ptr) :: plan
+    integer :: i, k, n, lines, last
+
+    n = merge(map%columns, map%rows, along == 1)
+    lines = merge(map%rows, map%columns, along == 1)
+    last = (n - 1) / 2
+    allocate (line(n), waves(0:n / 2))
+    window = line_window(n, map%periodic)
+    plan = row_plan(line, waves)
+    spectrum%q = [(2 * pi * k / (n * map%spacing(along)), k=1, last)]
+    spectrum%c = 0.0_real64 * spectrum%q
+    do i = 1, lines
+      if (along == 1) then
+        line = map%height(:, i) * window
+      else
+        line = map%height(i, :) * window
+      end if
+      call fftw_real_to_complex(plan, c_loc(line), c_loc(waves))
+      spectrum%c = spectrum%c + real(waves(1:last))**2 + aimag(waves(1:last))**2
+    end do
+    call drop_plan(plan)
+    spectrum%c = spectrum%c * map%spacing(along) / n / lines
+    spectrum%number = [(lines, k=1, last)]
+  end subroutine measure_lines
+
+  ! Spectrum of the area, averaged over rings.
+  subroutine measure_area(map, spectrum)
+    type(height_map), intent(in) :: map
+    type(power_spectrum), intent(out) :: spectrum
+    real(c_double), allocatable, target :: row(:)
+    complex(c_double_complex), allocatable, target :: waves(:, :), column(:)
+    type(c_ptr) :: plan, column_plan
+    real(real64) :: mean_square
+    integer :: i, j
+
+    allocate (waves(0:map%columns / 2, 0:map%rows - 1), row(map%columns), column(0:map%rows - 1))
+    plan = row_plan(row, column)
+    !$omp critical (fftw_plans)
+    column_plan = fftw_plan_complex(int(map%rows, c_int), c_loc(column), c_loc(column), &
+                                    fftw_forward, fftw_estimate)
+    !$omp end critical (fftw_plans)
+    mean_square = 1.0_real64
+    if (.not. map%periodic) then
+      mean_square = 0.0_real64
+      do j = 1, map%rows
+        mean_square = mean_square + sum(area_window(map, j)**2)
+      end do
+      mean_square = mean_square / map%columns / map%rows
+    end if
+    deallocate (row, column)
+    !$omp parallel private(row, column)
+    allocate (row(map%columns), column(0:map%rows - 1))
+    !$omp do schedule(static)
+    do j = 1, map%rows
+      row = map%height(:, j)
+      if (.not. map%periodic) row = row * area_window(map, j)
+      call fftw_real_to_complex(plan, c_loc(row), c_loc(waves(0, j - 1)))
+    end do
+    !$omp end do
+    !$omp do schedule(static)
+    do i = 0, map%columns / 2
+      column = waves(i, :)
+      call fftw_complex(column_plan, c_loc(column), c_loc(column))
+      waves(i, :) = column
+    end do
+    !$omp end do
+    !$omp end parallel
+    call drop_plan(plan)
+    call drop_plan(column_plan)
+    call average_rings(map, waves, spectrum)
+    spectrum%c = spectrum%c * map%spacing(1) * map%spacing(2) / mean_square / map%columns / map%rows
+  end subroutine measure_area
+
+  ! Hann's window of one row of the area.
+  pure function area_window(map, row) result(window)
+    type(height_map), intent(in) :: map
+    integer, intent(in) :: row
+    real(real64) :: window(map%columns)
+    real(real64) :: radius, r
+    integer :: i
+
+    radius = minval(map%spacing * [map%columns, map%rows]) / 2
+    do i = 1, map%columns
+      r = hypot(map%spacing(1) * (i - 1 - map%columns / 2), map%spacing(2) * (row - 1 - map%rows / 2))
+      window(i) = 0.0_real64
+      if (r <= radius) window(i) = 1.0_real64 + cos(pi * r / radius)
+    end do
+  end function area_window
+
+  ! Means of |h(q)|**2 over rings; half of the plane stands for the other half.
+  subroutine average_rings(map, waves, spectrum)
+    type(height_map), intent(in) :: map
+    complex(real64), intent(in) :: waves(0:, 0:)
+    type(power_spectrum), intent(out) :: spectrum
+    real(real64), allocatable :: edges(:), places(:), squares(:)
+    integer, allocatable :: numbers(:)
+    real(real64) :: step(2), low, width, q
+    integer :: i, j, k, number, twice
+
+    step = 2 * pi / (map%spacing * [map%columns, map%rows])
+    low = log10(minval(step))
+    width = log10(pi / maxval(map%spacing)) - low
+    number = ceiling((width + 1.0_real64) * edges_of_decade - slack) - 1
+    low = low - decades_beyond
+    width = (width + 2.0_real64 * decades_beyond) / number
+    edges = [(10.0_real64**(low + k * width), k=0, number)]
+    allocate (places(number), squares(number), numbers(number))
+    places = 0.0_real64
+    squares = 0.0_real64
+    numbers = 0
+    do j = 0, map%rows - 1
+      do i = merge(1, 0, j == 0), map%columns / 2
+        q = hypot(step(1) * i, step(2) * min(j, map%rows - j))
+        if (q > edges(number + 1)) cycle
+        ! The ring between edges k and k + 1, the upper one included.
+        k = max(1, min(number, 1 + int((log10(q) - low) / width)))
+        if (q > edges(k + 1)) k = k + 1
+        if (q <= edges(k)) k = k - 1
+        twice = merge(1, 2, i == 0 .or. 2 * i == map%columns)
+        numbers(k) = numbers(k) + twice
+        places(k) = places(k) + twice * q
+        squares(k) = squares(k) + twice * (real(waves(i, j))**2 + aimag(waves(i, j))**2)
+      end do
+    end do
+    associate (filled => numbers > 0)
+      spectrum%number = pack(numbers, filled)
+      spectrum%q = pack(places, filled) / spectrum%number
+      spectrum%c = pack(squares, filled) / spectrum%number
+    end associate
+  end subroutine average_rings
+
+  ! A plan of a real line.
+  type(c_ptr) function row_plan(line, waves) result(plan)
+    real(c_double), intent(inout), target :: line(:)
+    complex(c_double_complex), intent(inout), target :: waves(:)
+
+    !$omp critical (fftw_plans)
+    plan = fftw_plan_real_to_complex(size(line, kind=c_int), c_loc(line), c_loc(waves), fftw_estimate)
+    !$omp end critical (fftw_plans)
+  end function row_plan
+
+  subroutine drop_plan(plan)
+    type(c_ptr), intent(in) :: plan
+
+    !$omp critical (fftw_plans)
+    call fftw_destroy(plan)
+    !$omp end critical (fftw_plans)
+  end subroutine drop_plan
+
+end module asperity_map_spectrum
