@@ -21,6 +21,9 @@ module asperity_run_generate
 
   public :: run_generate_command
 
+  ! Columns of waves of a map, to estimate the cost: one takes less than the clock can resolve.
+  integer, parameter :: waves_tried = 32
+
 contains
 
   !> Runs the command. The files of one member of the ensemble appear together.
@@ -93,9 +96,8 @@ contains
     integer(int64) :: bytes
 
     cost%pieces = 'columns of waves'
-    cost%tried = pieces_tried
-    call cpu_time(cost%begun)
-    call try_map(spec%map, cost%tried, cost%total, bytes)
+    cost%tried = waves_tried
+    call try_map(spec%map, cost%tried, cost%total, cost%begun, bytes)
     cost%bytes_each = real(bytes, real64) / max(1, cost%total - cost%tried)
     call tell_cost(cost, outcome%text)
   end subroutine try_waves

@@ -90,10 +90,11 @@ contains
   end subroutine generate_map
 
   !> Does a few equal pieces of the work of a map, for an estimate of its cost.
-  subroutine try_map(spec, tried, total, bytes)
+  subroutine try_map(spec, tried, total, begun, bytes)
     type(map_spec), intent(in) :: spec         !! checked
     integer, intent(inout) :: tried            !! pieces to be done; those that were done
     integer, intent(out) :: total              !! pieces of the whole map
+    real(real64), intent(out) :: begun         !! processor time when the first piece begins, s
     integer(int64), intent(out) :: bytes       !! memory that the map takes
     type(map_waves) :: waves
     type(whole_fourier) :: along(2)
@@ -108,6 +109,7 @@ contains
     allocate (work(2, 0:maxval(waves%period) - 1))
     row = 0_int64
     tried = min(tried, waves%most(1) + 1)
+    call cpu_time(begun)
     do i = 1, tried
       ! Columns spread over all of them, and their share of the rows.
       call draw_waves(waves, waves%most(1) * (i - 1) / tried, components)

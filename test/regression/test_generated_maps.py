@@ -1,0 +1,581 @@
+"""Random height maps of `asperity generate`, against an independent synthesis in numpy, and power
+spectra of `asperity summits --spectrum`, against numpy and SurfaceTopography."""
+
+import csv
+import os
+import subprocess
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.special import ndtr, ndtri
+
+from philox import philox
+
+# A small map whose sides, spacings and lengths differ, with a prime factor of 7.
+SMALL = ("&map pixels = 42, 30, spacing = 0.5, 0.75, hurst = 0.7, roll_off = 9., cut_off = 2.,\n"
+         "  {rms}, seed = 5{more} /\n")
+
+
+@pytest.fixture
+def run(asperity, tmp_path):
+    def start(*words, status=0, **environment):
+        done = subprocess.run([asperity, *map(str, words)], cwd=tmp_path, capture_output=True,
+                              text=True, stdin=subprocess.DEVNULL, timeout=100,
+                              env={**os.environ, **environment})
+        assert done.returncode == status, done.stderr
+        return done
+    return start
+
+
+@pytest.fixture
+def generate(run, tmp_path):
+    """The heights of a specification, by row and column."""
+    def start(text, **environment):
+        (tmp_path / "map.spec").write_text(text, encoding="ascii")
+        run("generate", "map.spec", "--output", "map.npy", **environment)
+        return np.load(tmp_path / "map.npy")
+    return start
+
+
+def gaussian(words):
+    """Deviations from three words each: the inverse of a Gaussian between -8 and 8, by 1024 pieces
+    of equal length, of which the first 52 bits choose one and 31 more bits the place in it."""
+    edges = np.linspace(-8.0, 8.0, 1025)
+    counts = np.rint(2.0 ** 52 * (ndtr(edges) - ndtr(-8.0)) / (ndtr(8.0) - ndtr(-8.0)))
+    wanted = (words[0] << np.uint64(20) | words[1] >> np.uint64(12)).astype(float)
+    piece = np.searchsorted(counts, wanted, side="right") - 1
+    share = (words[2] >> np.uint64(1)) / 2.0 ** 31
+    # In the tail nearer to the piece no digit is lost.
+    sign = np.where(piece < 512, 1.0, -1.0)
+    left, right = ndtr(sign * edges[piece]), ndtr(sign * edges[piece + 1])
+    return sign * ndtri(left + share * (right - left))
+
+
+def synthesis(columns, rows, spacing, hurst, roll_off, cut_off, seed, below="flat"):
+    """Components a(q) of the periodic map, in the layout of np.fft, and its wave vectors."""
+    kx, ky = np.meshgrid(np.fft.fftfreq(columns, 1 / columns).astype(int),
+                         np.fft.fftfreq(rows, 1 / rows).astype(int))
+    qx, qy = 2 * np.pi * kx / columns / spacing[0], 2 * np.pi * ky / rows / spacing[1]
+    q, q_r, q_c = np.hypot(qx, qy), 2 * np.pi / roll_off, 2 * np.pi / cut_off
+    density = np.maximum(q, q_r) ** (-2 * (1 + hurst)) * (q <= q_c * (1 + 1e-13)) * (q > 0)
+    if below == "none":
+        density *= q >= q_r * (1 - 1e-13)
+    # A wave of two pixels has no power.
+    density *= (2 * abs(kx) < columns) & (2 * abs(ky) < rows)
+    half = (kx > 0) | (kx == 0) & (ky > 0)
+    draws = [gaussian(philox((kx[half] & 0xFFFFFFFF, ky[half] & 0xFFFFFFFF, part, 7), (seed, 0)))
+             for part in (1, 2)]
+    waves = np.zeros((rows, columns), complex)
+    waves[half] = (draws[0] + 1j * draws[1]) * np.sqrt(density[half])
+    mirrored = np.roll(waves[::-1, ::-1], (1, 1), (0, 1)).conj()
+    return waves + mirrored, qx, qy
+
+
+def summed(waves):
+    heights = np.fft.ifft2(waves) * waves.size
+    assert abs(heights.imag).max() <= 1e-12 * abs(heights.real).max()
+    return heights.real
+
+
+def density_of(heights, spacing):
+    """Two-dimensional power spectral density, and the wave vectors."""
+    rows, columns = heights.shape
+    area = heights.size * spacing[0] * spacing[1]
+    c = abs(np.fft.fft2(heights) * spacing[0] * spacing[1]) ** 2 / area
+    qx, qy = np.meshgrid(2 * np.pi * np.fft.fftfreq(columns, spacing[0]),
+                         2 * np.pi * np.fft.fftfreq(rows, spacing[1]))
+    return c, qx, qy
+
+
+@pytest.mark.parametrize("below", ("flat", "none"))
+@pytest.mark.parametrize("quantity", ("rms_height", "rms_slope"))
+@pytest.mark.parametrize("periodic", ("on", "off"))
+def test_heights_are_those_of_the_definition(below, quantity, periodic, generate, tally):
+    """The map anew with numpy's transform. Allowed: 1e-9 of the rms height, for the draws, whose
+    stated error is 1e-11 of their range of 16 deviations."""
+    found = generate(SMALL.format(rms=f"{quantity} = 0.3", more=f", periodic = '{periodic}', "
+                                  f"below_roll_off = '{below}'"))
+    # 84 x 60 pixels for a free map: no prime factor above 5 from twice 42 on is 90.
+    columns, rows = (42, 30) if periodic == "on" else (90, 60)
+    waves, qx, qy = synthesis(columns, rows, (0.5, 0.75), 0.7, 9.0, 2.0, 5, below)
+    part = np.s_[:30, :42]
+    heights = summed(waves)[part]
+    heights -= heights.mean()
+    slopes = [summed(1j * q * waves)[part] for q in (qx, qy)]
+    rms = heights.std() if quantity == "rms_height" else \
+        np.sqrt((slopes[0] ** 2 + slopes[1] ** 2).mean())
+    wanted = heights * (0.3 / rms)
+    met = int((abs(found - wanted) <= 1e-9 * wanted.std()).sum())
+    tally.add("pixels of random maps", found.size, met)
+    assert found.shape == (30, 42)
+    assert met == found.size
+
+
+def transform_in_whole_numbers(x):
+    """X(u) = sum of x(t) exp(2 pi i t u/n), of pairs of Python's integers, with Stockham's steps."""
+    n, stride = len(x), 1
+    rest, factors, factor = n, [], 4
+    while rest > 1:
+        if rest % factor == 0:
+            factors.insert(0, factor)
+            rest //= factor
+        else:
+            factor = {4: 2, 2: 3}.get(factor, factor + 2)
+    roots = []
+    for k in range(n):
+        angle = 2 * mpmath.pi * k / n
+        roots.append([int(mpmath.nint(2 ** 62 * part)) for part in (mpmath.cos(angle),
+                                                                    mpmath.sin(angle))])
+
+    def turned(a, k):
+        b = roots[k % n]
+        if k % n == 0:
+            return a
+        return ((a[0] * b[0] - a[1] * b[1] + 2 ** 61) >> 62,
+                (a[0] * b[1] + a[1] * b[0] + 2 ** 61) >> 62)
+
+    def add(a, b):
+        return a[0] + b[0], a[1] + b[1]
+
+    groups = n
+    for p in factors:
+        groups //= p
+        y = [None] * n
+        for q in range(groups):
+            for r in range(stride):
+                parts = [x[r + stride * (q + groups * t)] for t in range(p)]
+                for u in range(p):
+                    if p == 4:
+                        even = add(parts[0], turned_quarter(parts[2], 2 * u))
+                        total = add(even, turned_quarter(add(parts[1],
+                                                             turned_quarter(parts[3], 2 * u)), u))
+                    elif p == 2:
+                        total = add(parts[0], turned_quarter(parts[1], 2 * u))
+                    else:
+                        total = parts[0]
+                        for t in range(1, p):
+                            total = add(total, turned(parts[t], (t * u % p) * (n // p)))
+                    y[r + stride * (p * q + u)] = turned(total, q * u * stride)
+        x, stride = y, stride * p
+    return x
+
+
+def turned_quarter(a, quarters):
+    """A pair times a power of i, exactly."""
+    for _ in range(quarters % 4):
+        a = (-a[1], a[0])
+    return a
+
+
+def cdf(z):
+    return mpmath.erfc(-z / mpmath.sqrt(2)) / 2
+
+
+def draw_in_whole_numbers(words):
+    """A draw as a whole number of 2**-37 deviations: the tables of the distribution by mpmath."""
+    low, total, step = cdf(mpmath.mpf(-8)), 1 - 2 * cdf(mpmath.mpf(-8)), mpmath.mpf(1) / 64
+    wanted = int(words[0]) << 20 | int(words[1]) >> 12
+
+    def below(piece):
+        if piece == 1024:
+            return 2 ** 52
+        return int(mpmath.nint((cdf(-8 + piece * step) - low) / total * 2 ** 52))
+
+    first, last = 0, 1024
+    while last - first > 1:
+        middle = (first + last) // 2
+        first, last = (first, middle) if below(middle) > wanted else (middle, last)
+    left = -8 + first * step
+    # Taylor series of the quantile: q'' = q q'**2, by recursion on its coefficients.
+    mass = cdf(left + step) - cdf(left)
+    if left >= 0:
+        mass = cdf(-left) - cdf(-left - step)
+    q = [left, mass * mpmath.sqrt(2 * mpmath.pi) * mpmath.exp(left * left / 2)]
+    squares = []
+    for k in range(7):
+        squares.append(sum((m + 1) * (k - m + 1) * q[m + 1] * q[k - m + 1] for m in range(k + 1)))
+        q.append(sum(q[m] * squares[k - m] for m in range(k + 1)) / ((k + 1) * (k + 2)))
+    series = [int(mpmath.nint(2 ** 31 * c / step)) for c in q[1:]]
+    share = int(words[2]) >> 1
+    place = series[-1]
+    for c in reversed(series[:-1]):
+        place = c + (place * share >> 31)
+    place = min(2 ** 31, max(0, place * share >> 31))
+    return first * 2 ** 31 + place - 2 ** 40
+
+
+@pytest.mark.parametrize("quantity", ("rms_height", "rms_slope"))
+def test_every_bit_is_that_of_whole_numbers(quantity, generate):
+    """The map anew in Python's integers, with tables by mpmath: the bits follow from the definition,
+    so they are the same on every machine, with every compiler flag."""
+    columns, rows = 14, 12
+    hurst, roll_off, cut_off = mpmath.mpf("0.7"), 4, 1
+    found = generate(f"&map pixels = {columns}, {rows}, spacing = 0.5, hurst = 0.7, roll_off = 4., "
+                     f"cut_off = 1., {quantity} = 0.3, seed = 9 /\n")
+    with mpmath.workdps(45):
+        heights = whole_heights(columns, rows, hurst, roll_off, cut_off, quantity)
+    assert (found == heights).all(), abs(found - heights).max()
+
+
+def whole_heights(columns, rows, hurst, roll_off, cut_off, quantity):
+    sides = [mpmath.mpf(n) / 2 for n in (columns, rows)]
+    units = [int(mpmath.floor((roll_off / side) ** 2 * 2 ** 80 + 0.5)) for side in sides]
+    highest = int(mpmath.floor(mpmath.mpf(roll_off / cut_off) ** 2 * (1 + mpmath.mpf("1e-12"))
+                               * 2 ** 80 + 0.5))
+    power = (1 + hurst) / 2
+
+    def amplitude(i, j):
+        square = units[0] * i * i + units[1] * j * j
+        if square > highest:
+            return 0
+        if square <= 2 ** 80:
+            return 2 ** 60
+        k = (square.bit_length() - 81) // 2
+        mantissa = square >> 20 + 2 * k
+        piece, place = (mantissa >> 52) - 256, mantissa & 2 ** 52 - 1
+        left = 1 + mpmath.mpf(piece) / 256
+        series = [int(mpmath.nint(2 ** 60 * mpmath.binomial(-power, n) * left ** (-power - n)
+                                  / 256 ** n)) for n in range(7)]
+        value = series[6]
+        for c in reversed(series[:6]):
+            value = c + (value * place + 2 ** 51 >> 52)
+        decay = int(mpmath.nint(2 ** 60 * mpmath.mpf(4) ** (-power * k)))
+        return value * decay + 2 ** 59 >> 60
+
+    most = [min(int(side / cut_off), (n - 1) // 2) for side, n in zip(sides, (columns, rows))]
+    total = sum((4 if i and j else 2) * amplitude(i, j)
+                for i in range(most[0] + 1) for j in range(most[1] + 1) if i or j)
+    bits = 60 + 37 - (54 - max(0, total.bit_length() - 60))
+    waves = {}
+    for i in range(most[0] + 1):
+        for j in range(-most[1] if i else 1, most[1] + 1):
+            a = amplitude(i, abs(j))
+            if a:
+                words = [philox((i, j & 0xFFFFFFFF, part, 7), (9, 0)).ravel() for part in (1, 2)]
+                waves[i, j] = tuple(a * draw_in_whole_numbers(w) + 2 ** (bits - 1) >> bits
+                                    for w in words)
+
+    def sums(which):
+        order = most[which - 1].bit_length() if which else 0
+        table = []
+        for i in range(most[0] + 1):
+            column = [(0, 0)] * rows
+            for (k, j), (re, im) in waves.items():
+                if k == i:
+                    for wave, part in ((j, (re, im)), (-j, (re, -im)))[:1 if i else 2]:
+                        if which:
+                            number = (i, wave)[which - 1]
+                            part = (number * -part[1] >> order, number * part[0] >> order)
+                        column[wave % rows] = part
+            table.append(transform_in_whole_numbers(column))
+        numbers = []
+        for y in range(0, rows, 2):
+            line = [(0, 0)] * columns
+            for i in range(most[0] + 1):
+                one, two = table[i][y], table[i][y + 1]
+                line[i] = (one[0] - two[1], one[1] + two[0])
+                if i:
+                    line[columns - i] = (one[0] + two[1], two[0] - one[1])
+            line = transform_in_whole_numbers(line)
+            numbers += [[z[0] for z in line], [z[1] for z in line]]
+        mean = mpmath.mpf(sum(map(sum, numbers))) / columns / rows
+        square = mpmath.mpf(sum((z >> 16) ** 2 for row in numbers for z in row)) / columns / rows
+        return numbers, mean, square * mpmath.mpf(4) ** (16 + order)
+
+    numbers, mean, square = sums(0)
+    if quantity == "rms_height":
+        square -= mean ** 2
+    else:
+        square = sum(sums(k)[2] * (2 * mpmath.pi / sides[k - 1]) ** 2 for k in (1, 2))
+    factor = float(mpmath.mpf("0.3") / mpmath.sqrt(square))
+    return (np.array([[float(z) for z in row] for row in numbers]) - float(mean)) * factor
+
+
+def test_the_spectrum_is_self_affine(generate):
+    """1024 x 1024 pixels: slope -2 (1 + H), plateau and cut-off of the density. A ring of n wave
+    vectors has n/2 independent ones of an exponential distribution: relative deviation
+    sqrt(2/n)."""
+    heights = generate("&map pixels = 1024, spacing = 0.1, hurst = 0.8, roll_off = 10., "
+                       "cut_off = 0.4, rms_slope = 0.5, seed = 11 /\n")
+    c, qx, qy = density_of(heights, (0.1, 0.1))
+    q, q_r, q_c = np.hypot(qx, qy), 2 * np.pi / 10.0, 2 * np.pi / 0.4
+    assert c[q > q_c * 1.0001].max() <= 1e-18 * c.max()
+    inside = (q > 0) & (q < q_c)
+    shape = np.maximum(q, q_r) ** -3.6
+    c_0 = (c[inside] / shape[inside]).mean()
+    for low, high in ((0.0, q_r), (q_r, 2 * q_r), (2 * q_r, 8 * q_r), (8 * q_r, q_c)):
+        ring = (q > low) & (q <= high) & inside
+        assert (c[ring] / shape[ring]).mean() == \
+            pytest.approx(c_0, rel=4 * np.sqrt(2 / ring.sum())), (low, high)
+    # Least squares over rings, each with the weight of its number.
+    edges = np.geomspace(q_r, q_c, 30)
+    ring = np.digitize(q, edges)
+    n = np.array([(ring == k).sum() for k in range(1, 30)])
+    x = np.log([q[ring == k].mean() for k in range(1, 30)])
+    y = np.log([(c[ring == k] / shape[ring == k]).mean() for k in range(1, 30)])
+    slope = np.polyfit(x, y, 1, w=np.sqrt(n))[0]
+    assert abs(slope) < 4 * np.sqrt(2 / (n * (x - np.average(x, weights=n)) ** 2).sum())
+
+
+def test_rms_values_are_exact(generate):
+    """On the periodic map, by Parseval."""
+    text = "&map pixels = 60, 100, spacing = 0.3, 0.2, hurst = 0.6, {} = 0.25, seed = {} /\n"
+    for seed in (1, 2, 3):
+        c, qx, qy = density_of(generate(text.format("rms_slope", seed)), (0.3, 0.2))
+        area = 60 * 0.3 * 100 * 0.2
+        assert np.sqrt(((qx ** 2 + qy ** 2) * c).sum() / area) == pytest.approx(0.25, rel=1e-10)
+        heights = generate(text.format("rms_height", seed))
+        assert heights.std() == pytest.approx(0.25, rel=1e-12)
+        assert abs(heights.mean()) < 1e-14
+
+
+def test_maps_are_isotropic_and_gaussian(generate):
+    """Power in quarters of the half-plane of directions, and the moments of the heights."""
+    heights = generate("&map pixels = 512, spacing = 1., hurst = 0.5, roll_off = 20., "
+                       "cut_off = 4., rms_height = 1., seed = 3 /\n")
+    c, qx, qy = density_of(heights, (1.0, 1.0))
+    q = np.hypot(qx, qy)
+    share = c * q ** 3 * (q > 2 * np.pi / 20) * (q < 2 * np.pi / 4)
+    angle = np.arctan2(qy, qx) % np.pi
+    quarters = [share[(angle >= k * np.pi / 4) & (angle < (k + 1) * np.pi / 4)] for k in range(4)]
+    means = [quarter[quarter > 0].mean() for quarter in quarters]
+    least = min((quarter > 0).sum() for quarter in quarters)
+    assert np.ptp(means) / np.mean(means) < 6 * np.sqrt(2 / least)
+    # Some 512**2/20**2 independent heights.
+    assert abs((heights ** 3).mean()) < 4 * np.sqrt(15 / 655)
+    assert (heights ** 4).mean() == pytest.approx(3, abs=4 * np.sqrt(96 / 655))
+
+
+def test_seeds_differ_and_threads_do_not(generate):
+    text = "&map pixels = 256, spacing = 1., hurst = 0.8, roll_off = 16., rms_height = 1., seed = {} /"
+    first, second = generate(text.format(0)), generate(text.format(2147483647))
+    assert abs((first * second).mean()) < 0.2
+    for threads in (1, 2, 5):
+        again = generate(text.format(0), OMP_NUM_THREADS=str(threads))
+        assert again.tobytes() == first.tobytes()
+
+
+def test_finer_pixels_show_the_same_map(generate):
+    """Waves depend on neither spacing nor number of pixels: at half the spacing, with the cut-off of
+    the coarse map, every other height is the same."""
+    text = ("&map pixels = {}, spacing = {}, hurst = 0.8, roll_off = 8., cut_off = 2., "
+            "rms_height = 1., seed = 4 /")
+    coarse, fine = generate(text.format(64, 0.5)), generate(text.format(128, 0.25))
+    assert abs(fine[::2, ::2] - coarse).max() < 1e-8
+
+
+def test_a_periodic_map_continues_beyond_its_edge(generate):
+    """Differences across the seam are as large as elsewhere; a free map's edges do not fit."""
+    text = ("&map pixels = 300, spacing = 1., hurst = 0.8, roll_off = 150., cut_off = 10., "
+            "rms_slope = 0.1, seed = 6, periodic = '{}' /")
+    seams = {}
+    for periodic in ("on", "off"):
+        z = generate(text.format(periodic))
+        seams[periodic] = np.sqrt(((z[:, 0] - z[:, -1]) ** 2).mean() / (np.diff(z) ** 2).mean())
+    assert 0.8 < seams["on"] < 1.2
+    assert seams["off"] > 5
+
+
+def test_defaults(generate, run, tmp_path):
+    """Roll-off: the shorter side; cut-off: two of the larger spacings."""
+    text = "&map pixels = 40, 60, spacing = 0.5, 0.4, hurst = 0.8, rms_height = 1.{} /"
+    short = generate(text.format(""))
+    long = generate(text.format(", roll_off = 20., cut_off = 1., seed = 1, periodic = 'on', "
+                                "below_roll_off = 'flat'"))
+    assert short.tobytes() == long.tobytes()
+    assert generate(text.format(", roll_off = 19.")).tobytes() != short.tobytes()
+
+
+@pytest.mark.parametrize("ending", ("sdf", "npy", "txt"))
+def test_files_have_the_same_heights(ending, generate, run, tmp_path):
+    """All formats, and standard output, which is text."""
+    heights = generate(SMALL.format(rms="rms_height = 0.3", more=", unit = 'um'"))
+    done = run("generate", "map.spec", "--output", f"again.{ending}")
+    assert done.stdout == done.stderr == ""
+    spacing = ("--spacing", "0.5,0.75") if ending == "npy" else ()
+    report = run("summits", f"again.{ending}", *spacing, *([] if ending == "npy" else
+                                                           ["--unit", "um"])).stdout
+    assert "42 x 30 pixels" in report
+    # Of a free map without its plane.
+    x, y = np.meshgrid(np.arange(42.0), np.arange(30.0))
+    basis = np.stack([x.ravel(), y.ravel(), np.ones(x.size)], 1)
+    level = heights.ravel() - basis @ np.linalg.lstsq(basis, heights.ravel(), rcond=None)[0]
+    found = float(next(line.split()[2] for line in report.splitlines() if "rms height" in line))
+    assert found == pytest.approx(level.std(), rel=1e-12)
+    if ending == "txt":
+        assert run("generate", "map.spec").stdout == (tmp_path / "again.txt").read_text()
+
+
+BAD = [
+    ("&map hurst = 0.8, rms_height = 1. /", "1:1: &map needs pixels: found none"),
+    ("&map hurst = 0.8, rms_height = 1. /", "1:1: &map needs spacing: found none"),
+    ("&map pixels = 64, spacing = 1., rms_height = 1. /", "1:1: &map needs hurst: found none"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8 /",
+     "1:1: &map needs rms_height or rms_slope: found none"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1., rms_slope = 1. /",
+     "1:63: rms_slope: found beside rms_height, expected one of them"),
+    ("&map pixels = 2.5, spacing = 1., hurst = 0.8, rms_height = 1. /",
+     "1:6: pixels: found other numbers, expected whole numbers from 3 to 1048576"),
+    ("&map pixels = 1048576, spacing = 1., hurst = 0.8, rms_height = 1. /",
+     "1:6: pixels: found 1099511627776 pixels, expected at most 2147483647"),
+    ("&map pixels = 64, spacing = 1e-31, hurst = 0.8, rms_height = 1. /",
+     "1:19: spacing: found a length beyond these, expected a length from 1e-30 to 1e30"),
+    ("&map pixels = 64, spacing = 1., hurst = 1.1, rms_height = 1. /",
+     "1:41: hurst: found '1.1', expected a number more than 0 and at most 1"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 0. /",
+     "1:59: rms_height: found '0.', expected a number more than 0"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1.,\n cut_off = 1.9 /",
+     "2:2: cut_off: found less than two pixels, expected at least two spacings"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1.,\n roll_off = 2. /",
+     "2:2: roll_off: found at most the cut-off, expected a wavelength above cut_off"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1.,\n cut_off = 64. /",
+     "2:2: cut_off: found at least the roll-off, expected a wavelength below roll_off"),
+    ("&map pixels = 64, 3, spacing = 1., 2., hurst = 0.8, rms_height = 1.,\n"
+     " roll_off = 4.12, cut_off = 4.1, below_roll_off = 'none' /",
+     "1:1: found no wave of the map between cut_off and roll_off"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1., seed = -1 /",
+     "1:70: seed: found '-1', expected a whole number from 0 to 2147483647"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1., periodic = 'yes' /",
+     "1:74: periodic: found the text 'yes', expected 'on' or 'off'"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1., below_roll_off = 'flta' /",
+     "1:80: below_roll_off: found the text 'flta', expected 'flat' or 'none'; did you mean 'flat'?"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1., unit = 'km' /",
+     "1:70: unit: found the text 'km', expected 'm', 'mm', 'um', 'nm', 'cm' or 'in'"),
+    ("&map pixels = 64, spacing = 1., hurst = 0.8, rms_height = 1. /\n&random seed = 1 /",
+     "2:1: found &random beside &map, expected one of them"),
+    ("&map pixels = 64, spacings = 1., hurst = 0.8, rms_height = 1. /",
+     "1:19: unknown name in &map: found 'spacings'"),
+]
+
+
+@pytest.mark.parametrize("text, message", BAD, ids=[str(k) for k in range(len(BAD))])
+def test_problems_are_reported_with_their_place(text, message, run, tmp_path):
+    (tmp_path / "bad.spec").write_text(text + "\n", encoding="ascii")
+    done = run("generate", "bad.spec", "--output", "bad.npy", status=2)
+    assert f"bad.spec:{message}" in done.stderr
+    assert done.stdout == "" and not (tmp_path / "bad.npy").exists()
+
+
+@pytest.mark.parametrize("words, message", [
+    (("--output", "a.csv"), "a.csv: found another ending, expected .sdf, .npy or .txt"),
+    (("--output", "a.sdf"), "a.sdf: found a map without a unit, expected one"),
+    (("--surface", "1"), "--surface: found for a height map, expected none"),
+    (("--upper", "u.csv"), "--upper and --lower: found for a height map, expected --output"),
+    (("--output", "map.spec"), "--output names the input, map.spec"),
+])
+def test_options_that_do_not_fit(words, message, run, tmp_path):
+    text = SMALL.format(rms="rms_height = 0.3", more="")
+    (tmp_path / "map.spec").write_text(text, encoding="ascii")
+    assert message in run("generate", "map.spec", *words, status=2).stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.spec"]
+
+
+def test_memory_is_asked_for_beforehand(asperity, tmp_path):
+    """Under a limit of the shell: status 1, and no file."""
+    (tmp_path / "map.spec").write_text("&map pixels = 20000, spacing = 1., hurst = 0.8, "
+                                       "rms_height = 1. /\n", encoding="ascii")
+    done = subprocess.run(["bash", "-c", f"ulimit -v 2000000; OMP_NUM_THREADS=1 {asperity} generate "
+                           "map.spec --output map.npy"], cwd=tmp_path, capture_output=True,
+                          text=True, timeout=100)
+    assert done.returncode == 1
+    assert "not enough memory for the map, 20000 x 20000 pixels" in done.stderr
+    assert not (tmp_path / "map.npy").exists()
+
+
+def test_cost_is_estimated(run, tmp_path):
+    (tmp_path / "map.spec").write_text(SMALL.format(rms="rms_slope = 0.3", more=""))
+    done = run("generate", "map.spec", "--cost")
+    assert done.stdout.startswith("work: 33 columns of waves, tried 32 in ")
+
+
+def spectra(path):
+    """The three spectra of a CSV: columns of numbers."""
+    found = {"iso": [], "x": [], "y": []}
+    with open(path, encoding="ascii", newline="") as file:
+        for row in csv.DictReader(file):
+            assert list(row) == ["spectrum", "q", "c_iso", "c_1d", "number"]
+            kind = row["spectrum"]
+            full, empty = ("c_iso", "c_1d") if kind == "iso" else ("c_1d", "c_iso")
+            assert row[empty] == ""
+            found[kind].append([float(row["q"]), float(row[full]), int(row["number"])])
+    return {kind: np.array(rows).T for kind, rows in found.items()}
+
+
+@pytest.mark.parametrize("edge", ("free", "periodic"))
+@pytest.mark.parametrize("columns, rows, dx, dy", ((96, 70, 0.5, 0.4), (65, 81, 0.2, 0.3),
+                                                   (128, 128, 1.0, 1.0)))
+def test_spectra_are_those_of_SurfaceTopography(columns, rows, dx, dy, edge, run, tmp_path):
+    """A map with waves and noise, from its mean. Rings whose edges it has, too, and lines."""
+    topography = pytest.importorskip("SurfaceTopography").Topography
+    random = np.random.default_rng(8)
+    x, y = np.meshgrid(np.arange(columns) * dx, np.arange(rows) * dy)
+    z = np.cos(0.7 * x) + 0.3 * np.sin(1.1 * y) + 0.1 * random.standard_normal((rows, columns))
+    z -= z.mean()
+    np.save(tmp_path / "map.npy", z)
+    run("summits", "map.npy", "--spacing", f"{dx},{dy}", "--edge", edge, "--level", "none",
+        "--spectrum", "spectrum.csv")
+    found = spectra(tmp_path / "spectrum.csv")
+    sides = columns * dx, rows * dy
+    other = topography(z.T, sides, periodic=edge == "periodic")
+    q, c = other.power_spectrum_from_area()
+    np.testing.assert_allclose(found["iso"][0], np.ma.compressed(q), rtol=1e-10)
+    np.testing.assert_allclose(found["iso"][1], np.ma.compressed(c), rtol=1e-10)
+    for kind, map_of, lines in (("x", other, rows), ("y", topography(
+            z, sides[::-1], periodic=edge == "periodic"), columns)):
+        q, c = map_of.power_spectrum_from_profile(resampling_method=None)
+        # It leaves out q = 0 here, and of an odd number of pixels the last wave number there.
+        q, c = q[1:], c[1:]
+        np.testing.assert_allclose(found[kind][0][:len(q)], q, rtol=1e-10)
+        np.testing.assert_allclose(found[kind][1][:len(q)], c, rtol=1e-10)
+        assert len(found[kind][0]) == (map_of.nb_grid_pts[0] - 1) // 2
+        assert (found[kind][2] == lines).all()
+
+
+def test_spectra_sum_to_the_mean_square(generate, run, tmp_path):
+    """Parseval on a periodic map whose cut-off lies below the Nyquist wave number."""
+    z = generate("&map pixels = 48, 64, spacing = 0.5, 0.4, hurst = 0.8, roll_off = 10., "
+                 "cut_off = 1.5, rms_height = 0.7 /")
+    run("summits", "map.npy", "--spacing", "0.5,0.4", "--edge", "periodic", "--spectrum", "s.csv")
+    found = spectra(tmp_path / "s.csv")
+    area = z.size * 0.5 * 0.4
+    # Rings with the number of their wave vectors.
+    assert (found["iso"][1] * found["iso"][2]).sum() / area == pytest.approx(0.49, rel=1e-10)
+    for kind, side, axis in (("x", 24.0, 1), ("y", 25.6, 0)):
+        wanted = (z - z.mean(axis=axis, keepdims=True)).var()
+        assert 2 * found[kind][1].sum() / side == pytest.approx(wanted, rel=1e-10)
+
+
+def test_missing_pixels_have_no_spectrum(run, tmp_path):
+    z = np.arange(30.0).reshape(5, 6) % 7
+    z[2, 3] = z[4, 0] = np.nan
+    np.save(tmp_path / "map.npy", z)
+    done = run("summits", "map.npy", "--spacing", "1,1", "--spectrum", "s.csv", status=2)
+    assert ("--spectrum: map.npy: found 2 missing pixels, expected none, as a power spectrum needs "
+            "all heights") in done.stderr
+    assert not (tmp_path / "s.csv").exists()
+
+
+@pytest.mark.parametrize("edge", ("free", "periodic"))
+def test_statistics_are_those_of_SurfaceTopography(edge, generate, run, tmp_path):
+    """rms height, and the mean squares of slope and curvature of all lines along x and along y. The
+    gradient of a whole free map is another one there: it leaves out the slopes along x of the last
+    row and those along y of the last column."""
+    surface = pytest.importorskip("SurfaceTopography")
+    periodic = edge == "periodic"
+    z = generate(SMALL.format(rms="rms_height = 0.3", more=""))
+    report = run("summits", "map.npy", "--spacing", "0.5,0.75", "--edge", edge, "--level",
+                 "mean").stdout
+    found = {line[:24].strip(): float(line[24:48]) for line in report.splitlines()[2:]
+             if line[24:48].strip() not in ("", "-")}
+    other = surface.Topography(z.T, (21.0, 22.5), periodic=periodic)
+    assert found["rms height"] == pytest.approx(other.rms_height_from_area(), rel=1e-10)
+    for number, which in ((1, "m2"), (2, "m4")):
+        for along, lines, side in (("x", z, 21.0), ("y", z.T, 22.5)):
+            slopes = [surface.UniformLineScan(line, side, periodic=periodic).derivative(number)
+                      for line in lines]
+            assert found[f"{which} along {along}"] == \
+                pytest.approx((np.array(slopes) ** 2).mean(), rel=1e-10)
+    gradient = other.rms_gradient()
+    assert found["rms slope"] == pytest.approx(gradient, rel=1e-10 if periodic else 0.02)
+    assert periodic or abs(found["rms slope"] / gradient - 1) > 1e-6
