@@ -23,7 +23,8 @@ module asperity_command_line
   implicit none
   private
 
-  public :: check_ending, command_line, is_shared, output_place, parse_command_line, refuse_input, tell_part
+  public :: check_ending, command_line, is_shared, output_place, parse_command_line, &
+            refuse_input, tell_part
 
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 

@@ -35,8 +35,8 @@ module asperity_option_table
     command_entry('generate', 'SPEC', 'specification', &
       'Generates random surfaces from a specification, as CSV, or as a card deck where it has ' // &
       'a group &deck, or a self-affine height map where it has a group &map. Without options ' // &
-      'the upper surface, the deck or the map is printed. A % in a file name is replaced by the ' // &
-      'number of the surface in the ensemble.'), &
+      'the upper surface, the deck or the map is printed. A % in a file name is replaced by ' // &
+      'the number of the surface in the ensemble.'), &
     command_entry('study', 'SPEC', 'specification', &
       'Brings an ensemble of random surfaces into contact, evaluates sections of decreasing ' // &
       'size and prints the smallest representative area.'), &

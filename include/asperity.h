@@ -66,8 +66,12 @@ enum {
   ASPERITY_UPPER = 6,      /* asperity_generate: x, y, height, radius */
   ASPERITY_LOWER = 7,      /* asperity_generate: x, y, height, radius */
   ASPERITY_MAP = 8,        /* asperity_read_map: columns, rows, spacing_x, spacing_y; one row */
-  ASPERITY_PIXELS = 9      /* asperity_read_map: height, of rows * columns pixels, row by row; NaN where
+  ASPERITY_PIXELS = 9,     /* asperity_read_map: height, of rows * columns pixels, row by row; NaN where
                               one is missing */
+  ASPERITY_SPECTRUM = 11,  /* asperity_power_spectrum: of the area, averaged over rings: q, c_iso, number
+                              of wave vectors of each ring */
+  ASPERITY_SPECTRUM_X = 12, /* of lines along x: q, c_1d, number of lines */
+  ASPERITY_SPECTRUM_Y = 13  /* of lines along y: q, c_1d, number of lines */
 };
 
 /* What the cells of a column are. */
@@ -206,6 +210,16 @@ asperity_outcome *asperity_read_map(const char *map, const double *spacing, cons
  * binary; a unit and a spacing are needed), .npy (array of doubles), .txt (matrix, spacing and unit as
  * comments). */
 asperity_outcome *asperity_write_map(const asperity_height_map *map, const char *path);
+
+/* Power spectral densities of a map, levelled first: without its plane where it is free, without its mean
+ * where it is periodic. A free map has a Hann window. q: wave number, 2 pi over the wavelength, 1/length;
+ * c_iso: length to the power 4; c_1d: length to the power 3. Missing pixels are refused. */
+asperity_outcome *asperity_power_spectrum(const asperity_height_map *map);
+
+/* Makes the random height map of a specification with a group &map: of a file, or, where groups is not
+ * NULL, of the text of its groups. Tables and text are those of asperity_read_map; ASPERITY_MAP has the
+ * column periodic, 1 or 0, too. */
+asperity_outcome *asperity_generate_map(const char *specification, const char *groups);
 
 /* Makes the two random surfaces of a specification: of a file, or, where groups is not NULL, of the
  * text of its groups. surface: which of the ensemble, from 1. */

@@ -5,19 +5,21 @@ module asperity
   use asperity_card_deck, only: card_deck, read_card_deck
   use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
   use asperity_kinds, only: not_computed
+  use asperity_generated_map, only: generate_map
   use asperity_generated_surface, only: generate_surface, generated_surface, plan_surface, &
                                         surface_plan
   use asperity_generation_spec, only: parse_generation_spec, read_generation_spec
-  use asperity_generation_values, only: generation_spec
+  use asperity_generation_values, only: generation_spec, map_spec
   use asperity_height_map, only: edge_names, height_map, is_measured, length_units, level_mean, &
                                  level_names, level_none, level_plane, most_samples, no_height, &
                                  periodic_edge, &
-                                 plain_unit, put_in_unit
+                                 plain_unit, put_in_unit, usual_level
   use asperity_height_map_array, only: take_map
   use asperity_height_map_reader, only: read_height_map
   use asperity_map_file, only: write_map_file
   use asperity_map_despiking, only: despike_map
   use asperity_map_levelling, only: level_map
+  use asperity_map_spectrum, only: measure_spectra, power_spectrum, spectrum_names
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: find_summits, map_summits, rule_contact, rule_eight, rule_names
   use asperity_original, only: arithmetic_names, run_in_arithmetic
@@ -60,12 +62,13 @@ module asperity
   public :: level_map, level_plane, level_mean, level_none, despike_map
   public :: find_summits, map_summits, rule_eight, rule_contact
   public :: radius_neighbours, radius_geometric, radius_paraboloid
-  public :: measure_map, map_statistics
+  public :: measure_map, map_statistics, measure_spectra, power_spectrum, spectrum_names
   public :: summits_of_file, summits_of_array, summit_choices, write_summits_table
-  public :: edge_names, periodic_edge, length_units, plain_unit, level_names, &
+  public :: usual_level, edge_names, periodic_edge, length_units, plain_unit, level_names, &
             radius_names, rule_names
   ! Generated surfaces.
   public :: generation_spec, read_generation_spec, parse_generation_spec
+  public :: map_spec, generate_map
   public :: surface_plan, plan_surface, generated_surface, generate_surface
   ! The original program and its report.
   public :: card_deck, read_card_deck, run_in_arithmetic, arithmetic_names

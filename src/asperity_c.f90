@@ -241,6 +241,9 @@ contains
       if (new%problems%count() == 0) &
         call read_generation_spec(text_of(path), spec, new%problems)
     end if
+    if (new%problems%count() == 0 .and. spec%is_map) &
+      call new%problems%add(spec%file // ': found a height map, expected surfaces: ' // &
+                            'asperity_generate_map makes maps')
     if (new%problems%count() == 0 .and. (member < 1 .or. member > spec%ensemble)) &
       call new%problems%add('surface: found ' // decimal_text(member) // &
                             ', which is not in the ' // &

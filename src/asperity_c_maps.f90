@@ -18,7 +18,7 @@ module asperity_c_maps
 
   public :: c_build_scene_of, c_summits, c_periodic_summits, c_summits_of_map, c_read_map, &
             c_write_map
-  public :: c_side, c_summits_options
+  public :: c_side, c_summits_options, power_of, set_map
 
   !> `asperity_side` of the header.
   type, bind(c) :: c_side
@@ -200,11 +200,11 @@ contains
     call finish(new)
   end subroutine finish_summits
 
-  ! A power of a unit of length; empty where the unit is not known.
+  !> A power of a unit of length; empty where the unit is not known.
   pure function power_of(unit, power) result(text)
-    character(len=*), intent(in) :: unit
-    integer, intent(in) :: power
-    character(len=:), allocatable :: text
+    character(len=*), intent(in) :: unit     !! name
+    integer, intent(in) :: power             !! not 0
+    character(len=:), allocatable :: text    !! for instance `1/um2`
 
     text = trim(unit)
     if (text == '') return
@@ -238,44 +238,44 @@ contains
       call read_height_map(text_of(path), spacing, .false., map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
       if (which > 0) call put_in_unit(map, which)
-      call set_text(new, text_unit, map%unit)
-      call set_text(new, text_notes, map%notes%text())
-      associate (table => new%tables(table_map))
-        call add_wholes(table, 'columns', [map%columns])
-        call add_wholes(table, 'rows', [map%rows])
-        call add_reals(table, 'spacing_x', map%spacing(1:1), map%unit)
-        call add_reals(table, 'spacing_y', map%spacing(2:2), map%unit)
-      end associate
-      call set_pixels()
+      call set_map(new, text_of(path), map)
     end if
     call finish(new)
-
-  contains
-
-    ! The heights, row by row.
-    subroutine set_pixels()
-      integer :: row, status
-
-      associate (table => new%tables(table_pixels))
-        allocate (table%columns(1))
-        table%columns(1)%name = 'height'
-        table%columns(1)%unit = map%unit
-        allocate (table%columns(1)%reals(size(map%height)), stat=status)
-        if (status /= 0) then
-          new%failure = text_of(path) // ': ' // not_enough_memory // ' for the heights as an array'
-          deallocate (table%columns)
-          return
-        end if
-        table%rows = size(map%height)
-        do row = 1, map%rows
-          table%columns(1)%reals((row - 1) * map%columns + 1:row * map%columns) = &
-            merge(map%height(:, row), ieee_value(0.0_real64, ieee_quiet_nan), &
-                  is_measured(map%height(:, row)))
-        end do
-      end associate
-    end subroutine set_pixels
-
   end function c_read_map
+
+  !> The tables and texts of a map. Missing pixels are NaN there.
+  subroutine set_map(new, name, map)
+    type(outcome), intent(inout) :: new    !! gets them, or a failure
+    character(len=*), intent(in) :: name   !! of the map, for a message
+    type(height_map), intent(in) :: map    !! the map
+    integer :: row, status
+
+    call set_text(new, text_unit, map%unit)
+    call set_text(new, text_notes, map%notes%text())
+    associate (table => new%tables(table_map))
+      call add_wholes(table, 'columns', [map%columns])
+      call add_wholes(table, 'rows', [map%rows])
+      call add_reals(table, 'spacing_x', map%spacing(1:1), map%unit)
+      call add_reals(table, 'spacing_y', map%spacing(2:2), map%unit)
+    end associate
+    associate (table => new%tables(table_pixels))
+      allocate (table%columns(1))
+      table%columns(1)%name = 'height'
+      table%columns(1)%unit = map%unit
+      allocate (table%columns(1)%reals(size(map%height)), stat=status)
+      if (status /= 0) then
+        new%failure = name // ': ' // not_enough_memory // ' for the heights as an array'
+        deallocate (table%columns)
+        return
+      end if
+      table%rows = size(map%height)
+      do row = 1, map%rows
+        table%columns(1)%reals((row - 1) * map%columns + 1:row * map%columns) = &
+          merge(map%height(:, row), ieee_value(0.0_real64, ieee_quiet_nan), &
+                is_measured(map%height(:, row)))
+      end do
+    end associate
+  end subroutine set_map
 
   !> `asperity_write_map`.
   type(c_ptr) function c_write_map(given, path) bind(c, name='asperity_write_map') result(handle)

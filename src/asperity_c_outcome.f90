@@ -17,9 +17,10 @@ module asperity_c_outcome
   integer, parameter, public :: text_failure = 1, text_problems = 2, text_warnings = 3, &
                                 text_notes = 4, text_report = 5, text_warning_kinds = 6, &
                                 text_unit = 7, text_groups = 8, texts = 8
-  !> The first three are those of a run; the lower surface follows the upper one.
+  !> The first three are those of a run; the lower surface follows the upper one, the spectra of
+  !> lines along x and along y that of the area.
   integer, parameter, public :: table_summits = 4, table_statistics = 5, table_upper = 6, &
-                                table_map = 8, table_pixels = 9, tables = 9
+                                table_map = 8, table_pixels = 9, table_spectra = 11, tables = 13
   integer(c_int), parameter, public :: type_double = 1_c_int, type_int = 2_c_int, &
                                        type_word = 3_c_int
 

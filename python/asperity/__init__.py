@@ -15,13 +15,13 @@ from . import _library as _c
 from ._calls import generate, report, summits
 from ._columns import Table, Values
 from ._errors import AccuracyWarning, ComputeError, InputError, Problem, TheoryWarning
-from ._maps import HeightMap, read_map
+from ._maps import HeightMap, generate_map, read_map
 from ._results import Results, Summits
 from ._scenes import Scene, solve
 
-__all__ = ["solve", "report", "summits", "generate", "read_map", "Scene", "HeightMap", "Results",
-           "Summits", "Table", "Values", "InputError", "ComputeError", "Problem", "TheoryWarning",
-           "AccuracyWarning", "__version__"]
+__all__ = ["solve", "report", "summits", "generate", "generate_map", "read_map", "Scene",
+           "HeightMap", "Results", "Summits", "Table", "Values", "InputError", "ComputeError",
+           "Problem", "TheoryWarning", "AccuracyWarning", "__version__"]
 
 __version__ = _c.VERSION
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 NOT_COMPUTED, BAD_INPUT = 1, 2
 FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT, WARNING_KINDS, UNIT, GROUPS = range(1, 9)
 POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER, MAP, PIXELS = range(1, 10)
+SPECTRA = {"iso": 11, "x": 12, "y": 13}
 WORD_LENGTH = 16
 # Of the types of columns: bytes of a cell, and its code for `memoryview`; a word is 16 letters.
 CELLS = {1: (8, "d"), 2: (4, "i"), 3: (WORD_LENGTH, "c")}
@@ -82,6 +83,8 @@ _FUNCTIONS: list[tuple[Any, ...]] = [
     ("read_map", c_void_p, c_char_p, POINTER(c_double), c_char_p),
     ("write_map", c_void_p, POINTER(Map), c_char_p),
     ("generate", c_void_p, c_char_p, c_char_p, c_int),
+    ("generate_map", c_void_p, c_char_p, c_char_p),
+    ("power_spectrum", c_void_p, POINTER(Map)),
     ("status", c_int, c_void_p),
     ("text", c_char_p, c_void_p, c_int),
     ("problem_count", c_int, c_void_p),

@@ -5,13 +5,13 @@ from __future__ import annotations
 import html
 import importlib
 import typing
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from ctypes import POINTER, byref, c_char_p, c_double, cast
 from typing import TYPE_CHECKING, Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._columns import Values, numpy, shown
+from ._columns import Table, Values, numpy, shown
 from ._errors import InputError, Problem
 
 if TYPE_CHECKING:
@@ -117,6 +117,41 @@ class HeightMap:
             When the file cannot be written.
         """
         _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
+
+    def power_spectrum(self, kind: str = "iso") -> Table:
+        """Power spectral density of the heights (`docs/summits.md`).
+
+        The map is levelled first: a free map by its plane, a periodic one by its mean. A free map
+        has a Hann window.
+
+        Parameters
+        ----------
+        kind : {'iso', 'x', 'y'}
+            `iso`: of the area, averaged over rings of equal wave number. `x`, `y`: of lines along
+            x or y, averaged over all of them.
+
+        Returns
+        -------
+        Table
+            `q`: wave number, 2 pi over the wavelength. `c_iso`, length to the power 4, or `c_1d`,
+            length to the power 3. `number`: values averaged, wave vectors or lines.
+
+        Raises
+        ------
+        InputError
+            For a map with missing pixels.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_height=1)
+        >>> rough.power_spectrum()
+        <asperity.Table of 25 wave numbers: 3 columns q, c_iso, number>
+        """
+        if kind not in _c.SPECTRA:
+            raise _a.wrong("kind", repr(kind), "'iso', 'x' or 'y'")
+        found = _c.call("power_spectrum", byref(self._struct())).checked()
+        return found.table(_c.SPECTRA[kind], "wave numbers")
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights in plan.
@@ -254,15 +289,66 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
         if found is None:
             raise
         return HeightMap(found.heights, found.spacing, found.unit, periodic or found.periodic)
-    facts = {name: values[0] for name, values in read.table(_c.MAP, "maps").items()}
-    cells = read.table(_c.PIXELS, "pixels")["height"]
+    return _map_of_outcome(read, _a.flag("periodic", periodic))
+
+
+def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None = None,
+                 **names: Any) -> HeightMap:
+    """Make a self-affine random height map (`docs/generate.md`).
+
+    Parameters
+    ----------
+    specification : str, os.PathLike or mapping, optional
+        The path of a file with a group `&map`, or its groups as a dict of dicts.
+    **names
+        Without a specification, the names of the group: `pixels`, `spacing`, `hurst` and
+        `rms_height` or `rms_slope` are needed; `roll_off`, `cut_off`, `below_roll_off`, `seed`,
+        `periodic` and `unit` are not.
+
+    Returns
+    -------
+    HeightMap
+        The same specification gives the same bits on every machine.
+
+    Raises
+    ------
+    InputError
+        For a bad specification or name.
+    ComputeError
+        Where there is no memory for the map.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> asperity.generate_map(pixels=(256, 128), spacing=0.1, unit="um", hurst=0.8, roll_off=8,
+    ...                       rms_slope=0.1, seed=2, periodic=False).shape
+    (128, 256)
+    """
+    place: tuple[bytes | None, bytes | None]
+    if specification is None or isinstance(specification, Mapping):
+        groups = _a.Groups("specification", {"map": names} if specification is None
+                           else specification)
+        place = None, groups.text
+    else:
+        groups = _a.Groups("specification", {})
+        place = _a.path("specification", specification, "a path, or a dict of groups"), None
+    if specification is not None and names:
+        raise TypeError(f"generate_map takes a specification or names: found both, {min(names)}")
+    made = _c.call("generate_map", *place).checked(groups.named)
+    return _map_of_outcome(made, bool(made.table(_c.MAP, "maps")["periodic"][0]))
+
+
+def _map_of_outcome(outcome: _c.Outcome, periodic: bool) -> HeightMap:
+    """The map that a call has returned."""
+    facts = {name: values[0] for name, values in outcome.table(_c.MAP, "maps").items()}
+    cells = outcome.table(_c.PIXELS, "pixels")["height"]
     made = HeightMap.__new__(HeightMap)
     made._cells = _a.doubles("heights", cells)
     made._cells.rows, made._cells.columns = int(facts["rows"]), int(facts["columns"])
     made.shape = made._cells.rows, made._cells.columns
     made.spacing = float(facts["spacing_x"]), float(facts["spacing_y"])
-    made.unit = read.text(_c.UNIT) or None
-    made.periodic = _a.flag("periodic", periodic)
+    made.unit = outcome.text(_c.UNIT) or None
+    made.periodic = periodic
     return made
 
 

@@ -89,8 +89,8 @@ contains
     call close_part(path, descriptor, failure)
   end subroutine stage_file
 
-  !> Opens a file beside its place for writing; `close_part` must follow. `failure` is allocated, with
-  !> the reason, when that is not possible; nothing staged is left then.
+  !> Opens a file beside its place for writing; `close_part` must follow. `failure` is allocated,
+  !> with the reason, when that is not possible; nothing staged is left then.
   subroutine open_part(path, descriptor, failure)
     character(len=*), intent(in) :: path                   !! the file
     integer(c_int), intent(out) :: descriptor              !! takes its bytes
@@ -208,7 +208,8 @@ contains
     descriptor = -1
   end subroutine open_special
 
-  !> Creates a file under its first name, which is known to `end_at_signal` before the file is there.
+  !> Creates a file under its first name, which is known to `end_at_signal` before the file is
+  !> there.
   subroutine create_part(place, part, path, descriptor, failure)
     character(len=*), intent(in) :: place, part, path
     integer(c_int), intent(out) :: descriptor

@@ -156,8 +156,8 @@ contains
     if (fields%has('map', 'cut_off')) spec%cut_off = exact_value(wave)
     if (fields%problems%count() > before) return
     if (spec%cut_off < 2 * maxval(spacing)) then
-      call fields%complain_of('map', 'cut_off', 'found less than two pixels, expected at least ' // &
-                              'two spacings')
+      call fields%complain_of('map', 'cut_off', 'found less than two pixels, expected at ' // &
+                              'least two spacings')
     else if (spec%roll_off > spec%cut_off) then
       return
     else if (fields%has('map', 'cut_off')) then

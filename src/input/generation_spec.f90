@@ -64,16 +64,13 @@ contains
   ! A height map has no group beside &map.
   subroutine refuse_others(fields)
     type(scene_fields), intent(inout) :: fields
-    type(known_name), allocatable :: table(:)
+    character(len=*), parameter :: others(*) = [character(len=8) :: 'surfaces', 'heights', &
+      'radii', 'random', 'deck']
     integer :: i
 
-    table = generation_table()
-    do i = 1, size(table)
-      if (i > 1) then
-        if (table(i)%group == table(i - 1)%group) cycle
-      end if
-      if (fields%has_group(table(i)%group)) &
-        call fields%complain_of_group(table(i)%group, 'found &' // trim(table(i)%group) // &
+    do i = 1, size(others)
+      if (fields%has_group(trim(others(i)))) &
+        call fields%complain_of_group(trim(others(i)), 'found &' // trim(others(i)) // &
                                       ' beside &map, expected one of them')
     end do
   end subroutine refuse_others

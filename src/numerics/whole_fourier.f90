@@ -50,7 +50,8 @@ contains
     ! An eighth of the circle is computed, the rest follows by symmetry, exactly.
     do k = 0, length - 1
       associate (octant => (8_int64 * k) / length, root => transform%roots(:, k))
-        angle = 2 * pi_128 * real(distance_to_axis(k, length), real128) / (4 * real(length, real128))
+        angle = pi_128 * real(distance_to_axis(k, length), real128) / &
+                (2 * real(length, real128))
         root = root_units([cos(angle), sin(angle)])
         if (octant == 1 .or. octant == 2 .or. octant == 5 .or. octant == 6) root = root([2, 1])
         if (octant >= 2 .and. octant <= 5) root(1) = -root(1)

@@ -56,8 +56,8 @@ contains
     if (allocated(failure)) failure = path // ': cannot be written: ' // failure
   end subroutine write_map_file
 
-  !> The same beside its place, as `asperity_output_files` does; without a path a text matrix goes to
-  !> standard output.
+  !> The same beside its place, as `asperity_output_files` does; without a path a text matrix goes
+  !> to standard output.
   subroutine stage_map_file(path, map, problems, failure)
     character(len=*), intent(in) :: path                    !! the file; empty: standard output
     type(height_map), intent(in) :: map                     !! checked

@@ -1,8 +1,8 @@
 !> Self-affine random height maps from a specification.
 !>
-!> The components of `asperity_map_waves` are transformed in whole numbers, first along y, then along
-!> x, two rows as one complex row. A free map is a part of a periodic one of at least twice its size
-!> along x and y, so that opposite edges are independent but for waves longer than the map.
+!> The components of `asperity_map_waves` are transformed in whole numbers, first along y, then
+!> along x, two rows as one complex row. A free map is a part of a periodic one of at least twice
+!> its size along x and y: its edges do not fit, and it has waves longer than itself.
 !>
 !> The rms height or the rms slope is exact for the map that is made, not for the mean of all seeds:
 !> all heights are multiplied by one number. The rms height is that of the pixels about their mean,
@@ -29,6 +29,7 @@ module asperity_generated_map
   integer, parameter :: of_heights = 0
   ! Bits that a number loses before it is squared: 2**31 squares of numbers below 2**59 are summed.
   integer, parameter :: lost_bits = 16
+  integer(int64), parameter :: half = 2_int64**(lost_bits - 1)
   ! Rows that are gathered at once, an even number: they share lines of the cache.
   integer, parameter :: at_once = 8
 
@@ -171,7 +172,7 @@ contains
         do k = 1, min(2, lines - j)
           associate (height => row(k, :map%columns - 1))
             numbers = numbers + sum(int(height, int128))
-            squares = squares + sum(int(shifta(height, lost_bits), int128)**2)
+            squares = squares + sum(int(shifta(height + half, lost_bits), int128)**2)
             if (which == of_heights) map%height(:, first + j + k) = real(height, real64)
           end associate
         end do
@@ -180,7 +181,8 @@ contains
     !$omp end do
     !$omp end parallel
     mean = real(numbers, real128) / size(map%height, kind=int64)
-    square = real(squares, real128) / size(map%height, kind=int64) * 4.0_real128**(lost_bits + order)
+    square = real(squares, real128) / size(map%height, kind=int64) * &
+             4.0_real128**(lost_bits + order)
   end subroutine sum_waves
 
   ! The components of a slope: i k a, over 2**order.

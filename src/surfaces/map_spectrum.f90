@@ -1,22 +1,22 @@
 !> Power spectral densities of a height map.
 !>
-!> With the transform h(q) = sum over pixels of h w exp(-i q.(x, y)) dx dy on a map of sides L_x, L_y
+!> With h(q) = sum over pixels of h w exp(-i q.(x, y)) dx dy on a map of sides L_x, L_y
 !>
 !>   C(q)     = |h(q_x, q_y)|**2/(L_x L_y)     two-dimensional, averaged over rings of |q|
-!>   C_1D(q)  = |h(q)|**2/L                    of a line along x or along y, averaged over all lines
+!>   C_1D(q)  = |h(q)|**2/L                    of a line along x or y, averaged over all lines
 !>
-!> (T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, sections 2
-!> and 3). So the mean square of h is the sum of C over all q, over L_x L_y, and twice the sum of C_1D
-!> over q > 0, over L.
+!> (T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, sections
+!> 2 and 3). So the mean square of h is the sum of C over all q, over L_x L_y, and that of a line is
+!> twice the sum of C_1D over q > 0, over L.
 !>
-!> A periodic map has w = 1. Of a free map the edges are no edges of waves: it has a Hann window, whose
-!> mean square is 1, of lines w in proportion to 1 - cos(2 pi i/n), of the area w in proportion to
-!> 1 + cos(pi r/R) within the circle of radius R, half of the shorter side, about pixel (n_x/2, n_y/2).
+!> A periodic map has w = 1. A free map has a Hann window, whose mean square is 1: of lines w in
+!> proportion to 1 - cos(2 pi i/n), of the area w in proportion to 1 + cos(pi r/R) within the circle
+!> of radius R, half of the shorter side, about pixel (n_x/2, n_y/2).
 !>
-!> Rings are as those of SurfaceTopography 1.27: 10 edges for each decade, and 10 more, equally spaced
-!> in the logarithm from the smallest wave number of the map to the lower of its two Nyquist wave
-!> numbers, pi over the spacing, and 0.01 decades beyond both. Corners of the (q_x, q_y) plane are
-!> left out, and lines have the wave numbers below the Nyquist wave number.
+!> Rings are those of SurfaceTopography 1.27: their edges, 10 for each decade and 10 more, are
+!> equally spaced in the logarithm of q from the smallest wave number of the map to the lower one of
+!> its two Nyquist wave numbers, pi over the spacing, and 0.01 decades beyond both. Corners of the
+!> (q_x, q_y) plane are left out. Lines have the wave numbers below the Nyquist wave number.
 module asperity_map_spectrum
   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_loc, c_ptr
   use asperity_constants, only: pi
@@ -36,10 +36,9 @@ module asperity_map_spectrum
 
   !> One spectrum.
   type :: power_spectrum
-    real(real64), allocatable :: q(:)     !! wave number, 2 pi over the wavelength, ascending; mean of a
-                                          !! ring
-    real(real64), allocatable :: c(:)     !! density, length**4 of the area, length**3 of lines
-    integer, allocatable :: number(:)     !! how many values were averaged: wave vectors, or lines
+    real(real64), allocatable :: q(:)  !! wave number, 2 pi over the wavelength; mean of a ring
+    real(real64), allocatable :: c(:)  !! density, length**4 of the area, length**3 of lines
+    integer, allocatable :: number(:)  !! how many values were averaged: wave vectors, or lines
   end type power_spectrum
 
   ! Edges for each decade, and decades beyond the ends (SurfaceTopography 1.27, make_grid).
@@ -105,11 +104,12 @@ contains
     n = merge(map%columns, map%rows, along == 1)
     lines = merge(map%rows, map%columns, along == 1)
     last = (n - 1) / 2
-    allocate (line(n), waves(0:n / 2))
-    window = line_window(n, map%periodic)
+    allocate (line(n), waves(0:n / 2), window(n))
+    allocate (spectrum%q(last), spectrum%c(last), spectrum%number(last))
+    window(:) = line_window(n, map%periodic)
     plan = row_plan(line, waves)
-    spectrum%q = [(2 * pi * k / (n * map%spacing(along)), k=1, last)]
-    spectrum%c = 0.0_real64 * spectrum%q
+    spectrum%q(:) = [(2 * pi * k / (n * map%spacing(along)), k=1, last)]
+    spectrum%c(:) = 0.0_real64
     do i = 1, lines
       if (along == 1) then
         line = map%height(:, i) * window
@@ -121,7 +121,7 @@ contains
     end do
     call drop_plan(plan)
     spectrum%c = spectrum%c * map%spacing(along) / n / lines
-    spectrum%number = [(lines, k=1, last)]
+    spectrum%number(:) = lines
   end subroutine measure_lines
 
   ! Spectrum of the area, averaged over rings.
@@ -182,7 +182,8 @@ contains
 
     radius = minval(map%spacing * [map%columns, map%rows]) / 2
     do i = 1, map%columns
-      r = hypot(map%spacing(1) * (i - 1 - map%columns / 2), map%spacing(2) * (row - 1 - map%rows / 2))
+      r = hypot(map%spacing(1) * (i - 1 - map%columns / 2), &
+                map%spacing(2) * (row - 1 - map%rows / 2))
       window(i) = 0.0_real64
       if (r <= radius) window(i) = 1.0_real64 + cos(pi * r / radius)
     end do
@@ -204,8 +205,8 @@ contains
     number = ceiling((width + 1.0_real64) * edges_of_decade - slack) - 1
     low = low - decades_beyond
     width = (width + 2.0_real64 * decades_beyond) / number
-    edges = [(10.0_real64**(low + k * width), k=0, number)]
-    allocate (places(number), squares(number), numbers(number))
+    allocate (edges(number + 1), places(number), squares(number), numbers(number))
+    edges(:) = [(10.0_real64**(low + k * width), k=0, number)]
     places = 0.0_real64
     squares = 0.0_real64
     numbers = 0
@@ -236,7 +237,8 @@ contains
     complex(c_double_complex), intent(inout), target :: waves(:)
 
     !$omp critical (fftw_plans)
-    plan = fftw_plan_real_to_complex(size(line, kind=c_int), c_loc(line), c_loc(waves), fftw_estimate)
+    plan = fftw_plan_real_to_complex(size(line, kind=c_int), c_loc(line), c_loc(waves), &
+                                     fftw_estimate)
     !$omp end critical (fftw_plans)
   end function row_plan
 

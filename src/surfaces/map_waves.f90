@@ -48,6 +48,7 @@ module asperity_map_waves
 
   ! (q/q_r)**2 is counted in 2**-square_bits, an amplitude in 2**-amplitude_bits.
   integer, parameter :: square_bits = 80, amplitude_bits = 60
+  integer, parameter :: wide_bits = int(bit_size(1_int128))
   integer(int128), parameter :: unity = 2_int128**square_bits
   ! The interval from 1 to 4 in pieces of 2**-8: the series ends with 2**-8 to the power 7, 1e-17.
   integer, parameter :: piece_bits = 8, pieces = 3 * 2**piece_bits, degree = 6
@@ -106,7 +107,7 @@ contains
     end do
     waves%empty = total == 0_int128
     if (.not. waves%empty) waves%scale = sum_bits - draw_order - &
-                                         max(0, bit_size(total) - leadz(total) - amplitude_bits)
+                                         max(0, wide_bits - leadz(total) - amplitude_bits)
 
   contains
 
@@ -135,8 +136,8 @@ contains
 
   end subroutine plan_waves
 
-  ! Root of C(q)/C_0, in 2**-amplitude_bits: m**(-power) with a series about the left end of a piece,
-  ! where (q/q_r)**2 = 4**k m and m is from 1 to 4.
+  ! Root of C(q)/C_0, in 2**-amplitude_bits: m**(-power) with a series about the left end of a
+  ! piece, where (q/q_r)**2 = 4**k m and m is from 1 to 4.
   pure integer(int64) function amplitude(waves, i, j)
     type(map_waves), intent(in) :: waves
     integer, intent(in) :: i, j  ! wave numbers, none negative
@@ -149,7 +150,7 @@ contains
     if (square < waves%lowest .or. square > waves%highest) return
     amplitude = 2_int64**amplitude_bits
     if (square <= unity) return
-    k = (bit_size(square) - 1 - leadz(square) - square_bits) / 2
+    k = (wide_bits - 1 - leadz(square) - square_bits) / 2
     mantissa = int(shiftr(square, square_bits - amplitude_bits + 2 * k), int64)
     piece = int(shiftr(mantissa, place_bits)) - 2**piece_bits
     place = iand(mantissa, 2_int64**place_bits - 1_int64)
@@ -188,7 +189,8 @@ contains
       integer, intent(in) :: x, y, which
       integer(int64) :: words(4)
 
-      words = philox_block([int(x, int64), iand(int(y, int64), low_32), int(which, int64), stream], &
+      words = philox_block([int(x, int64), iand(int(y, int64), low_32), int(which, int64), &
+                            stream], &
                            [int(waves%spec%seed, int64), 0_int64])
       drawn = draw_normal(gaussian, words(:3)) - whole_range / 2_int64
     end function drawn

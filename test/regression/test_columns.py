@@ -121,6 +121,7 @@ def test_columns_of_the_others(asperity, tmp_path):
     told = page()
     run(asperity, "data/thesis.deck", "--positions", tmp_path / "p", "--contacts", tmp_path / "c")
     run(asperity, "summits", "data/examples/summits/rough.sdf", "--output", tmp_path / "s")
+    run(asperity, "summits", "data/examples/summits/smooth.sdf", "--spectrum", tmp_path / "f")
     (tmp_path / "a.spec").write_text("&surfaces number = 9, length = 1., width = 2. /\n"
                                      "&radii mean = 3. / &heights mean = 0.1, deviation = 0.01 /\n")
     run(asperity, "generate", tmp_path / "a.spec", "--output", tmp_path / "g")
@@ -130,6 +131,7 @@ def test_columns_of_the_others(asperity, tmp_path):
     run(asperity, "study", tmp_path / "b.spec", "--csv", tmp_path / "b")
     for heading, file in (("`--positions` of `asperity DECK`", "p"), ("Surfaces", "s"),
                           ("`--contacts` of `asperity DECK`", "c"), ("Surfaces", "g"),
+                          ("`--spectrum` of `asperity summits`", "f"),
                           ("`--csv` of `asperity accuracy`", "a"),
                           ("`--csv` of `asperity study`", "b")):
         header, rows = read(tmp_path / file)
@@ -137,4 +139,4 @@ def test_columns_of_the_others(asperity, tmp_path):
         for name, cells in zip(header, zip(*rows)):
             if "" in cells:
                 assert re.search("empty", told[heading][name][1]) or file == "a", name
-    assert len(told) == 8
+    assert len(told) == 9

@@ -276,7 +276,7 @@ def test_names_of_a_scene(group, asperity, tmp_path):
 
 
 @pytest.mark.parametrize("page, command, groups", [
-    ("generate.md", "generate", ["surfaces", "heights", "random", "deck"]),
+    ("generate.md", "generate", ["surfaces", "heights", "random", "deck", "map"]),
     ("representative-area.md", "study", ["material", "study"])])
 def test_names_of_a_specification(page, command, groups, asperity, tmp_path):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")

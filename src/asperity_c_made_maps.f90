@@ -1,0 +1,83 @@
+!> The library for C: random height maps, and power spectra of height maps.
+module asperity_c_made_maps
+  use, intrinsic :: iso_c_binding, only: c_associated, c_ptr
+  use asperity, only: add_reals, add_wholes, generate_map, generation_spec, height_map, level_map, &
+                      measure_spectra, parse_generation_spec, periodic_edge, power_spectrum, &
+                      read_generation_spec, usual_level
+  use asperity_c_arguments, only: require_text, take_heights
+  use asperity_c_maps, only: power_of, set_map
+  use asperity_c_outcome, only: begin, finish, outcome, set_text, table_map, table_spectra, &
+                                text_of, text_unit
+  implicit none
+  private
+
+  public :: c_generate_map, c_power_spectrum
+
+contains
+
+  !> `asperity_generate_map`.
+  type(c_ptr) function c_generate_map(path, groups) bind(c, name='asperity_generate_map') &
+    result(handle)
+    type(c_ptr), value :: path    !! specification, where `groups` is null
+    type(c_ptr), value :: groups  !! text of a specification; may be null
+    type(outcome), pointer :: new
+    type(generation_spec) :: spec
+    type(height_map) :: map
+
+    call begin(new, handle)
+    if (.not. associated(new)) return
+    if (c_associated(groups)) then
+      call parse_generation_spec('specification', text_of(groups), spec, new%problems)
+    else
+      call require_text('specification', path, new%problems)
+      if (new%problems%count() == 0) &
+        call read_generation_spec(text_of(path), spec, new%problems)
+    end if
+    if (new%problems%count() == 0 .and. .not. spec%is_map) &
+      call new%problems%add(spec%file // ': found surfaces, expected a group &map')
+    if (new%problems%count() == 0) then
+      call generate_map(spec%map, map, new%failure)
+      if (allocated(new%failure)) then
+        new%failure = spec%file // ': ' // new%failure
+      else
+        call set_map(new, spec%file, map)
+        call add_wholes(new%tables(table_map), 'periodic', [merge(1, 0, map%periodic)])
+      end if
+    end if
+    call finish(new)
+  end function c_generate_map
+
+  !> `asperity_power_spectrum`.
+  type(c_ptr) function c_power_spectrum(given) bind(c, name='asperity_power_spectrum') &
+    result(handle)
+    type(c_ptr), value :: given  !! `c_height_map`
+    type(outcome), pointer :: new
+    type(height_map) :: map
+    type(power_spectrum) :: spectra(3)
+    integer :: k
+
+    call begin(new, handle)
+    if (.not. associated(new)) return
+    call take_heights('map', given, map, new%problems, new%failure)
+    if (new%problems%count() == 0 .and. .not. all(map%spacing > 0.0)) &
+      call new%problems%add('map.spacing: found 0, 0, expected the spacing of the pixels')
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      map%periodic = map%edge == periodic_edge
+      call level_map(map, usual_level(map%periodic))
+      call measure_spectra('map', map, spectra, new%problems, new%failure)
+    end if
+    if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
+      call set_text(new, text_unit, map%unit)
+      do k = 1, size(spectra)
+        associate (table => new%tables(table_spectra + k - 1), from => spectra(k))
+          call add_reals(table, 'q', from%q, power_of(map%unit, -1))
+          if (k == 1) call add_reals(table, 'c_iso', from%c, power_of(map%unit, 4))
+          if (k > 1) call add_reals(table, 'c_1d', from%c, power_of(map%unit, 3))
+          call add_wholes(table, 'number', from%number)
+        end associate
+      end do
+    end if
+    call finish(new)
+  end function c_power_spectrum
+
+end module asperity_c_made_maps

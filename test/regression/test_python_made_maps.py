@@ -1,0 +1,70 @@
+"""Random height maps and power spectra in Python: the numbers of the command."""
+
+import csv
+import subprocess
+
+import numpy as np
+import pytest
+from builds import ROOT
+
+pytestmark = pytest.mark.once
+
+SPEC = ROOT / "data/examples/generate/self_affine.spec"
+NAMES = {"pixels": (42, 30), "spacing": (0.5, 0.75), "hurst": 0.7, "rms_slope": 0.3, "unit": "um",
+         "roll_off": 9, "cut_off": 2.5, "seed": 5}
+
+
+def run(asperity, folder, *words):
+    done = subprocess.run([asperity, *map(str, words)], cwd=folder, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_map_from_a_file_from_names_and_from_groups(package, asperity, tmp_path):
+    run(asperity, tmp_path, "generate", SPEC, "--output", "m.npy")
+    made = package.generate_map(SPEC)
+    assert made.heights.tobytes() == np.load(tmp_path / "m.npy").tobytes()
+    facts = made.shape, made.spacing, made.unit, made.periodic
+    assert facts == ((512, 512), (0.2, 0.2), "um", True)
+    one, two = package.generate_map(**NAMES), package.generate_map({"map": NAMES})
+    assert one.heights.tobytes() == two.heights.tobytes()
+    assert one.shape == (30, 42) and one.spacing == (0.5, 0.75)
+    free = package.generate_map(**NAMES, periodic=False)
+    assert not free.periodic and (free.heights != one.heights).all()
+
+
+@pytest.mark.parametrize("periodic", (True, False))
+def test_spectra_are_those_of_the_command(periodic, package, asperity, tmp_path):
+    made = package.generate_map(**NAMES, periodic=periodic)
+    made.write(tmp_path / "m.sdf")
+    run(asperity, tmp_path, "summits", "m.sdf", "--unit", "um", "--edge",
+        "periodic" if periodic else "free", "--quiet", "--spectrum", "s.csv")
+    with open(tmp_path / "s.csv", encoding="ascii", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for kind, name, unit in (("iso", "c_iso", "um4"), ("x", "c_1d", "um3"), ("y", "c_1d", "um3")):
+        table = made.power_spectrum(kind)
+        assert list(table) == ["q", name, "number"]
+        assert table.units == {"q": "1/um", name: unit, "number": ""}
+        for column in table:
+            wanted = [float(row[column]) for row in rows if row["spectrum"] == kind]
+            # The file has metres; beyond the cut-off there is rounding alone.
+            np.testing.assert_allclose(table[column], wanted, rtol=1e-10, atol=1e-20 * max(wanted))
+    assert list(made.power_spectrum()) == list(made.power_spectrum("iso"))
+
+
+def test_what_is_refused(package, tmp_path):
+    with pytest.raises(package.InputError, match="map.hurst: found '1.5', expected a number more"):
+        package.generate_map(pixels=64, spacing=1, hurst=1.5, rms_height=1)
+    with pytest.raises(package.InputError, match="unknown name in &map: found 'hight'"):
+        package.generate_map(pixels=64, spacing=1, hurst=1, rms_height=1, hight=1)
+    with pytest.raises(package.InputError, match="found surfaces, expected a group &map"):
+        package.generate_map(ROOT / "data/examples/generate/thesis.spec")
+    with pytest.raises(package.InputError, match="found a height map, expected surfaces"):
+        package.generate(SPEC)
+    with pytest.raises(TypeError, match="found both, hurst"):
+        package.generate_map(SPEC, hurst=1)
+    with pytest.raises(package.InputError, match="kind: found 'z', expected 'iso', 'x' or 'y'"):
+        package.generate_map(SPEC).power_spectrum("z")
+    holes = package.HeightMap([[0, 1, 2], [0, float("nan"), 2], [0, 1, 3]], spacing=1)
+    with pytest.raises(package.InputError, match="found 1 missing pixels, expected none"):
+        holes.power_spectrum()
