@@ -211,8 +211,8 @@ contains
          '&heights mean = a, lowest = 1., lowest_deviation = -1. /' // nl // &
          '&random seed = -1 /' // nl // '&tilt /', spec, problems)
     call check(error, problems%text(), &
-      's:4:1: unknown group: found ''&tilt'', expected &surfaces, &heights, &radii, &random ' // &
-      'or &deck' // nl // &
+      's:4:1: unknown group: found ''&tilt'', expected &surfaces, &heights, ' // &
+      '&radii, &random, &deck or &map' // nl // &
       's:1:39: unknown name in &surfaces: found ''colour'', expected number, density, ' // &
       'length, width or least_distance' // nl // &
       's:1:34: length: found ''-4.'', expected a number more than 0' // nl // &
