@@ -2,7 +2,7 @@
 !>
 !> X(u) = sum over t from 0 to n - 1 of x(t) exp(2 pi i t u/n), without a factor. Method: Stockham's
 !> transform of mixed radix (C. Van Loan, Computational Frameworks for the Fast Fourier Transform,
-!> 1992, sections 1.7 and 2.1), prime factors in descending order, pairs of twos as fours.
+!> 1992), prime factors in descending order, pairs of twos as fours.
 !>
 !> Real and imaginary parts are int64, roots of unity are whole numbers of 2**-62. A product has 128
 !> bits and is rounded to the nearest whole number, so a transform is in error by about one unit for

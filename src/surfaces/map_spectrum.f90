@@ -5,9 +5,9 @@
 !>   C(q)     = |h(q_x, q_y)|**2/(L_x L_y)     two-dimensional, averaged over rings of |q|
 !>   C_1D(q)  = |h(q)|**2/L                    of a line along x or y, averaged over all lines
 !>
-!> (T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, sections
-!> 2 and 3). So the mean square of h is the sum of C over all q, over L_x L_y, and that of a line is
-!> twice the sum of C_1D over q > 0, over L.
+!> (T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001). So the
+!> mean square of h is the sum of C over all q, over L_x L_y, and that of a line is twice the sum of
+!> C_1D over q > 0, over L.
 !>
 !> A periodic map has w = 1. A free map has a Hann window, whose mean square is 1: of lines w in
 !> proportion to 1 - cos(2 pi i/n), of the area w in proportion to 1 + cos(pi r/R) within the circle

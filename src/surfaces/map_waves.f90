@@ -10,9 +10,8 @@
 !>
 !> with q_r, q_c = 2 pi over the roll-off and the cut-off wavelength and the Hurst exponent H (B. N.
 !> J. Persson, O. Albohr, U. Tartaglino, A. I. Volokitin, E. Tosatti, J. Phys.: Condens. Matter 17
-!> (2005) R1, section 3.1 and appendix A; T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.:
-!> Metrol. Prop. 5 (2017) 013001, sections 2 and 5). q = 0 has no power, nor has a wave of two
-!> pixels, which has no slope there.
+!> (2005) R1; T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001).
+!> q = 0 has no power, nor has a wave of two pixels, which has no slope there.
 !>
 !> A component is a function of the seed and its two wave numbers: neither the number of pixels nor
 !> that of threads changes it. Counter of the generator: k_x, k_y modulo 2**32, 1 for the real and 2

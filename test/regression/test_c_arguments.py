@@ -34,6 +34,7 @@ static void refused(const char *text, asperity_outcome *outcome)
   asperity_free(expect(ASPERITY_BAD_INPUT, text, outcome));
 }
 
+#define MAP_GROUP "&map pixels = 10, 8, spacing = 1., hurst = 1., rms_slope = 1., unit = 'nm' /"
 #define GROUPS "&material contact_modulus = 1e3 / &loading control = 'load', value = 1. /"
 
 static void surface(const char *text, int count, int radii, const double *x, const double *y,
@@ -66,6 +67,7 @@ int main(int words, char **word)
   const asperity_surface good = {2, 2, x, y, z, r}, plane = {0, 0, NULL, NULL, NULL, NULL};
   const int tables[] = {13, 101};
   asperity_problem problem = {NULL, 0, 0, NULL};
+  asperity_outcome *made, *spectra;
   (void)words;
 
   refused("scene: found NULL, expected a path", asperity_read_scene(NULL));
@@ -145,6 +147,26 @@ int main(int words, char **word)
   refused("map.spacing: found 5.", asperity_summits_of_map(&bad, NULL));
 
   refused("specification: found NULL, expected a path", asperity_generate(NULL, NULL, 1));
+  refused("specification: found NULL, expected a path", asperity_generate_map(NULL, NULL));
+  refused("specification:1:1: &map needs pixels", asperity_generate_map(NULL, "&map hurst = 1. /"));
+  refused("found a height map, expected surfaces", asperity_generate(NULL, MAP_GROUP, 1));
+  refused("map: found NULL, expected a height map", asperity_power_spectrum(NULL));
+  bad.spacing[0] = 0.;
+  refused("map.spacing: found 0, 0, expected the spacing", asperity_power_spectrum(&bad));
+  made = expect(ASPERITY_DONE, "", asperity_generate_map(NULL, MAP_GROUP));
+  if (asperity_rows(made, ASPERITY_PIXELS) != 80 || asperity_columns(made, ASPERITY_MAP) != 5 ||
+      strcmp(asperity_text(made, ASPERITY_UNIT), "nm"))
+    wrong++;
+  area.columns = 10;
+  area.rows = 8;
+  area.height = asperity_column(made, ASPERITY_PIXELS, 0);
+  spectra = expect(ASPERITY_DONE, "", asperity_power_spectrum(&area));
+  if (asperity_rows(spectra, ASPERITY_SPECTRUM_X) != 4 ||
+      asperity_rows(spectra, ASPERITY_SPECTRUM_Y) != 3 ||
+      strcmp(asperity_column_name(spectra, ASPERITY_SPECTRUM, 1), "c_iso"))
+    wrong++;
+  asperity_free(spectra);
+  asperity_free(made);
   refused("surface: found 0, which is not in the ensemble", asperity_generate(
     NULL, "&surfaces number = 9, length = 1., width = 1. / &heights mean = 1., deviation = 1. /"
     "&radii mean = 9. /", 0));
@@ -153,7 +175,7 @@ int main(int words, char **word)
   asperity_get_problem(scene, 0, NULL);
   asperity_get_problem(NULL, -1, &problem);
   if (!problem.file || !problem.text || *problem.file || *problem.text) wrong++;
-  for (int which = -1; which < 12; which++) {
+  for (int which = -1; which < 15; which++) {
     if (!asperity_text(NULL, which) || !asperity_text(solved, which)) wrong++;
     if (asperity_rows(NULL, which) || asperity_columns(NULL, which)) wrong++;
     if (asperity_column(NULL, which, 0) || asperity_column(solved, which, -1)) wrong++;
