@@ -1,6 +1,7 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
   use asperity_arguments, only: argument, argument_list, read_arguments
+  use asperity_contact_field, only: fields_all, fields_last
   use asperity_input_text, only: lower_case, quoted
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
@@ -25,6 +26,10 @@ module asperity_command_line
 
   public :: check_ending, command_line, is_shared, output_place, parse_command_line, &
             refuse_input, tell_part
+
+  ! States whose fields are written: `fields_last` and `fields_all`.
+  character(len=*), parameter :: states_named(fields_last:fields_all) = &
+    [character(len=4) :: 'last', 'all']
 
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 
@@ -59,6 +64,7 @@ module asperity_command_line
     integer :: radius = 0                            !! rule for radii; 0: that of the rule
     integer :: unit = 0                              !! of `length_units`; 0: the file's own
     logical :: despike = .false.                     !! take single outliers out
+    integer :: fields_of = 0                         !! `fields_last`, `fields_all`; 0: not given
     real(real64) :: spacing(2) = 0.0_real64          !! of a matrix; 0 when not given
   contains
     procedure :: output                              !! path of an output, by its option
@@ -122,6 +128,10 @@ contains
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     if (line%cost .and. line%budget) &
       call problems%add('--cost does not estimate --budget, expected one of both')
+    if (line%fields_of > 0 .and. line%output('--fields') == '') &
+      call problems%add('--fields-of: expected --fields FILE beside it')
+    if (line%fields_of == fields_all .and. line%output('--fields') == '/dev/stdout') &
+      call problems%add('--fields-of all writes a file a state, expected no - after --fields')
     call check_share(line, problems)
     call check_files(line, problems)
     call check_endings(line, problems)
@@ -196,6 +206,8 @@ contains
       call read_word(name, value, length_units, line%unit, problems)
     case ('--spacing')
       call read_spacing(value, line%spacing, problems)
+    case ('--fields-of')
+      call read_word(name, value, states_named, line%fields_of, problems)
     case ('--despike')
       line%despike = .true.
     case default
@@ -338,10 +350,19 @@ contains
   subroutine check_endings(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: ending, path
     character(len=4) :: format
     integer :: i
 
     do i = 1, size(line%outputs)
+      if (line%command == 'solve' .and. line%outputs(i)%option == '--picture') then
+        path = line%output('--picture')
+        ending = lower_case(path(index(path, '.', back=.true.) + 1:))
+        if (path /= '' .and. path /= '/dev/stdout' .and. ending /= 'svg' .and. ending /= 'png') &
+          call problems%add('--picture: found ' // quoted(path) // ', expected a name that ' // &
+                            'ends with .svg or .png')
+        cycle
+      end if
       select case (line%outputs(i)%option)
       case ('--keep')
         cycle
@@ -349,6 +370,8 @@ contains
         format = 'svg'
       case ('--vtk')
         format = 'vtp'
+      case ('--fields')
+        format = 'vti'
       case ('--html', '--json')
         format = line%outputs(i)%option(3:6)
       case ('--output')
@@ -370,7 +393,7 @@ contains
     type(problem_list), intent(inout) :: problems   !! what is wrong
     character(len=*), parameter :: known(*) = [character(len=4) :: 'csv', 'json', 'html', 'htm', &
       'svg', 'png', 'pdf', 'jpg', 'jpeg', 'gif', 'tif', 'tiff', 'eps', 'vtp', 'vtk', 'vtu', 'xls', &
-      'xlsx', 'npy', 'h5']
+      'xlsx', 'npy', 'h5', 'vti']
     character(len=:), allocatable :: ending, path
 
     path = line%output(option)

@@ -3,36 +3,52 @@ module asperity_run_solve
   use asperity_budget_table, only: write_budget
   use asperity_command_line, only: command_line, is_shared, refuse_input, tell_part
   use asperity_command_outcome, only: command_outcome
+  use asperity_contact_field, only: contact_field, fields_all, fields_last, room_of_fields
   use asperity_corrected_table, only: correct_table
   use asperity_corrected_table_text, only: write_corrected_table
   use asperity_error_budget, only: error_budget, measure_budget
+  use asperity_field_picture, only: draw_plan, plan_of_pressure, width_of_picture
   use asperity_files, only: same_name, write_standard_error
+  use asperity_histogram_csv, only: write_histogram
+  use asperity_input_text, only: lower_case
   use asperity_images, only: image_number
   use asperity_kinds, only: int64, real64
   use asperity_output_files, only: tell_kept
+  use asperity_plan_drawing, only: plan_drawing, png_of, write_svg
   use asperity_position_packet, only: pack_position
-  use asperity_position_lists, only: counted
+  use asperity_position_lists, only: counted, readable
+  use asperity_printable, only: printable
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_results_csv, only: write_results
   use asperity_results_html, only: write_html
   use asperity_results_json, only: write_json
+  use asperity_results_vti, only: write_vti
   use asperity_results_vtk, only: write_vtk
   use asperity_run_options, only: run_options
   use asperity_scene_inputs, only: input_file, list_inputs
   use asperity_scene_reader, only: read_scene
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: is_thesis_sweep, scene, scene_effects
+  use asperity_scene_values, only: effect_auto, is_thesis_sweep, scene, scene_effects, solves_pixels
   use asperity_solve, only: solve
   use asperity_summary, only: write_choice, write_summary
   use asperity_text_buffer, only: text_buffer
-  use asperity_unit_names, only: has_units, units_in_words
+  use asperity_unit_names, only: has_units, is_length, is_pressure, unit_of, units_in_words, &
+                                 with_unit
   use asperity_warning_lines, only: list_warnings
   use asperity_work_cost, only: pieces_tried, tell_cost, work_cost
   implicit none
   private
 
   public :: run_solve_command
+
+  ! Options that need the pressure on the pixels of a map.
+  character(len=*), parameter :: field_options(3) = [character(len=11) :: '--fields', &
+    '--histogram', '--picture']
+  ! States that --fields-of all writes at most: a file each.
+  integer, parameter :: most_states = 1000
+  ! Pixels of a picture along its longer side.
+  integer, parameter :: most_pixels = 1024
 
 contains
 
@@ -46,6 +62,7 @@ contains
     type(error_budget) :: budget
     type(run_options) :: options
     type(work_cost) :: cost
+    integer :: i
 
     call read_scene(line%input, scene_in, outcome%problems)
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
@@ -61,6 +78,8 @@ contains
       outcome%failure = line%input // ': ' // outcome%failure
       return
     end if
+    call check_fields(line, results, outcome%failure)
+    if (allocated(outcome%failure)) return
     if (line%share(2) > 1) then
       if (.not. line%quiet) call tell_part(line, 'positions', size(results%positions), outcome%text)
       return
@@ -80,6 +99,11 @@ contains
     if (line%output('--json') /= '') call stage_whole('--json')
     if (line%output('--vtk') /= '') call stage_vtk()
     if (line%output('--html') /= '') call stage_whole('--html')
+    if (asks_for_fields(line)) then
+      do i = 1, size(results%positions(1)%fields)
+        call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
+      end do
+    end if
     if (line%cost .and. .not. allocated(outcome%failure)) call tell_cost(cost, outcome%text)
 
   contains
@@ -100,6 +124,52 @@ contains
       end if
       call stage(option, text)
     end subroutine stage_whole
+
+    ! One state as image data; the last one as a histogram and a picture, too.
+    subroutine stage_field(field, is_last)
+      type(contact_field), intent(in) :: field
+      logical, intent(in) :: is_last
+      type(text_buffer) :: histogram, picture, vti
+
+      if (line%output('--fields') /= '') then
+        call write_vti(field, vti)
+        call stage('--fields', vti, numbered_path(line%output('--fields'), field%state, &
+                                                  line%fields_of == fields_all))
+      end if
+      if (.not. is_last) return
+      if (line%output('--histogram') /= '') then
+        if (line%units) then
+          call write_histogram(field, histogram, 'units: ' // units_in_words(scene_in))
+        else
+          call write_histogram(field, histogram)
+        end if
+        call stage('--histogram', histogram)
+      end if
+      if (line%output('--picture') == '') return
+      call draw_pressure(field, picture)
+      call stage('--picture', picture)
+    end subroutine stage_field
+
+    subroutine draw_pressure(field, picture)
+      type(contact_field), intent(in) :: field
+      type(text_buffer), intent(inout) :: picture
+      type(plan_drawing) :: drawing
+      character(len=:), allocatable :: path, title
+      character(len=20) :: units(2)
+
+      units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
+      title = printable(line%input) // ': ' // &
+              with_unit('nominal pressure', trim(units(2))) // ' ' // &
+              readable(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
+                       count(field%gap >= 0.0_real64), 3)
+      call draw_plan(field, plan_of_pressure, title, units, width_of_picture, most_pixels, drawing)
+      path = line%output('--picture')
+      if (lower_case(path(max(1, len(path) - 3):)) == '.png') then
+        call picture%append(png_of(drawing))
+      else
+        call write_svg(drawing, title, .false., picture)
+      end if
+    end subroutine draw_pressure
 
     subroutine stage_vtk()
       type(text_buffer) :: vtk
@@ -123,19 +193,67 @@ contains
     end subroutine write_table
 
     ! Of a trial the text is weighed alone: it is held, and once more as it is written.
-    subroutine stage(option, text)
+    subroutine stage(option, text, path)
       character(len=*), intent(in) :: option
       type(text_buffer), intent(in) :: text
+      character(len=*), intent(in), optional :: path  ! absent: that of the option
 
       if (line%cost) then
         cost%bytes_each = cost%bytes_each + &
                           2.0_real64 * real(len(text%text(), int64), real64) / cost%tried
+      else if (present(path)) then
+        call outcome%stage(path, text)
       else
         call outcome%stage(line%output(option), text)
       end if
     end subroutine stage
 
   end subroutine run_solve_command
+
+  ! Whether an option needs the pressure on the pixels of a map.
+  logical function asks_for_fields(line) result(asks)
+    type(command_line), intent(in) :: line
+    integer :: i
+
+    asks = .false.
+    do i = 1, size(field_options)
+      asks = asks .or. line%output(trim(field_options(i))) /= ''
+    end do
+  end function asks_for_fields
+
+  ! Refuses a map that was solved by its summits, and more files than can be written.
+  subroutine check_fields(line, results, failure)
+    type(command_line), intent(in) :: line
+    type(scene_results), intent(in) :: results
+    character(len=:), allocatable, intent(inout) :: failure
+
+    if (.not. asks_for_fields(line)) return
+    if (.not. allocated(results%positions(1)%fields)) then
+      failure = line%input // ': the map was solved by its summits, which have no pressure on ' // &
+                'pixels: expected interaction = ''boundary'' in &effects'
+    else if (size(results%positions(1)%fields) > most_states) then
+      failure = line%input // ': --fields-of all: found ' // &
+                decimal_text(size(results%positions(1)%fields)) // ' states, expected at most ' // &
+                decimal_text(most_states)
+    end if
+  end subroutine check_fields
+
+  ! `NAME_0001.vti`, or the path as it is.
+  function numbered_path(path, number, is_numbered) result(numbered)
+    character(len=*), intent(in) :: path
+    integer, intent(in) :: number
+    logical, intent(in) :: is_numbered
+    character(len=:), allocatable :: numbered
+    character(len=5) :: digits
+    integer :: dot
+
+    numbered = path
+    if (.not. is_numbered) return
+    write (digits, '("_", i4.4)') number
+    dot = index(path, '.', back=.true.)
+    if (dot <= index(path, '/', back=.true.) + 1) dot = len(path) + 1
+    numbered = path(:dot - 1) // digits // path(dot:)
+  end function numbered_path
 
   ! What the results of a position hold.
   subroutine weigh_positions(scene_in, results, cost)
@@ -154,6 +272,11 @@ contains
       cost%bytes_each = cost%bytes_each + 8.0_real64 * size(words) / cost%tried
     end do
     cost%bytes_each = cost%bytes_each + storage_size(results%positions) / 8
+    if (.not. allocated(results%positions(1)%fields)) return
+    associate (fields => results%positions(1)%fields)
+      cost%bytes_each = cost%bytes_each + &
+                        room_of_fields(size(fields(1)%pressure, kind=int64), size(fields))
+    end associate
   end subroutine weigh_positions
 
   ! What the command line and the scene ask for must agree.
@@ -171,6 +294,7 @@ contains
                         'units = ''mm'', ''N'' in &surfaces')
     if (allocated(scene_in%map) .and. line%budget) &
       call problems%add('--budget: a map is compared with its summits in every run, expected none')
+    call check_field_options(line, scene_in, problems)
     if (line%share(2) > scene_in%motion%positions .or. &
         (allocated(scene_in%map) .and. line%share(2) > 1)) &
       call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
@@ -184,6 +308,31 @@ contains
                         'values are computed in real64, expected that or none')
   end subroutine check_choices
 
+  ! Pressure on pixels is that of a height map solved on them, and is not kept in a file.
+  subroutine check_field_options(line, scene_in, problems)
+    type(command_line), intent(in) :: line
+    type(scene), intent(in) :: scene_in
+    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: option
+    logical :: may_have
+    integer :: i
+
+    may_have = allocated(scene_in%map)
+    if (may_have) may_have = solves_pixels(scene_in) .or. &
+                             scene_in%effects%mode('interaction') == effect_auto
+    do i = 1, size(field_options)
+      option = trim(field_options(i))
+      if (line%output(option) == '') cycle
+      if (.not. may_have) &
+        call problems%add(option // ': only a height map solved on its pixels has pressure on ' // &
+                          'pixels, expected a map in &surfaces and interaction = ''boundary'' ' // &
+                          'in &effects')
+      if (line%output('--keep') /= '') &
+        call problems%add(option // ': a file of --keep has no pressure on pixels, expected ' // &
+                          'one of both')
+    end do
+  end subroutine check_field_options
+
   ! How the user wants it done. The corrected Table VI needs the contacts of the thesis' sweep.
   function options_of(line, scene_in) result(options)
     type(command_line), intent(in) :: line
@@ -195,6 +344,8 @@ contains
     options%keep_contacts = line%output('--contacts') // line%output('--json') // &
                             line%output('--vtk') // line%output('--html') /= '' .or. &
                             is_thesis_sweep(scene_in)
+    if (allocated(scene_in%map) .and. (asks_for_fields(line) .or. line%output('--html') /= '')) &
+      options%fields = max(fields_last, line%fields_of)
     options%threads = line%threads
     options%progress = image_number() == 1
     options%all_images = is_shared(line)

@@ -3,6 +3,8 @@
 !> `docs/library.md` shows how.
 module asperity
   use asperity_card_deck, only: card_deck, read_card_deck
+  use asperity_contact_field, only: contact_field, fields_all, fields_last, fields_none, &
+                                    pressure_histogram
   use asperity_contact_records, only: contact_row, effect_record, position_result, state_row
   use asperity_kinds, only: not_computed
   use asperity_generated_map, only: generate_map
@@ -80,6 +82,8 @@ module asperity
   public :: scene_results, position_result, state_row, contact_row, effect_record, effect_header, &
             map_record
   public :: last_state
+  ! Pressure and gap on the pixels of a map.
+  public :: contact_field, fields_none, fields_last, fields_all, pressure_histogram
   ! Results as tables of arrays, and in words.
   public :: make_arrays, array_table, array_column, add_reals, add_wholes, name_units
   public :: of_positions, of_states, of_contacts

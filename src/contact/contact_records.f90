@@ -3,6 +3,7 @@
 !> Numbers are doubles in the units of the scene, whatever arithmetic computed them.
 module asperity_contact_records
   use asperity_constants, only: pi
+  use asperity_contact_field, only: contact_field
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_solve_ending, only: solve_ending
@@ -20,7 +21,7 @@ module asperity_contact_records
   integer, parameter :: most_rows = 5000000
 
   !> Memory that a state of a position takes, with its share of the position, bytes.
-  integer, parameter :: room_of_a_state = 400
+  integer, parameter :: room_of_a_state = 432
 
   !> Each position is solved at the closings at which something happens: no marching.
   integer, parameter :: by_events = 1
@@ -83,6 +84,10 @@ module asperity_contact_records
     real(real64) :: load_asked = 0.0_real64      !! how much of it
     integer :: first_row = 1                     !! its contacts are rows(first_row ...
     integer :: last_row = 0                      !! ... last_row) of the position
+    !> Mean gap and root mean square of the gap [length], length of the rims of the contact patches
+    !> [length], elastic energy [force length]; `not_computed` where no pixels of a map were solved.
+    real(real64) :: mean_gap = not_computed, rms_gap = not_computed
+    real(real64) :: contact_perimeter = not_computed, elastic_energy = not_computed
   end type state_row
 
   !> What one effect did to one state. Words are in whole multiples of 8 letters: a record travels
@@ -123,6 +128,8 @@ module asperity_contact_records
     real(real64), allocatable :: contact_values(:, :)  !! what they tell (row, column)
     real(real64), allocatable :: state_values(:)       !! what they tell of the last state (column)
     type(solution_start) :: start                      !! solutions for further runs, where kept
+    !> Pressure and gap of its states, in their order; not allocated: none were kept.
+    type(contact_field), allocatable :: fields(:)
   end type position_result
 
 contains
@@ -177,7 +184,9 @@ contains
       associate (state => result%states(i))
         are_finite = are_finite .and. &
                      finite([state%approach, state%closing, state%load, state%vertical_load, &
-                             state%area, state%projected_area, state%greatest_pressure])
+                             state%area, state%projected_area, state%greatest_pressure, &
+                             state%mean_gap, state%rms_gap, state%contact_perimeter, &
+                             state%elastic_energy])
       end associate
     end do
     do i = 1, result%rows_used

@@ -38,7 +38,7 @@ module asperity_output_files
   integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t
 
   ! What is staged. The names end with a null character: a signal's procedure may not build texts.
-  integer, parameter :: most_files = 8, longest_path = 4400
+  integer, parameter :: most_files = 1100, longest_path = 4400
   character(kind=c_char) :: parts(longest_path, most_files) = c_null_char
   ! A name may end with blanks: lengths count.
   type :: known_name

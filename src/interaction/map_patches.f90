@@ -29,7 +29,7 @@ module asperity_map_patches
   ! pixels the body ends: such a side is no rim.
   real(real64), parameter :: rim_of_samples = (pi - 1.0_real64 + log(2.0_real64)) / 24.0_real64
 
-  ! Pixels: above the error of a centre of pressure when gaps are closed to 1e-9 of the range of
+  ! Pixels: above the error of a centre of pressure when gaps are closed to 1e-10 of the range of
   ! heights (chosen; test: centres in test/regression/test_map_edges.py).
   real(real64), parameter :: centre_error = 1.0e-6_real64
 

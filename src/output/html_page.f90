@@ -27,7 +27,8 @@ contains
     call buffer%line('<head>')
     call buffer%line('<meta charset="utf-8"/>')
     call buffer%line('<meta http-equiv="Content-Security-Policy" ' // &
-                     'content="default-src ''none''; style-src ''unsafe-inline''' // &
+                     'content="default-src ''none''; img-src data:; ' // &
+                     'style-src ''unsafe-inline''' // &
                      script // '"/>')
     call buffer%line('<meta name="viewport" content="width=device-width, initial-scale=1"/>')
     call buffer%line('<title>' // escaped(title) // '</title>')

@@ -1,12 +1,10 @@
 !> A map and its summits as a drawing (SVG): heights as shades of grey, summits as dots.
-!>
-!> The shades are a PNG (W3C, Portable Network Graphics, 2nd ed., 2003) without compression, in
-!> base64 (RFC 4648).
 module asperity_map_picture
   use asperity_height_map, only: height_map, is_measured
   use asperity_html_page, only: escaped
-  use asperity_kinds, only: int64, real64
+  use asperity_kinds, only: real64
   use asperity_map_summits, only: map_summits
+  use asperity_png_image, only: base64, png_bytes
   use asperity_problems, only: real_text, text_of => decimal_text
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -20,13 +18,6 @@ module asperity_map_picture
   integer, parameter :: most_dots = 20000
   ! Black and white stand for heights so many deviations off the mean, and beyond.
   real(real64), parameter :: most_deviations = 3.0_real64
-
-  character(len=*), parameter :: signature = char(137) // 'PNG' // achar(13) // achar(10) // &
-    achar(26) // achar(10)
-  character(len=*), parameter :: letters = &
-    'ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/'
-  ! Bytes of a block that is stored as it is.
-  integer, parameter :: longest_block = 65535
 
 contains
 
@@ -58,7 +49,7 @@ contains
                        '" width="' // text_of(width) // '" height="' // text_of(height) // &
                        '" preserveAspectRatio="none" style="image-rendering:pixelated" ' // &
                        'href="data:image/png;base64,')
-    call buffer%line(png_as_base64(shades(map, step, low, high)) // '"/>')
+    call buffer%line(base64(png_bytes(shades(map, step, low, high))) // '"/>')
     call buffer%line('<rect x="' // text_of(margin) // '" y="' // text_of(header) // &
                      '" width="' // text_of(width) // '" height="' // text_of(height) // &
                      '" fill="none" stroke="black"/>')
@@ -186,110 +177,5 @@ contains
     if (abs(value) >= 0.01_real64 .and. abs(value) < 10000.0_real64) &
       text = real_text(value, 'f16.3')
   end function short
-
-  !> The picture as base64. Shade 0 is transparent.
-  pure function png_as_base64(shade) result(text)
-    integer, intent(in) :: shade(:, :)     !! from 0 to 255; by column and row, the top row first
-    character(len=:), allocatable :: text  !! for a `data:image/png;base64,` address
-    type(text_buffer) :: bytes, rows
-    integer :: i, j
-
-    do j = 1, size(shade, 2)
-      call rows%append(achar(0))
-      do i = 1, size(shade, 1)
-        call rows%append(char(shade(i, j)))
-      end do
-    end do
-    call bytes%append(signature)
-    ! Eight bits of grey, neither filtered nor interlaced.
-    call add_chunk('IHDR', word(int(size(shade, 1), int64)) // word(int(size(shade, 2), int64)) // &
-                   achar(8) // repeat(achar(0), 4), bytes)
-    call add_chunk('tRNS', repeat(achar(0), 2), bytes)
-    call add_chunk('IDAT', stored(rows%text()), bytes)
-    call add_chunk('IEND', '', bytes)
-    text = base64(bytes%text())
-  end function png_as_base64
-
-  ! A chunk with its length and its cyclic redundancy check.
-  pure subroutine add_chunk(name, content, bytes)
-    character(len=*), intent(in) :: name, content
-    type(text_buffer), intent(inout) :: bytes
-    integer(int64), parameter :: polynomial = int(z'EDB88320', int64), all_32 = 2_int64**32 - 1
-    integer(int64) :: check
-    character(len=len(name) + len(content)) :: named
-    integer :: i, k
-
-    named = name // content
-    check = all_32
-    do i = 1, len(named)
-      check = ieor(check, int(iachar(named(i:i)), int64))
-      do k = 1, 8
-        check = ieor(shiftr(check, 1), merge(polynomial, 0_int64, btest(check, 0)))
-      end do
-    end do
-    call bytes%append(word(int(len(content), int64)) // named // word(ieor(check, all_32)))
-  end subroutine add_chunk
-
-  ! A zlib stream (RFC 1950) of stored blocks, with its check sum.
-  pure function stored(bytes) result(stream)
-    character(len=*), intent(in) :: bytes
-    character(len=:), allocatable :: stream
-    type(text_buffer) :: buffer
-    integer(int64) :: a, b
-    integer :: first, length, i
-
-    call buffer%append(char(120) // achar(1))
-    do first = 1, len(bytes), longest_block
-      length = min(longest_block, len(bytes) - first + 1)
-      call buffer%append(char(merge(1, 0, first + length > len(bytes))) // little(length) // &
-                         little(longest_block - length) // bytes(first:first + length - 1))
-    end do
-    a = 1_int64
-    b = 0_int64
-    do i = 1, len(bytes)
-      a = mod(a + iachar(bytes(i:i)), 65521_int64)
-      b = mod(b + a, 65521_int64)
-    end do
-    call buffer%append(word(65536_int64 * b + a))
-    stream = buffer%text()
-  end function stored
-
-  ! 32 bits, the highest byte first.
-  pure function word(value) result(bytes)
-    integer(int64), intent(in) :: value
-    character(len=4) :: bytes
-    integer :: i
-
-    do i = 1, 4
-      bytes(i:i) = char(int(ibits(value, 32 - 8 * i, 8)))
-    end do
-  end function word
-
-  ! 16 bits, the lowest byte first.
-  pure function little(value) result(bytes)
-    integer, intent(in) :: value
-    character(len=2) :: bytes
-
-    bytes = char(ibits(value, 0, 8)) // char(ibits(value, 8, 8))
-  end function little
-
-  pure function base64(bytes) result(text)
-    character(len=*), intent(in) :: bytes
-    character(len=4 * ((len(bytes) + 2) / 3)) :: text
-    character(len=3) :: three
-    integer :: i, k, bits, digit
-
-    do i = 0, len(text) / 4 - 1
-      three = bytes(3 * i + 1:min(3 * i + 3, len(bytes)))
-      k = min(3, len(bytes) - 3 * i)
-      three(k + 1:) = repeat(achar(0), 3 - k)
-      bits = 65536 * iachar(three(1:1)) + 256 * iachar(three(2:2)) + iachar(three(3:3))
-      do k = 1, 4
-        digit = ibits(bits, 24 - 6 * k, 6) + 1
-        text(4 * i + k:4 * i + k) = letters(digit:digit)
-      end do
-    end do
-    text(len(text) - modulo(-len(bytes), 3) + 1:) = '=='
-  end function base64
 
 end module asperity_map_picture

@@ -7,8 +7,8 @@ module asperity_result_table
                                       state_row
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
-  use asperity_scene_results, only: kinds_of_warnings, last_state, nominal_names, nominal_values, &
-                                    scene_results
+  use asperity_scene_results, only: has_height_map, kinds_of_warnings, last_state, nominal_names, &
+                                    nominal_values, scene_results
   use asperity_unit_names, only: dimension_of, is_area, is_force, is_length, is_moment, is_number, &
                                  is_pressure
   implicit none
@@ -172,6 +172,7 @@ contains
     call self%put('compression', last%closing, is_length)
     call self%put('overlapping_circles', position%overlapping_circles)
     call fill_nominal(self, results, last)
+    call fill_gap(self, results, last)
     if (allocated(results%effects)) then
       do i = 1, size(position%effects)
         call fill_effect(self, trim(results%effects%names(i)), position%effects(i))
@@ -246,6 +247,7 @@ contains
         call self%put('dissipated_work', state%dissipated_work, is_moment)
     end if
     call fill_nominal(self, results, state)
+    call fill_gap(self, results, state)
     call fill_estimates(self, results, results%positions(m))
   end subroutine fill_state
 
@@ -262,6 +264,19 @@ contains
       end do
     end associate
   end subroutine fill_nominal
+
+  ! Gap, rims and energy of a state of a height map.
+  subroutine fill_gap(self, results, state)
+    class(result_table), intent(inout) :: self
+    type(scene_results), intent(in) :: results
+    type(state_row), intent(in) :: state
+
+    if (.not. has_height_map(results)) return
+    call self%put('mean_gap', state%mean_gap, is_length)
+    call self%put('rms_gap', state%rms_gap, is_length)
+    call self%put('contact_perimeter', state%contact_perimeter, is_length)
+    call self%put('elastic_energy', state%elastic_energy, is_moment)
+  end subroutine fill_gap
 
   ! One contact in one state.
   subroutine fill_contact(self, results, m, step, row)

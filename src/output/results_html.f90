@@ -1,13 +1,16 @@
 !> A run as one page that opens anywhere: totals, error estimate and warnings; curves; the effects;
 !> the plan of contacts; the scene's text. It loads nothing and runs nothing.
 module asperity_results_html
+  use asperity_contact_field, only: contact_field
   use asperity_contact_records, only: state_row
   use asperity_effects_summary, only: list_effects, told_line
   use asperity_effect_names, only: known_effects
+  use asperity_field_picture, only: draw_plan, plan_of_gap, plan_of_pressure, width_of_page
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
                                 end_table, escaped, put_lines, put_row
   use asperity_html_plans, only: put_plans
   use asperity_kinds, only: not_computed, real64
+  use asperity_plan_drawing, only: plan_drawing, write_svg
   use asperity_position_lists, only: readable
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_inputs, only: input_file
@@ -18,7 +21,7 @@ module asperity_results_html
   use asperity_svg_plot, only: axis_over, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_totals_table, only: list_totals, total_line
-  use asperity_unit_names, only: axis_units
+  use asperity_unit_names, only: axis_units, is_length, is_pressure, unit_of
   use asperity_version, only: version
   implicit none
   private
@@ -29,6 +32,8 @@ module asperity_results_html
   integer, parameter :: most_rows = 500, most_points = 4000
   ! Curves of at most so many points show the values of each.
   integer, parameter :: most_dots = 200
+  ! Pixels of a plan along its longer side.
+  integer, parameter :: most_pixels = 256
   ! Significant digits of the tables.
   integer, parameter :: digits = 6
 
@@ -57,6 +62,11 @@ contains
       call put_states(scene_in, results, buffer)
     end if
     call end_section(buffer)
+    if (allocated(results%positions(1)%fields)) then
+      call begin_section('fields', 'Pressure and gap', buffer)
+      call put_fields(scene_in, results%positions(1)%fields, buffer)
+      call end_section(buffer)
+    end if
     call begin_section('contacts', 'Plan of contacts', buffer)
     call put_plans(scene_in, results, buffer)
     call end_section(buffer)
@@ -72,6 +82,30 @@ contains
     call end_section(buffer)
     call end_page(buffer)
   end subroutine write_html
+
+  ! Plans of pressure and gap on the pixels at the last state.
+  subroutine put_fields(scene_in, fields, buffer)
+    type(scene), intent(in) :: scene_in
+    type(contact_field), intent(in) :: fields(:)
+    type(text_buffer), intent(inout) :: buffer
+    character(len=*), parameter :: labels(2) = [character(len=30) :: &
+      'pressure in plan', 'gap in plan']
+    integer, parameter :: quantities(2) = [plan_of_pressure, plan_of_gap]
+    character(len=20) :: units(2)
+    type(plan_drawing) :: drawing
+    integer :: i
+
+    units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
+    call buffer%line('<p>Pressure and gap of the deformed surfaces on the pixels, at the last ' // &
+                     'state. <code>--fields FILE</code> writes them.</p>')
+    call buffer%line('<div class="plots">')
+    do i = 1, size(quantities)
+      call draw_plan(fields(size(fields)), quantities(i), '', units, width_of_page, most_pixels, &
+                     drawing)
+      call write_svg(drawing, trim(labels(i)), .true., buffer)
+    end do
+    call buffer%line('</div>')
+  end subroutine put_fields
 
   ! A paragraph a line.
   subroutine put_paragraphs(lines, attributes, buffer)
@@ -152,25 +186,39 @@ contains
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
+    character(len=16), parameter :: names(8) = [character(len=16) :: 'step', 'separation', &
+      'compression', 'contacts', 'load', 'vertical_load', 'area', 'mean_gap']
     character(len=20) :: units(3)
-    character(len=24) :: cells(7)
-    integer :: i
+    character(len=24) :: cells(8)
+    character(len=:), allocatable :: pressure
+    integer :: columns, i
 
+    columns = merge(size(cells), size(cells) - 1, uses_samples(results))
     units = axis_units(scene_in)
     associate (states => results%positions(1)%states)
       if (size(states) > 1) then
         call buffer%line('<div class="plots">')
         call put_plot('compression', units(1), states%closing, 'load', units(3), states%load, &
                       buffer, states%closing)
-        call put_plot('load', units(3), states%load, 'contact area', units(2), states%area, &
-                      buffer, states%closing)
+        if (uses_samples(results)) then
+          pressure = unit_of(scene_in, is_pressure)
+          call put_plot('nominal pressure', pressure, states%load / results%nominal_area, &
+                        'area fraction', '', states%area / results%nominal_area, buffer, &
+                        states%closing)
+          call put_plot('nominal pressure', pressure, states%load / results%nominal_area, &
+                        'mean gap', units(1), states%mean_gap, buffer, states%closing)
+          call put_plot('nominal pressure', pressure, states%load / results%nominal_area, &
+                        'separation', units(1), states%approach, buffer, states%closing)
+        else
+          call put_plot('load', units(3), states%load, 'contact area', units(2), states%area, &
+                        buffer, states%closing)
+        end if
         call buffer%line('</div>')
       else
         call buffer%line('<p>One state: <code>points = 20</code> in <code>&amp;loading</code> ' // &
                          'gives the load curve.</p>')
       end if
-      call begin_table('states', [character(len=16) :: 'step', 'separation', 'compression', &
-                                  'contacts', 'load', 'vertical_load', 'area'], buffer)
+      call begin_table('states', names(:columns), buffer)
       do i = 1, min(size(states), most_rows)
         cells(1) = decimal_text(i)
         cells(2) = readable(states(i)%approach, digits)
@@ -179,7 +227,8 @@ contains
         cells(5) = readable(states(i)%load, digits)
         cells(6) = readable(states(i)%vertical_load, digits)
         cells(7) = readable(states(i)%area, digits)
-        call put_row(cells, buffer)
+        if (columns > 7) cells(8) = readable(states(i)%mean_gap, digits)
+        call put_row(cells(:columns), buffer)
       end do
       call end_table(buffer)
       call put_cut(size(states), 'states', '--curve', buffer)

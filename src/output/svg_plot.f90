@@ -8,7 +8,7 @@ module asperity_svg_plot
   implicit none
   private
 
-  public :: plot_axis, svg_plot, axis_over
+  public :: plot_axis, svg_plot, axis_over, round_step
 
   ! Frame and room around it in points. A letter has 13 of them: on the narrowest screens a drawing
   ! is as wide as a page, 360 points, and its letters are of the size of others.
@@ -222,9 +222,9 @@ contains
 
   end subroutine put_marks
 
-  ! The least of 1, 2, 5 times a power of ten that is not below a length.
+  !> The least of 1, 2, 5 times a power of ten that is not below a length.
   pure real(real64) function round_step(length) result(step)
-    real(real64), intent(in) :: length
+    real(real64), intent(in) :: length  !! more than 0
     integer, parameter :: steps(4) = [1, 2, 5, 10]
     integer :: k
 

@@ -94,14 +94,14 @@ contains
     type(scene), intent(in) :: scene_in                       !! the scene, for its units
     type(scene_results), intent(in) :: results                !! its results
     type(total_line), allocatable, intent(out) :: lines(:)    !! in the order of the summary
-    character(len=*), parameter :: names(11) = [character(len=18) :: &
+    character(len=*), parameter :: names(12) = [character(len=18) :: &
       'total load', 'vertical load', 'contact area', 'projected area', 'mean pressure', &
-      'greatest pressure', 'separation', 'compression', 'contacts', 'nominal pressure', &
-      'area fraction']
-    character(len=*), parameter :: remarks(11) = [character(len=28) :: '', '', '', '', '', '', &
-      'of the reference planes', 'since first contact', '', '', '']
-    integer, parameter :: dimensions(11) = [is_force, is_force, is_area, is_area, is_pressure, &
-      is_pressure, is_length, is_length, is_number, is_pressure, is_number]
+      'greatest pressure', 'mean gap', 'separation', 'compression', 'contacts', &
+      'nominal pressure', 'area fraction']
+    character(len=*), parameter :: remarks(12) = [character(len=28) :: '', '', '', '', '', '', &
+      'over the measured pixels', 'of the reference planes', 'since first contact', '', '', '']
+    integer, parameter :: dimensions(12) = [is_force, is_force, is_area, is_area, is_pressure, &
+      is_pressure, is_length, is_length, is_length, is_number, is_pressure, is_number]
     real(real64), allocatable :: values(:, :)
     type(state_row) :: last
     integer :: i, m, number
@@ -111,8 +111,8 @@ contains
     do m = 1, number
       last = last_state(results%positions(m))
       values(m, :) = [last%load, last%vertical_load, last%area, last%projected_area, &
-                      not_computed, last%greatest_pressure, last%approach, last%closing, &
-                      real(last%contacts, real64), nominal_values(results, last)]
+                      not_computed, last%greatest_pressure, last%mean_gap, last%approach, &
+                      last%closing, real(last%contacts, real64), nominal_values(results, last)]
       if (last%area > 0.0_real64) values(m, 5) = last%load / last%area
     end do
     allocate (lines(0))

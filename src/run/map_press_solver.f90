@@ -1,15 +1,19 @@
 !> Solves a scene on the samples of its map themselves: state by state, with the spots as contacts.
 module asperity_map_press_solver
+  use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_map_contact, only: map_answer, press_map
+  use asperity_map_contact, only: map_answer, press_map, room_to_press
   use asperity_map_despiking, only: limit_of_spikes
+  use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_levelling, only: is_flat
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
   use asperity_map_shares, only: find_shares, map_shares, warn_of_shares
   use asperity_position_solver, only: position_solver
+  use asperity_problems, only: decimal_text, not_enough_memory
+  use asperity_process, only: has_memory
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: scene
   use asperity_theory_limits, only: look_at_pressure, set_theory_limits, theory_limits
@@ -28,6 +32,8 @@ module asperity_map_press_solver
     real(real64) :: spike_limit = 0.0_real64
     real(real64) :: tolerance = 0.0_real64
     type(theory_limits) :: limits
+    integer :: fields = fields_none              ! which states keep pressure and gap
+    character(len=:), allocatable :: unit        ! of length; empty: not known
   contains
     procedure :: solve => press_to_states  !! its one position
   end type map_press_solver
@@ -35,10 +41,11 @@ module asperity_map_press_solver
 contains
 
   !> Makes a map ready to be pressed.
-  subroutine make_map_solver(scene_in, map, loading, solver)
+  subroutine make_map_solver(scene_in, map, loading, fields, solver)
     type(scene), intent(in) :: scene_in               !! checked values, with a map
     type(height_map), intent(in), target :: map       !! levelled; must outlive the solver
     type(map_loading), intent(in) :: loading          !! how far it is pressed
+    integer, intent(in) :: fields                     !! `fields_none`, `fields_last`, `fields_all`
     class(position_solver), allocatable, intent(out) :: solver
     type(map_press_solver), allocatable :: new
 
@@ -48,6 +55,9 @@ contains
     new%tolerance = scene_in%effects%number('tolerance')
     call set_theory_limits(scene_in, 0, 0, new%limits)
     new%spike_limit = limit_of_spikes(map, 1)
+    new%fields = fields
+    new%unit = trim(scene_in%units(1))
+    if (new%unit == '' .and. allocated(map%unit)) new%unit = trim(map%unit)
     new%positions = 1
     new%states = size(loading%values)
     new%work = int(map%columns, int64) * map%rows
@@ -81,6 +91,8 @@ contains
     real(real64), allocatable :: values(:, :)
     integer :: i
 
+    call make_room_for_fields(self, result, failure)
+    if (allocated(failure)) return
     allocate (result%states(self%states), result%rows(0), values(0, 1))
     answer%interrupt = self%interrupt
     do i = m, self%states
@@ -104,6 +116,9 @@ contains
       call warn_of_patches(self, patches, i == self%states, warnings)
       call take_worse(result%warnings, warnings, i)
       call tell_state(self, answer, patches, keep_rows, result, i)
+      if (self%fields == fields_all .or. (self%fields /= fields_none .and. i == self%states)) &
+        call take_field(self%map, answer, i, &
+                        result%fields(i - self%states + size(result%fields)))
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])
       call self%count%step(result%counted)
@@ -119,6 +134,27 @@ contains
     result%effects(1)%ending = answer%ending
     result%error_estimate = answer%ending%residual
   end subroutine press_to_states
+
+  ! Looks for the memory of all fields that are kept, beside what the solver takes.
+  subroutine make_room_for_fields(self, result, failure)
+    class(map_press_solver), intent(in) :: self
+    type(position_result), intent(inout) :: result
+    character(len=:), allocatable, intent(out) :: failure
+    integer :: i, states
+
+    if (self%fields == fields_none) return
+    states = merge(self%states, 1, self%fields == fields_all)
+    if (.not. has_memory(room_to_press(self%map) + room_of_fields(self%work, states))) then
+      failure = not_enough_memory // ' for the fields of ' // decimal_text(states) // ' states'
+      if (states == 1) failure = failure(:len(failure) - 1)
+      if (states > 1) failure = failure // ', expected those of the last state alone'
+      return
+    end if
+    allocate (result%fields(states))
+    do i = 1, states
+      result%fields(i)%unit = self%unit
+    end do
+  end subroutine make_room_for_fields
 
   ! Warns of patches beyond yield or the limit, and of patches of few pixels: rim pixels are in
   ! contact in part, and the correction of the area for that grows with their share (Yastrebov,
@@ -163,6 +199,7 @@ contains
     state%area = sum(patches%area)
     state%projected_area = state%area
     state%greatest_pressure = maxval([0.0_real64, patches%highest])
+    call measure_fields(self%map, answer, state)
     if (keep_rows) then
       do i = 1, size(patches)
         associate (row => rows(i), patch => patches(i))

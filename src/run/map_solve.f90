@@ -108,7 +108,7 @@ contains
     results%arithmetic = 'real64'
     call load_the_map(scene_in, map, loading, failure)
     if (allocated(failure)) return
-    call make_map_solver(scene_in, map, loading, solver)
+    call make_map_solver(scene_in, map, loading, options%fields, solver)
     allocate (results%effects)
     call name_map_columns(scene_in%effects%mode('interaction'), results%effects)
     results%effects%tolerance = scene_in%effects%number('tolerance')

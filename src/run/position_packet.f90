@@ -13,7 +13,7 @@ module asperity_position_packet
   public :: pack_position, unpack_position
 
   ! Words of a position without its lists, of a state, a contact, an effect and a warning.
-  integer, parameter :: of_head = 13 + size(known_effects), of_state = 14, of_row = 13, &
+  integer, parameter :: of_head = 13 + size(known_effects), of_state = 18, of_row = 13, &
                         of_effect = 16, of_warning = 8
   ! One word, as the form of what is copied.
   integer(int64), parameter :: word(1) = 0_int64
@@ -104,21 +104,25 @@ contains
 
     words = [transfer([state%approach, state%closing, state%time, state%load, &
                        state%vertical_load, state%area, state%projected_area, &
-                       state%greatest_pressure, state%load_asked, state%dissipated_work], word), &
+                       state%greatest_pressure, state%load_asked, state%dissipated_work, &
+                       state%mean_gap, state%rms_gap, state%contact_perimeter, &
+                       state%elastic_energy], word), &
              int([state%contacts, state%asked, state%first_row, state%last_row], int64)]
   end function words_of_state
 
   pure function state_of(words) result(state)
     integer(int64), intent(in) :: words(of_state)
     type(state_row) :: state
-    real(real64) :: numbers(10)
+    real(real64) :: numbers(14)
 
-    numbers = transfer(words(:10), numbers)
+    numbers = transfer(words(:14), numbers)
     state = state_row(approach=numbers(1), closing=numbers(2), time=numbers(3), load=numbers(4), &
                       vertical_load=numbers(5), area=numbers(6), projected_area=numbers(7), &
                       greatest_pressure=numbers(8), load_asked=numbers(9), &
-                      dissipated_work=numbers(10), contacts=int(words(11)), &
-                      asked=int(words(12)), first_row=int(words(13)), last_row=int(words(14)))
+                      dissipated_work=numbers(10), mean_gap=numbers(11), rms_gap=numbers(12), &
+                      contact_perimeter=numbers(13), elastic_energy=numbers(14), &
+                      contacts=int(words(15)), asked=int(words(16)), first_row=int(words(17)), &
+                      last_row=int(words(18)))
   end function state_of
 
   pure function words_of_warning(warning) result(words)

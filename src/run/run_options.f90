@@ -1,5 +1,6 @@
 !> How a run is done: all that is not in the scene.
 module asperity_run_options
+  use asperity_contact_field, only: fields_all, fields_none
   use asperity_interruption, only: interruption
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
@@ -30,6 +31,10 @@ module asperity_run_options
     integer :: parts = 1                           !! so many there are
     !> Files of further parts: all are there, and are joined; not allocated: this is no such run.
     type(kept_file), allocatable :: more_files(:)
+    !> States of a height map solved on its pixels that keep pressure, gap and displacement:
+    !> `fields_none`, `fields_last`, `fields_all`. Other scenes, and positions from a file of kept
+    !> positions, have none.
+    integer :: fields = fields_none
     type(interruption) :: interrupt = interruption()  !! another thread can end the run, which fails
     type(work_count) :: count = work_count()          !! another thread can see how far the run is
     type(solution_reuse) :: reuse = solution_reuse()  !! solutions of an earlier run
@@ -48,6 +53,9 @@ contains
     if (options%threads < 0 .or. options%threads > most_threads) &
       call problems%add('threads: found ' // decimal_text(options%threads) // ', expected a ' // &
                         'number from 1 to ' // decimal_text(most_threads) // ', or 0 for all cores')
+    if (options%fields < fields_none .or. options%fields > fields_all) &
+      call problems%add('fields: found ' // decimal_text(options%fields) // ', expected 0 for ' // &
+                        'none, 1 for those of the last state or 2 for those of all states')
   end subroutine check_options
 
 end module asperity_run_options

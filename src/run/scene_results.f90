@@ -7,7 +7,7 @@ module asperity_scene_results
   private
 
   public :: effect_header, map_record, scene_results, kinds_of_warnings, last_state, &
-            nominal_values, nominal_names
+            has_height_map, nominal_values, nominal_names
 
   !> What is told over the nominal area: the vertical load, the projected area of the contacts.
   character(len=*), parameter :: nominal_names(2) = &
@@ -64,6 +64,15 @@ contains
 
     last_state = position%states(size(position%states))
   end function last_state
+
+  !> Whether the scene is a height map, solved on its pixels or by its summits.
+  pure logical function has_height_map(results)
+    type(scene_results), intent(in) :: results  !! solved
+
+    has_height_map = allocated(results%map)
+    if (.not. has_height_map .and. allocated(results%positions)) has_height_map = &
+      any(results%positions(1)%states%mean_gap > not_computed)
+  end function has_height_map
 
   !> A state over the nominal area, as `nominal_names` has it; none where no area is given.
   pure function nominal_values(results, state) result(values)

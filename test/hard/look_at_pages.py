@@ -13,7 +13,7 @@ sys.path.insert(0, str(ROOT / "test/regression"))
 from browser import browser  # noqa: E402
 SCENES = ("data/examples/thesis.scene", "data/examples/position_56.scene",
           "data/examples/effects/ten_minutes.scene", "data/examples/effects/cycle.scene",
-          "data/examples/summits/press.scene")
+          "data/examples/summits/press.scene", "data/examples/summits/press_samples.scene")
 WIDTHS = {400: 3000, 1400: 3000}
 # What Chromium calls its colour schemes.
 MODES = {"light": 1, "dark": 0}

@@ -25,7 +25,7 @@ SCENES = {"one position": "data/examples/one_pair.scene",
           "huge numbers": "data/hard/unit_2^500.scene",
           "far from the origin": "data/hard/offset_1e6.scene"}
 # What a page has, at least: curves, and plans of contacts.
-FIGURES = {"one position": 1, "sweep": 103, "load cycle": 2, "map, summits": 3, "map, pixels": 3,
+FIGURES = {"one position": 1, "sweep": 103, "load cycle": 2, "map, summits": 3, "map, pixels": 7,
            "many contacts": 1, "long words": 6}
 
 

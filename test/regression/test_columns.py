@@ -139,4 +139,4 @@ def test_columns_of_the_others(asperity, tmp_path):
         for name, cells in zip(header, zip(*rows)):
             if "" in cells:
                 assert re.search("empty", told[heading][name][1]) or file == "a", name
-    assert len(told) == 9
+    assert len(told) == 10

@@ -1,0 +1,69 @@
+!> Pressure and gap on the pixels of a height map in one state.
+module asperity_contact_field
+  use asperity_kinds, only: int64, not_computed, real64
+  implicit none
+  private
+
+  public :: contact_field, room_of_fields
+  public :: fields_none, fields_last, fields_all
+  public :: pressure_histogram
+
+  !> Which states keep their fields: none, the last of the path, all.
+  integer, parameter :: fields_none = 0, fields_last = 1, fields_all = 2
+
+  !> The fields of one state, by column and row of the map. A pixel that was not measured has
+  !> `not_computed` in all three.
+  type :: contact_field
+    integer :: position = 1                          !! from 1
+    integer :: state = 1                             !! number of the state in its position, from 1
+    integer :: columns = 0                           !! pixels along x
+    integer :: rows = 0                              !! pixels along y
+    real(real64) :: spacing(2) = 0.0_real64          !! of the pixels along x and y [length]
+    character(len=:), allocatable :: unit            !! of length; empty: not known
+    real(real64) :: level = 0.0_real64               !! height of the flat above the mean plane
+    real(real64), allocatable :: pressure(:, :)      !! 0 or more; more than 0: in contact
+    !> Local distance of the deformed surfaces, `level` - height + displacement: 0 in contact,
+    !> elsewhere 0 or more.
+    real(real64), allocatable :: gap(:, :)
+    !> Sum of the elastic displacements of both surfaces, > 0 apart from each other: on a free map
+    !> that of a half-space without load elsewhere; on a periodic map its mean is 0.
+    real(real64), allocatable :: displacement(:, :)
+  end type contact_field
+
+contains
+
+  !> Memory that the fields of some states take, bytes.
+  pure integer(int64) function room_of_fields(pixels, states) result(bytes)
+    integer(int64), intent(in) :: pixels  !! of the map
+    integer, intent(in) :: states         !! that are kept
+
+    bytes = 24_int64 * pixels * states
+  end function room_of_fields
+
+  !> Distribution of the pressure in contact: bins of equal width between 0 and the greatest
+  !> pressure. The density is area per pressure over the measured area. Its integral, the sum times
+  !> the width, is the contact area fraction of the pixels. Without contact all bins are empty.
+  pure subroutine pressure_histogram(field, centre, density)
+    type(contact_field), intent(in) :: field   !! of one state
+    real(real64), intent(out) :: centre(:)     !! pressure in the middle of each bin
+    real(real64), intent(out) :: density(:)    !! as many, 1/pressure
+    real(real64) :: width
+    integer(int64) :: measured
+    integer :: bin, i, j
+
+    width = maxval([0.0_real64, maxval(field%pressure)]) / size(centre)
+    centre = [((bin - 0.5_real64) * width, bin=1, size(centre))]
+    density = 0.0_real64
+    if (.not. width > 0.0_real64) return
+    do j = 1, size(field%pressure, 2)
+      do i = 1, size(field%pressure, 1)
+        if (.not. field%pressure(i, j) > 0.0_real64) cycle
+        bin = min(size(density), 1 + int(field%pressure(i, j) / width))
+        density(bin) = density(bin) + 1.0_real64
+      end do
+    end do
+    measured = count(field%pressure > not_computed, kind=int64)
+    density = density / (measured * width)
+  end subroutine pressure_histogram
+
+end module asperity_contact_field

@@ -1,0 +1,275 @@
+!> A drawing of images, lines and texts: as SVG, of its own or inside a page, and as PNG.
+!>
+!> Lengths are in points, from the upper left corner to the right and down. All images share one
+!> palette, of which the PNG is made as well.
+module asperity_plan_drawing
+  use asperity_html_page, only: escaped
+  use asperity_kinds, only: real64
+  use asperity_pixel_font, only: glyph_height, glyph_width, has_dot
+  use asperity_png_image, only: base64, png_bytes
+  use asperity_problems, only: decimal_text
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: plan_drawing, add_image, add_line, add_frame, add_text, write_svg, png_of
+  public :: at_begin, at_middle, at_end
+  public :: colour_paper, colour_ink, colour_blank, colour_missing, first_colour, last_colour
+
+  !> Where a text stands beside its place: it begins there, is centred, or ends there.
+  integer, parameter :: at_begin = 1, at_middle = 2, at_end = 3
+  !> Places in the palette: background, lines and texts, pixels that are left white, pixels without
+  !> a value.
+  integer, parameter :: colour_paper = 0, colour_ink = 1, colour_blank = 2, colour_missing = 3
+  !> Colours of the lowest and of the highest value.
+  integer, parameter :: first_colour = 4, last_colour = 255
+  character(len=*), parameter :: anchors(3) = [character(len=6) :: 'start', 'middle', 'end']
+
+  ! Dots of a PNG for a point, and dots of a PNG for a dot of a letter.
+  integer, parameter :: dots = 2
+  ! Viridis (S. van der Walt and N. Smith, 2015) at equal steps; straight lines between.
+  integer, parameter :: viridis(3, 9) = reshape( &
+    [68, 1, 84, 71, 44, 122, 59, 81, 139, 44, 113, 142, 33, 144, 141, 39, 173, 129, 92, 200, 99, &
+     170, 220, 50, 253, 231, 37], [3, 9])
+
+  type :: drawn_image
+    integer :: left, top, width, height      ! in the drawing
+    integer, allocatable :: colour(:, :)     ! by column and row, the top row first
+  end type drawn_image
+
+  type :: drawn_line
+    integer :: from(2), to(2)                ! across or down
+  end type drawn_line
+
+  type :: drawn_text
+    integer :: at(2), anchor                 ! foot of the letters
+    logical :: is_bold
+    character(len=:), allocatable :: text
+  end type drawn_text
+
+  !> The drawing.
+  type :: plan_drawing
+    integer :: width = 0    !! points
+    integer :: height = 0   !! points
+    type(drawn_image), allocatable, private :: images(:)
+    type(drawn_line), allocatable, private :: lines(:)
+    type(drawn_text), allocatable, private :: texts(:)
+  end type plan_drawing
+
+contains
+
+  !> Adds an image, each of its pixels a rectangle of one colour.
+  subroutine add_image(drawing, left, top, width, height, colour)
+    type(plan_drawing), intent(inout) :: drawing  !! gets it
+    integer, intent(in) :: left                   !! of the image
+    integer, intent(in) :: top                    !! of the image
+    integer, intent(in) :: width                  !! 1 or more
+    integer, intent(in) :: height                 !! 1 or more
+    integer, intent(in) :: colour(:, :)           !! places in the palette, the top row first
+    type(drawn_image), allocatable :: more(:)
+    integer :: i, number
+
+    number = 0
+    if (allocated(drawing%images)) number = size(drawing%images)
+    allocate (more(number + 1))
+    do i = 1, number
+      more(i) = drawing%images(i)
+    end do
+    more(number + 1) = drawn_image(left, top, width, height, colour)
+    call move_alloc(more, drawing%images)
+  end subroutine add_image
+
+  !> Adds a line across or down.
+  subroutine add_line(drawing, from, to)
+    type(plan_drawing), intent(inout) :: drawing  !! gets it
+    integer, intent(in) :: from(2)                !! one end
+    integer, intent(in) :: to(2)                  !! the other end
+
+    if (.not. allocated(drawing%lines)) allocate (drawing%lines(0))
+    drawing%lines = [drawing%lines, drawn_line(from, to)]
+  end subroutine add_line
+
+  !> Adds the four sides of a rectangle.
+  subroutine add_frame(drawing, left, top, width, height)
+    type(plan_drawing), intent(inout) :: drawing  !! gets them
+    integer, intent(in) :: left                   !! of the rectangle
+    integer, intent(in) :: top                    !! of the rectangle
+    integer, intent(in) :: width                  !! of the rectangle
+    integer, intent(in) :: height                 !! of the rectangle
+
+    call add_line(drawing, [left, top], [left + width, top])
+    call add_line(drawing, [left, top + height], [left + width, top + height])
+    call add_line(drawing, [left, top], [left, top + height])
+    call add_line(drawing, [left + width, top], [left + width, top + height])
+  end subroutine add_frame
+
+  !> Adds a text of one line.
+  subroutine add_text(drawing, at, anchor, text, is_bold)
+    type(plan_drawing), intent(inout) :: drawing   !! gets it
+    integer, intent(in) :: at(2)                   !! foot of the letters
+    integer, intent(in) :: anchor                  !! `at_begin`, `at_middle` or `at_end`
+    character(len=*), intent(in) :: text           !! as it stands
+    logical, intent(in), optional :: is_bold       !! absent: it is not
+    type(drawn_text), allocatable :: more(:)
+    integer :: i, number
+
+    number = 0
+    if (allocated(drawing%texts)) number = size(drawing%texts)
+    allocate (more(number + 1))
+    do i = 1, number
+      more(i) = drawing%texts(i)
+    end do
+    more(number + 1)%at = at
+    more(number + 1)%anchor = anchor
+    more(number + 1)%is_bold = .false.
+    if (present(is_bold)) more(number + 1)%is_bold = is_bold
+    more(number + 1)%text = text
+    call move_alloc(more, drawing%texts)
+  end subroutine add_text
+
+  !> The drawing as SVG. Inside a page it has the colours of the page's style and no background.
+  subroutine write_svg(drawing, label, in_page, buffer)
+    type(plan_drawing), intent(in) :: drawing    !! complete
+    character(len=*), intent(in) :: label        !! what it shows, for screen readers
+    logical, intent(in) :: in_page               !! whether the text is a part of a page
+    type(text_buffer), intent(inout) :: buffer   !! gets the text
+    integer :: i
+
+    call buffer%append('<svg viewBox="0 0 ' // decimal_text(drawing%width) // ' ' // &
+                       decimal_text(drawing%height) // '" role="img" aria-label="' // &
+                       escaped(label) // '"')
+    if (.not. in_page) call buffer%append(' xmlns="http://www.w3.org/2000/svg" width="' // &
+                                          decimal_text(drawing%width) // '" height="' // &
+                                          decimal_text(drawing%height) // '"')
+    call buffer%line('>')
+    if (.not. in_page) then
+      call buffer%line('<style>text{font:13px sans-serif}.bar{stroke:black;fill:none}</style>')
+      call buffer%line('<rect width="100%" height="100%" fill="white"/>')
+    end if
+    do i = 1, size(drawing%images)
+      associate (image => drawing%images(i))
+        call buffer%append('<image' // number('x', image%left) // number('y', image%top) // &
+                           number('width', image%width) // number('height', image%height) // &
+                           ' preserveAspectRatio="none" style="image-rendering:pixelated" ' // &
+                           'href="data:image/png;base64,')
+        call buffer%append(base64(png_bytes(image%colour, palette())))
+        call buffer%line('"/>')
+      end associate
+    end do
+    call buffer%append('<path class="bar" d="')
+    do i = 1, size(drawing%lines)
+      associate (line => drawing%lines(i))
+        call buffer%append('M' // decimal_text(line%from(1)) // ' ' // &
+                           decimal_text(line%from(2)) // 'L' // decimal_text(line%to(1)) // ' ' // &
+                           decimal_text(line%to(2)))
+      end associate
+    end do
+    call buffer%line('"/>')
+    do i = 1, size(drawing%texts)
+      associate (text => drawing%texts(i))
+        call buffer%append('<text' // number('x', text%at(1)) // number('y', text%at(2)) // &
+                           ' text-anchor="' // trim(anchors(text%anchor)) // '"')
+        if (text%is_bold) call buffer%append(' style="font-weight:bold"')
+        call buffer%line('>' // escaped(text%text) // '</text>')
+      end associate
+    end do
+    call buffer%line('</svg>')
+  end subroutine write_svg
+
+  pure function number(name, value) result(attribute)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: value
+    character(len=:), allocatable :: attribute
+
+    attribute = ' ' // name // '="' // decimal_text(value) // '"'
+  end function number
+
+  !> The drawing as a PNG of two pixels a point.
+  function png_of(drawing) result(png)
+    type(plan_drawing), intent(in) :: drawing   !! complete
+    character(len=:), allocatable :: png        !! the file
+    integer, allocatable :: canvas(:, :)
+    integer :: i, j, k
+
+    allocate (canvas(dots * drawing%width, dots * drawing%height), source=colour_paper)
+    do k = 1, size(drawing%images)
+      associate (image => drawing%images(k))
+        do j = 0, dots * image%height - 1
+          do i = 0, dots * image%width - 1
+            call put_dot(dots * image%left + i, dots * image%top + j, &
+                         image%colour(1 + i * size(image%colour, 1) / (dots * image%width), &
+                                      1 + j * size(image%colour, 2) / (dots * image%height)))
+          end do
+        end do
+      end associate
+    end do
+    do k = 1, size(drawing%lines)
+      associate (from => dots * drawing%lines(k)%from, to => dots * drawing%lines(k)%to)
+        do j = min(from(2), to(2)), max(from(2), to(2)) + 1
+          do i = min(from(1), to(1)), max(from(1), to(1)) + 1
+            call put_dot(i, j, colour_ink)
+          end do
+        end do
+      end associate
+    end do
+    do k = 1, size(drawing%texts)
+      call put_text(drawing%texts(k))
+    end do
+    png = png_bytes(canvas, palette())
+
+  contains
+
+    subroutine put_dot(across, down, colour)
+      integer, intent(in) :: across, down, colour
+
+      if (across >= 0 .and. down >= 0 .and. across < size(canvas, 1) .and. &
+          down < size(canvas, 2)) canvas(across + 1, down + 1) = colour
+    end subroutine put_dot
+
+    subroutine put_text(text)
+      type(drawn_text), intent(in) :: text
+      integer :: column, letter, left, row, x, y
+
+      left = dots * text%at(1)
+      associate (length => dots * ((glyph_width + 1) * len(text%text) - 1))
+        if (text%anchor == at_middle) left = left - length / 2
+        if (text%anchor == at_end) left = left - length
+      end associate
+      do letter = 1, len(text%text)
+        do column = 1, glyph_width
+          do row = 1, glyph_height
+            if (.not. has_dot(text%text(letter:letter), column, row)) cycle
+            x = left + dots * ((glyph_width + 1) * (letter - 1) + column - 1)
+            y = dots * (text%at(2) - glyph_height + row - 1)
+            ! These reach below the line.
+            if (scan(text%text(letter:letter), 'gjpqy') > 0) y = y + 2 * dots
+            do j = y, y + dots - 1
+              do i = x, x + dots - 1 + merge(1, 0, text%is_bold)
+                call put_dot(i, j, colour_ink)
+              end do
+            end do
+          end do
+        end do
+      end do
+    end subroutine put_text
+
+  end function png_of
+
+  ! Red, green and blue of all places of the palette.
+  pure function palette() result(colours)
+    integer :: colours(3, 0:last_colour)
+    real(real64) :: at
+    integer :: i, k
+
+    colours(:, colour_paper) = 255
+    colours(:, colour_ink) = 0
+    colours(:, colour_blank) = 255
+    colours(:, colour_missing) = 160
+    do i = first_colour, last_colour
+      at = real((i - first_colour) * (size(viridis, 2) - 1), real64) / (last_colour - first_colour)
+      k = min(int(at), size(viridis, 2) - 2)
+      colours(:, i) = nint(viridis(:, k + 1) + (at - k) * (viridis(:, k + 2) - viridis(:, k + 1)))
+    end do
+  end function palette
+
+end module asperity_plan_drawing

@@ -1,0 +1,107 @@
+!> A contact field for ParaView: VTK's XML file of image data (.vti), values of cells, appended as
+!> raw bytes.
+module asperity_results_vti
+  use asperity_contact_field, only: contact_field
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use asperity_kinds, only: int64, not_computed, real64
+  use asperity_problems, only: decimal_text
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: write_vti
+
+  ! Bytes before the values of an array, which count them; of a number.
+  integer(int64), parameter :: count_bytes = 8_int64, real_bytes = 8_int64
+
+contains
+
+  !> One cell a pixel, x along a row; the centre of the first pixel is at 0, 0. Arrays: pressure,
+  !> gap, displacement (NaN where a pixel was not measured) and contact (1 or 0).
+  subroutine write_vti(field, buffer)
+    type(contact_field), intent(in) :: field    !! of one state
+    type(text_buffer), intent(inout) :: buffer  !! gets the bytes
+    character(len=*), parameter :: names(3) = [character(len=12) :: 'pressure', 'gap', &
+      'displacement']
+    integer(int64) :: offset, pixels
+    character(len=80) :: numbers
+    character(len=:), allocatable :: extent
+    integer :: i, j
+
+    pixels = int(field%columns, int64) * field%rows
+    extent = '"0 ' // decimal_text(field%columns) // ' 0 ' // decimal_text(field%rows) // ' 0 0"'
+    call buffer%line('<?xml version="1.0"?>')
+    call buffer%line('<VTKFile type="ImageData" version="1.0" byte_order="' // &
+                     trim(merge('LittleEndian', 'BigEndian   ', &
+                                transfer(1, 'a') == achar(1))) // '" header_type="UInt64">')
+    write (numbers, '(2es25.16e3)') -0.5_real64 * field%spacing
+    call buffer%append('<ImageData WholeExtent=' // extent // ' Origin="' // &
+                       trim(adjustl(numbers)) // ' 0"')
+    write (numbers, '(2es25.16e3)') field%spacing
+    call buffer%line(' Spacing="' // trim(adjustl(numbers)) // ' 1">')
+    call buffer%line('<Piece Extent=' // extent // '>')
+    call buffer%line('<CellData Scalars="pressure">')
+    offset = 0_int64
+    do i = 1, size(names)
+      call put_head('Float64', trim(names(i)))
+      offset = offset + count_bytes + real_bytes * pixels
+    end do
+    call put_head('UInt8', 'contact')
+    call buffer%line('</CellData>')
+    call buffer%line('</Piece>')
+    call buffer%line('</ImageData>')
+    call buffer%append('<AppendedData encoding="raw">_')
+    call put_reals(field%pressure)
+    call put_reals(field%gap)
+    call put_reals(field%displacement)
+    call buffer%append(transfer(pixels, repeat('a', int(count_bytes))))
+    do j = 1, field%rows
+      call buffer%append(marks_of(field%pressure(:, j)))
+    end do
+    call buffer%append(new_line('a'))
+    call buffer%line('</AppendedData>')
+    call buffer%line('</VTKFile>')
+
+  contains
+
+    subroutine put_head(kind, name)
+      character(len=*), intent(in) :: kind, name
+      character(len=20) :: digits
+
+      write (digits, '(i0)') offset
+      call buffer%line('<DataArray type="' // kind // '" Name="' // name // &
+                       '" format="appended" offset="' // trim(digits) // '"/>')
+    end subroutine put_head
+
+    subroutine put_reals(values)
+      real(real64), intent(in) :: values(:, :)
+      integer :: j
+
+      call buffer%append(transfer(real_bytes * pixels, repeat('a', int(count_bytes))))
+      do j = 1, size(values, 2)
+        call buffer%append(bytes_of(values(:, j)))
+      end do
+    end subroutine put_reals
+
+  end subroutine write_vti
+
+  ! Numbers of one row of pixels; NaN where one was not computed.
+  function bytes_of(row) result(bytes)
+    real(real64), intent(in) :: row(:)
+    character(len=8 * size(row)) :: bytes
+
+    bytes = transfer(merge(row, ieee_value(row(1), ieee_quiet_nan), row > not_computed), bytes)
+  end function bytes_of
+
+  ! A byte a pixel of a row: 1 in contact.
+  pure function marks_of(row) result(bytes)
+    real(real64), intent(in) :: row(:)
+    character(len=size(row)) :: bytes
+    integer :: i
+
+    do i = 1, size(row)
+      bytes(i:i) = achar(merge(1, 0, row(i) > 0.0_real64))
+    end do
+  end function marks_of
+
+end module asperity_results_vti

@@ -1,0 +1,324 @@
+"""Pressure, gap and displacement on the pixels of a height map (`--fields`, `--histogram`,
+`--picture`, the columns of the gap), against numpy: the pressures of another method, the
+displacements of the same pressures, closed forms."""
+
+import base64
+import csv
+import re
+import subprocess
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from builds import ROOT
+from image_data import read_png, read_vti
+from map_press_truth import press, product, rough
+from surfaces_csv import solve, write_scene
+from test_map_scene import E, level, load_for, map_scene, write_map
+
+# Pixels along x and y, spacings, edge, whether pixels are missing.
+MAPS = [(64, 64, (0.01, 0.01), "periodic", False), (64, 64, (0.01, 0.01), "free", False),
+        (96, 64, (0.01, 0.017), "periodic", False), (80, 100, (0.02, 0.01), "free", False),
+        (128, 128, (0.01, 0.01), "free", True), (128, 96, (0.01, 0.013), "periodic", True),
+        (256, 256, (0.01, 0.01), "periodic", False), (256, 200, (0.01, 0.012), "free", False),
+        (512, 512, (0.01, 0.01), "periodic", False), (512, 384, (0.01, 0.01), "free", True)]
+
+
+def run(asperity, *words, status=0, cwd=ROOT):
+    done = subprocess.run([asperity, *words], cwd=cwd, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=300)
+    assert done.returncode == status, done.stderr
+    return done
+
+
+def perimeter(pressed, there, sides, periodic):
+    """Length of the sides between pixels in contact and measured pixels out of contact."""
+    total = 0.0
+    for axis in (0, 1):
+        other = np.roll(pressed, -1, axis), np.roll(there, -1, axis)
+        rim = (pressed != other[0]) & there & other[1]
+        if not periodic:
+            rim = np.delete(rim, -1, axis)
+        total += rim.sum() * sides[1 - axis]
+    return total
+
+
+@pytest.mark.parametrize("number", range(len(MAPS)))
+def test_ten_maps_against_numpy(asperity, tmp_path, tally, number):
+    columns, rows, sides, edge, missing = MAPS[number]
+    height = 1e-3 * rough(columns, rows, shortest=8, seed=40 + number)
+    load = load_for(height, sides, 0.05)
+    if missing:
+        height[columns // 3:columns // 2, rows // 2:rows // 2 + 9] = np.nan
+    scene = map_scene(tmp_path, height, sides, surfaces={"map_edge": edge},
+                      loading={"control": "load", "value": load})
+    run(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--positions",
+        tmp_path / "p.csv")
+    with open(tmp_path / "p.csv", newline="") as file:
+        row = {name: float(cell) for name, cell in next(csv.DictReader(file)).items()
+               if name not in ("interaction",) and cell}
+    origin, spacing, fields = read_vti(tmp_path / "f.vti")
+    assert origin[:2] == pytest.approx(-0.5 * np.array(sides))
+    assert tuple(spacing[:2]) == sides
+    there = ~np.isnan(height)
+    for name in ("pressure", "gap", "displacement"):
+        assert np.array_equal(np.isnan(fields[name]), ~there), name
+    periodic = edge == "periodic"
+    of = height - np.nanmean(height) if periodic else level(height)
+    pressure, gap = fields["pressure"], fields["gap"]
+    pressed = np.nan_to_num(pressure) > 0
+    assert np.array_equal(fields["contact"], pressed)
+    # The load is the sum; the mean is the nominal pressure.
+    assert np.nansum(pressure) * np.prod(sides) == pytest.approx(load, rel=1e-12)
+    assert np.nanmean(pressure) == pytest.approx(row["nominal_pressure"], rel=1e-12)
+    # Conditions of the one solution: gaps of these pressures by another transform.
+    act = product(height.shape, sides, periodic)
+    moved = act(np.nan_to_num(pressure)) / E
+    left = row["separation"] - of + moved
+    reach = np.ptp(of[there])
+    assert np.abs(left[pressed]).max() < 1.001e-10 * reach
+    assert np.nanmin(left) > -1.001e-10 * reach
+    assert np.nanmax(np.abs(pressure * left)) < 1e-9 * np.nanmax(pressure) * np.nanmax(gap)
+    assert np.nanmax(np.abs(fields["displacement"] - moved)) < 1e-12 * np.abs(moved).max()
+    assert np.nanmin(pressure) == 0 and np.nanmin(gap) == 0 and np.nanmax(pressure * gap) == 0
+    # Pressures and gaps of Polonsky and Keer's method, closed a thousand times better.
+    flat, other = press(of, sides, E, load, periodic, closed=1e-12)
+    true = np.where(other > 0, 0.0, flat - of + act(other) / E)
+    errors = [np.nanmax(np.abs(pressure - other)) / other.max(),
+               np.nanmax(np.abs(gap - true)) / np.nanmax(true),
+               row["mean_gap"] / np.nanmean(true) - 1,
+               row["rms_gap"] / np.sqrt(np.nanmean(true**2)) - 1,
+               row["elastic_energy"] / (0.5 * (other * act(other)).sum() / E * np.prod(sides)) - 1,
+               row["contact_perimeter"] / perimeter(pressed, there, sides, periodic) - 1]
+    print("errors", " ".join(f"{error:.1e}" for error in errors))
+    assert max(map(abs, errors)) < 1e-8
+    tally.add("fields of a map against numpy", len(errors), len(errors))
+
+
+@pytest.fixture(scope="module")
+def curve(asperity, tmp_path_factory):
+    """A free map with missing pixels, three states, with all files; names of units."""
+    folder = tmp_path_factory.mktemp("fields")
+    height = 1e-3 * rough(60, 44, shortest=6, seed=3)
+    height[20:26, 8:12] = np.nan
+    scene = map_scene(folder, height, (0.01, 0.012), surfaces={"units": ["mm", "N"]},
+                      loading={"control": "load", "value": load_for(
+                          height[:20], (0.01, 0.012), 0.3), "points": 3})
+    run(asperity, "solve", scene, "--quiet", "--fields", folder / "f.vti", "--fields-of", "all",
+        "--curve", folder / "c", "--histogram", folder / "h.csv", "--picture", folder / "p.png",
+        "--html", folder / "page.html", "--units")
+    run(asperity, "solve", scene, "--quiet", "--picture", folder / "p.svg")
+    with open(folder / "c", newline="") as file:
+        assert "pressure N/mm2" in file.readline()
+        states = [{name: float(cell or "nan") for name, cell in row.items()}
+                  for row in csv.DictReader(file)]
+    return folder, scene, height, states
+
+
+def test_every_state_has_its_file(curve):
+    folder, _, height, states = curve
+    names = sorted(path.name for path in folder.glob("*.vti"))
+    assert names == [f"f_{k:04}.vti" for k in range(1, 5)]
+    for name, state in zip(names, states):
+        _, _, fields = read_vti(folder / name)
+        assert np.nansum(fields["pressure"]) * 0.00012 == pytest.approx(state["load"], rel=1e-12)
+        assert np.nanmean(fields["gap"]) == pytest.approx(state["mean_gap"], rel=1e-12)
+        pressed = fields["contact"].astype(bool)
+        assert perimeter(pressed, ~np.isnan(height), (0.01, 0.012), False) == pytest.approx(
+            state["contact_perimeter"])
+    # First touch: no pressure, the gap is that of the map.
+    _, _, first = read_vti(folder / names[0])
+    of = level(height)
+    assert np.nanmax(first["pressure"]) == 0 and states[0]["elastic_energy"] == 0
+    assert np.nanmax(np.abs(first["gap"] - (np.nanmax(of) - of))) < 1e-15
+
+
+def test_histogram_integrates_to_the_contact_area(curve):
+    folder, _, height, _ = curve
+    _, _, fields = read_vti(folder / "f_0004.vti")
+    lines = (folder / "h.csv").read_text().splitlines()
+    assert lines[0].startswith("# units: length mm") and lines[1] == "pressure,density"
+    centre, density = np.array([line.split(",") for line in lines[2:]], float).T
+    pressure = fields["pressure"][fields["contact"] == 1]
+    measured = (~np.isnan(height)).sum()
+    counts, edges = np.histogram(pressure, 100, (0, pressure.max()))
+    width = edges[1]
+    assert np.allclose(centre, edges[:-1] + width / 2, rtol=1e-12)
+    assert np.allclose(density, counts / measured / width, rtol=1e-12)
+    assert density.sum() * width == pytest.approx(pressure.size / measured, rel=1e-12)
+
+
+def colours_of(picture, fields, box):
+    """Colours at the centre of each pixel of the map, indexed [x, y], of a drawing whose map fills
+    a box (left, top, width, height)."""
+    columns, rows = fields["pressure"].shape
+    x = box[0] + (np.arange(columns) + 0.5) * box[2] / columns
+    y = box[1] + box[3] - (np.arange(rows) + 0.5) * box[3] / rows
+    return picture[y.astype(int)][:, x.astype(int)].transpose(1, 0, 2)
+
+
+def check_colours(colours, fields):
+    """White out of contact, grey where missing, else the brighter the higher the pressure."""
+    missing = np.isnan(fields["pressure"])
+    assert (colours[missing] == 160).all()
+    assert (colours[~missing & (fields["contact"] == 0)] == 255).all()
+    pressed = fields["contact"] == 1
+    assert pressed.any() and not (colours[pressed] == 255).all(-1).any()
+    order = np.argsort(fields["pressure"][pressed])
+    green = colours[pressed][order][:, 1].astype(int)
+    assert (np.diff(green) >= 0).all() and green[-1] == 231
+
+
+def test_picture_as_png(curve):
+    folder, *_ = curve
+    _, _, fields = read_vti(folder / "f_0004.vti")
+    picture = read_png((folder / "p.png").read_bytes())
+    # Two dots a point: the frame begins at 76, 58.
+    check_colours(colours_of(picture, fields, (152, 116, 1024, 2 * round(512 * 528 / 600))), fields)
+
+
+def test_picture_as_svg(curve):
+    folder, *_ = curve
+    _, _, fields = read_vti(folder / "f_0004.vti")
+    root = ElementTree.parse(folder / "p.svg").getroot()
+    image = root.find("{*}image")
+    sizes = [float(image.get(name)) for name in ("x", "y", "width", "height")]
+    assert sizes[3] / sizes[2] == pytest.approx(528 / 600, abs=0.01)
+    stored = read_png(base64.b64decode(image.get("href").partition(",")[2]))
+    assert stored.shape == (*fields["pressure"].shape[::-1], 3)
+    check_colours(colours_of(stored, fields, (0, 0, *stored.shape[1::-1])), fields)
+    texts = [text.text for text in root.findall("{*}text")]
+    assert {"x (mm)", "y (mm)", "pressure (N/mm2)", "no contact", "not measured", "0.1 mm"} <= set(
+        texts)
+
+
+def test_page_shows_pressure_and_gap(curve):
+    folder, _, _, states = curve
+    page = ElementTree.fromstring((folder / "page.html").read_text().replace("<!DOCTYPE html>", ""))
+    drawn = {svg.get("aria-label"): svg for svg in page.iter("svg")}
+    assert {"pressure in plan", "gap in plan", "area fraction against nominal pressure",
+            "mean gap against nominal pressure",
+            "separation against nominal pressure"} <= set(drawn)
+    _, _, fields = read_vti(folder / "f_0004.vti")
+    for name, blank in (("pressure", fields["contact"] == 0), ("gap", fields["contact"] == 1)):
+        address = drawn[f"{name} in plan"].find("image").get("href")
+        stored = read_png(base64.b64decode(address.partition(",")[2]))
+        colours = colours_of(stored, fields, (0, 0, *stored.shape[1::-1]))
+        assert np.array_equal((colours == 255).all(-1), blank & ~np.isnan(fields[name])), name
+    dots = [title.text for title in drawn["mean gap against nominal pressure"].iter("title")]
+    assert len(dots) == len(states)
+
+
+def test_large_maps_are_drawn_as_means(asperity, tmp_path):
+    """Three pixels a side for one of the drawing; the histogram and the file have all."""
+    height = 1e-3 * rough(2100, 6, longest=0.02, shortest=8, seed=5)
+    scene = map_scene(tmp_path, height, (0.01, 0.01), surfaces={"map_edge": "periodic"},
+                      loading={"control": "load", "value": load_for(height, (0.01, 0.01), 0.1)})
+    run(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--picture",
+        tmp_path / "p.svg")
+    _, _, fields = read_vti(tmp_path / "f.vti")
+    assert fields["pressure"].shape == (2100, 6)
+    image = ElementTree.parse(tmp_path / "p.svg").getroot().find("{*}image")
+    stored = read_png(base64.b64decode(image.get("href").partition(",")[2]))
+    assert stored.shape == (2, 700, 3)
+    blank = fields["contact"].reshape(700, 3, 2, 3).max((1, 3)) == 0
+    colours = stored[::-1].transpose(1, 0, 2)
+    assert np.array_equal((colours == 255).all(-1), blank)
+
+
+def test_without_contact(asperity, tmp_path):
+    height = 1e-3 * rough(24, 20, shortest=6, seed=6)
+    scene = map_scene(tmp_path, height, (0.01, 0.01),
+                      loading={"control": "separation", "value": 1.0})
+    run(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--histogram",
+        tmp_path / "h.csv", "--picture", tmp_path / "p.png", "--html", tmp_path / "p.html")
+    _, _, fields = read_vti(tmp_path / "f.vti")
+    assert not fields["pressure"].any() and not fields["displacement"].any()
+    assert np.abs(fields["gap"] - (1.0 - level(height))).max() < 1e-15
+    assert set(np.loadtxt(tmp_path / "h.csv", delimiter=",", skiprows=1).ravel()) == {0.0}
+    read_png((tmp_path / "p.png").read_bytes())
+
+
+def test_energy_is_the_work_of_loading(asperity, tmp_path):
+    """The work along a curve, by Simpson's rule: load over compression."""
+    height = 1e-3 * rough(48, 40, shortest=12, seed=8)
+    scene = map_scene(tmp_path, height, (0.01, 0.01), loading={
+        "control": "compression", "value": 2e-3, "points": 60})
+    run(asperity, "solve", scene, "--quiet", "--curve", tmp_path / "c")
+    states = np.genfromtxt(tmp_path / "c", delimiter=",", names=True)
+    load, step = states["load"], states["compression"][1]
+    work = step / 3 * (load[0] + 4 * load[1:-1:2].sum() + 2 * load[2:-1:2].sum() + load[-1])
+    assert states["elastic_energy"][-1] == pytest.approx(work, rel=1e-4)
+
+
+def test_ball_against_hertz(asperity, tmp_path):
+    """Energy 2/5 of load times compression; the perimeter of a circle is 4/pi times too long."""
+    x, y = np.meshgrid(np.arange(-60, 61), np.arange(-60, 61), indexing="ij")
+    height = -(x**2 + y**2) * 1e-4 / 2 / 5.0
+    scene = map_scene(tmp_path, height, (0.01, 0.01), surfaces={"map_level": "none"},
+                      loading={"control": "compression", "value": 0.012})
+    found = solve(asperity, scene)
+    row = {name: float(cell) for name, cell in found.positions[0].items()
+           if cell and name != "interaction"}
+    assert row["elastic_energy"] == pytest.approx(0.4 * row["load"] * 0.012, rel=0.01)
+    radius = np.sqrt(5.0 * 0.012)
+    assert row["load"] == pytest.approx(4 / 3 * E * np.sqrt(5.0) * 0.012**1.5, rel=0.01)
+    assert row["contact_perimeter"] == pytest.approx(8 * radius, rel=0.03)
+
+
+def test_summits_have_no_gap(asperity, tmp_path):
+    """The columns are there and empty; the options are refused."""
+    scene = write_scene(
+        tmp_path / "s.scene", surfaces={"upper": "plane", "lower": str(
+            ROOT / "data/examples/summits/smooth.sdf")},
+        material={"contact_modulus": 1e11}, effects={"interaction": "coupled"},
+        loading={"control": "pressure", "value": 2e7})
+    found = solve(asperity, scene)
+    for row in (*found.positions, *found.curve):
+        assert [row[name] for name in ("mean_gap", "rms_gap", "contact_perimeter",
+                                       "elastic_energy")] == [""] * 4
+    assert found.status == 0 and "mean gap" not in found.stdout
+    for option, name in (("--fields", "a.vti"), ("--picture", "a.svg"), ("--histogram", "a.csv")):
+        done = run(asperity, "solve", scene, option, tmp_path / name, status=2)
+        assert f"{option}: only a height map solved on its pixels" in done.stderr
+        assert not (tmp_path / name).exists()
+
+
+def test_refusals(asperity, tmp_path, curve):
+    scene = curve[1]
+    for words, text in (
+            (("--picture", "a.jpg"), "--picture: found 'a.jpg', expected a name that ends with"),
+            (("--picture", "a"), "--picture: found 'a', expected a name that ends with .svg or"),
+            (("--fields", "a.vtp"), "--fields: found 'a.vtp', expected a name that ends with .vti"),
+            (("--fields-of", "all"), "--fields-of: expected --fields FILE beside it"),
+            (("--fields", "a.vti", "--fields-of", "first"),
+             "--fields-of: found 'first', expected last or all"),
+            (("--fields", "-", "--fields-of", "all"), "--fields-of all writes a file a state"),
+            (("--fields", "a.vti", "--keep", "k"), "--fields: a file of --keep has no pressure")):
+        assert text in run(asperity, "solve", scene, *words, status=2, cwd=tmp_path).stderr
+    done = run(asperity, "solve", "data/examples/one_pair.scene", "--fields", tmp_path / "a.vti",
+               status=2)
+    assert "--fields: only a height map solved on its pixels has pressure on pixels" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_automatic_summits_are_refused_at_the_end(asperity, tmp_path):
+    """Where `auto` takes the summits the sentence comes with status 1."""
+    x, y = np.meshgrid(np.arange(120), np.arange(120), indexing="ij")
+    height = 1e-2 * np.sin(np.pi * (x + 0.5) / 60) * np.sin(np.pi * (y + 0.5) / 60)
+    scene = write_scene(
+        tmp_path / "auto.scene",
+        surfaces={"upper": "plane", "lower": write_map(tmp_path / "m.txt", height),
+                  "map_spacing": (0.01, 0.01)},
+        material={"contact_modulus": E}, effects={"interaction": "auto", "tolerance": 0.5},
+        loading={"control": "load", "value": 1e-6})
+    done = run(asperity, "solve", scene, "--fields", tmp_path / "a.vti", status=1)
+    assert "the map was solved by its summits, which have no pressure on pixels" in done.stderr
+    assert not (tmp_path / "a.vti").exists()
+
+
+def test_totals_are_printed_with_the_mean_gap_first(asperity, curve):
+    """The mean gap stands before the separation."""
+    text = run(asperity, "solve", curve[1]).stdout
+    assert re.search(r"^mean gap \(mm\) +[0-9.e-]+   over the measured pixels\nseparation \(mm\)",
+                     text, re.MULTILINE)
