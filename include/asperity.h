@@ -49,7 +49,7 @@ enum {
   ASPERITY_WARNING_KINDS = 6, /* a line for each line of ASPERITY_WARNINGS: NAME CLASS, for instance
                                  "overlapping theory" or "error accuracy": outside the range of a
                                  theory, or numbers in error */
-  ASPERITY_UNIT = 7,          /* asperity_read_map: unit of all lengths; "" where the map has none */
+  ASPERITY_UNIT = 7,          /* asperity_read_map, asperity_fields: unit of lengths; "" where there is none */
   ASPERITY_GROUPS = 8         /* of a scene, a line a name: GROUP, NAME and VALUES as they stand in its
                                  text, with tabulators between and values on one line. A card deck has
                                  the lines of the scene that says the same. Names of files are
@@ -65,9 +65,14 @@ enum {
   ASPERITY_STATISTICS = 5, /* asperity_summits: one row */
   ASPERITY_UPPER = 6,      /* asperity_generate: x, y, height, radius */
   ASPERITY_LOWER = 7,      /* asperity_generate: x, y, height, radius */
-  ASPERITY_MAP = 8,        /* asperity_read_map: columns, rows, spacing_x, spacing_y; one row */
+  ASPERITY_MAP = 8,        /* asperity_read_map, asperity_fields: columns, rows, spacing_x, spacing_y;
+                              one row */
   ASPERITY_PIXELS = 9,     /* asperity_read_map: height, of rows * columns pixels, row by row; NaN where
                               one is missing */
+  ASPERITY_FIELDS = 10,    /* asperity_fields: pressure, gap of the deformed surfaces (0 in contact),
+                              displacement of both surfaces (more than 0 apart from each other),
+                              contact (1 or 0), of rows * columns pixels, row by row; NaN where a pixel
+                              is missing */
   ASPERITY_SPECTRUM = 11,  /* asperity_power_spectrum: of the area, averaged over rings: q, c_iso, number
                               of wave vectors of each ring */
   ASPERITY_SPECTRUM_X = 12, /* of lines along x: q, c_1d, number of lines */
@@ -183,6 +188,19 @@ asperity_outcome *asperity_rebuild_scene(const asperity_outcome *scene, const ch
 asperity_outcome *asperity_solve_again(const asperity_outcome *scene,
                                        const asperity_options *options,
                                        const asperity_outcome *earlier, int *progress);
+
+/* As asperity_solve_again, and the fields of a height map that is solved on its pixels are kept for
+ * asperity_fields. fields: 0 for none, 1 for those of the last state of the path, 2 for those of all
+ * states, of 24 bytes a pixel and state. Other scenes have no fields. */
+asperity_outcome *asperity_solve_with_fields(const asperity_outcome *scene,
+                                             const asperity_options *options,
+                                             const asperity_outcome *earlier, int *progress,
+                                             int fields);
+
+/* Pressure, gap and displacement of one state that was kept: tables ASPERITY_MAP and ASPERITY_FIELDS,
+ * text ASPERITY_UNIT. solved: outcome of asperity_solve_with_fields. position: from 1. state: from 1, or
+ * -1 for the last. */
+asperity_outcome *asperity_fields(const asperity_outcome *solved, int position, int state);
 
 /* Runs the original program on a card deck; ASPERITY_REPORT is what it prints. arithmetic: "ibm370"
  * (also for NULL), "real32", "real64" or "real128". tables: [number] positions from 1 to 100, whose

@@ -22,7 +22,8 @@ module asperity_c
   implicit none
   private
 
-  public :: c_read_scene, c_build_scene, c_solve, c_solve_again, c_report, c_generate
+  public :: c_read_scene, c_build_scene, c_solve, c_solve_again, c_solve_with_fields, &
+            c_report, c_generate
   public :: c_options
 
   !> `asperity_options` of the header.
@@ -91,16 +92,29 @@ contains
     type(c_ptr), value :: options   !! `c_options`; null: all defaults
     type(c_ptr), value :: earlier   !! outcome of a solve; or null
     type(c_ptr), value :: progress  !! two numbers; or null
+
+    handle = c_solve_with_fields(of_scene, options, earlier, progress, 0_c_int)
+  end function c_solve_again
+
+  !> `asperity_solve_with_fields`.
+  type(c_ptr) function c_solve_with_fields(of_scene, options, earlier, progress, fields) &
+    bind(c, name='asperity_solve_with_fields') result(handle)
+    type(c_ptr), value :: of_scene     !! outcome that has a scene
+    type(c_ptr), value :: options      !! `c_options`; null: all defaults
+    type(c_ptr), value :: earlier      !! outcome of a solve; or null
+    type(c_ptr), value :: progress     !! two numbers; or null
+    integer(c_int), value :: fields    !! 0: none are kept; 1: those of the last state; 2: all
     type(run_options) :: chosen
     type(outcome), pointer :: before
 
+    chosen%fields = fields
     call look_at(earlier, before)
     if (associated(before)) then
       if (allocated(before%solutions)) chosen%reuse%earlier => before%solutions
     end if
     if (c_associated(progress)) call c_f_pointer(progress, chosen%count%numbers, [2])
     handle = solve_chosen(of_scene, options, chosen)
-  end function c_solve_again
+  end function c_solve_with_fields
 
   ! Solves a scene; some choices of the run may be made already.
   type(c_ptr) function solve_chosen(of_scene, options, chosen) result(handle)
@@ -135,6 +149,7 @@ contains
         if (which <= size(chosen%reuse%earlier)) &
           new%solutions(which) = chosen%reuse%earlier(which)
       end do
+      call move_alloc(results%positions(1)%fields, new%fields)
       call list_warnings(from%scene_in%file, results, warnings)
       call set_text(new, text_warnings, warnings%text())
       call list_warning_kinds(results, kinds)
@@ -158,6 +173,7 @@ contains
     type(c_options), pointer :: options
     integer :: which
 
+    if (.not. c_associated(given)) call check_options(chosen, problems)
     if (.not. c_associated(given)) return
     call c_f_pointer(given, options)
     which = findloc(arithmetic_names, 'real64', 1)

@@ -4,8 +4,8 @@ module asperity_c_outcome
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr
   use, intrinsic :: iso_fortran_env, only: real64
-  use asperity, only: add_reals, array_table, list_groups, problem_list, problem_place, scene, &
-                      solution_start
+  use asperity, only: add_reals, array_table, contact_field, list_groups, problem_list, &
+                      problem_place, scene, solution_start
   implicit none
   private
 
@@ -20,7 +20,8 @@ module asperity_c_outcome
   !> The first three are those of a run; the lower surface follows the upper one, the spectra of
   !> lines along x and along y that of the area.
   integer, parameter, public :: table_summits = 4, table_statistics = 5, table_upper = 6, &
-                                table_map = 8, table_pixels = 9, table_spectra = 11, tables = 13
+                                table_map = 8, table_pixels = 9, table_fields = 10, &
+                                table_spectra = 11, tables = 13
   integer(c_int), parameter, public :: type_double = 1_c_int, type_int = 2_c_int, &
                                        type_word = 3_c_int
 
@@ -41,6 +42,7 @@ module asperity_c_outcome
     type(c_letters), allocatable :: names(:, :)            !! of columns (column, table)
     type(c_letters), allocatable :: units(:, :)            !! of columns (column, table)
     type(solution_start), allocatable :: solutions(:)      !! by position, for further solves
+    type(contact_field), allocatable :: fields(:)          !! of the states that keep them
     character(len=:), allocatable :: failure               !! why it was not computed
   end type outcome
 

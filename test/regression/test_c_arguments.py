@@ -124,6 +124,49 @@ int main(int words, char **word)
   asperity_outcome *pixels = expect(ASPERITY_DONE, "", asperity_build_scene_of(
     GROUPS " &effects interaction = 'boundary' / &surfaces upper = 'plane' /", NULL, &map_side));
   asperity_free(expect(ASPERITY_DONE, "", asperity_solve_scene(pixels, NULL)));
+  /* Fields: none without being asked for, the last state, all. */
+  refused("solved: found NULL, expected the outcome of a solve", asperity_fields(NULL, 1, 1));
+  refused("fields: found 3, expected 0 for none",
+          asperity_solve_with_fields(pixels, NULL, NULL, NULL, 3));
+  refused("fields: found -1, expected 0 for none",
+          asperity_solve_with_fields(pixels, NULL, NULL, NULL, -1));
+  asperity_free(expect(ASPERITY_NOT_COMPUTED, "no scene",
+                       asperity_solve_with_fields(NULL, NULL, NULL, NULL, 1)));
+  asperity_free(expect(ASPERITY_NOT_COMPUTED, "no fields: expected a height map",
+                       asperity_fields(solved, 1, 1)));
+  for (int asked = 0; asked < 3; asked++) {
+    asperity_outcome *pressed = expect(ASPERITY_DONE, "", asperity_solve_with_fields(
+      pixels, NULL, NULL, NULL, asked));
+    if (asked) {
+      asperity_outcome *fields = expect(ASPERITY_DONE, "", asperity_fields(pressed, 1, -1));
+      const double *pressure = asperity_column(fields, ASPERITY_FIELDS, 0);
+      const double *gap = asperity_column(fields, ASPERITY_FIELDS, 1);
+      const int *contact = asperity_column(fields, ASPERITY_FIELDS, 3);
+      double load = 0.;
+      if (asperity_rows(fields, ASPERITY_FIELDS) != 12 ||
+          asperity_columns(fields, ASPERITY_FIELDS) != 4 ||
+          *(const int *)asperity_column(fields, ASPERITY_MAP, 1) != 4 ||
+          strcmp(asperity_text(fields, ASPERITY_UNIT), "um") ||
+          strcmp(asperity_column_name(fields, ASPERITY_FIELDS, 2), "displacement") ||
+          strcmp(asperity_column_unit(fields, ASPERITY_FIELDS, 1), "um"))
+        wrong++;
+      for (int i = 0; i < 12; i++) {
+        if (i == 5 && pressure[i] == pressure[i]) wrong++;
+        if (i == 5) continue;
+        load += pressure[i] * .5 * .25;
+        if (contact[i] != (pressure[i] > 0.) || (contact[i] ? gap[i] != 0. : gap[i] < 0.)) wrong++;
+      }
+      if (!(load > 1. - 1e-12 && load < 1. + 1e-12)) wrong++;
+      asperity_free(fields);
+      asperity_free(expect(ASPERITY_DONE, "", asperity_fields(pressed, 1, 1)));
+      refused("state: found 2, expected 1, or -1 for the last", asperity_fields(pressed, 1, 2));
+      refused("position: found 2, expected 1", asperity_fields(pressed, 2, -1));
+    } else {
+      asperity_free(expect(ASPERITY_NOT_COMPUTED, "no fields: expected a height map",
+                           asperity_fields(pressed, 1, -1)));
+    }
+    asperity_free(pressed);
+  }
   asperity_free(pixels);
   asperity_free(expect(ASPERITY_DONE, "", asperity_summits_of_map(&area, NULL)));
   asperity_free(expect(ASPERITY_DONE, "", asperity_read_map(word[2], area.spacing, "mm")));
