@@ -120,7 +120,8 @@ contains
     character(len=:), allocatable, intent(inout) :: failure   !! reason, where a write has failed
     integer(c_int) :: status
 
-    if (descriptor > standard_error) then
+    ! A file has the number of a standard stream where that was closed before the start.
+    if (path /= '/dev/stdout' .and. path /= '/dev/stderr') then
       status = posix_close(descriptor)
       if (status /= 0 .and. .not. allocated(failure)) failure = system_reason()
     end if
