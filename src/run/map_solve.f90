@@ -155,7 +155,7 @@ contains
     if (seen%coarser == 1) then
       other = plain
       other%loading = a_little_more(last)
-      call solve_surfaces(other, run_options(), more, why)
+      call solve_surfaces(other, run_options(interrupt=seen%answer%interrupt), more, why)
       if (.not. allocated(why)) stiffness = stiffness_between(last, last_state(more%positions(1)))
     end if
     allocate (results%map)
