@@ -69,7 +69,7 @@ contains
     error = 0.0_real64
     shape = 0.0_real64
     hosts = 0
-    call weigh(solution, weight, tangent)
+    call weigh(pairs, solution, weight, tangent)
     of_closing = sum(solution%set%load) / (solution%closing * tangent)
     associate (set => solution%set)
       !$omp parallel do private(i) schedule(static) if(size(set%number) > many)
@@ -97,7 +97,8 @@ contains
   ! What the total gains over what a contact would alone: as it bears more, its neighbours bear
   ! less. To first order the total changes with the gap of contact i by x_i, where all gaps together
   ! change the loads by x.
-  subroutine weigh(solution, weight, tangent)
+  subroutine weigh(pairs, solution, weight, tangent)
+    type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(inout) :: solution
     real(real64), intent(out) :: weight(:), tangent
     real(real64), dimension(3, size(weight)) :: gradient, step
@@ -106,7 +107,8 @@ contains
     gradient = 0.0_real64
     gradient(1, :) = -1.0_real64
     products = 0
-    call newton_step(solution%set, gradient, .false., weight_left, weight_left, step, products)
+    call newton_step(solution%set, gradient, .false., weight_left, weight_left, step, products, &
+                     pairs%interrupt)
     ! Conjugate gradients come to it from below.
     tangent = sum(step(1, :))
     associate (set => solution%set)

@@ -72,6 +72,7 @@ contains
     logical :: done, far
 
     call prepare(pairs, law, solution, state, target, resolved)
+    if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
     if (allocated(solution%failure)) return
     call set_out(pairs, law, solution, state, resolved)
     ! None has been looked at yet.
@@ -260,7 +261,8 @@ contains
     if (state%is_near) left = max(left, left_at_end * accepted / state%residual)
     call newton_step(solution%set, gradient_of(solution%set, state), state%target > 0.0_real64, &
                      min(most_left, max(left, state%residual)), &
-                     min(most_left, state%residual), step, solution%products)
+                     min(most_left, state%residual), step, solution%products, pairs%interrupt)
+    if (pairs%interrupt%is_asked()) return
     allocate (number, source=solution%set%number)
     allocate (p, source=solution%penetration)
     allocate (move(2, n), to(n), way(n + 1), from(n))
@@ -299,7 +301,7 @@ contains
       call evaluate(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       now = slopes()
-      if (sum(now) <= allowed * abs(sum(first))) exit
+      if (sum(now) <= allowed * abs(sum(first)) .or. pairs%interrupt%is_asked()) exit
       now = now(:n)
       where (now > share_cut * maxval(now)) &
         part = part * max(0.1_real64, min(abs(first(:n)) / (abs(first(:n)) + now), 0.5_real64))

@@ -75,6 +75,7 @@ contains
     coarse%stiffness = spread(0.0_real64, 1, coarse%columns * coarse%rows)
     allocate (lowered(coarse%columns * coarse%rows), source=0.0_real64)
     do step = 1, most_in_squares
+      if (pairs%interrupt%is_asked()) return
       load = 0.0_real64
       stiffness = 0.0_real64
       !$omp parallel do schedule(static) private(answer)

@@ -10,6 +10,7 @@ module asperity_coupled_step
   use asperity_coarse_circles, only: circles_in_one, coarse_circles, gather_squares, &
                                      shared_change, sum_of_squares
   use asperity_index_groups, only: gather_groups
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   implicit none
   private
@@ -50,7 +51,7 @@ contains
   !> curves down along the loads and shifts of a block; far from the solution all are, as long as
   !> the loads have more to do than they. Where it curves down all the same, all are stiffened more
   !> and more, and held at last: each by itself, shifts that block each other would creep.
-  subroutine newton_step(set, gradient, keep_sum, accuracy, off, step, rounds)
+  subroutine newton_step(set, gradient, keep_sum, accuracy, off, step, rounds, interrupt)
     type(circle_set), intent(inout) :: set      !! its field is known; stays
     real(real64), intent(in) :: gradient(:, :)  !! (3, circle): by load, by shift along x and y
     logical, intent(in) :: keep_sum             !! the changes of the loads add up to zero
@@ -58,6 +59,7 @@ contains
     real(real64), intent(in) :: off             !! how far the equations are off, a share
     real(real64), intent(out) :: step(:, :)     !! (3, circle)
     integer, intent(inout) :: rounds            !! products, counted on
+    type(interruption), intent(in) :: interrupt !! of the run: the step is of no use then
     real(real64), allocatable, dimension(:, :) :: left, scaled, direction, image
     real(real64), allocatable :: even(:, :)
     type(circle_blocks) :: blocks
@@ -89,7 +91,7 @@ contains
       size_first = size_now
       curvature = 1.0_real64
       do round = 1, most_rounds
-        if (.not. size_now > accuracy**2 * size_first) exit
+        if (.not. size_now > accuracy**2 * size_first .or. interrupt%is_asked()) exit
         call multiply(set, direction, image)
         rounds = rounds + 1
         curvature = sum(direction * image)
@@ -102,7 +104,7 @@ contains
         direction = scaled - (part * sum(scaled * image) / size_now) * direction
         size_now = sum(left * scaled)
       end do
-      if (curvature > 0.0_real64 .or. all(set%held)) exit
+      if (curvature > 0.0_real64 .or. all(set%held) .or. interrupt%is_asked()) exit
       ! It curves down all the same.
       set%held = set%held .or. set%stiffer > 1.0_real64
       set%stiffer = max(4 * set%stiffer, flat * off, epsilon(off))
