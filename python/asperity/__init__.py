@@ -15,13 +15,14 @@ from . import _library as _c
 from ._calls import generate, report, summits
 from ._columns import Table, Values
 from ._errors import AccuracyWarning, ComputeError, InputError, Problem, TheoryWarning
+from ._fields import Fields
 from ._maps import HeightMap, generate_map, read_map
 from ._results import Results, Summits
 from ._scenes import Scene, solve
 
 __all__ = ["solve", "report", "summits", "generate", "generate_map", "read_map", "Scene",
-           "HeightMap", "Results", "Summits", "Table", "Values", "InputError", "ComputeError",
-           "Problem", "TheoryWarning", "AccuracyWarning", "__version__"]
+           "HeightMap", "Results", "Fields", "Summits", "Table", "Values", "InputError",
+           "ComputeError", "Problem", "TheoryWarning", "AccuracyWarning", "__version__"]
 
 __version__ = _c.VERSION
 

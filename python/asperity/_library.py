@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 # Of the header.
 NOT_COMPUTED, BAD_INPUT = 1, 2
 FAILURE, PROBLEMS, WARNINGS, NOTES, REPORT, WARNING_KINDS, UNIT, GROUPS = range(1, 9)
-POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER, MAP, PIXELS = range(1, 10)
+POSITIONS, STATES, CONTACTS, SUMMITS, STATISTICS, UPPER, LOWER, MAP, PIXELS, FIELDS = range(1, 11)
 SPECTRA = {"iso": 11, "x": 12, "y": 13}
 WORD_LENGTH = 16
 # Of the types of columns: bytes of a cell, and its code for `memoryview`; a word is 16 letters.
@@ -75,7 +75,8 @@ _FUNCTIONS: list[tuple[Any, ...]] = [
     ("read_scene", c_void_p, c_char_p),
     ("build_scene_of", c_void_p, c_char_p, POINTER(Side), POINTER(Side)),
     ("rebuild_scene", c_void_p, c_void_p, c_char_p),
-    ("solve_again", c_void_p, c_void_p, POINTER(Options), c_void_p, POINTER(c_int)),
+    ("solve_with_fields", c_void_p, c_void_p, POINTER(Options), c_void_p, POINTER(c_int), c_int),
+    ("fields", c_void_p, c_void_p, c_int, c_int),
     ("make_report", c_void_p, c_char_p, c_char_p, POINTER(c_int), c_int),
     ("summits", c_void_p, c_char_p, POINTER(SummitsOptions)),
     ("periodic_summits", c_void_p, c_char_p, POINTER(SummitsOptions)),

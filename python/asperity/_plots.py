@@ -11,6 +11,7 @@ from ._maps import HeightMap, is_topography, map_of_topography, read_map
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from ._fields import Fields
     from ._results import Results, Summits
 
 # More curves than these are drawn without a legend.
@@ -78,6 +79,26 @@ def draw_map(heights: HeightMap, ax: Axes | None, label: str = "height") -> Axes
     if label:
         unit = f" ({heights.unit})" if heights.unit else ""
         axes.figure.colorbar(drawn, ax=axes, label=label + unit)
+    return axes
+
+
+def draw_field(fields: Fields, name: str, ax: Axes | None) -> Axes:
+    """One array of a state in plan; x to the right, y upwards. The pressure leaves pixels out of
+    contact white, the gap those in contact."""
+    axes: Axes = new_axes(ax)
+    library = needed("numpy", "plot", "a plot")
+    values = library.asarray(getattr(fields, name), dtype=float)
+    contact = library.asarray(fields.contact)
+    if name == "pressure":
+        values = library.where(contact, values, math.nan)
+    if name == "gap":
+        values = library.where(contact, math.nan, values)
+    width, depth = (number * step for number, step in zip(fields.shape[::-1], fields.spacing))
+    drawn = axes.imshow(values, origin="lower", extent=(0.0, width, 0.0, depth), cmap="viridis",
+                        interpolation="nearest", vmin=0.0 if name in ("pressure", "gap") else None)
+    in_plan(axes, fields.unit or "")
+    if name != "contact":
+        axes.figure.colorbar(drawn, ax=axes, label=Table(units=fields.units).label(name))
     return axes
 
 

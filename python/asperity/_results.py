@@ -6,12 +6,18 @@ import html
 import math
 from typing import TYPE_CHECKING, Any
 
+from . import _arguments as _a
+from . import _fields
 from . import _library as _c
 from ._columns import Table, shown
+from ._errors import ComputeError
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped, unused-ignore]
     from matplotlib.axes import Axes
+
+    from ._columns import Column
+    from ._fields import Fields
 
 # Tables of results by the name of the attribute.
 TABLES = {"positions": _c.POSITIONS, "states": _c.STATES, "contacts": _c.CONTACTS}
@@ -55,8 +61,10 @@ class Results:
     ['0.000', '0.527', '1.491', '2.739', '4.216']
     """
 
-    def __init__(self, outcome: _c.Outcome):
+    def __init__(self, outcome: _c.Outcome, kept: int = _fields.NONE):
         self._outcome: _c.Outcome | None = outcome
+        self._kept = kept
+        self._fields: dict[tuple[int, int], Fields] = {}
         self.summary: str = outcome.text(_c.REPORT)
         self.warnings: list[str] = outcome.lines(_c.WARNINGS)
         self.notes: list[str] = outcome.lines(_c.NOTES)
@@ -78,6 +86,10 @@ class Results:
     def __getstate__(self) -> dict[str, Any]:
         for name in TABLES:
             getattr(self, name)
+        if self._kept and self._outcome is not None and "mean_gap" in self.states \
+                and not math.isnan(self.states["mean_gap"][-1]):
+            for state in range(-len(self.states) if self._kept == _fields.ALL else -1, 0):
+                self.fields(state=state)
         return {**vars(self), "_outcome": None}
 
     def to_dict(self) -> dict[str, Any]:
@@ -130,6 +142,78 @@ class Results:
         """
         from ._plots import draw_contacts
         return draw_contacts(self, position, state, ax)
+
+    def fields(self, position: int = 1, state: int = -1) -> Fields:
+        """Pressure, gap and displacement on the pixels of a height map.
+
+        Parameters
+        ----------
+        position : int, default 1
+            Position of the motion, from 1.
+        state : int, default -1
+            Index among the states of the position, from 0; -1: the last.
+
+        Returns
+        -------
+        Fields
+
+        Raises
+        ------
+        IndexError
+            For a position or a state that the results do not have, or did not keep.
+        ComputeError
+            Where no fields were asked for with `solve(..., fields=True)`, or the scene is not a
+            height map solved on its pixels.
+        """
+        step = self._step(position, state)
+        if self._kept == _fields.LAST and step != self._step(position, -1):
+            raise IndexError(f"state: found {state}, expected -1: the last state alone was kept; "
+                             "solve(..., fields='all') keeps all")
+        if (position, step) not in self._fields:
+            if self._outcome is None:
+                raise ComputeError("no fields: expected a height map solved on its pixels, with "
+                                   "fields asked for")
+            found = _c.call("fields", self._outcome, position, step).checked()
+            self._fields[position, step] = _fields.Fields(found, position, step)
+        return self._fields[position, step]
+
+    def pressure_histogram(self, position: int = 1, state: int = -1,
+                           bins: int = 100) -> tuple[Column, Column]:
+        """Distribution of the pressure in contact, on the pixels of a height map.
+
+        Parameters
+        ----------
+        position, state
+            As for `fields`.
+        bins : int, default 100
+            Bins of equal width between 0 and the greatest pressure.
+
+        Returns
+        -------
+        (numpy.ndarray, numpy.ndarray)
+            Pressure in the middle of each bin; area per pressure over the measured area. The sum
+            of the second times the width of a bin is the contact area fraction of the pixels.
+
+        Raises
+        ------
+        IndexError, ComputeError
+            As `fields`.
+        """
+        number = _a.whole("bins", bins, "a number from 1")
+        if number < 1:
+            raise _a.wrong("bins", str(number), "a number from 1")
+        return _fields.histogram(self.fields(position, state), number)
+
+    def _step(self, position: int, state: int) -> int:
+        """The number of a state, from 1."""
+        states = self.states
+        steps = [step for place, step in zip(states["position"].tolist(), states["step"].tolist())
+                 if place == position]
+        if not steps:
+            raise IndexError(f"position: found {position}, expected one of the results")
+        if not -len(steps) <= state < len(steps):
+            raise IndexError(f"state: found {state}, expected -{len(steps)} to {len(steps) - 1}")
+        return int(steps[state])
 
     def __str__(self) -> str:
         return self.summary

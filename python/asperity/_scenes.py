@@ -11,6 +11,7 @@ from typing import Any
 
 from . import _arguments as _a
 from . import _library as _c
+from ._fields import asked
 from ._maps import map_of
 from ._results import Results
 
@@ -71,13 +72,13 @@ class Scene:
                 self.groups.setdefault(group, {})[name] = _a.Written(values)
 
     def solve(self, *, arithmetic: str = "real64", accuracy: float = 0.0, contacts: bool = True,
-              threads: int = 0, progress: bool = False,
+              threads: int = 0, progress: bool = False, fields: bool | str = False,
               **groups: Mapping[str, Any] | None) -> Results:
         """Solve the scene, with other values where they are given.
 
         Parameters
         ----------
-        arithmetic, accuracy, contacts, threads, progress
+        arithmetic, accuracy, contacts, threads, progress, fields
             As for `asperity.solve`.
         **groups
             Values that replace those of the scene for this solve: `loading={"value": 20}` keeps the
@@ -100,10 +101,11 @@ class Scene:
                 raise _a.wrong("surfaces", "a change of the surfaces", "a new asperity.Scene")
             text = _a.Groups(self._name, _changed(self.groups, groups), _a.DOUBLE)
             read = _c.call("rebuild_scene", self._read, text.text).checked(text.named)
+        kept = asked(fields)
         solved = _solve(read, self._earlier, text, arithmetic, accuracy, contacts, threads,
-                        progress)
+                        progress, kept)
         self._earlier = solved
-        return Results(solved)
+        return Results(solved, kept)
 
     def __reduce__(self) -> Any:
         return Scene, (self._source,)
@@ -114,7 +116,7 @@ class Scene:
 
 def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmetic: str = "real64",
           accuracy: float = 0.0, contacts: bool = True, threads: int = 0,
-          progress: bool = False) -> Results:
+          progress: bool = False, fields: bool | str = False) -> Results:
     """Solve a scene: contacts, load, area and pressures of two surfaces.
 
     Parameters
@@ -139,6 +141,9 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
         0: all cores; at most 9999. The results are the same for any number.
     progress : bool, default False
         Show a bar of tqdm, or a line on standard error where tqdm is not installed.
+    fields : bool or 'all', default False
+        Keep pressure, gap and displacement on the pixels of a height map for `Results.fields`: of
+        the last state, or of all states. A state takes 24 bytes a pixel.
 
     Returns
     -------
@@ -177,11 +182,12 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
     """
     given = scene if isinstance(scene, Scene) else Scene(scene)
     return given.solve(arithmetic=arithmetic, accuracy=accuracy, contacts=contacts,
-                       threads=threads, progress=progress)
+                       threads=threads, progress=progress, fields=fields)
 
 
 def _solve(read: _c.Outcome, earlier: _c.Outcome | None, text: _a.Groups, arithmetic: str,
-           accuracy: float, contacts: bool, threads: int, progress: bool) -> _c.Outcome:
+           accuracy: float, contacts: bool, threads: int, progress: bool,
+           fields: int) -> _c.Outcome:
     interrupt = c_int(0)
     options = _c.Options(
         _a.word("arithmetic", arithmetic), _a.number("accuracy", accuracy),
@@ -191,8 +197,8 @@ def _solve(read: _c.Outcome, earlier: _c.Outcome | None, text: _a.Groups, arithm
     counts = (c_int * 2)()
     bar = _Progress(counts) if _a.flag("progress", progress) else None
     try:
-        return _c.call("solve_again", read, byref(options), earlier, counts, interrupt=interrupt,
-                       watch=bar.show if bar else None).checked(text.named)
+        return _c.call("solve_with_fields", read, byref(options), earlier, counts, fields,
+                       interrupt=interrupt, watch=bar.show if bar else None).checked(text.named)
     finally:
         if bar:
             bar.end()

@@ -1,0 +1,154 @@
+"""Pressure, gap and displacement on the pixels of a height map."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+from . import _arguments as _a
+from . import _library as _c
+from ._columns import Values, column, numpy, shown
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from ._columns import Column
+
+NAMES = ("pressure", "gap", "displacement", "contact")
+# States that a solve keeps the fields of, by the argument of `solve`.
+NONE, LAST, ALL = 0, 1, 2
+
+
+class Fields:
+    """Pressure, gap and displacement of one state, on the pixels of a height map.
+
+    The arrays have the shape (rows, columns) and are indexed `[row, column]` = `[y, x]`, as the map
+    is. They are read-only and NaN at missing pixels; without numpy they are sequences of rows.
+
+    Attributes
+    ----------
+    pressure : numpy.ndarray
+        Contact pressure, 0 out of contact. Its sum times the area of a pixel is the load.
+    gap : numpy.ndarray
+        Distance of the deformed surfaces, 0 in contact.
+    displacement : numpy.ndarray
+        Sum of the elastic displacements of both surfaces, more than 0 apart from each other. On a
+        periodic map its mean is 0.
+    contact : numpy.ndarray
+        True where the pixel is in contact.
+    spacing : (float, float)
+        Distance of pixels along x and y.
+    unit : str or None
+        Unit of gap, displacement and spacing.
+    units : dict of str to str
+        Unit of each array, empty where it is not known.
+    position : int
+        Position of the motion, from 1.
+    step : int
+        Number of the state, from 1, as in the column `step` of the states.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> rough = asperity.generate_map(pixels=64, spacing=1, hurst=0.8, rms_slope=0.1)
+    >>> results = asperity.solve({
+    ...     "surfaces": {"upper": "plane", "lower": rough},
+    ...     "material": {"contact_modulus": 1000.0},
+    ...     "loading": {"control": "pressure", "value": 5.0}}, fields=True)
+    >>> fields = results.fields()
+    >>> fields.pressure.shape
+    (64, 64)
+    >>> print(f"{fields.pressure.mean():.3f}")
+    5.000
+    >>> print(fields.gap[fields.contact].max())
+    0.0
+    """
+
+    pressure: NDArray[Any]
+    gap: NDArray[Any]
+    displacement: NDArray[Any]
+    contact: NDArray[Any]
+
+    def __init__(self, outcome: _c.Outcome, position: int, step: int):
+        facts = {name: values[0] for name, values in outcome.table(_c.MAP, "maps").items()}
+        table = outcome.table(_c.FIELDS, "pixels")
+        self.shape: tuple[int, int] = int(facts["rows"]), int(facts["columns"])
+        self.spacing: tuple[float, float] = float(facts["spacing_x"]), float(facts["spacing_y"])
+        self.unit: str | None = outcome.text(_c.UNIT) or None
+        self.units: dict[str, str] = {name: table.units[name] for name in NAMES}
+        self.position, self.step = position, step
+        for name in NAMES:
+            setattr(self, name, in_rows(table[name], self.shape, name == "contact"))
+
+    def plot(self, name: str = "pressure", ax: Axes | None = None) -> Axes:
+        """Draw one of the arrays in plan.
+
+        Parameters
+        ----------
+        name : {'pressure', 'gap', 'displacement', 'contact'}, default 'pressure'
+            The array. Pixels out of contact have no colour in the pressure, those in contact none
+            in the gap.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure otherwise.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        if name not in NAMES:
+            raise _a.wrong("name", repr(name), ", ".join(map(repr, NAMES)))
+        from ._plots import draw_field
+        return draw_field(self, name, ax)
+
+    def __repr__(self) -> str:
+        unit = f" {self.units['pressure']}" if self.units["pressure"] else ""
+        _, pressed = pressures(self)
+        return f"<asperity.Fields of {self.shape[1]} x {self.shape[0]} pixels: step {self.step}, " \
+               f"pressure 0 to {shown(float(max(pressed, default=0.0)))}{unit}, " \
+               f"{len(pressed)} pixels in contact>"
+
+
+def in_rows(cells: Column, shape: tuple[int, int], is_flag: bool) -> Any:
+    """The cells of a column by row and column of the map."""
+    library: Any = numpy()
+    if library is None:
+        values = [bool(value) for value in cells] if is_flag else list(cells)
+        return Values([Values(values[i:i + shape[1]])
+                       for i in range(0, len(values), shape[1])])
+    array = library.asarray(cells, dtype=bool if is_flag else None).reshape(shape)
+    array.flags.writeable = False
+    return array
+
+
+def asked(fields: Any) -> int:
+    """The states that `fields` of `solve` asks for."""
+    if isinstance(fields, str):
+        if fields != "all":
+            raise _a.wrong("fields", repr(fields), "True, False or 'all'")
+        return ALL
+    return LAST if _a.flag("fields", fields) else NONE
+
+
+def pressures(fields: Fields) -> tuple[int, Any]:
+    """How many pixels were measured, and the pressures of those in contact."""
+    library: Any = numpy()
+    if library is not None:
+        return int((fields.pressure >= 0).sum()), fields.pressure[fields.contact]
+    values = [value for row in cast("Any", fields.pressure) for value in row if value == value]
+    return len(values), [value for value in values if value > 0]
+
+
+def histogram(fields: Fields, bins: int) -> tuple[Column, Column]:
+    """Pressures in the middle of bins up to the greatest, and the density of the area there."""
+    measured, pressed = pressures(fields)
+    width = float(max(pressed, default=0.0)) / bins
+    library: Any = numpy()
+    if library is not None:
+        counts = library.histogram(pressed, bins, (0.0, bins * width or 1.0))[0]
+        return ((library.arange(bins) + 0.5) * width,
+                counts / (measured * width) if width else library.zeros(bins))
+    numbers = [0] * bins
+    for value in pressed:
+        numbers[min(bins - 1, int(value / width))] += 1
+    return (column([(number + 0.5) * width for number in range(bins)]),
+            column([count / (measured * width) if width else 0.0 for count in numbers]))
