@@ -54,6 +54,7 @@ bench: ## time, memory, what accuracy costs (SAVE=1 keeps it, MOST=1e7 goes furt
 	@bash .ci/setup build test bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--runs 2)
 	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save) $(if $(SMALL),--small)
+	@.venv/bin/python test/bench/run_again.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_tamaas.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST)) \
 	  $(if $(SMALL),--small --most 1e4 --rounds 1)

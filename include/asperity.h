@@ -49,7 +49,8 @@ enum {
   ASPERITY_WARNING_KINDS = 6, /* a line for each line of ASPERITY_WARNINGS: NAME CLASS, for instance
                                  "overlapping theory" or "error accuracy": outside the range of a
                                  theory, or numbers in error */
-  ASPERITY_UNIT = 7,          /* asperity_read_map, asperity_fields: unit of lengths; "" where there is none */
+  ASPERITY_UNIT = 7,          /* asperity_read_map, asperity_generate_map, asperity_power_spectrum,
+                                 asperity_fields: unit of all lengths; "" where the map has none */
   ASPERITY_GROUPS = 8         /* of a scene, a line a name: GROUP, NAME and VALUES as they stand in its
                                  text, with tabulators between and values on one line. A card deck has
                                  the lines of the scene that says the same. Names of files are
@@ -65,9 +66,10 @@ enum {
   ASPERITY_STATISTICS = 5, /* asperity_summits: one row */
   ASPERITY_UPPER = 6,      /* asperity_generate: x, y, height, radius */
   ASPERITY_LOWER = 7,      /* asperity_generate: x, y, height, radius */
-  ASPERITY_MAP = 8,        /* asperity_read_map, asperity_fields: columns, rows, spacing_x, spacing_y;
-                              one row */
-  ASPERITY_PIXELS = 9,     /* asperity_read_map: height, of rows * columns pixels, row by row; NaN where
+  ASPERITY_MAP = 8,        /* asperity_read_map, asperity_generate_map, asperity_fields: columns, rows,
+                              spacing_x, spacing_y; one row */
+  ASPERITY_PIXELS = 9,     /* asperity_read_map, asperity_generate_map: height, of rows * columns pixels,
+                              row by row; NaN where
                               one is missing */
   ASPERITY_FIELDS = 10,    /* asperity_fields: pressure, gap of the deformed surfaces (0 in contact),
                               displacement of both surfaces (more than 0 apart from each other),

@@ -22,8 +22,9 @@ module asperity_earlier_solutions
   ! Solutions of a position that are kept (chosen: each takes 48 bytes a pair, and is copied).
   integer, parameter :: most_kept = 16
   real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
-  ! Load**(2/3) or compression of a start over that of the solution, or its inverse, at most.
-  real(real64), parameter :: farthest = 1.5_real64
+  ! Load**(2/3) or compression over that of an earlier solution, or its inverse, at most: of several
+  ! solutions, of one (measured: beyond it a solve takes longer than one without a start).
+  real(real64), parameter :: farthest = 1.5_real64, farthest_of_one = 1.2_real64
 
 contains
 
@@ -58,10 +59,13 @@ contains
       if (size(node) == 0) return
       at = -at(node)
       n = farthest_order(here, at)
+      if (n == 1 .and. max(at(1), here) > farthest_of_one * min(at(1), here)) return
       weight = weights(here, at(:n))
       solution%is_near = .true.
-      if (present(target)) &
+      if (present(target)) then
         solution%closing = sum([(weight(k) * of(node(k))%closing, k=1, n)])
+        if (n == 1) solution%closing = solution%closing * (here / at(1))
+      end if
       ! Open pairs begin open: of their penetration an upper bound is known, and the solver finds
       ! those that touch now.
       allocate (solution%penetration(size(pairs%list)), source=far_below)

@@ -13,7 +13,8 @@ module asperity_generated_map
   use asperity_constants, only: pi_128
   use asperity_decimal, only: decimal_to_real64
   use asperity_generation_values, only: map_spec
-  use asperity_height_map, only: free_edge, height_map, length_units, periodic_edge
+  use asperity_height_map, only: fault_of_map, free_edge, height_map, highest, largest_height, &
+                                 length_units, periodic_edge
   use asperity_kinds, only: int128, int64, real128, real64
   use asperity_map_waves, only: draw_waves, map_waves, plan_waves
   use asperity_problems, only: decimal_text, not_enough_memory
@@ -27,9 +28,8 @@ module asperity_generated_map
 
   ! What is summed: heights, slopes along x (1) or along y (2).
   integer, parameter :: of_heights = 0
-  ! Bits that a number loses before it is squared: 2**31 squares of numbers below 2**59 are summed.
-  integer, parameter :: lost_bits = 16
-  integer(int64), parameter :: half = 2_int64**(lost_bits - 1)
+  ! Numbers are below 2**58: the sum of 2**8 of their squares is below 2**124.
+  integer, parameter :: spare_bits = 8
   ! Rows that are gathered at once, an even number: they share lines of the cache.
   integer, parameter :: at_once = 8
 
@@ -87,7 +87,10 @@ contains
     factor = real(spec%rms / sqrt(mean_square), real64)
     offset = real(mean, real64)
     map%height = (map%height - offset) * factor
-    map%digit = spacing(maxval(abs(map%height)))
+    map%digit = spacing(largest_height(map))
+    failure = fault_of_map(map)
+    if (largest_height(map) > highest) failure = 'heights beyond 1e30, expected a lower rms value'
+    if (failure == '') deallocate (failure)
   end subroutine generate_map
 
   !> Does a few equal pieces of the work of a map, for an estimate of its cost.
@@ -144,11 +147,16 @@ contains
     real(real128), intent(out) :: mean, square
     integer(int64), allocatable :: work(:, :), row(:, :), block(:, :, :)
     integer(int128) :: numbers, squares
-    integer :: i, j, k, first, lines, order
+    integer(int64) :: half, pixels
+    integer :: i, j, k, first, lines, lost, order
 
     ! The largest wave number has so many bits.
     order = 0
     if (which > of_heights) order = bit_size(order) - leadz(waves%most(which))
+    ! Bits that a number loses before it is squared, so that the sum of all squares fits.
+    pixels = size(map%height, kind=int64)
+    lost = max(0, bit_size(lost) * 2 - leadz(pixels) - spare_bits + 1) / 2
+    half = shiftr(shiftl(1_int64, lost), 1)
     numbers = 0_int128
     squares = 0_int128
     !$omp parallel private(work, row, block, lines, j, k) reduction(+:numbers, squares)
@@ -172,7 +180,7 @@ contains
         do k = 1, min(2, lines - j)
           associate (height => row(k, :map%columns - 1))
             numbers = numbers + sum(int(height, int128))
-            squares = squares + sum(int(shifta(height + half, lost_bits), int128)**2)
+            squares = squares + sum(int(shifta(height + half, lost), int128)**2)
             if (which == of_heights) map%height(:, first + j + k) = real(height, real64)
           end associate
         end do
@@ -180,9 +188,8 @@ contains
     end do
     !$omp end do
     !$omp end parallel
-    mean = real(numbers, real128) / size(map%height, kind=int64)
-    square = real(squares, real128) / size(map%height, kind=int64) * &
-             4.0_real128**(lost_bits + order)
+    mean = real(numbers, real128) / pixels
+    square = real(squares, real128) / pixels * 4.0_real128**(lost + order)
   end subroutine sum_waves
 
   ! The components of a slope: i k a, over 2**order.

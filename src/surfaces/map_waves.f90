@@ -83,7 +83,8 @@ contains
     ! A roll-off beyond the longest wave of the map changes no ratio of two components.
     roll_off = min(spec%roll_off, maxval(waves%side))
     waves%most = min(int(waves%side / spec%cut_off * (1 + slack)), (waves%period - 1) / 2)
-    waves%square = units((roll_off / waves%side)**2)
+    ! Along a side without waves the square is not needed, and may be beyond all whole numbers.
+    where (waves%most > 0) waves%square = units((roll_off / waves%side)**2)
     waves%highest = units((roll_off / spec%cut_off)**2 * (1 + slack))
     if (spec%below == below_none) waves%lowest = units((roll_off / spec%roll_off)**2 * (1 - slack))
     power = (1 + spec%hurst) / 2

@@ -211,16 +211,15 @@ def draw_in_whole_numbers(words):
     return first * 2 ** 31 + place - 2 ** 40
 
 
-@pytest.mark.parametrize("quantity", ("rms_height", "rms_slope"))
-def test_every_bit_is_that_of_whole_numbers(quantity, generate):
+@pytest.mark.parametrize("quantity, columns, rows", (("rms_height", 14, 12), ("rms_slope", 14, 12),
+                                                     ("rms_height", 40, 22)))
+def test_every_bit_is_that_of_whole_numbers(quantity, columns, rows, generate):
     """The map anew in Python's integers, with tables by mpmath: the bits follow from the
     definition, so they are the same on every machine, with every compiler flag."""
-    columns, rows = 14, 12
-    hurst, roll_off, cut_off = mpmath.mpf("0.7"), 4, 1
     found = generate(f"&map pixels = {columns}, {rows}, spacing = 0.5, hurst = 0.7, roll_off = 4., "
                      f"cut_off = 1., {quantity} = 0.3, seed = 9 /\n")
     with mpmath.workdps(45):
-        heights = whole_heights(columns, rows, hurst, roll_off, cut_off, quantity)
+        heights = whole_heights(columns, rows, mpmath.mpf("0.7"), 4, 1, quantity)
     assert (found == heights).all(), abs(found - heights).max()
 
 
@@ -286,9 +285,10 @@ def whole_heights(columns, rows, hurst, roll_off, cut_off, quantity):
             line = transform_in_whole_numbers(line)
             numbers += [[z[0] for z in line], [z[1] for z in line]]
         mean = mpmath.mpf(sum(map(sum, numbers))) / columns / rows
-        square = sum((z + 2 ** 15 >> 16) ** 2 for row in numbers for z in row)
+        lost = max(0, (columns * rows).bit_length() - 7) // 2
+        square = sum((z + (1 << lost >> 1) >> lost) ** 2 for row in numbers for z in row)
         square = mpmath.mpf(square) / columns / rows
-        return numbers, mean, square * mpmath.mpf(4) ** (16 + order)
+        return numbers, mean, square * mpmath.mpf(4) ** (lost + order)
 
     numbers, mean, square = sums(0)
     if quantity == "rms_height":
@@ -478,6 +478,21 @@ def test_options_that_do_not_fit(words, message, run, tmp_path):
     (tmp_path / "map.spec").write_text(text, encoding="ascii")
     assert message in run("generate", "map.spec", *words, status=2).stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.spec"]
+
+
+def test_numbers_at_the_ends_of_their_ranges(generate, run, tmp_path):
+    """Sides of unequal order of magnitude, a roll-off beyond every wave, a double as it is."""
+    heights = generate("&map pixels = 5, 7, spacing = 1e-30, 1e30, hurst = 1e-9, cut_off = 2e30, "
+                       "roll_off = 1e300, rms_height = 1. /")
+    assert heights.std() == pytest.approx(1.0, rel=1e-12)
+    # No wave along x.
+    assert np.ptp(heights, axis=1).max() < 1e-12
+    text = "&map pixels = 16, spacing = 1., hurst = {}, rms_height = {} /"
+    short, double = generate(text.format("0.7", 0.3)), generate(text.format("0.7_real64", 0.3))
+    np.testing.assert_allclose(short, double, rtol=0, atol=1e-14)
+    (tmp_path / "map.spec").write_text(text.format(0.7, "9e29"), encoding="ascii")
+    done = run("generate", "map.spec", "--output", "high.npy", status=1)
+    assert "map.spec: heights beyond 1e30, expected a lower rms value" in done.stderr
 
 
 def test_memory_is_asked_for_beforehand(asperity, tmp_path):
