@@ -19,6 +19,9 @@ module asperity_solution_start
   !> Solutions of one position.
   type :: solution_start
     type(contact_solution), allocatable :: of(:)   !! not allocated: none
+    !> Least compression, and its load over the modulus, at which a contact was inside the circle of
+    !> another one: from there on solutions depend on their start.
+    real(real64) :: crowded_from = huge(1.0_real64), crowded_load = huge(1.0_real64)
   end type solution_start
 
   !> Which solutions a run begins with, and whether it keeps its own.

@@ -12,7 +12,7 @@ module asperity_earlier_solutions
   implicit none
   private
 
-  public :: closing_expected, keep_solution, start_from_earlier
+  public :: closing_expected, keep_solution, mark_crowded, start_from_earlier
 
   ! Solutions between which is interpolated (measured on 50 loads: 4 save no more iterations).
   integer, parameter :: most_nodes = 3
@@ -41,8 +41,13 @@ contains
 
     if (.not. associated(pairs%start)) return
     if (.not. allocated(pairs%start%of)) return
-    here = solution%closing
-    if (present(target)) here = (target / pairs%modulus)**two_thirds
+    if (present(target)) then
+      here = (target / pairs%modulus)**two_thirds
+      if (target / pairs%modulus >= pairs%start%crowded_load) return
+    else
+      here = solution%closing
+      if (here >= pairs%start%crowded_from) return
+    end if
     allocate (at(size(pairs%start%of)), node(0))
     associate (of => pairs%start%of)
       do k = 1, size(of)
@@ -144,6 +149,10 @@ contains
           stays(least_needed(pairs%start%of%closing, stays, closing)) = .false.
       end if
     end if
+    if (associated(pairs%start)) then
+      start%crowded_from = pairs%start%crowded_from
+      start%crowded_load = pairs%start%crowded_load
+    end if
     allocate (start%of(count(stays) + 1))
     used = 1
     do k = 1, size(stays)
@@ -162,6 +171,18 @@ contains
       new%move = move(:, :n)
     end associate
   end subroutine keep_solution
+
+  !> Keeps the earlier solutions, and the compression and load of one that depends on its start.
+  subroutine mark_crowded(pairs, closing, load, start)
+    type(contact_pairs), intent(in) :: pairs     !! the position
+    real(real64), intent(in) :: closing          !! past first touch
+    real(real64), intent(in) :: load             !! that is given, normal or vertical
+    type(solution_start), intent(out) :: start   !! gets all
+
+    if (associated(pairs%start)) start = pairs%start
+    start%crowded_from = min(start%crowded_from, closing)
+    start%crowded_load = min(start%crowded_load, load / pairs%modulus)
+  end subroutine mark_crowded
 
   ! The solution without which the others lie nearest to each other, but none of those nearest to
   ! the new one.
@@ -193,13 +214,14 @@ contains
     closing = 0.0_real64
     if (.not. (associated(pairs%start) .and. pairs%target > 0.0_real64)) return
     if (.not. allocated(pairs%start%of)) return
+    if (pairs%target / pairs%modulus >= pairs%start%crowded_load) return
     associate (of => pairs%start%of)
       allocate (ratio(size(of)))
       do k = 1, size(of)
         ratio(k) = pairs%target / (pairs%modulus * of(k)%load(merge(2, 1, pairs%vertical)))
       end do
       k = minloc(abs(log(ratio)), 1)
-      closing = of(k)%closing * ratio(k)**two_thirds
+      if (ratio(k)**two_thirds < farthest) closing = of(k)%closing * ratio(k)**two_thirds
     end associate
   end function closing_expected
 

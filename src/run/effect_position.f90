@@ -8,7 +8,7 @@ module asperity_effect_position
                                       position_result
   use asperity_contact_state, only: apart, contact_state, load_asked_for, move_x, move_y, &
                                     start_state, total_load, total_vertical_load
-  use asperity_earlier_solutions, only: keep_solution
+  use asperity_earlier_solutions, only: keep_solution, mark_crowded
   use asperity_effect_at_load, only: weigh_at_load
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, stay, to_closing, &
@@ -73,10 +73,13 @@ contains
     ! More contacts than can be kept end the walk early.
     if (too_far .or. allocated(failure) .or. .not. allocated(result%effects)) return
     if (pairs%keeps_solution .and. allocated(state%found)) then
-      if (state%found(1, apart) > 0.0_real64) &
+      if (state%found(1, apart) > 0.0_real64) then
         call keep_solution(pairs, state%closing, [total_load(state), total_vertical_load(state)], &
                            state%penetration, transpose(state%found(2:, move_x:move_y)), &
                            result%start)
+      else
+        call mark_crowded(pairs, state%closing, load_asked_for(pairs, state), result%start)
+      end if
     end if
     if (only_grows(steps)) &
       call weigh_at_load(pairs, effects, held, state, result%effects, failure)
