@@ -99,7 +99,7 @@ contains
     if (line%output('--json') /= '') call stage_whole('--json')
     if (line%output('--vtk') /= '') call stage_vtk()
     if (line%output('--html') /= '') call stage_whole('--html')
-    if (asks_for_fields(line)) then
+    if (needs_fields(line)) then
       do i = 1, size(results%positions(1)%fields)
         call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
       end do
@@ -211,15 +211,15 @@ contains
   end subroutine run_solve_command
 
   ! Whether an option needs the pressure on the pixels of a map.
-  logical function asks_for_fields(line) result(asks)
+  logical function needs_fields(line) result(needs)
     type(command_line), intent(in) :: line
     integer :: i
 
-    asks = .false.
+    needs = .false.
     do i = 1, size(field_options)
-      asks = asks .or. line%output(trim(field_options(i))) /= ''
+      needs = needs .or. line%output(trim(field_options(i))) /= ''
     end do
-  end function asks_for_fields
+  end function needs_fields
 
   ! Refuses a map that was solved by its summits, and more files than can be written.
   subroutine check_fields(line, results, failure)
@@ -227,7 +227,7 @@ contains
     type(scene_results), intent(in) :: results
     character(len=:), allocatable, intent(inout) :: failure
 
-    if (.not. asks_for_fields(line)) return
+    if (.not. needs_fields(line)) return
     if (.not. allocated(results%positions(1)%fields)) then
       failure = line%input // ': the map was solved by its summits, which have no pressure on ' // &
                 'pixels: expected interaction = ''boundary'' in &effects'
@@ -344,7 +344,7 @@ contains
     options%keep_contacts = line%output('--contacts') // line%output('--json') // &
                             line%output('--vtk') // line%output('--html') /= '' .or. &
                             is_thesis_sweep(scene_in)
-    if (allocated(scene_in%map) .and. (asks_for_fields(line) .or. line%output('--html') /= '')) &
+    if (allocated(scene_in%map) .and. (needs_fields(line) .or. line%output('--html') /= '')) &
       options%fields = max(fields_last, line%fields_of)
     options%threads = line%threads
     options%progress = image_number() == 1

@@ -109,7 +109,7 @@ class Fields:
 
 
 def in_rows(cells: Column, shape: tuple[int, int], is_flag: bool) -> Any:
-    """The cells of a column by row and column of the map."""
+    """The values of a column by row and column of the map."""
     library: Any = numpy()
     if library is None:
         values = [bool(value) for value in cells] if is_flag else list(cells)
@@ -120,8 +120,8 @@ def in_rows(cells: Column, shape: tuple[int, int], is_flag: bool) -> Any:
     return array
 
 
-def asked(fields: Any) -> int:
-    """The states that `fields` of `solve` asks for."""
+def states_kept(fields: Any) -> int:
+    """The states whose fields a solve keeps."""
     if isinstance(fields, str):
         if fields != "all":
             raise _a.wrong("fields", repr(fields), "True, False or 'all'")

@@ -162,7 +162,7 @@ class Results:
         IndexError
             For a position or a state that the results do not have, or did not keep.
         ComputeError
-            Where no fields were asked for with `solve(..., fields=True)`, or the scene is not a
+            Where no fields were requested by `solve(..., fields=True)`, or the scene is not a
             height map solved on its pixels.
         """
         step = self._step(position, state)
@@ -171,8 +171,8 @@ class Results:
                              "solve(..., fields='all') keeps all")
         if (position, step) not in self._fields:
             if self._outcome is None:
-                raise ComputeError("no fields: expected a height map solved on its pixels, with "
-                                   "fields asked for")
+                raise ComputeError("no fields: expected a height map solved on its pixels with "
+                                   "fields requested")
             found = _c.call("fields", self._outcome, position, step).checked()
             self._fields[position, step] = _fields.Fields(found, position, step)
         return self._fields[position, step]

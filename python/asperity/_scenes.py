@@ -11,7 +11,7 @@ from typing import Any
 
 from . import _arguments as _a
 from . import _library as _c
-from ._fields import asked
+from ._fields import states_kept
 from ._maps import map_of
 from ._results import Results
 
@@ -101,7 +101,7 @@ class Scene:
                 raise _a.wrong("surfaces", "a change of the surfaces", "a new asperity.Scene")
             text = _a.Groups(self._name, _changed(self.groups, groups), _a.DOUBLE)
             read = _c.call("rebuild_scene", self._read, text.text).checked(text.named)
-        kept = asked(fields)
+        kept = states_kept(fields)
         solved = _solve(read, self._earlier, text, arithmetic, accuracy, contacts, threads,
                         progress, kept)
         self._earlier = solved
