@@ -5,7 +5,7 @@ module asperity_html_plans
   use asperity_decimal, only: decimal_to_real64
   use asperity_height_map, only: height_map
   use asperity_html_page, only: begin_table, end_table, escaped, put_row
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_position_lists, only: counted, readable
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: scene_results
@@ -153,6 +153,8 @@ contains
       call enclose(frame%upper, displacement(results, m))
       do i = last%first_row, last%last_row
         associate (row => results%positions(m)%rows(i))
+          ! A patch that spans a periodic map has no centre, and no circle.
+          if (.not. min(row%x, row%y) > not_computed) cycle
           radius = contact_radius(row)
           largest = max(largest, radius)
           low = min(low, [row%x, row%y] - radius)
@@ -287,8 +289,9 @@ contains
     if (.not. reached) call buffer%line('<g class="patch many">')
     do i = last%first_row, last_circle
       associate (row => results%positions(m)%rows(i))
-        call plot%circle(row%x, row%y, contact_radius(row), text_of(row, reached), reached, &
-                         buffer)
+        if (min(row%x, row%y) > not_computed) &
+          call plot%circle(row%x, row%y, contact_radius(row), text_of(row, reached), reached, &
+                           buffer)
       end associate
     end do
     if (.not. reached) call buffer%line('</g>')
@@ -315,7 +318,8 @@ contains
                 row%maximum_pressure]
       cells(1) = decimal_text(row%area_no)
       do k = 1, size(values)
-        cells(k + 1) = readable(values(k), digits)
+        cells(k + 1) = ''
+        if (values(k) > not_computed) cells(k + 1) = readable(values(k), digits)
       end do
       call put_row(cells, buffer)
     end subroutine put_contact

@@ -13,6 +13,8 @@ module asperity_results_vti
 
   ! Bytes before the values of an array, which count them; of a number.
   integer(int64), parameter :: count_bytes = 8_int64, real_bytes = 8_int64
+  ! Bytes of the head and the end of a file, at most.
+  integer(int64), parameter :: head_bytes = 2048_int64
 
 contains
 
@@ -26,9 +28,18 @@ contains
     integer(int64) :: offset, pixels
     character(len=80) :: numbers
     character(len=:), allocatable :: extent
-    integer :: i, j
+    integer :: i, j, status
 
     pixels = int(field%columns, int64) * field%rows
+    ! The whole file at once: a text that grows is there twice.
+    if (.not. allocated(buffer%store)) then
+      allocate (character(len=pixels * (real_bytes * size(names) + 1) + head_bytes) :: &
+                buffer%store, stat=status)
+      if (status /= 0) then
+        buffer%failed = .true.
+        return
+      end if
+    end if
     extent = '"0 ' // decimal_text(field%columns) // ' 0 ' // decimal_text(field%rows) // ' 0 0"'
     call buffer%line('<?xml version="1.0"?>')
     call buffer%line('<VTKFile type="ImageData" version="1.0" byte_order="' // &

@@ -226,6 +226,22 @@ def test_large_maps_are_drawn_as_means(asperity, tmp_path):
     assert np.array_equal((colours == 255).all(-1), blank)
 
 
+def test_page_of_a_patch_that_spans_a_periodic_map(asperity, tmp_path):
+    """It has no centre: no circle, empty cells. Full contact has all pixels in colour."""
+    height = 1e-3 * rough(24, 20, shortest=6, seed=6)
+    scene = map_scene(tmp_path, height, (0.01, 0.01), surfaces={"map_edge": "periodic"},
+                      loading={"control": "load", "value": load_for(height, (0.01, 0.01), 20.0)})
+    run(asperity, "solve", scene, "--quiet", "--html", tmp_path / "p.html", "--fields",
+        tmp_path / "f.vti")
+    _, _, fields = read_vti(tmp_path / "f.vti")
+    assert fields["contact"].all() and not fields["gap"].any()
+    page = ElementTree.fromstring((tmp_path / "p.html").read_text().replace("<!DOCTYPE html>", ""))
+    rows = [[cell.text or "" for cell in row] for row in page.iter("tr")]
+    at = rows.index(["area_no", "x", "y", "contact_radius", "load", "average_pressure",
+                     "maximum_pressure"])
+    assert rows[at + 1][:3] == ["1", "", ""] and float(rows[at + 1][4]) > 0
+
+
 def test_without_contact(asperity, tmp_path):
     height = 1e-3 * rough(24, 20, shortest=6, seed=6)
     scene = map_scene(tmp_path, height, (0.01, 0.01),
