@@ -293,6 +293,8 @@ def _values(name: str, value: Any, suffix: str) -> bytes:
     """The values of a name as a scene file has them."""
     if isinstance(value, Written):
         return value.encode("utf-8", "surrogateescape")
+    if name == "effects.interaction" and value is True:
+        return b"'auto'"
     is_single = not hasattr(type(value), "__iter__") or getattr(value, "shape", None) == ()
     if is_text(value) or is_single:
         return _value(name, value, suffix)

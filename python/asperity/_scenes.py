@@ -129,7 +129,8 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
         reference plane), `height` (above it) and `radius` (more than 0), arrays of n numbers each,
         or one radius for all; or a height map: a `HeightMap`, a topography of SurfaceTopography, or
         a matrix of heights `[y, x]` with `map_spacing` in the same group. Numbers are taken as the
-        doubles that they are; True and False stand for `on` and `off`.
+        doubles that they are; True and False stand for `on` and `off`, True for `auto` of
+        `interaction`.
     arithmetic : str, default "real64"
         `real64`, `real32`, `real128` or `ibm370`. Effects need `real64`.
     accuracy : float, default 0

@@ -55,6 +55,8 @@ def test_changes(package):
     assert len(curve) == 5 and curve["load"][-1] == pytest.approx(10.0, 1e-6)
     alone = scene.solve(effects={"interaction": False})
     assert alone.states["separation"][-1] > before["separation"][-1]
+    for word in (True, "auto"):
+        assert_near(scene.solve(effects={"interaction": word}).states, before)
     closed = scene.solve(loading={"control": "compression", "value": 1e-3}).states
     assert closed["compression"][-1] == pytest.approx(1e-3, rel=1e-9)
     soft = scene.solve(material={"elastic_modulus": None, "poisson_ratio": None,
