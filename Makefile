@@ -50,7 +50,12 @@ docs: ## API pages in docs/api
 	@PATH="$$PWD/.venv/bin:$$PATH" ford -q ford.md
 	@echo docs/api/index.html
 
-bench: ## time, memory, what accuracy costs (SAVE=1 keeps it, MOST=1e7 goes further, SMALL=1: a bit)
+ifeq ($(PART),maps)
+bench:
+	@bash .ci/setup build test figures
+	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save)
+else
+bench: ## time, memory, accuracy (SAVE=1 keeps it, MOST=1e7 goes further, SMALL=1: a bit, PART=maps)
 	@bash .ci/setup build test bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--runs 2)
 	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save) $(if $(SMALL),--small)
@@ -58,6 +63,7 @@ bench: ## time, memory, what accuracy costs (SAVE=1 keeps it, MOST=1e7 goes furt
 	@.venv/bin/python test/bench/run_tamaas.py $(if $(SAVE),--save) $(if $(SMALL),--small)
 	@.venv/bin/python test/bench/run_scale.py $(if $(SAVE),--save) $(if $(MOST),--most $(MOST)) \
 	  $(if $(SMALL),--small --most 1e4 --rounds 1)
+endif
 
 figures: ## draw the pictures in docs/figures anew
 	@bash .ci/setup build test figures

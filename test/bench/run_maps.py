@@ -202,7 +202,7 @@ def beside_tamaas(exe, side):
         done = subprocess.run([python, ROOT / "test/bench/tamaas_map.py", folder / "map.npy",
                                *map(repr, (SPACING, MODULUS, pressure, 1e-6))],
                               capture_output=True, text=True, check=True)
-        seconds, memory, level = map(float, done.stdout.split())
+        seconds, memory, level = map(float, done.stdout.split()[:3])
         print(f"{'tamaas':<20}{seconds:>9.1f}{memory / 2**20:>9.0f}{level / rms:>26.4f}")
 
 

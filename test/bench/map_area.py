@@ -1,0 +1,125 @@
+"""Contact area of self-affine surfaces against nominal pressure, beside two theories.
+
+    python test/bench/map_area.py [--pixels N] [--cut-off LENGTH] [--realisations N] [--save]
+
+Periodic random height maps of side 100, Hurst exponent 0.8 and roll-off 20, as those of the Contact
+Mechanics Challenge (Tribology Letters 65 (2017) 118), made by `asperity generate`. All pixels are
+solved at nominal pressures p from 0.001 to 0.3 of contact modulus times rms slope. On pixels the
+result depends on p alone; the rms slope is small for the summits, whose spheres it keeps shallow.
+The area of the pixels in contact is corrected by their perimeter, A - (pi - 1 + ln 2)/24 S d, with the
+width d of a pixel (Yastrebov, Anciaux and Molinari, J. Mech. Phys. Solids 107 (2017) 469). The same
+maps with a free edge are solved on their pixels and by their summits, with and without interaction.
+
+Theories for an area fraction a at p = pressure/(contact modulus times rms slope): Persson (2001),
+a = erf(sqrt(2) p); Bush, Gibson and Thomas (1975) at small pressures, a = sqrt(2 pi) p.
+"""
+
+import argparse
+import csv
+import datetime
+import math
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from run_bench import machine, release_build
+
+ROOT = Path(__file__).resolve().parents[2]
+SIDE, HURST, ROLL_OFF, SLOPE = 100.0, 0.8, 20.0, 0.01
+PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3)
+# Summits are solved below the percolation of their contacts.
+MOST_FOR_SUMMITS = 0.06
+RIM = (math.pi - 1 + math.log(2)) / 24
+METHODS = {"pixels_periodic": ("boundary", "periodic"), "pixels_free": ("boundary", "free"),
+           "summits_coupled": ("coupled", "free"), "summits_off": ("off", "free")}
+
+
+def made_map(exe, folder, pixels, cut_off, seed):
+    """A height map, as a file."""
+    spec, path = folder / "map.spec", folder / "map.npy"
+    spec.write_text(f"&map pixels = {pixels}, spacing = {SIDE / pixels!r}, hurst = {HURST}, "
+                    f"roll_off = {ROLL_OFF}, cut_off = {cut_off}, rms_slope = {SLOPE}, "
+                    f"seed = {seed} /\n")
+    subprocess.run([exe, "generate", spec, "--output", path], check=True, capture_output=True)
+    return path
+
+
+def area_fractions(exe, path, pixels, method):
+    """Area fraction by p; none where the solve fails."""
+    interaction, edge = METHODS[method]
+    pressures = [p for p in PRESSURES if interaction == "boundary" or p <= MOST_FOR_SUMMITS]
+    step = SIDE / pixels
+    scene = path.with_suffix(".scene")
+    scene.write_text(
+        f"&surfaces upper = 'plane', lower = '{path.name}', map_spacing = {step!r}, {step!r}, "
+        f"map_edge = '{edge}' /\n&material contact_modulus = 1. /\n&loading control = 'pressure', "
+        f"value = {', '.join(repr(SLOPE * p) for p in pressures)} /\n"
+        f"&effects interaction = '{interaction}' /\n")
+    curve = path.with_suffix(".csv")
+    done = subprocess.run([exe, "solve", scene, "--quiet", "--curve", curve], check=False,
+                          capture_output=True, text=True)
+    if done.returncode != 0:
+        print(done.stderr.splitlines()[-1])
+        return {}
+    with open(curve, encoding="ascii", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if float(row["nominal_pressure"]) > 0]
+    found = {}
+    for pressure, row in zip(pressures, rows):
+        found[pressure] = float(row["area_fraction"])
+        if interaction == "boundary":
+            found[pressure] -= RIM * float(row["contact_perimeter"]) * step / SIDE**2
+    return found
+
+
+def theories(pressure):
+    """Area fractions of Persson, and of Bush, Gibson and Thomas."""
+    return math.erf(math.sqrt(2) * pressure), math.sqrt(2 * math.pi) * pressure
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--pixels", type=int, default=1024)
+    parser.add_argument("--cut-off", type=float, default=0.4)
+    parser.add_argument("--realisations", type=int, default=5)
+    parser.add_argument("--save", action="store_true")
+    words = parser.parse_args()
+    (exe, flags), began, lines = release_build(), time.monotonic(), []
+    with tempfile.TemporaryDirectory() as folder:
+        found = {method: [] for method in METHODS}
+        for seed in range(1, words.realisations + 1):
+            path = made_map(exe, Path(folder), words.pixels, words.cut_off, seed)
+            for method in METHODS:
+                found[method].append(area_fractions(exe, path, words.pixels, method))
+    lines.append("cut_off,pixels,method,pressure,realisations,area_fraction,deviation,"
+                 "persson,bush_gibson_thomas")
+    for method, runs in found.items():
+        for pressure in PRESSURES:
+            values = [run[pressure] for run in runs if pressure in run]
+            if values:
+                persson, asperities = theories(pressure)
+                lines.append(f"{words.cut_off},{words.pixels},{method},{pressure},{len(values)},"
+                             f"{np.mean(values):.6f},{np.std(values):.6f},{persson:.6f},"
+                             f"{asperities:.6f}")
+    print("\n".join(lines))
+    where = "; ".join(machine(flags))
+    print(f"{time.monotonic() - began:.0f} s; {where}")
+    table = (f"# {datetime.date.today()}; {where}; python test/bench/map_area.py --pixels "
+             f"{words.pixels} --cut-off {words.cut_off} --realisations {words.realisations}\n" +
+             "\n".join(lines) + "\n")
+    for path in ["build/map_area.csv", "reference_output/bench/map_area.csv"][:1 + words.save]:
+        (ROOT / path).write_text(table, encoding="ascii")
+    if shutil.which("gnuplot"):
+        subprocess.run(["gnuplot", "-e", f"kind = 'png'; table = '{ROOT}/build/map_area.csv'; "
+                        f"out = '{ROOT}/build/map-area.png'", "map-area.gp"],
+                       cwd=ROOT / "docs/figures", check=True)
+        print("build/map-area.png")
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+    main()

@@ -1,0 +1,86 @@
+"""Periodic height maps solved on their pixels by asperity and by tamaas, in one run.
+
+    python test/bench/map_beside_tamaas.py [--pixels N ...] [--save]
+
+Random maps (Hurst exponent 0.8, roll-off a fifth of the side, cut-off 8 pixels) at a nominal pressure of
+0.05 contact modulus times rms slope, on one and on two threads. The residual is the largest distance of
+pixels under pressure from the flat, over the range of heights. The tolerance of tamaas is lowered by
+factors of ten until its residual is no larger than that of asperity; that solve counts. The time of
+asperity is that of the whole command with reading and writing, that of tamaas is its solve alone.
+"""
+
+import argparse
+import csv
+import os
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from run_bench import ROOT, machine, release_build, save
+from run_tamaas import its_python
+
+SLOPE, PRESSURE = 0.01, 0.05
+
+
+def ours(exe, folder, threads):
+    """Seconds and residual."""
+    begin = time.perf_counter()
+    subprocess.run([exe, "solve", folder / "map.scene", "--quiet", "--threads", str(threads),
+                    "--positions", folder / "map.csv"], check=True, capture_output=True,
+                   env={**os.environ, "OMP_NUM_THREADS": str(threads)})
+    seconds = time.perf_counter() - begin
+    with open(folder / "map.csv", encoding="ascii", newline="") as file:
+        return seconds, float(next(csv.DictReader(file))["interaction_residual"])
+
+
+def theirs(python, folder, threads, residual):
+    """Seconds and residual of the first tolerance whose residual is small enough."""
+    for power in range(6, 15):
+        done = subprocess.run(
+            [python, ROOT / "test/bench/tamaas_map.py", folder / "map.npy", "1", "1",
+             repr(SLOPE * PRESSURE), f"1e-{power}", "periodic", str(threads)], check=True,
+            capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": str(threads)})
+        _, _, _, seconds, found = map(float, done.stdout.split())
+        if found <= residual:
+            break
+    return seconds, found
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--pixels", type=int, nargs="+", default=[256, 1024, 2048])
+    parser.add_argument("--save", action="store_true")
+    words = parser.parse_args()
+    exe, flags = release_build()
+    python = its_python()
+    if python is None:
+        print("tamaas cannot be installed here")
+        return
+    lines = [*machine(flags), "",
+             "pixels threads  asperity s  residual   tamaas s  residual   ratio"]
+    print(lines[-1], flush=True)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for pixels in words.pixels:
+            (folder / "map.spec").write_text(
+                f"&map pixels = {pixels}, spacing = 1., hurst = 0.8, roll_off = {pixels / 5}, "
+                f"cut_off = 8., rms_slope = {SLOPE} /\n")
+            subprocess.run([exe, "generate", folder / "map.spec", "--output", folder / "map.npy"],
+                           check=True, capture_output=True)
+            (folder / "map.scene").write_text(
+                "&surfaces upper = 'plane', lower = 'map.npy', map_spacing = 1., 1., "
+                "map_edge = 'periodic' /\n&material contact_modulus = 1. /\n&loading control = "
+                f"'pressure', value = {SLOPE * PRESSURE!r} /\n&effects interaction = 'boundary' /\n")
+            for threads in (1, 2):
+                seconds, residual = ours(exe, folder, threads)
+                other, found = theirs(python, folder, threads, residual)
+                lines.append(f"{pixels:6} {threads:7} {seconds:11.2f} {residual:9.1e} {other:10.2f} "
+                             f"{found:9.1e} {other / seconds:7.1f}")
+                print(lines[-1], flush=True)
+    if words.save:
+        save("map_beside_tamaas.txt", "\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()
