@@ -2,11 +2,12 @@
 
     python test/bench/map_beside_tamaas.py [--pixels N ...] [--save]
 
-Random maps (Hurst exponent 0.8, roll-off a fifth of the side, cut-off 8 pixels) at a nominal pressure of
-0.05 contact modulus times rms slope, on one and on two threads. The residual is the largest distance of
-pixels under pressure from the flat, over the range of heights. The tolerance of tamaas is lowered by
-factors of ten until its residual is no larger than that of asperity; that solve counts. The time of
-asperity is that of the whole command with reading and writing, that of tamaas is its solve alone.
+Random maps (Hurst exponent 0.8, roll-off a fifth of the side, cut-off 8 pixels) at a nominal
+pressure of 0.05 contact modulus times rms slope, on one and on two threads. The residual is the
+largest distance of pixels under pressure from the flat, over the range of heights. The tolerance
+of tamaas is lowered by factors of ten until its residual is no larger than that of asperity; that
+solve counts. The time of asperity is that of the whole command with reading and writing, that of
+tamaas is its solve alone.
 """
 
 import argparse
@@ -66,17 +67,18 @@ def main():
             (folder / "map.spec").write_text(
                 f"&map pixels = {pixels}, spacing = 1., hurst = 0.8, roll_off = {pixels / 5}, "
                 f"cut_off = 8., rms_slope = {SLOPE} /\n")
-            subprocess.run([exe, "generate", folder / "map.spec", "--output", folder / "map.npy"],
-                           check=True, capture_output=True)
+            subprocess.run([exe, "generate", folder / "map.spec", "--output",
+                            folder / "map.npy"], check=True, capture_output=True)
             (folder / "map.scene").write_text(
                 "&surfaces upper = 'plane', lower = 'map.npy', map_spacing = 1., 1., "
                 "map_edge = 'periodic' /\n&material contact_modulus = 1. /\n&loading control = "
-                f"'pressure', value = {SLOPE * PRESSURE!r} /\n&effects interaction = 'boundary' /\n")
+                f"'pressure', value = {SLOPE * PRESSURE!r} /\n"
+                "&effects interaction = 'boundary' /\n")
             for threads in (1, 2):
                 seconds, residual = ours(exe, folder, threads)
                 other, found = theirs(python, folder, threads, residual)
-                lines.append(f"{pixels:6} {threads:7} {seconds:11.2f} {residual:9.1e} {other:10.2f} "
-                             f"{found:9.1e} {other / seconds:7.1f}")
+                lines.append(f"{pixels:6} {threads:7} {seconds:11.2f} {residual:9.1e} "
+                             f"{other:10.2f} {found:9.1e} {other / seconds:7.1f}")
                 print(lines[-1], flush=True)
     if words.save:
         save("map_beside_tamaas.txt", "\n".join(lines) + "\n")

@@ -2,9 +2,9 @@
 
     python tamaas_map.py HEIGHTS.npy SPACING MODULUS PRESSURE TOLERANCE [periodic [THREADS]]
 
-The edge is free, or periodic. Prints processor seconds of the solve, peak memory of the process in
-bytes, the flat's level, seconds of the solve, and the largest distance of pixels under pressure from
-the flat over the range of heights.
+The edge is free, or periodic. Prints processor seconds of the solve, peak memory of the process
+in bytes, the flat's level, seconds of the solve, and the largest distance of pixels under
+pressure from the flat over the range of heights.
 """
 
 import resource
