@@ -21,7 +21,7 @@ module asperity_contact_records
   integer, parameter :: most_rows = 5000000
 
   !> Memory that a state of a position takes, with its share of the position, bytes.
-  integer, parameter :: room_of_a_state = 432
+  integer, parameter :: room_of_a_state = 440
 
   !> Each position is solved at the closings at which something happens: no marching.
   integer, parameter :: by_events = 1
@@ -88,6 +88,8 @@ module asperity_contact_records
     !> [length], elastic energy [force length]; `not_computed` where no pixels of a map were solved.
     real(real64) :: mean_gap = not_computed, rms_gap = not_computed
     real(real64) :: contact_perimeter = not_computed, elastic_energy = not_computed
+    !> Area at the hardness [length**2]; `not_computed` without one.
+    real(real64) :: plastic_area = not_computed
   end type state_row
 
   !> What one effect did to one state. Words are in whole multiples of 8 letters: a record travels

@@ -86,7 +86,8 @@ module asperity_effect_names
     integer :: range = not_negative        !! of `asperity_number_ranges`, or one of the two above
     type(decimal_value) :: default = decimal_value()  !! when the scene does not have it
     !> When the scene must have it. `on`: with its effect on; `no limit`: with its effect, on or
-    !> auto, and no limit; the name of a number: with its effect and that number not 0.
+    !> auto, and no limit; `pixels`: with its effect on the pixels of a map; the name of a number:
+    !> with its effect and that number not 0.
     character(len=21) :: needed_with = ''
     character(len=18) :: in_words = ''     !! what there is when it is not 0, where others need that
     character(len=20) :: unit = ''         !! in words; blank: none
@@ -109,6 +110,8 @@ module asperity_effect_names
     effect_number('plastic_yield_stress', 'plasticity', above_zero, needed_with='no limit', &
                   unit='modulus', &
                   meaning='yield stress in tension; without it flow begins at the limit'), &
+    effect_number('plastic_hardness', 'plasticity', above_zero, needed_with='pixels', &
+                  unit='modulus', meaning='largest pressure on the pixels of a height map'), &
     effect_number('plastic_body', 'plasticity', one_word, words=plastic_bodies, &
                   meaning='the body that yields; without it the one of smaller modulus'), &
     effect_number('work_of_adhesion', 'adhesion', not_negative, needed_with='on', &
@@ -161,6 +164,8 @@ contains
       text = trim(number%effect) // ' = ''on'''
     case ('no limit')
       text = trim(number%effect) // ' and no limit'
+    case ('pixels')
+      text = trim(number%effect) // ' on the pixels of a map'
     case default
       text = trim(number%effect) // ' and ' // &
              trim(effect_numbers(findloc(effect_numbers%name, number%needed_with, 1))%in_words)

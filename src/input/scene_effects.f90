@@ -7,8 +7,8 @@ module asperity_scene_effects
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: by_default, by_numbers, by_word, control_separation, &
                                    control_limit, criterion_none, effect_auto, effect_off, &
-                                   effect_on, effect_words, is_load, scene, scene_effects, &
-                                   scene_loading, solves_pixels
+                                   effect_on, effect_words, has_hardness, is_load, scene, &
+                                   scene_effects, scene_loading, solves_pixels
   implicit none
   private
 
@@ -39,13 +39,14 @@ contains
       do i = size(known_effects), 1, -1
         if (effects%given(i) < by_word) call take_default(fields, checked, i)
       end do
+      call check_hardness(fields, checked)
       call require_numbers(fields, checked)
       if (effects%mode('friction') /= effect_off .and. rubs_back(checked)) &
         call fields%complain_of('effects', 'friction', no_way_back // &
                                 ', expected friction = ''off''')
       if (effects%mode('adhesion') == effect_off) call refuse_pulls(fields, checked%loading)
-      call check_together(fields, effects%modes)
-      if (checked%contact_modulus%digits > 0_int64) call refuse_combined(fields, effects%modes)
+      call check_together(fields, checked)
+      if (checked%contact_modulus%digits > 0_int64) call refuse_combined(fields, checked)
     end associate
   end subroutine read_effects
 
@@ -62,6 +63,7 @@ contains
       ! A group &limit says where flow begins, if loading goes on beyond it.
       if (effects%has_numbers(i) .or. (name == 'plasticity' .and. fields%has_group('limit') .and. &
           checked%loading%control /= control_limit)) effects%given(i) = by_numbers
+      if (name == 'plasticity' .and. names_hardness(checked)) effects%given(i) = by_numbers
       if (effects%given(i) == by_default .and. name /= 'interaction') return
       why = why_not(fields, checked, name)
       if (why == '') then
@@ -90,18 +92,20 @@ contains
       end associate
     end do
     associate (effect => known_effects(findloc(known_effects%name, name, 1)))
-      if (checked%contact_modulus%digits > 0_int64 .and. effect%needs /= '') &
-        why = needs_both(effect)
+      if (checked%contact_modulus%digits > 0_int64 .and. effect%needs /= '' .and. &
+          .not. (name == 'plasticity' .and. names_hardness(checked))) why = needs_both(effect)
     end associate
     if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
     if (.not. allocated(checked%map)) return
     if (name /= 'interaction') then
-      if (solves_pixels(checked)) &
+      if (solves_pixels(checked) .and. &
+          .not. (name == 'plasticity' .and. names_hardness(checked))) &
         why = 'the pixels of a map are elastic: expected interaction = ''off'' beside it'
     else
       if (checked%loading%events) why = 'the beginnings of contacts are found without it on a map'
       if (.not. checked%map%periodic) return
-      if (checked%effects%any_on()) why = 'the pixels of a periodic map are elastic'
+      if (count(checked%effects%modes /= effect_off) > merge(1, 0, has_hardness(checked))) &
+        why = 'the pixels of a periodic map are elastic'
       if (checked%loading%control == control_limit) why = 'the pixels of a map have no limit'
     end if
   end function why_not
@@ -174,11 +178,49 @@ contains
     case ('on')
       is_needed = mode == effect_on
     case ('no limit')
-      is_needed = mode /= effect_off .and. checked%limit%criterion == criterion_none
+      is_needed = mode /= effect_off .and. checked%limit%criterion == criterion_none .and. &
+                  .not. flows_on_pixels(checked)
+    case ('pixels')
+      is_needed = flows_on_pixels(checked)
     case default
       is_needed = mode /= effect_off .and. is_there(checked%effects, number%needed_with)
     end select
   end function is_needed
+
+  ! A hardness is that of pixels, which have no yield stress; nothing else has it.
+  subroutine check_hardness(fields, checked)
+    type(scene_fields), intent(inout) :: fields
+    type(scene), intent(in) :: checked
+    character(len=*), parameter :: name = 'plastic_hardness'
+    integer :: given
+
+    given = checked%effects%given(findloc(known_effects%name, 'plasticity', 1))
+    if (flows_on_pixels(checked)) then
+      if (fields%has('effects', 'plastic_yield_stress')) &
+        call fields%complain_of('effects', 'plastic_yield_stress', 'the pixels of a map yield ' // &
+             'at a pressure: found a stress, expected ' // name // ' in its place')
+    else if (fields%has('effects', name) .and. &
+             (checked%effects%mode('plasticity') /= effect_off .or. given < by_word)) then
+      call fields%complain_of('effects', name, 'it limits the pressures on the pixels of a map: ' &
+           // 'found no pixels that are solved, expected plastic_yield_stress in its place, or ' &
+           // 'a map and interaction = ''boundary''')
+    end if
+  end subroutine check_hardness
+
+  ! Whether plasticity is called for on the pixels of a map.
+  pure logical function flows_on_pixels(checked)
+    type(scene), intent(in) :: checked
+
+    flows_on_pixels = allocated(checked%map) .and. checked%effects%mode('plasticity') /= effect_off
+    if (flows_on_pixels) flows_on_pixels = solves_pixels(checked)
+  end function flows_on_pixels
+
+  ! Whether a scene with a map names a hardness.
+  pure logical function names_hardness(checked)
+    type(scene), intent(in) :: checked
+
+    names_hardness = allocated(checked%map) .and. is_there(checked%effects, 'plastic_hardness')
+  end function names_hardness
 
   ! Whether a number is not 0.
   pure logical function is_there(effects, name)
@@ -204,14 +246,15 @@ contains
   end subroutine refuse_pulls
 
   ! A combined modulus says nothing of the two bodies that it stands for.
-  subroutine refuse_combined(fields, modes)
+  subroutine refuse_combined(fields, checked)
     type(scene_fields), intent(inout) :: fields
-    integer, intent(in) :: modes(:)
+    type(scene), intent(in) :: checked
     integer :: i
 
-    do i = 1, size(modes)
+    do i = 1, size(known_effects)
       associate (effect => known_effects(i))
-        if (modes(i) == effect_off .or. effect%needs == '') cycle
+        if (checked%effects%modes(i) == effect_off .or. effect%needs == '') cycle
+        if (effect%name == 'plasticity' .and. flows_on_pixels(checked)) cycle
         call fields%complain_of('effects', trim(effect%name), needs_both(effect))
       end associate
     end do
@@ -250,22 +293,26 @@ contains
 
   ! Effects whose theories do not go together. With `auto` it shows only at a position whether both
   ! are called for.
-  subroutine check_together(fields, modes)
+  subroutine check_together(fields, checked)
     type(scene_fields), intent(inout) :: fields
-    integer, intent(in) :: modes(:)
+    type(scene), intent(in) :: checked
     character(len=:), allocatable :: why
     integer :: i, j
 
-    do i = 1, size(modes)
-      do j = 1, i - 1
-        if (any([modes(i), modes(j)] == effect_off) .or. &
-            any([modes(i), modes(j)] == effect_auto)) cycle
-        why = why_not_together(trim(known_effects(i)%name), trim(effect_words(modes(i))), &
-                               trim(known_effects(j)%name), trim(effect_words(modes(j))))
-        if (why /= '') call fields%complain_of('effects', trim(known_effects(i)%name), why // &
-                                               ', expected one of them off')
+    associate (modes => checked%effects%modes)
+      do i = 1, size(modes)
+        do j = 1, i - 1
+          if (any([modes(i), modes(j)] == effect_off) .or. &
+              any([modes(i), modes(j)] == effect_auto)) cycle
+          if (all(known_effects([i, j])%name == [character(len=11) :: 'plasticity', &
+              'interaction']) .and. flows_on_pixels(checked)) cycle
+          why = why_not_together(trim(known_effects(i)%name), trim(effect_words(modes(i))), &
+                                 trim(known_effects(j)%name), trim(effect_words(modes(j))))
+          if (why /= '') call fields%complain_of('effects', trim(known_effects(i)%name), why // &
+                                                 ', expected one of them off')
+        end do
       end do
-    end do
+    end associate
   end subroutine check_together
 
 end module asperity_scene_effects

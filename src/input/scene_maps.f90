@@ -2,6 +2,7 @@
 module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_effect_names, only: known_effects
   use asperity_height_map, only: change_unit, edge_names, expected_length, give_spacing, &
                                  height_map, is_length, length_units, level_names, level_plane, &
                                  periodic_edge, plain_unit, unit_number, usual_level
@@ -226,6 +227,7 @@ contains
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(in) :: checked           !! all groups are read
     integer :: i, mode
+    logical :: others(size(known_effects))
 
     if (.not. allocated(checked%map)) then
       do i = 1, size(own_names)
@@ -252,7 +254,9 @@ contains
     if (checked%loading%control == control_limit) &
       call fields%complain_of_group('loading', 'no control: the pixels of a map have no ' // &
            'limit, expected control = ''separation'', ''load'', ''vertical_load'' or ''pressure''')
-    if (count(checked%effects%modes /= effect_off) > 1) &
+    others = checked%effects%modes /= effect_off .and. &
+             known_effects%name /= 'interaction' .and. known_effects%name /= 'plasticity'
+    if (any(others)) &
       call fields%complain_of_group('effects', 'found another effect beside interaction = ''' // &
            trim(effect_words(mode)) // ''', expected none: the pixels of a map are elastic')
   end subroutine check_map_scene

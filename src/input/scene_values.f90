@@ -26,7 +26,8 @@ module asperity_scene_values
   public :: hold_load, hold_separation, hold_words
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
-  public :: thesis_limit_load, is_thesis_sweep, compliance, combined_modulus, solves_pixels
+  public :: thesis_limit_load, is_thesis_sweep, compliance, combined_modulus, has_hardness, &
+            solves_pixels
 
   !> Closing ends at the approach at which a contact reaches the limit.
   integer, parameter :: control_limit = 1
@@ -299,14 +300,23 @@ contains
   end function combined_modulus
 
   !> Whether a scene with a map is always solved on its pixels: asked for, or needed, as the summits
-  !> of a periodic map are solved without its images.
+  !> of a periodic map are solved without its images and have no hardness.
   pure logical function solves_pixels(scene_in)
     type(scene), intent(in) :: scene_in  !! checked values, with a map
 
     associate (mode => scene_in%effects%mode('interaction'))
       solves_pixels = mode == effect_boundary .or. &
-                      (mode == effect_auto .and. scene_in%map%periodic)
+                      (mode == effect_auto .and. &
+                       (scene_in%map%periodic .or. has_hardness(scene_in)))
     end associate
   end function solves_pixels
+
+  !> Whether the pressures of a scene are limited by a hardness.
+  pure logical function has_hardness(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values
+
+    has_hardness = scene_in%effects%mode('plasticity') /= effect_off .and. &
+                   scene_in%effects%number('plastic_hardness') > 0.0_real64
+  end function has_hardness
 
 end module asperity_scene_values

@@ -8,7 +8,7 @@
 module asperity_map_contact
   use asperity_cell_convolution, only: cell_convolution, padded_length
   use asperity_cells_influence, only: centre_influence
-  use asperity_cells_relax, only: relax
+  use asperity_cells_relax, only: missing_gap, relax
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
@@ -18,7 +18,7 @@ module asperity_map_contact
   implicit none
   private
 
-  public :: half_map, map_answer, press_map, room_to_press
+  public :: half_map, map_answer, most_load, press_map, room_to_press
 
   !> What a pressed map answers.
   type :: map_answer
@@ -54,17 +54,21 @@ module asperity_map_contact
 contains
 
   !> Presses a map, to a level of the flat or to a load.
-  recursive subroutine press_map(map, modulus, answer, load, tolerance)
+  recursive subroutine press_map(map, modulus, answer, load, tolerance, hardness)
     type(height_map), intent(in) :: map               !! at least one pixel measured
     real(real64), intent(in) :: modulus               !! combined, more than 0
     type(map_answer), intent(inout) :: answer         !! level: given where there is no load
     real(real64), intent(in), optional :: load        !! more than 0
     !> Gaps over the heights; absent: `closed_fully`.
     real(real64), intent(in), optional :: tolerance
+    !> Largest pressure of a perfectly plastic body, more than 0; absent: elastic. Surfaces may
+    !> overlap where it is reached: the flat has then pressed them down by as much.
+    real(real64), intent(in), optional :: hardness
     type(cell_convolution) :: influence
     type(height_map) :: half
     type(map_answer) :: start
     real(real64), allocatable :: gap(:, :)
+    real(real64), allocatable :: limit                ! largest force
     real(real64) :: top, range, unit, closing, allowed
     integer :: i
 
@@ -86,7 +90,8 @@ contains
         answer%ending = solve_ending(.true., 0.0_real64, 0)
         return
       end if
-      if (map%periodic .and. .not. answer%level * count(is_measured(map%height)) > &
+      if (map%periodic .and. .not. present(hardness) .and. &
+          .not. answer%level * count(is_measured(map%height)) > &
           sum(map%height, mask=is_measured(map%height))) then
         answer%failure = 'the flat is not above the mean height of a map that repeats itself'
         return
@@ -99,7 +104,7 @@ contains
     where (is_measured(map%height))
       gap = (top - map%height) / range
     else where
-      gap = 1.0_real64 / epsilon(gap)
+      gap = missing_gap
     end where
     if (.not. present(load)) gap = gap - (top - answer%level) / range
     if (.not. allocated(answer%pressure)) then
@@ -107,7 +112,12 @@ contains
         half = half_map(map)
         start%level = answer%level
         start%interrupt = answer%interrupt
-        call press_map(half, modulus, start, load, closed_start)
+        if (present(load) .and. present(hardness)) then
+          call press_map(half, modulus, start, min(load, most_load(half, hardness)), closed_start, &
+                         hardness)
+        else
+          call press_map(half, modulus, start, load, closed_start, hardness)
+        end if
         if (allocated(start%failure)) then
           answer%failure = start%failure
           return
@@ -130,13 +140,14 @@ contains
                                                 map%spacing(2) / map%spacing(1)))
       end if
       force = force / unit
+      if (present(hardness)) limit = hardness / unit
       if (present(load)) then
         closing = load / (unit * product(map%spacing))
         if (.not. sum(force) > 0.0_real64) force = merge(1.0_real64, 0.0_real64, &
                                                          gap < 0.5_real64)
         force = force * (closing / sum(force))
         call relax(influence, gap, allowed, force, answer%ending, answer%interrupt, closing, &
-                   answer%level, answer%displacement)
+                   answer%level, answer%displacement, limit)
         ! Next to nothing is lost beside the gaps.
         if (.not. abs(sum(force) - closing) < load_met * closing) answer%failure = &
           'the load is too small beside the modulus and the heights to be met on the pixels'
@@ -144,16 +155,32 @@ contains
         answer%load = load
       else
         call relax(influence, gap, allowed, force, answer%ending, answer%interrupt, &
-                   displacement=answer%displacement)
+                   displacement=answer%displacement, limit=limit)
         answer%load = sum(force) * unit * product(map%spacing)
       end if
-      force = force * unit
+      if (present(hardness)) then
+        where (force < limit)
+          force = force * unit
+        else where
+          force = hardness
+        end where
+      else
+        force = force * unit
+      end if
       answer%displacement = answer%displacement * range
     end associate
     if (.not. (answer%ending%converged .or. allocated(answer%failure))) &
       answer%failure = 'the pressures on the map did not converge'
     if (allocated(answer%failure) .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
   end subroutine press_map
+
+  !> The largest load of a perfectly plastic map: the hardness on all measured pixels.
+  pure real(real64) function most_load(map, hardness)
+    type(height_map), intent(in) :: map    !! any
+    real(real64), intent(in) :: hardness   !! largest pressure
+
+    most_load = hardness * product(map%spacing) * count(is_measured(map%height))
+  end function most_load
 
   !> Memory that `press_map` takes beside the map, bytes.
   pure integer(int64) function room_to_press(map) result(bytes)

@@ -93,6 +93,7 @@ contains
     real(real64), allocatable :: area(:), closing(:), influence(:), left_out(:), residual(:)
     character(len=:), allocatable :: word, head, text, why
     integer :: first, m, number, simulated_at
+    logical :: has_pixels
 
     number = size(results%positions)
     allocate (simulated(number), so(number), influence(number), left_out(number), &
@@ -100,6 +101,8 @@ contains
     influence = 0.0_real64
     left_out = -1.0_real64
     residual = 0.0_real64
+    ! On pixels the load without plasticity is not computed.
+    has_pixels = header%names(e) == 'plasticity' .and. header%hardness > 0.0_real64
     do m = 1, number
       associate (outcome => results%positions(m)%effects(e))
         simulated(m) = outcome%simulated /= 'off'
@@ -108,6 +111,7 @@ contains
         if (simulated(m)) then
           influence(m) = 0.0_real64
           if (outcome%influence > not_computed) influence(m) = outcome%influence
+          if (has_pixels) influence(m) = not_computed
           residual(m) = outcome%ending%residual
         else
           left_out(m) = max(0.0_real64, outcome%estimate)
@@ -128,8 +132,12 @@ contains
     else
       call add(head, word // ': simulated at ' // counted(simulated_at, 'position') // text)
     end if
-    if (header%names(e) == 'plasticity') &
+    if (has_pixels) then
+      call add('', 'perfectly plastic pixels: pressures up to plastic_hardness = ' // &
+               readable(header%hardness, 6))
+    else if (header%names(e) == 'plasticity') then
       call add('', 'the ' // header%plastic_body // ' body yields')
+    end if
     if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
       call add('', 'plasticity index ' // &
                real_text(header%plasticity_index, 'g10.3'))

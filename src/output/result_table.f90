@@ -245,6 +245,8 @@ contains
     if (allocated(results%effects)) then
       if (any(results%effects%names == 'plasticity')) &
         call self%put('dissipated_work', state%dissipated_work, is_moment)
+      if (any(results%effects%state_columns == 'plastic_area')) &
+        call self%put('plastic_area', state%plastic_area, is_area)
     end if
     call fill_nominal(self, results, state)
     call fill_gap(self, results, state)

@@ -41,6 +41,7 @@ module asperity_totals_table
     effect_total('hertz_load', 'Hertzian load', is_force, 'elastic, at the same penetrations'), &
     effect_total('contacts_flowing', 'yielding contacts', is_number, ''), &
     effect_total('dissipated_work', 'dissipated work', is_moment, 'since first contact'), &
+    effect_total('plastic_area', 'area at the hardness', is_area, 'of whole pixels'), &
     effect_total('residual_flattening', 'residual flattening', is_length, 'largest of a contact'), &
     effect_total('adhering_contacts', 'adhering contacts', is_number, ''), &
     effect_total('pulling_contacts', 'contacts in tension', is_number, ''), &

@@ -4,7 +4,7 @@ module asperity_map_press_solver
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
   use asperity_height_map, only: height_map
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_map_contact, only: map_answer, press_map, room_to_press
+  use asperity_map_contact, only: map_answer, most_load, press_map, room_to_press
   use asperity_map_despiking, only: limit_of_spikes
   use asperity_map_fields, only: measure_fields, take_field
   use asperity_map_levelling, only: is_flat
@@ -12,10 +12,10 @@ module asperity_map_press_solver
   use asperity_map_scene, only: map_loading
   use asperity_map_shares, only: find_shares, map_shares, warn_of_shares
   use asperity_position_solver, only: position_solver
-  use asperity_problems, only: decimal_text, not_enough_memory
+  use asperity_problems, only: decimal_text, not_enough_memory, real_text
   use asperity_process, only: has_memory
   use asperity_scene_results, only: effect_header
-  use asperity_scene_values, only: scene
+  use asperity_scene_values, only: has_hardness, scene
   use asperity_theory_limits, only: look_at_pressure, set_theory_limits, theory_limits
   use asperity_theory_warnings, only: of_flat_map, of_resolution, take_worse, theory_warning, &
                                       warn, warning_kinds
@@ -24,6 +24,9 @@ module asperity_map_press_solver
 
   public :: make_map_solver, name_map_columns
 
+  ! A load is the largest one that the hardness bears, but for rounding.
+  real(real64), parameter :: load_rounding = 1.0e-12_real64
+
   !> A map made ready.
   type, extends(position_solver) :: map_press_solver
     private
@@ -31,6 +34,7 @@ module asperity_map_press_solver
     type(map_loading) :: loading
     real(real64) :: spike_limit = 0.0_real64
     real(real64) :: tolerance = 0.0_real64
+    real(real64), allocatable :: hardness        ! largest pressure; not allocated: elastic
     type(theory_limits) :: limits
     integer :: fields = fields_none              ! which states keep pressure and gap
     character(len=:), allocatable :: unit        ! of length; empty: not known
@@ -53,6 +57,7 @@ contains
     new%map => map
     new%loading = loading
     new%tolerance = scene_in%effects%number('tolerance')
+    if (has_hardness(scene_in)) new%hardness = scene_in%effects%number('plastic_hardness')
     call set_theory_limits(scene_in, 0, 0, new%limits)
     new%spike_limit = limit_of_spikes(map, 1)
     new%fields = fields
@@ -65,19 +70,28 @@ contains
   end subroutine make_map_solver
 
   !> What a pressed map tells beside its contacts.
-  subroutine name_map_columns(mode, header)
-    integer, intent(in) :: mode                 !! how interaction is called for
-    type(effect_header), intent(out) :: header  !! of one effect, interaction on the samples
+  subroutine name_map_columns(scene_in, header)
+    type(scene), intent(in) :: scene_in         !! with a map that is solved on its pixels
+    type(effect_header), intent(out) :: header  !! of interaction, and of plasticity with a hardness
 
     header%names = [character(len=11) :: 'interaction']
-    header%modes = [mode]
+    header%modes = [scene_in%effects%mode('interaction')]
     header%contact_columns = [character(len=20) :: 'samples']
     header%state_columns = [character(len=20) :: 'samples_in_contact', 'sample_area']
     header%contact_powers = reshape([0, 0], [2, 1])
     header%state_powers = reshape([0, 0, 0, 2], [2, 2])
+    if (.not. has_hardness(scene_in)) return
+    header%names = [character(len=11) :: header%names, 'plasticity']
+    header%modes = [header%modes, scene_in%effects%mode('plasticity')]
+    header%hardness = scene_in%effects%number('plastic_hardness')
+    header%state_columns = [character(len=20) :: header%state_columns, 'plastic_area', &
+                            'dissipated_work']
+    header%state_powers = reshape([0, 0, 0, 2, 0, 2, 1, 3], [2, 4])
   end subroutine name_map_columns
 
-  ! Presses to one state after the other, each the start of the next.
+  ! Presses to one state after the other, each the start of the next. With a hardness each state
+  ! deforms the map: pixels at the hardness sink by the overlap that is left there, and bear no
+  ! other pressure for it.
   subroutine press_to_states(self, m, keep_rows, result, failure)
     class(map_press_solver), intent(in) :: self
     integer, intent(in) :: m
@@ -85,29 +99,41 @@ contains
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(map_answer) :: answer
+    type(height_map), allocatable, target :: deformed
+    type(height_map), pointer :: pressed
     type(map_patch), allocatable :: patches(:)
     type(map_shares) :: shares
     type(theory_warning), allocatable :: warnings(:)
     real(real64), allocatable :: values(:, :)
+    real(real64) :: work
     integer :: i
 
     call make_room_for_fields(self, result, failure)
     if (allocated(failure)) return
     allocate (result%states(self%states), result%rows(0), values(0, 1))
+    pressed => self%map
+    work = 0.0_real64
+    if (allocated(self%hardness)) then
+      allocate (deformed, source=self%map)
+      pressed => deformed
+      call check_load(self, failure)
+      if (allocated(failure)) return
+    end if
     answer%interrupt = self%interrupt
     do i = m, self%states
       if (self%loading%by_load .and. self%loading%values(i) > 0.0_real64) then
-        call press_map(self%map, self%loading%modulus, answer, &
-                       self%loading%values(i))
+        call press_map(pressed, self%loading%modulus, answer, &
+                       self%loading%values(i), hardness=self%hardness)
       else
-        answer%level = maxval(self%map%height)
+        answer%level = maxval(pressed%height)
         if (.not. self%loading%by_load) answer%level = self%loading%values(i)
-        call press_map(self%map, self%loading%modulus, answer)
+        call press_map(pressed, self%loading%modulus, answer, hardness=self%hardness)
       end if
       if (allocated(answer%failure)) then
         failure = answer%failure
         return
       end if
+      if (allocated(deformed)) call deform_map(self%hardness, answer, deformed, work)
       call find_patches(self%map, answer%pressure, patches)
       call find_shares(self%map, answer%pressure, patches, self%spike_limit, shares)
       if (allocated(warnings)) deallocate (warnings)
@@ -115,9 +141,9 @@ contains
       if (is_flat(self%map)) call warn(warnings, of_flat_map, 0.0_real64)
       call warn_of_patches(self, patches, i == self%states, warnings)
       call take_worse(result%warnings, warnings, i)
-      call tell_state(self, answer, patches, keep_rows, result, i)
+      call tell_state(self, pressed, answer, patches, work, keep_rows, result, i)
       if (self%fields == fields_all .or. (self%fields /= fields_none .and. i == self%states)) &
-        call take_field(self%map, answer, i, &
+        call take_field(pressed, answer, i, &
                         result%fields(i - self%states + size(result%fields)))
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])
@@ -126,14 +152,50 @@ contains
     result%state_values = count(answer%pressure > 0.0_real64) * &
                           [1.0_real64, product(self%map%spacing)]
     call move_alloc(values, result%contact_values)
-    allocate (result%effects(1))
+    if (allocated(self%hardness)) result%state_values = [result%state_values, &
+      result%states(self%states)%plastic_area, work]
+    allocate (result%effects(merge(2, 1, allocated(self%hardness))))
+    result%effects%simulated = 'on'
     result%effects(1)%simulated = 'boundary'
-    result%effects(1)%why = 'on the pixels of the map'
-    result%effects(1)%estimate = not_computed
-    result%effects(1)%influence = not_computed
-    result%effects(1)%ending = answer%ending
+    result%effects%why = 'on the pixels of the map'
+    result%effects%estimate = not_computed
+    result%effects%influence = not_computed
+    result%effects%ending = answer%ending
     result%error_estimate = answer%ending%residual
   end subroutine press_to_states
+
+  ! A load that the hardness on all measured pixels does not bear.
+  subroutine check_load(self, failure)
+    class(map_press_solver), intent(in) :: self
+    character(len=:), allocatable, intent(out) :: failure
+
+    if (.not. self%loading%by_load) return
+    associate (most => most_load(self%map, self%hardness))
+      if (maxval(self%loading%values) > most * (1.0_real64 + load_rounding)) &
+        failure = 'the load is above plastic_hardness times the measured area: found ' // &
+                  real_text(maxval(self%loading%values)) // ', expected at most ' // &
+                  real_text(most)
+    end associate
+  end subroutine check_load
+
+  ! Lowers the pixels at the hardness by the overlap of the surfaces there, and adds its work.
+  subroutine deform_map(hardness, answer, map, work)
+    real(real64), intent(in) :: hardness      ! largest pressure
+    type(map_answer), intent(in) :: answer    ! of this map, with its displacement
+    type(height_map), intent(inout) :: map    ! measured pixels may sink
+    real(real64), intent(inout) :: work       ! [force length], grows
+    real(real64) :: overlap
+    integer :: i, j
+
+    do j = 1, map%rows
+      do i = 1, map%columns
+        if (answer%pressure(i, j) < hardness) cycle
+        overlap = max(0.0_real64, (map%height(i, j) - answer%level) - answer%displacement(i, j))
+        map%height(i, j) = map%height(i, j) - overlap
+        work = work + hardness * overlap * product(map%spacing)
+      end do
+    end do
+  end subroutine deform_map
 
   ! Looks for the memory of all fields that are kept, beside what the solver takes.
   subroutine make_room_for_fields(self, result, failure)
@@ -180,10 +242,12 @@ contains
   end subroutine warn_of_patches
 
   ! One state and its spots.
-  subroutine tell_state(self, answer, patches, keep_rows, result, number)
+  subroutine tell_state(self, deformed, answer, patches, work, keep_rows, result, number)
     class(map_press_solver), intent(in) :: self
+    type(height_map), intent(in) :: deformed  ! with the residual shape
     type(map_answer), intent(in) :: answer
     type(map_patch), intent(in) :: patches(:)
+    real(real64), intent(in) :: work          ! dissipated
     logical, intent(in) :: keep_rows
     type(position_result), intent(inout) :: result
     integer, intent(in) :: number
@@ -199,7 +263,11 @@ contains
     state%area = sum(patches%area)
     state%projected_area = state%area
     state%greatest_pressure = maxval([0.0_real64, patches%highest])
-    call measure_fields(self%map, answer, state)
+    call measure_fields(deformed, answer, state)
+    if (allocated(self%hardness)) then
+      state%plastic_area = product(self%map%spacing) * count(.not. answer%pressure < self%hardness)
+      state%dissipated_work = work
+    end if
     if (keep_rows) then
       do i = 1, size(patches)
         associate (row => rows(i), patch => patches(i))

@@ -110,7 +110,7 @@ contains
     if (allocated(failure)) return
     call make_map_solver(scene_in, map, loading, options%fields, solver)
     allocate (results%effects)
-    call name_map_columns(scene_in%effects%mode('interaction'), results%effects)
+    call name_map_columns(scene_in, results%effects)
     results%effects%tolerance = scene_in%effects%number('tolerance')
     call sweep_scene(scene_in, options, solver, results, failure)
     if (.not. allocated(failure)) call add_map_warnings(scene_in, map, results)

@@ -13,7 +13,7 @@ module asperity_position_packet
   public :: pack_position, unpack_position
 
   ! Words of a position without its lists, of a state, a contact, an effect and a warning.
-  integer, parameter :: of_head = 13 + size(known_effects), of_state = 18, of_row = 13, &
+  integer, parameter :: of_head = 13 + size(known_effects), of_state = 19, of_row = 13, &
                         of_effect = 16, of_warning = 8
   ! One word, as the form of what is copied.
   integer(int64), parameter :: word(1) = 0_int64
@@ -106,23 +106,24 @@ contains
                        state%vertical_load, state%area, state%projected_area, &
                        state%greatest_pressure, state%load_asked, state%dissipated_work, &
                        state%mean_gap, state%rms_gap, state%contact_perimeter, &
-                       state%elastic_energy], word), &
+                       state%elastic_energy, state%plastic_area], word), &
              int([state%contacts, state%asked, state%first_row, state%last_row], int64)]
   end function words_of_state
 
   pure function state_of(words) result(state)
     integer(int64), intent(in) :: words(of_state)
     type(state_row) :: state
-    real(real64) :: numbers(14)
+    real(real64) :: numbers(15)
 
-    numbers = transfer(words(:14), numbers)
+    numbers = transfer(words(:15), numbers)
     state = state_row(approach=numbers(1), closing=numbers(2), time=numbers(3), load=numbers(4), &
                       vertical_load=numbers(5), area=numbers(6), projected_area=numbers(7), &
                       greatest_pressure=numbers(8), load_asked=numbers(9), &
                       dissipated_work=numbers(10), mean_gap=numbers(11), rms_gap=numbers(12), &
                       contact_perimeter=numbers(13), elastic_energy=numbers(14), &
-                      contacts=int(words(15)), asked=int(words(16)), first_row=int(words(17)), &
-                      last_row=int(words(18)))
+                      plastic_area=numbers(15), &
+                      contacts=int(words(16)), asked=int(words(17)), first_row=int(words(18)), &
+                      last_row=int(words(19)))
   end function state_of
 
   pure function words_of_warning(warning) result(words)

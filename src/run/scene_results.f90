@@ -24,6 +24,7 @@ module asperity_scene_results
     real(real64) :: tolerance = 0.0_real64                 !! share of the load for `auto`
     real(real64) :: plasticity_index = -1.0_real64         !! of the surfaces; negative: not known
     character(len=5) :: plastic_body = ''                  !! that yields: upper or lower
+    real(real64) :: hardness = 0.0_real64                  !! of the pixels of a map; 0: none
   end type effect_header
 
   !> How the summits of a map compare with the map itself at the same load.

@@ -72,8 +72,14 @@ def solved(asperity, tmp_path_factory):
                  "plastic_yield_stress": 6000.0, "work_of_adhesion": 1e-3,
                  "equilibrium_distance": 1e-7, "relaxation_time": 1.0, "hold_time": 1.0,
                  "relaxed_modulus_ratio": 0.5})
+    plastic = write_scene(
+        folder / "plastic.scene", surfaces={"upper": "plane", "lower": str(
+            ROOT / "data/examples/summits/rough.sdf")},
+        material={"contact_modulus": 1e11}, effects={
+            "interaction": "boundary", "plasticity": "on", "plastic_hardness": 1e9},
+        loading={"control": "vertical_load", "value": (5e-4, 0.0)})
     tables = {name: [] for name in FILES}
-    for scene in (*SCENES, map_scene, summits, off):
+    for scene in (*SCENES, map_scene, summits, off, plastic):
         words = [word for name in FILES for word in (name, folder / name[2:])]
         run(asperity, "solve", scene, "--quiet", *words)
         for name in FILES:

@@ -1,0 +1,304 @@
+"""Pressures limited by a hardness on the pixels of a height map (`plastic_hardness`): closed
+forms, the conditions of the one solution, projected gradients in numpy, cycles, refused scenes."""
+
+import csv
+import re
+import subprocess
+
+import numpy as np
+import pytest
+
+from image_data import read_vti
+from map_press_truth import product, rough
+from surfaces_csv import solve
+from test_map_scene import E, level, load_for, map_scene
+
+SIDES = (0.01, 0.013)
+AREA = SIDES[0] * SIDES[1]
+
+
+def run(asperity, folder, height, hardness, name="map", edge="free",
+        **groups):
+    """States as dicts of numbers, the position, fields of every state."""
+    scene = map_scene(folder, height, SIDES, name=name, surfaces={"map_edge": edge}, **groups)
+    text = scene.read_text()
+    text = text.replace("plasticity = 'off'", f"plastic_hardness = {hardness!r}, "
+                        "plasticity = 'on'")
+    scene.write_text(text)
+    done = subprocess.run(
+        [asperity, "solve", scene, "--quiet", "--fields", folder / f"{name}.vti", "--fields-of",
+         "all", "--curve", folder / f"{name}.curve", "--positions", folder / f"{name}.positions"],
+        stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    tables = []
+    for kind in ("curve", "positions"):
+        with open(folder / f"{name}.{kind}", newline="") as file:
+            tables.append([{key: cell if key in ("interaction", "plasticity") else float(cell or
+                            "nan") for key, cell in row.items()} for row in csv.DictReader(file)])
+    count = len(tables[0])
+    files = [folder / f"{name}_{k:04}.vti" for k in range(1, count + 1)]
+    return tables[0], tables[1][0], [read_vti(file)[2] for file in files]
+
+
+def levelled(height, edge):
+    return height - height.mean() if edge == "periodic" else level(height)
+
+
+def clip_to_load(pressure, hardness, total):
+    """The nearest pressures from 0 to the hardness whose sum is given: by bisection."""
+    low, high = pressure.min() - hardness, pressure.max()
+    for _ in range(200):
+        middle = (low + high) / 2
+        if np.clip(pressure - middle, 0, hardness).sum() > total:
+            low = middle
+        else:
+            high = middle
+    return np.clip(pressure - high, 0, hardness)
+
+
+def projected_gradients(height, hardness, edge, total=None, flat=None):
+    """Level of the flat and pressures: Nesterov's accelerated projected gradients with restarts, of
+    a given sum or at a given level; violations are closed to 1e-10 of the range of heights."""
+    act = product(height.shape, SIDES, edge == "periodic")
+    probe = np.random.default_rng(0).random(height.shape)
+    for _ in range(200):
+        probe = act(probe) / np.linalg.norm(probe)
+    step = 0.98 * E / np.linalg.norm(probe)
+
+    def project(p):
+        return np.clip(p, 0, hardness) if total is None else clip_to_load(p, hardness, total)
+
+    p = project(np.full(height.shape, hardness / 2))
+    ahead, weight = p, 1.0
+    for _ in range(100000):
+        rest = act(p) / E - height
+        moving = (p > 0) & (p < hardness)
+        lower = flat if flat is not None else -rest[moving].mean()
+        rest += lower
+        worst = max(np.abs(rest[moving]).max(initial=0), -rest[p < hardness].min(initial=0),
+                    rest[p > 0].max(initial=0))
+        if worst < 1e-10 * np.ptp(height):
+            return lower, p
+        new = project(ahead - step * (act(ahead) / E - height + (0 if flat is None else flat)))
+        if ((ahead - new) * (new - p)).sum() > 0:
+            ahead, weight = p, 1.0
+            continue
+        more = (1 + np.sqrt(1 + 4 * weight**2)) / 2
+        ahead, p, weight = new + (weight - 1) / more * (new - p), new, more
+    raise RuntimeError(f"violations of {worst:.1e} are left")
+
+
+def deformed_shape(height, state, field):
+    """How far the pixels are pressed down, from the fields, wherever the flat is above them."""
+    return field["gap"] - (state["separation"] - height + field["displacement"])
+
+
+@pytest.mark.parametrize("edge", ["free", "periodic"])
+@pytest.mark.parametrize("share, hard", [(0.05, 0.2), (0.2, 0.1), (0.1, 1.0), (0.3, 0.03)])
+def test_against_projected_gradients(asperity, tmp_path, tally, edge, share, hard):
+    """Hardness as a share of the modulus times the slope of the map; load, then separation."""
+    height = 1e-3 * rough(32, shortest=5, seed=int(1000 * share))
+    of = levelled(height, edge)
+    slope = 2 * load_for(height, SIDES, 1.0) / (E * height.size * AREA)
+    hardness = hard * E * slope
+    load = min(load_for(height, SIDES, share), 0.6 * hardness * height.size * AREA)
+    states, row, (field,) = run(asperity, tmp_path, height, hardness, edge=edge,
+                                loading={"control": "load", "value": load})
+    flat, true = projected_gradients(of, hardness, edge, total=load / AREA)
+    full = true == hardness
+    assert 0 < full.sum() < (true > 0).sum() or hard > 0.9
+    errors = [row["separation"] / flat - 1, np.abs(field["pressure"] - true).max() / true.max(),
+              row["load"] / load - 1, field["pressure"].sum() * AREA / load - 1]
+    assert max(map(abs, errors)) < 1e-7, errors
+    overlap = np.where(full, of - flat - product(of.shape, SIDES, edge == "periodic")(true) / E, 0)
+    assert overlap.min() > -1e-9 * np.ptp(of)
+    assert row["plastic_area"] == pytest.approx(full.sum() * AREA, rel=1e-12)
+    assert row["dissipated_work"] == pytest.approx(hardness * overlap.sum() * AREA, rel=1e-7,
+                                                   abs=1e-12)
+    assert states[-1]["plastic_area"] == row["plastic_area"]
+    # The same at the separation that was found.
+    _, there, (other,) = run(asperity, tmp_path, height, hardness, name="there", edge=edge,
+                             loading={"control": "separation", "value": row["separation"]})
+    _, at_level = projected_gradients(of, hardness, edge, flat=row["separation"])
+    more = [there["load"] / load - 1, np.abs(other["pressure"] - at_level).max() / true.max()]
+    assert max(map(abs, more)) < 1e-6, more
+    tally.add("plastic pixels against numpy", len(errors + more), len(errors + more))
+
+
+@pytest.mark.parametrize("edge", ["free", "periodic"])
+def test_conditions_on_the_fields(asperity, tmp_path, edge):
+    """Of every state of a path on 128 x 96 pixels, coarse starts included."""
+    height = 1e-3 * rough(128, 96, shortest=8, seed=5)
+    of = levelled(height, edge)
+    load = load_for(height, SIDES, 0.1)
+    hardness = 0.15 * E * 2 * load_for(height, SIDES, 1.0) / (E * height.size * AREA)
+    states, _, fields = run(asperity, tmp_path, height, hardness, edge=edge, loading={
+        "control": "load", "value": (load, 0.3 * load, 1.5 * load), "points": 2})
+    shape = np.zeros_like(of)
+    work = 0.0
+    act = product(of.shape, SIDES, edge == "periodic")
+    reach = np.ptp(of)
+    for state, field in zip(states, fields):
+        p, gap = field["pressure"], field["gap"]
+        assert p.min() == 0 and p.max() <= hardness and gap.min() == 0
+        assert p.sum() * AREA == pytest.approx(state["load"], rel=1e-12)
+        assert np.abs(field["displacement"] - act(p) / E).max() <= 1e-12 * reach
+        now = deformed_shape(of, state, field)
+        grown = now - shape
+        full = p == hardness
+        # Pixels sink where the pressure is the hardness and nowhere else.
+        assert grown.min() > -1e-9 * reach
+        assert np.abs(grown[~full]).max() < 1e-9 * reach
+        assert not (gap * p).any()
+        work += hardness * grown[full].sum() * AREA
+        assert state["dissipated_work"] == pytest.approx(work, rel=1e-6, abs=1e-12 * load)
+        assert state["plastic_area"] == pytest.approx(full.sum() * AREA, rel=1e-12)
+        shape = now
+    assert states[2]["plastic_area"] > 0.02 * of.size * AREA
+    assert states[4]["plastic_area"] == 0
+
+
+@pytest.mark.parametrize("edge", ["free", "periodic"])
+def test_a_cycle_goes_back_along_unloading(asperity, tmp_path, edge):
+    """Reloading follows unloading; no work is dissipated up to the largest load; the residual shape
+    stays at no load."""
+    height = 1e-3 * rough(64, 48, shortest=6, seed=8)
+    of = levelled(height, edge)
+    load = load_for(height, SIDES, 0.15)
+    hardness = 0.15 * E * 2 * load_for(height, SIDES, 1.0) / (E * height.size * AREA)
+    states, row, fields = run(asperity, tmp_path, height, hardness, edge=edge, loading={
+        "control": "load", "value": (load, 0.0, load, 1.2 * load), "points": 4})
+    up, down, again, on = states[1:5], states[4:9], states[8:13], states[12:17]
+    reach = np.ptp(of)
+    for one, other in zip(down, again[::-1]):
+        assert abs(one["separation"] - other["separation"]) < 1e-8 * reach
+        assert other["area"] == pytest.approx(one["area"], rel=1e-3)
+    assert all(a["dissipated_work"] < b["dissipated_work"] for a, b in zip(up, up[1:]))
+    lost = [state["dissipated_work"] for state in down + again]
+    assert lost[0] > 0 and max(lost) / min(lost) - 1 < 1e-8
+    assert on[-1]["dissipated_work"] > 1.1 * lost[0]
+    # Without load: the shape of the largest load, touched at its highest point.
+    shapes = [deformed_shape(of, state, field) for state, field in zip(states, fields)]
+    assert np.abs(shapes[8] - shapes[4]).max() < 1e-8 * reach
+    assert shapes[8].max() > 0.05 * reach
+    assert states[8]["separation"] == pytest.approx((of - shapes[4]).max(), rel=1e-8)
+    assert states[8]["elastic_energy"] == 0 and states[8]["plastic_area"] == 0
+    assert row["plasticity"] == "on"
+
+
+def test_many_states_dissipate_the_loop(asperity, tmp_path):
+    """The sum over states and the area of the loop agree better the smaller the states are."""
+    height = 1e-3 * rough(32, shortest=5, seed=9)
+    load = load_for(height, SIDES, 0.2)
+    hardness = 0.1 * E * 2 * load_for(height, SIDES, 1.0) / (E * height.size * AREA)
+    errors = []
+    for points in (5, 40):
+        states, _, _ = run(asperity, tmp_path, height, hardness, name=f"m{points}", loading={
+            "control": "load", "value": (load, 0.0), "points": points})
+        loop = sum((b["load"] + a["load"]) / 2 * (b["compression"] - a["compression"])
+                   for a, b in zip(states, states[1:]))
+        errors.append(abs(loop / states[-1]["dissipated_work"] - 1))
+    assert errors[1] < 0.2 * errors[0] and errors[1] < 0.02, errors
+
+
+@pytest.mark.parametrize("edge", ["free", "periodic"])
+def test_full_saturation(asperity, tmp_path, edge):
+    """The largest load is the hardness times the measured area; more is refused."""
+    height = 1e-3 * rough(33, 32, shortest=5, seed=3)
+    hardness = 0.01
+    most = hardness * height.size * AREA
+    for load in (most, 0.999 * most):
+        states, _, (field,) = run(asperity, tmp_path, height, hardness, edge=edge,
+                                  loading={"control": "load", "value": load})
+        assert field["pressure"].sum() * AREA == pytest.approx(load, rel=1e-12)
+        assert (field["pressure"] == hardness).sum() >= 0.99 * load / most * height.size
+    states, _, (field,) = run(asperity, tmp_path, height, hardness, edge=edge,
+                              loading={"control": "compression", "value": 1.0})
+    assert states[0]["load"] == pytest.approx(most, rel=1e-12)
+    assert (field["pressure"] == hardness).all() and not field["gap"].any()
+    scene = map_scene(tmp_path, height, SIDES, name="more", surfaces={"map_edge": edge},
+                      loading={"control": "load", "value": 1.001 * most})
+    scene.write_text(scene.read_text().replace("plasticity = 'off'", "plastic_hardness = 0.01"))
+    found = solve(asperity, scene)
+    assert found.status == 1 and "plastic_hardness times the measured area" in found.stderr
+
+
+def test_a_soft_ridge(asperity, tmp_path):
+    """Steps of one height, soft as wax beside the modulus: each is at the hardness over its whole
+    width or touches nowhere, and the area is the load over the hardness."""
+    height = np.zeros((40, 24))
+    height[5:9] = 0.02
+    height[25:33] = 0.05
+    hardness = 1e-4
+    for load_share, rows in ((0.5, 8), (1.0, 8)):
+        load = load_share * hardness * 8 * 24 * AREA
+        states, _, (field,) = run(asperity, tmp_path, height, hardness, edge="periodic",
+                                  loading={"control": "load", "value": load})
+        pressed = field["pressure"] > 0
+        assert pressed[25:33].all() and pressed.sum() == rows * 24
+    assert states[0]["plastic_area"] == pytest.approx(load / hardness, rel=1e-9)
+
+
+def test_a_hardness_out_of_reach_changes_nothing(asperity, tmp_path):
+    height = 1e-3 * rough(64, 48, shortest=6, seed=8)
+    load = load_for(height, SIDES, 0.1)
+    _, row, (field,) = run(asperity, tmp_path, height, 1e6,
+                           loading={"control": "load", "value": load})
+    scene = map_scene(tmp_path, height, SIDES, name="elastic",
+                      loading={"control": "load", "value": load})
+    elastic = solve(asperity, scene).positions[0]
+    assert row["plastic_area"] == 0 and row["dissipated_work"] == 0
+    for name in ("separation", "load", "area", "mean_gap", "elastic_energy"):
+        assert row[name] == pytest.approx(float(elastic[name]), rel=1e-8), name
+
+
+@pytest.mark.parametrize("effects, words", [
+    (", plastic_hardness = 0.1", r"plasticity +auto"),
+    (", plastic_hardness = 0.1, plasticity = 'on'", r"plasticity +on"),
+    (", plastic_hardness = 0.1, plasticity = 'off'", None)])
+@pytest.mark.parametrize("interaction", ["boundary", "auto"])
+def test_called_for(asperity, tmp_path, effects, words, interaction):
+    """By its number as by its word; a map under 'auto' is then solved on its pixels."""
+    height = 1e-3 * rough(32, shortest=5, seed=3)
+    scene = map_scene(tmp_path, height, SIDES, interaction=interaction,
+                      loading={"control": "load", "value": load_for(height, SIDES, 0.1)})
+    scene.write_text(scene.read_text().replace(", plasticity = 'off'", effects))
+    found = solve(asperity, scene)
+    assert found.status == 0, found.stderr
+    if words is None:
+        assert "plastic_hardness" not in found.stdout and "plastic_area" not in found.positions[0]
+    else:
+        assert re.search(words, found.stdout) and "plastic_hardness = 0.1" in found.stdout
+        assert found.positions[0]["interaction"] == "boundary"
+        assert "greatest pressure" in found.stdout
+
+
+@pytest.mark.parametrize("interaction, effects, sentence", [
+    ("boundary", "plasticity = 'on'", "expected one with plasticity on the pixels of a map"),
+    ("boundary", "plasticity = 'on', plastic_yield_stress = 1., plastic_hardness = 1.",
+     "expected plastic_hardness in its place"),
+    ("boundary", "plasticity = 'on', plastic_yield_stress = 1.",
+     "expected plastic_hardness in its place"),
+    ("coupled", "plastic_hardness = 1.", "expected plastic_yield_stress in its place"),
+    ("off", "plasticity = 'on', plastic_hardness = 1.",
+     "expected plastic_yield_stress in its place"),
+    ("boundary", "plastic_hardness = 0.", "plastic_hardness"),
+    ("boundary", "plastic_hardness = 1., friction = 'on', friction_coefficient = .1",
+     "pixels of a map are elastic")])
+def test_refused(asperity, tmp_path, interaction, effects, sentence):
+    height = 1e-3 * rough(32, shortest=5, seed=3)
+    scene = map_scene(tmp_path, height, SIDES, interaction=interaction,
+                      loading={"control": "load", "value": 1e-6})
+    scene.write_text(scene.read_text().replace("plasticity = 'off'", effects))
+    found = solve(asperity, scene)
+    assert found.status == 2 and sentence in found.stderr, found.stderr
+
+
+def test_refused_beside_asperities(asperity, tmp_path):
+    (tmp_path / "s.csv").write_text("x,y,height,radius\n0,0,0.1,1\n")
+    scene = tmp_path / "s.scene"
+    scene.write_text("&surfaces upper = 'plane', lower = 's.csv' /\n&material contact_modulus = 1. "
+                     "/\n&loading control = 'load', value = 1e-3 /\n"
+                     "&effects plastic_hardness = 1. /\n")
+    found = solve(asperity, scene)
+    assert found.status == 2 and "expected plastic_yield_stress in its place" in found.stderr
