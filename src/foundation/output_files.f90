@@ -37,12 +37,13 @@ module asperity_output_files
   ! SIG_IGN of the C library.
   integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t
 
-  ! What is staged. The names end with a null character: a signal's procedure may not build texts.
+  ! What is staged. The first names end with a null character: a signal's procedure may not build
+  ! texts. They are allocated before they are counted.
   integer, parameter :: most_files = 1100, longest_path = 4400
-  character(kind=c_char) :: parts(longest_path, most_files) = c_null_char
   ! A name may end with blanks: lengths count.
   type :: known_name
     character(len=:), allocatable :: place, path
+    character(kind=c_char), allocatable :: part(:)
   end type known_name
   type(known_name) :: names(most_files)
   integer, volatile :: staged = 0
@@ -140,9 +141,9 @@ contains
 
     committing = .true.
     do i = 1, staged
-      status = posix_rename(parts(:, i), names(i)%place // c_null_char)
+      status = posix_rename(names(i)%part, names(i)%place // c_null_char)
       if (status == 0) then
-        parts(1, i) = c_null_char
+        names(i)%part(1) = c_null_char
       else
         failure = names(i)%path // ': cannot be written: ' // system_reason()
         exit
@@ -158,7 +159,7 @@ contains
     integer :: i
 
     do i = 1, staged
-      if (parts(1, i) /= c_null_char) status = posix_unlink(parts(:, i))
+      if (names(i)%part(1) /= c_null_char) status = posix_unlink(names(i)%part)
     end do
     staged = 0
   end subroutine discard_files
@@ -219,11 +220,14 @@ contains
     integer :: i
 
     call file_owner(place, mode, owner, group)
-    names(staged + 1) = known_name(place, path)
+    names(staged + 1)%place = place
+    names(staged + 1)%path = path
+    if (allocated(names(staged + 1)%part)) deallocate (names(staged + 1)%part)
+    allocate (names(staged + 1)%part(len(part) + 1))
     do i = 1, len(part)
-      parts(i, staged + 1) = part(i:i)
+      names(staged + 1)%part(i) = part(i:i)
     end do
-    parts(len(part) + 1, staged + 1) = c_null_char
+    names(staged + 1)%part(len(part) + 1) = c_null_char
     staged = staged + 1
     descriptor = posix_creat(part // c_null_char, merge(mode_rw_r_r, mode, mode < 0))
     if (descriptor < 0) then

@@ -55,11 +55,9 @@ contains
     class(text_buffer), intent(in) :: self  !! the text
     character(len=:), allocatable :: text   !! a copy of it
 
-    if (allocated(self%store)) then
-      text = self%store(:self%used)
-    else
-      text = ''
-    end if
+    ! An assignment alone would not notice an end of memory.
+    allocate (character(len=self%used) :: text)
+    if (allocated(self%store)) text(:) = self%store(:self%used)
   end function buffer_text
 
 end module asperity_text_buffer
