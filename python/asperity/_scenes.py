@@ -22,7 +22,8 @@ EXPECTED_SIDE = "a path, a height map, 'plane', or a mapping with x, y, height a
 class Scene:
     """A scene that is read and checked once and can be solved many times.
 
-    Surfaces, neighbour lists and the last solution are kept from solve to solve.
+    Surfaces and earlier solutions are kept from solve to solve. A solution is the start of the next
+    solve where that does not change the result by more than the tolerance of the solver.
 
     Parameters
     ----------
