@@ -7,7 +7,7 @@ module real128_functions
 
   public :: f128_ceiling, f128_cos, f128_exponent, f128_log10, f128_power, f128_scale, f128_sin
   public :: f128_erfc, f128_exp, f128_floor, f128_hypot, f128_nearest, f128_round, f128_sqrt
-  public :: f128_atan2
+  public :: f128_atan2, f128_truncate
 
 contains
 
@@ -81,6 +81,14 @@ contains
 
     y = anint(x)
   end function f128_nearest
+
+  !> The whole number towards 0, as a real.
+  function f128_truncate(x) result(y) bind(c, name='_FortranATruncF128')
+    real(real128), value :: x
+    real(real128) :: y
+
+    y = aint(x)
+  end function f128_truncate
 
   !> The largest whole number not above x.
   function f128_floor(x) result(y) bind(c, name='_FortranAFloorF128')

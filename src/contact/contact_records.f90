@@ -129,7 +129,7 @@ module asperity_contact_records
     type(effect_record), allocatable :: effects(:)
     real(real64), allocatable :: contact_values(:, :)  !! what they tell (row, column)
     real(real64), allocatable :: state_values(:)       !! what they tell of the last state (column)
-    type(solution_start) :: start                      !! solutions for further runs, where kept
+    type(solution_start) :: start = solution_start()   !! solutions for further runs, where kept
     !> Pressure and gap of its states, in their order; not allocated: none were kept.
     type(contact_field), allocatable :: fields(:)
   end type position_result

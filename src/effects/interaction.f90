@@ -167,7 +167,7 @@ contains
     real(real64), allocatable, intent(out) :: found(:, :)
     character(len=:), allocatable, intent(inout) :: failure
     real(real64), intent(in), optional :: target
-    type(joint_solution) :: solution
+    type(joint_solution) :: solution, fresh
     integer :: which
     logical :: has_start
 
@@ -182,7 +182,7 @@ contains
     call solve_now()
     if (has_start .and. .not. pairs%interrupt%is_asked()) then
       if (.not. is_one_solution(pairs, solution)) then
-        solution = joint_solution()
+        solution = fresh
         solution%coupled%closing = closing
         call solve_now()
       end if
