@@ -29,7 +29,8 @@ contains
     if (.not. associated(from)) then
       call new%problems%add('solved: found NULL, expected the outcome of a solve')
     else if (.not. allocated(from%fields)) then
-      new%failure = 'no fields: expected a height map solved on its pixels with fields requested'
+      new%failure = 'no fields: expected a height map solved on its pixels, for instance ' // &
+                    'with interaction = ''boundary'', and fields requested'
     else
       which = field_of(from%fields, position, state)
       if (which > 0) then
