@@ -101,11 +101,11 @@ clean: ## remove what was built (.venv stays)
 	rm -rf build dist docs/api .pytest_cache .hypothesis
 	find test -name __pycache__ -type d -prune -exec rm -rf {} +
 
-hard-table: ## make the table of docs/hard-cases.md anew
+hard-table: ## make the table of docs/development/hard-cases.md anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/make_table.py "$$exe"
 
-fault-table: ## make the tables of docs/faults.md and docs/listing-port-scan.md anew
+fault-table: ## make the tables of the pages on faults and on the listing anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/fault_effects.py "$$exe" && \
 	  .venv/bin/python test/regression/listing_page.py "$$exe"

@@ -1,6 +1,6 @@
 !> The library: what a program needs to read or build a scene, solve it, and use its results.
 !>
-!> `docs/library.md` shows how.
+!> `docs/reference/fortran.md` shows how.
 module asperity
   use asperity_card_deck, only: card_deck, read_card_deck
   use asperity_contact_field, only: contact_field, fields_all, fields_last, fields_none, &

@@ -60,7 +60,7 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
             rule: str = "eight", level: str | None = None, radius: str | None = None,
             unit: str | None = None, spacing: float | Sequence[float] = (0.0, 0.0),
             despike: bool = False, edge: str | None = None) -> Summits:
-    """Find the summits of a height map (`docs/summits.md`).
+    """Find the summits of a height map (`docs/reference/summits.md`).
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
 
 def generate(specification: _a.Path | Mapping[str, Mapping[str, Any]],
              surface: int = 1) -> tuple[Table, Table]:
-    """Make the two random surfaces of a specification (`docs/generate.md`).
+    """Make the two random surfaces of a specification (`docs/reference/generate.md`).
 
     Parameters
     ----------

@@ -119,7 +119,7 @@ class HeightMap:
         _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
 
     def power_spectrum(self, kind: str = "iso") -> Table:
-        """Power spectral density of the heights (`docs/summits.md`).
+        """Power spectral density of the heights (`docs/reference/summits.md`).
 
         The map is levelled first: a free map by its plane, a periodic one by its mean. A free map
         has a Hann window.
@@ -294,7 +294,7 @@ def read_map(path: _a.Path, *, spacing: float | Sequence[float] | None = None,
 
 def generate_map(specification: _a.Path | Mapping[str, Mapping[str, Any]] | None = None,
                  **names: Any) -> HeightMap:
-    """Make a self-affine random height map (`docs/generate.md`).
+    """Make a self-affine random height map (`docs/reference/generate.md`).
 
     Parameters
     ----------

@@ -28,7 +28,8 @@ FACTS = ("load", "separation", "area", "contacts")
 class Results:
     """Results of `solve`: tables, summary, warnings.
 
-    Lengths, forces and pressures are in the units of the scene; `docs/columns.md` lists the columns
+    Lengths, forces and pressures are in the units of the scene; `docs/reference/columns.md`
+    lists the columns
     with meaning, unit and sign. Results can be copied, pickled and sent to another process.
 
     Attributes

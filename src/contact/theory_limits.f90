@@ -1,7 +1,8 @@
 !> What a contact is held against: the limits of the theories that every run uses, in the units in
 !> which the run computes.
 !>
-!> One place for all solvers: they hand over what they found, in doubles. docs/warnings.md has the
+!> One place for all solvers: they hand over what they found, in doubles.
+!> docs/reference/warnings.md has the
 !> source of every limit.
 module asperity_theory_limits
   use asperity_constants, only: pi

@@ -1,7 +1,7 @@
 !> Warnings: results outside the range of a theory, or that a user would misread. They are values
 !> that travel with the results of a position; the program prints them.
 !>
-!> docs/warnings.md has the source of every limit.
+!> docs/reference/warnings.md has the source of every limit.
 module asperity_theory_warnings
   use asperity_kinds, only: real64
   implicit none

@@ -1,4 +1,5 @@
-!> Faults of the original that can be mended one at a time, by name. docs/faults.md tells what each
+!> Faults of the original that can be mended one at a time, by name.
+!> docs/theory/faults.md tells what each
 !> is and what its mending does; the code bears its number.
 module asperity_original_faults
   implicit none

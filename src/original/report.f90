@@ -1,7 +1,7 @@
 !> The printed report of the original program: Tables V, IIIA, IIIB, VII and VI.
 !>
 !> Columns, headings and page breaks are the original's. Column one of every line is the line
-!> printer's carriage control. "Fault n" and "Deviation x" refer to docs/faults.md.
+!> printer's carriage control. "Fault n" and "Deviation x" refer to docs/theory/faults.md.
 module asperity_report
   use asperity_kinds, only: real64
   use asperity_line_printer, only: apply_carriage_control, fixed_field, letters, new_page, skip

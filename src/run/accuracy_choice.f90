@@ -24,7 +24,7 @@ module asperity_accuracy_choice
   ! The finest accuracy for which contacts go on cells: areas there are not known any better. Finer
   ! cells told 1.9e-3 and 9.3e-4 in two scenes of steep pairs, and were 2.1e-3 and 1.5e-3 off.
   real(real64), parameter :: finest_on_cells = 3.0e-3_real64
-  ! What the solves of effects are good to: docs/what-status-0-promises.md.
+  ! What the solves of effects are good to: docs/reference/exit-status.md.
   real(real64), parameter :: finest_of_effects = 1.0e-9_real64
 
   ! The truth was at most 1.41 times what is estimated of loads and areas, in 83 runs of 59 dense

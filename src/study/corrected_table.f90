@@ -1,6 +1,7 @@
 !> Table VI as it should read, beside what the original prints, with the reason of every change.
 !>
-!> Each number is computed in stages, and each stage removes faults of docs/faults.md: the start
+!> Each number is computed in stages, and each stage removes faults of
+!> docs/theory/faults.md: the start
 !> values of maxima and minima, rounding (the same program in real128), marching (exact events
 !> instead), the contacts left out of the averages and the wrong divisor, and the loads normal to
 !> the contacts (their vertical parts instead).

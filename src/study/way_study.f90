@@ -26,7 +26,7 @@ module asperity_way_study
   ! to 0.01 take about 5 ms a contact; a tolerance ten times finer, of cells or of `auto`, up to ten
   ! times as long.
   real(real64), parameter :: seconds_a_contact = 5.0e-3_real64, times_a_decade = 10.0_real64
-  ! The other arithmetics over real64, at most: docs/accuracy.md.
+  ! The other arithmetics over real64, at most: docs/theory/accuracy.md.
   real(real64), parameter :: times_arithmetic = 40.0_real64
   ! Of what is left of the time a way may be foretold to take so much.
   real(real64), parameter :: share_of_a_way = 0.9_real64

@@ -1,4 +1,4 @@
-"""docs/hard-cases.md, condition against error: what the figure is said to show, on a few cases."""
+"""docs/development/hard-cases.md, condition against error: a few cases of the figure."""
 
 import pytest
 from builds import build

@@ -1,6 +1,6 @@
 """How many printed cells of the thesis each arithmetic meets to the last digit.
 
-As a script: cells_met.py EXECUTABLE prints the table of docs/original.md.
+As a script: cells_met.py EXECUTABLE prints the table of docs/theory/original.md.
 """
 
 import subprocess

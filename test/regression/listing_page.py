@@ -1,4 +1,4 @@
-"""The tables of docs/listing-port-scan.md, between its markers.
+"""The tables of docs/development/listing-port-scan.md, between its markers.
 
     python test/regression/listing_page.py EXECUTABLE
 
@@ -14,7 +14,7 @@ from digitised_tables import DATA, records
 from fault_effects import DECIMALS, END, ROOT, TABLES, inside, names, printed_rows
 from printed_report import Report
 
-DOCUMENT = "docs/listing-port-scan.md"
+DOCUMENT = "docs/development/listing-port-scan.md"
 ARCHIVE = ROOT / "reference_output" / "thesis.ibm370.txt"
 PLACES = ("displacement", "approach", "x", "y")
 
@@ -24,8 +24,8 @@ def begin(name):
 
 
 def numbered():
-    """Number of each fault that has a name, by docs/faults.md."""
-    page = (ROOT / "docs" / "faults.md").read_text(encoding="utf-8")
+    """Number of each fault that has a name, by docs/theory/faults.md."""
+    page = (ROOT / "docs/theory/faults.md").read_text(encoding="utf-8")
     return {name: number for number, name in
             re.findall(r"^\| (\d+) \|.*\| `([a-z-]+)` \|$", page, re.MULTILINE)}
 

@@ -133,7 +133,7 @@ def flow(rng, folder):
 
 
 def adhesion(rng, folder):
-    """The theory is that of docs/effects/adhesion.md for the Tabor parameter, DMT aside."""
+    """The theory is that of docs/theory/adhesion.md for the Tabor parameter, DMT aside."""
     work = 10 ** rng.uniform(-6, -4)
     tabor = 10 ** rng.uniform(-0.9, 1.5)
     distance = (work ** 2 / tabor ** 3) ** (1 / 3)

@@ -24,7 +24,7 @@ HOME = {"`--positions` of `asperity solve`": "--positions",
 
 def page():
     """For every heading of the page the rows of its table: name, unit and meaning, in order."""
-    text = (ROOT / "docs/columns.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/reference/columns.md").read_text(encoding="utf-8")
     found = {}
     for heading, body in re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", text, re.M | re.S):
         rows = found[heading] = {}

@@ -14,8 +14,7 @@ from builds import ROOT
 # Says nothing about the build under test.
 pytestmark = pytest.mark.once
 
-PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*.md"),
-                *ROOT.glob("docs/effects/*.md")])
+PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/**/*.md")])
 COMMANDS = ("", "solve", "accuracy", "generate", "study", "summits")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 FOLDERS = "app|data|docs|example|include|python|reference_output|src|test|tools|[.]ci"
@@ -270,14 +269,14 @@ def first_cells(text):
 @pytest.mark.parametrize("group", ["surfaces", "material", "motion", "tilt", "loading", "limit",
                                    "effects"])
 def test_names_of_a_scene(group, asperity, tmp_path):
-    text = (ROOT / "docs/scene.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/reference/scene.md").read_text(encoding="utf-8")
     section = re.search(rf"^## `&{group}`\n(.*?)^## ", text, re.M | re.S)[1]
     assert first_cells(section) == names_known(asperity, tmp_path, "solve", group, "scene")
 
 
 @pytest.mark.parametrize("page, command, groups", [
-    ("generate.md", "generate", ["surfaces", "heights", "random", "deck", "map"]),
-    ("representative-area.md", "study", ["material", "study"])])
+    ("reference/generate.md", "generate", ["surfaces", "heights", "random", "deck", "map"]),
+    ("theory/representative-area.md", "study", ["material", "study"])])
 def test_names_of_a_specification(page, command, groups, asperity, tmp_path):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     rows = re.findall(r"^\| (?:`&(\w+)`)? *\| ([^|]*) \|", text, re.M)

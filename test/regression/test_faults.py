@@ -1,4 +1,4 @@
-"""docs/faults.md: its marks in the code, its figures, and Table VI as it should read."""
+"""docs/theory/faults.md: its marks in the code, its figures, and Table VI as it should read."""
 
 import csv
 import re
@@ -13,7 +13,7 @@ MODULUS = "   400000."  # both of the thesis' deck, F10.0
 
 @pytest.fixture(scope="module")
 def page(root):
-    return (root / "docs" / "faults.md").read_text()
+    return (root / "docs/theory/faults.md").read_text()
 
 
 def row_of(page, name):
@@ -37,7 +37,7 @@ def test_every_mark_has_its_row(word, row, root, page):
 def test_the_pages_count_the_faults(root, page):
     last = re.findall(r"^\| (\d+) \|", page, re.MULTILINE)[-1]
     words = {"16": "sixteen"}
-    assert f"lists {words[last]}, each" in (root / "docs/original.md").read_text()
+    assert f"lists {words[last]}, each" in (root / "docs/theory/original.md").read_text()
     assert f"the {words[last]} faults" in (root / "README.md").read_text()
 
 
@@ -91,7 +91,7 @@ def test_rounding_of_the_pressure(runs, page):
 
 def test_rounding_of_the_total_loads(runs, root):
     off = [abs(a["load"] / b["load"] - 1) for a, b in zip(runs["printed"][1], runs["exact"][1])]
-    told = (root / "docs/original.md").read_text()
+    told = (root / "docs/theory/original.md").read_text()
     assert f"{100 * max(off):.1f} % (fault 3: no total load is further off)" in told
 
 
@@ -173,7 +173,7 @@ def edited(root, folder, old, new):
 def test_the_corrected_table_shown(asperity, root):
     done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck"], capture_output=True,
                           text=True, timeout=120)
-    page = (root / "docs/solver.md").read_text()
+    page = (root / "docs/tutorial/first-contact.md").read_text()
     block = page.partition("Table VI, corrected")[2].partition("```")[0]
     lines = [line for line in block.splitlines()[1:] if line.strip() != "..."]
     assert len(lines) == 4 and all(line + "\n" in done.stdout for line in lines)

@@ -1,4 +1,4 @@
-"""docs/listing-port-scan.md: every mark has its place, and its tables are current."""
+"""docs/development/listing-port-scan.md: every mark has its place, and its tables are current."""
 
 import re
 
@@ -34,8 +34,8 @@ def routine(name, text):
 
 
 def test_every_mark_is_told():
-    """What docs/faults.md lists is on the page, once or more, and nothing else is."""
-    faults = (ROOT / "docs" / "faults.md").read_text(encoding="utf-8")
+    """What docs/theory/faults.md lists is on the page, once or more, and nothing else is."""
+    faults = (ROOT / "docs/theory/faults.md").read_text(encoding="utf-8")
     listed = {("fault", name) for name in re.findall(r"^\| (\d+) \|", faults, re.MULTILINE)}
     listed |= {("deviation", name) for name in re.findall(r"^\| ([a-z]) \|", faults, re.MULTILINE)}
     told = set().union(*(marks(text) for _, _, text in ROWS))

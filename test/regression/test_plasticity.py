@@ -32,7 +32,7 @@ def overlaps(run):
 
 
 def test_published_curve(asperity, tmp_path, tally):
-    """Ten points of Jackson and Green; below x = 6 the join that docs/effects/plasticity.md has."""
+    """Ten points of Jackson and Green; below x = 6 the join that docs/theory/plasticity.md has."""
     wanted = sorted(map(float, (*BETWEEN, *POINTS)))
     run = pressed(asperity, tmp_path, [x * ONSET / 1.9 for x in wanted])
     x = overlaps(run)

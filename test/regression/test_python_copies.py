@@ -142,7 +142,7 @@ if __name__ == "__main__":
 
 
 def test_spawn_pools(venv, tmp_path):
-    """Results come back from processes, and go to them, as docs/python.md says it is done."""
+    """Results come back from processes, and go to them, as in docs/reference/python.md."""
     script = tmp_path / "pool.py"
     script.write_text(POOL.replace("SPEC", repr(SPEC)))
     done = subprocess.run([venv / "bin/python", "-W", "ignore", script], capture_output=True,

@@ -22,9 +22,10 @@ NOTEBOOKS = sorted(path.stem for path in (ROOT / "python/notebooks").glob("*.ipy
 
 def page_examples():
     """The Python examples of the pages, by page and number."""
-    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-    return {f"{page.stem}_{number}": text for page in pages for number, text in enumerate(
-        re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S), 1)}
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
+    return {f"{page.parent.stem}_{page.stem}_{number}".replace("-", "_"): text
+            for page in pages for number, text in enumerate(
+                re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S), 1)}
 
 
 def test_types(tmp_path):
@@ -104,7 +105,7 @@ def test_page_examples(package, venv, tmp_path):
 
 def test_first_example_is_short():
     """The page keeps its promise: at most twelve lines, and neither savetxt nor asarray."""
-    text = page_examples()["python_1"]
+    text = page_examples()["reference_python_1"]
     assert len(text.splitlines()) <= 12 and "savetxt" not in text and "asarray" not in text
     assert ast.parse(text)
 

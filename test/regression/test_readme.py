@@ -88,10 +88,10 @@ def test_thesis(run):
 @pytest.mark.once
 def test_gallery_has_every_example():
     """Each scene and specification of the examples, and a picture below each heading."""
-    page = (ROOT / "docs/gallery.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/tutorial/gallery.md").read_text(encoding="utf-8")
     for path in sorted((ROOT / "data/examples").rglob("*.s[cp]e[nc]*")):
         assert f"`{path.relative_to(ROOT)}`" in page or f"`{path.name}`" in page, path
-    pictures = re.findall(r"!\[[^]]+\]\((figures/[\w.-]+\.svg)\)", page)
+    pictures = re.findall(r"!\[[^]]+\]\(\.\./(figures/[\w.-]+\.svg)\)", page)
     assert len(pictures) == len(set(pictures)) >= 12
     for picture in pictures:
         assert (ROOT / "docs" / picture).exists()

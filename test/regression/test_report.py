@@ -45,6 +45,6 @@ def test_a_missing_table_is_a_failure(asperity):
 
 def test_the_page_counts_the_cells(asperity, root):
     """The page's table of cells met in each arithmetic is that of this build."""
-    page = (root / "docs/original.md").read_text()
+    page = (root / "docs/theory/original.md").read_text()
     for line in table_of_cells(asperity):
-        assert line in page, f"docs/original.md has no line '{line}'"
+        assert line in page, f"docs/theory/original.md has no line '{line}'"

@@ -1,6 +1,6 @@
 """The rounding bound that `--accuracy` prints, against 60 digits, on scenes of steep contacts.
 
-docs/what-status-0-promises.md states the bound: it grows with the slope of a contact.
+docs/reference/exit-status.md states the bound: it grows with the slope of a contact.
 """
 
 import math

@@ -120,7 +120,7 @@ def test_what_is_refused(asperity, root, tmp_path):
 
 def test_the_recipe_for_a_cluster(asperity, root, tmp_path):
     """Both scripts of the page as they stand, the tasks of the array one after the other."""
-    page = (root / "docs/many-images.md").read_text()
+    page = (root / "docs/how-to/many-machines.md").read_text()
     array, join = re.findall(
         r"```\n((?:#!/bin/bash\n)?(?:#SBATCH.*\n)*asperity solve SCENE[^`]*)```", page)
     scene = thesis_scene("thesis", root, tmp_path)

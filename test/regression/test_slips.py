@@ -1,4 +1,4 @@
-"""The slips that are made most, each with the answer that docs/slips.md promises, word for word."""
+"""Common mistakes, each with the message of docs/how-to/common-mistakes.md, word for word."""
 
 import subprocess
 
@@ -12,6 +12,7 @@ MATERIAL = "&material elastic_modulus = 1000., 1000., poisson_ratio = .3, .3 /\n
 LOADING = "&loading control = 'load', value = 1. /\n"
 SCENE = SURFACES + MATERIAL + LOADING
 SOLVE = ("solve", "my.scene")
+PAGE = ROOT / "docs/how-to/common-mistakes.md"
 
 # Slip: files in the place of the good ones, what is typed, exit status.
 SLIPS = {
@@ -35,7 +36,7 @@ SLIPS = {
         ({"my.scene": SCENE.replace("value = 1.", "value = 1e3")}, SOLVE, 0),
 }
 ROWS = [[cell.strip() for cell in line.strip("|").split(" | ")]
-        for line in (ROOT / "docs/slips.md").read_text(encoding="utf-8").splitlines()
+        for line in PAGE.read_text(encoding="utf-8").splitlines()
         if line.startswith("| ")][2:]
 
 

@@ -3,7 +3,7 @@
 !> Overlaps x are multiples of the critical one, w_c = (pi C Sy/(2 E))**2 R, at which the material
 !> first yields below the surface. Loading: Jackson and Green 2005 (J. Tribology 127, 343), joined
 !> to Hertz at x = 1.9. Unloading: Etsion, Kligerman and Kadin 2005 (Int. J. Solids Struct. 42,
-!> 3716), from first yield on. docs/effects/plasticity.md says how.
+!> 3716), from first yield on. docs/theory/plasticity.md says how.
 module asperity_plastic_curves
   use asperity_constants, only: pi
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_weight
