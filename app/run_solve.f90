@@ -3,7 +3,8 @@ module asperity_run_solve
   use asperity_budget_table, only: write_budget
   use asperity_command_line, only: command_line, is_shared, refuse_input, tell_part
   use asperity_command_outcome, only: command_outcome
-  use asperity_contact_field, only: contact_field, fields_all, fields_last, room_of_fields
+  use asperity_contact_field, only: contact_field, fields_all, fields_last, parts_in_words, &
+                                    room_of_fields
   use asperity_corrected_table, only: correct_table
   use asperity_corrected_table_text, only: write_corrected_table
   use asperity_error_budget, only: error_budget, measure_budget
@@ -31,6 +32,7 @@ module asperity_run_solve
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, is_thesis_sweep, scene, scene_effects, solves_pixels
   use asperity_solve, only: solve
+  use asperity_surface_fields, only: has_field_grid
   use asperity_summary, only: write_choice, write_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: has_units, is_length, is_pressure, unit_of, units_in_words, &
@@ -159,7 +161,8 @@ contains
 
       units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
       title = printable(line%input) // ': ' // &
-              with_unit('nominal pressure', trim(units(2))) // ' ' // &
+              with_unit(trim(merge('mean pressure   ', 'nominal pressure', &
+                             parts_in_words(field) /= '')), trim(units(2))) // ' ' // &
               readable(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
                        count(field%gap >= 0.0_real64), 3)
       call draw_plan(field, plan_of_pressure, title, units, width_of_picture, most_pixels, drawing)
@@ -230,7 +233,8 @@ contains
     if (.not. needs_fields(line)) return
     if (.not. allocated(results%positions(1)%fields)) then
       failure = line%input // ': the map was solved by its summits, which have no pressure on ' // &
-                'pixels: expected interaction = ''boundary'' in &effects'
+                'pixels: expected interaction = ''boundary'' in &effects, or field_spacing in ' // &
+                '&surfaces'
     else if (size(results%positions(1)%fields) > most_states) then
       failure = line%input // ': --fields-of all: found ' // &
                 decimal_text(size(results%positions(1)%fields)) // ' states, expected at most ' // &
@@ -317,16 +321,23 @@ contains
     logical :: may_have
     integer :: i
 
-    may_have = allocated(scene_in%map)
-    if (may_have) may_have = solves_pixels(scene_in) .or. &
-                             scene_in%effects%mode('interaction') == effect_auto
+    may_have = has_field_grid(scene_in)
+    if (allocated(scene_in%map) .and. .not. may_have) &
+      may_have = solves_pixels(scene_in) .or. scene_in%effects%mode('interaction') == effect_auto
     do i = 1, size(field_options)
       option = trim(field_options(i))
       if (line%output(option) == '') cycle
-      if (.not. may_have) &
+      if (.not. may_have .and. allocated(scene_in%map)) then
         call problems%add(option // ': only a height map solved on its pixels has pressure on ' // &
-                          'pixels, expected a map in &surfaces and interaction = ''boundary'' ' // &
-                          'in &effects')
+                          'pixels, expected interaction = ''boundary'' in &effects, or ' // &
+                          'field_spacing in &surfaces for fields of its summits')
+      else if (.not. may_have) then
+        call problems%add(option // ': no grid for the fields of asperities, expected ' // &
+                          'field_spacing, the side of a pixel, in &surfaces')
+      else if (scene_in%motion%positions > 1) then
+        call problems%add(option // ': found ' // decimal_text(scene_in%motion%positions) // &
+                          ' positions, expected one for fields of asperities')
+      end if
       if (line%output('--keep') /= '') &
         call problems%add(option // ': a file of --keep has no pressure on pixels, expected ' // &
                           'one of both')
@@ -343,8 +354,10 @@ contains
     options%accuracy = line%accuracy
     options%keep_contacts = line%output('--contacts') // line%output('--json') // &
                             line%output('--vtk') // line%output('--html') /= '' .or. &
-                            is_thesis_sweep(scene_in)
-    if (allocated(scene_in%map) .and. (needs_fields(line) .or. line%output('--html') /= '')) &
+                            is_thesis_sweep(scene_in) .or. needs_fields(line)
+    if (needs_fields(line) .or. &
+        (line%output('--html') /= '' .and. line%output('--keep') == '' .and. &
+         scene_in%motion%positions == 1)) &
       options%fields = max(fields_last, line%fields_of)
     options%threads = line%threads
     options%progress = image_number() == 1

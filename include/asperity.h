@@ -67,7 +67,10 @@ enum {
   ASPERITY_UPPER = 6,      /* asperity_generate: x, y, height, radius */
   ASPERITY_LOWER = 7,      /* asperity_generate: x, y, height, radius */
   ASPERITY_MAP = 8,        /* asperity_read_map, asperity_generate_map, asperity_fields: columns, rows,
-                              spacing_x, spacing_y; one row */
+                              spacing_x, spacing_y; of asperity_fields also origin_x, origin_y, the
+                              centre of the first pixel, and boundary_contacts, hertz_contacts, how
+                              many contacts have the pressure of boundary elements and of Hertz, -1 on
+                              a height map; one row */
   ASPERITY_PIXELS = 9,     /* asperity_read_map, asperity_generate_map: height, of rows * columns pixels,
                               row by row; NaN where
                               one is missing */
@@ -193,7 +196,8 @@ asperity_outcome *asperity_solve_again(const asperity_outcome *scene,
 
 /* As asperity_solve_again, and the fields of a height map that is solved on its pixels are kept for
  * asperity_fields. fields: 0 for none, 1 for those of the last state of the path, 2 for those of all
- * states, of 24 bytes a pixel and state. Other scenes have no fields. */
+ * states, of 24 bytes a pixel and state. A scene of asperities, or of the summits of a map, has fields
+ * on a grid where &surfaces has field_spacing, and one position. Other scenes have no fields. */
 asperity_outcome *asperity_solve_with_fields(const asperity_outcome *scene,
                                              const asperity_options *options,
                                              const asperity_outcome *earlier, int *progress,

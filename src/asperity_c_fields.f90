@@ -1,10 +1,11 @@
-!> The library for C: pressure, gap and displacement on the pixels of a height map.
+!> The library for C: pressure, gap and displacement on the pixels of a height map, or on the grid
+!> of a scene of asperities.
 module asperity_c_fields
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use, intrinsic :: iso_c_binding, only: c_int, c_ptr
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity, only: add_reals, add_wholes, array_table, contact_field, decimal_text, &
-                      not_computed, not_enough_memory, of_positions
+                      not_computed, not_enough_memory, of_contacts, of_positions
   use asperity_c_outcome, only: begin, finish, look_at, outcome, set_text, table_fields, &
                                 table_map, text_unit
   implicit none
@@ -30,13 +31,14 @@ contains
       call new%problems%add('solved: found NULL, expected the outcome of a solve')
     else if (.not. allocated(from%fields)) then
       new%failure = 'no fields: expected a height map solved on its pixels, for instance ' // &
-                    'with interaction = ''boundary'', and fields requested'
+                    'with interaction = ''boundary'', or field_spacing in &surfaces for one ' // &
+                    'position of asperities, and fields requested'
     else
       which = field_of(from%fields, position, state)
       if (which > 0) then
         call set_field(new, from%fields(which), unit_of_column(from%tables(of_positions), &
                                                                'mean_gap'), &
-                       unit_of_column(from%tables(of_positions), 'nominal_pressure'))
+                       unit_of_column(from%tables(of_contacts), 'average_pressure'))
       else if (position /= from%fields(1)%position) then
         call new%problems%add('position: found ' // decimal_text(position) // ', expected ' // &
                               decimal_text(from%fields(1)%position))
@@ -84,6 +86,10 @@ contains
       call add_wholes(table, 'rows', [field%rows])
       call add_reals(table, 'spacing_x', field%spacing(1:1), length)
       call add_reals(table, 'spacing_y', field%spacing(2:2), length)
+      call add_reals(table, 'origin_x', field%origin(1:1), length)
+      call add_reals(table, 'origin_y', field%origin(2:2), length)
+      call add_wholes(table, 'boundary_contacts', [field%boundary_contacts])
+      call add_wholes(table, 'hertz_contacts', [field%hertz_contacts])
     end associate
     associate (table => new%tables(table_fields))
       table%rows = size(field%pressure)

@@ -1,4 +1,4 @@
-"""Pressure, gap and displacement on the pixels of a height map."""
+"""Pressure, gap and displacement on the pixels of a height map or of a grid."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ NONE, LAST, ALL = 0, 1, 2
 
 
 class Fields:
-    """Pressure, gap and displacement of one state, on the pixels of a height map.
+    """Pressure, gap and displacement of one state, on the pixels of a height map or on a grid.
 
     The arrays have the shape (rows, columns) and are indexed `[row, column]` = `[y, x]`, as the map
-    is. They are read-only and NaN at missing pixels; without numpy they are sequences of rows.
+    is. They are read-only and NaN at missing pixels; without numpy they are sequences of rows. A
+    scene of asperities has them on square pixels with the sides `field_spacing` of `surfaces`.
 
     Attributes
     ----------
@@ -38,14 +39,18 @@ class Fields:
         True where the pixel is in contact.
     spacing : (float, float)
         Distance of pixels along x and y.
+    origin : (float, float)
+        Centre of the first pixel; 0, 0 on a height map.
     unit : str or None
-        Unit of gap, displacement and spacing.
+        Unit of gap, displacement, spacing and origin.
     units : dict of str to str
         Unit of each array, empty where it is not known.
     position : int
         Position of the motion, from 1.
     step : int
         Number of the state, from 1, as in the column `step` of the states.
+    boundary_contacts, hertz_contacts : int or None
+        On a grid: contacts with the pressure of boundary elements, and with that of Hertz.
 
     Examples
     --------
@@ -74,6 +79,10 @@ class Fields:
         table = outcome.table(_c.FIELDS, "pixels")
         self.shape: tuple[int, int] = int(facts["rows"]), int(facts["columns"])
         self.spacing: tuple[float, float] = float(facts["spacing_x"]), float(facts["spacing_y"])
+        self.origin: tuple[float, float] = float(facts["origin_x"]), float(facts["origin_y"])
+        self.boundary_contacts, self.hertz_contacts = (
+            int(facts[name]) if facts[name] >= 0 else None
+            for name in ("boundary_contacts", "hertz_contacts"))
         self.unit: str | None = outcome.text(_c.UNIT) or None
         self.units: dict[str, str] = {name: table.units[name] for name in NAMES}
         self.position, self.step = position, step

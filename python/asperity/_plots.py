@@ -94,7 +94,11 @@ def draw_field(fields: Fields, name: str, ax: Axes | None) -> Axes:
     if name == "gap":
         values = library.where(contact, math.nan, values)
     width, depth = (number * step for number, step in zip(fields.shape[::-1], fields.spacing))
-    drawn = axes.imshow(values, origin="lower", extent=(0.0, width, 0.0, depth), cmap="viridis",
+    left, bottom = 0.0, 0.0  # of a map
+    if fields.hertz_contacts is not None:
+        left, bottom = (at - step / 2 for at, step in zip(fields.origin, fields.spacing))
+    drawn = axes.imshow(values, origin="lower", cmap="viridis",
+                        extent=(left, left + width, bottom, bottom + depth),
                         interpolation="nearest", vmin=0.0 if name in ("pressure", "gap") else None)
     in_plan(axes, fields.unit or "")
     if name != "contact":

@@ -145,7 +145,7 @@ class Results:
         return draw_contacts(self, position, state, ax)
 
     def fields(self, position: int = 1, state: int = -1) -> Fields:
-        """Pressure, gap and displacement on the pixels of a height map.
+        """Pressure, gap and displacement on the pixels of a height map or of asperities.
 
         Parameters
         ----------
@@ -163,8 +163,8 @@ class Results:
         IndexError
             For a position or a state that the results do not have, or did not keep.
         ComputeError
-            Where no fields were requested by `solve(..., fields=True)`, or the scene is not a
-            height map solved on its pixels.
+            Where no fields were requested by `solve(..., fields=True)`, or the scene is neither a
+            height map solved on its pixels nor one position of asperities with `field_spacing`.
         """
         step = self._step(position, state)
         if self._kept == _fields.LAST and step != self._step(position, -1):
@@ -172,8 +172,8 @@ class Results:
                              "solve(..., fields='all') keeps all")
         if (position, step) not in self._fields:
             if self._outcome is None:
-                raise ComputeError("no fields: expected a height map solved on its pixels with "
-                                   "fields requested")
+                raise ComputeError("no fields: expected a height map solved on its pixels, or "
+                                   "field_spacing in surfaces, with fields requested")
             found = _c.call("fields", self._outcome, position, step).checked()
             self._fields[position, step] = _fields.Fields(found, position, step)
         return self._fields[position, step]

@@ -1,18 +1,19 @@
-!> Pressure and gap on the pixels of a height map in one state.
+!> Pressure and gap in one state, on the pixels of a height map or on the cells of a grid.
 module asperity_contact_field
   use asperity_kinds, only: int64, not_computed, real64
+  use asperity_problems, only: decimal_text
   implicit none
   private
 
   public :: contact_field, room_of_fields
   public :: fields_none, fields_last, fields_all
-  public :: pressure_histogram
+  public :: parts_in_words, pressure_histogram
 
   !> Which states keep their fields: none, the last of the path, all.
   integer, parameter :: fields_none = 0, fields_last = 1, fields_all = 2
 
-  !> The fields of one state, by column and row of the map. A pixel that was not measured has
-  !> `not_computed` in all three.
+  !> The fields of one state, by column and row of the map or grid. A pixel that was not measured,
+  !> or of a grid one without a surface, has `not_computed` in all three.
   type :: contact_field
     integer :: position = 1                          !! from 1
     integer :: state = 1                             !! number of the state in its position, from 1
@@ -20,6 +21,10 @@ module asperity_contact_field
     integer :: rows = 0                              !! pixels along y
     real(real64) :: spacing(2) = 0.0_real64          !! of the pixels along x and y [length]
     character(len=:), allocatable :: unit            !! of length; empty: not known
+    real(real64) :: origin(2) = 0.0_real64           !! centre of the first pixel in plan [length]
+    !> Contacts whose pressure on a grid is that of boundary elements, and of Hertz; less than 0:
+    !> the pixels are those of a height map.
+    integer :: boundary_contacts = -1, hertz_contacts = -1
     real(real64) :: level = 0.0_real64               !! height of the flat above the mean plane
     real(real64), allocatable :: pressure(:, :)      !! 0 or more; more than 0: in contact
     !> Local distance of the deformed surfaces, `level` - height + displacement: 0 in contact,
@@ -31,6 +36,17 @@ module asperity_contact_field
   end type contact_field
 
 contains
+
+  !> Where the pressure on a grid comes from; empty for the pixels of a map.
+  pure function parts_in_words(field) result(text)
+    type(contact_field), intent(in) :: field  !! of one state
+    character(len=:), allocatable :: text     !! one line
+
+    text = ''
+    if (field%hertz_contacts < 0) return
+    text = decimal_text(field%boundary_contacts) // ' from boundary elements, ' // &
+           decimal_text(field%hertz_contacts) // ' from Hertz'' law'
+  end function parts_in_words
 
   !> Memory that the fields of some states take, bytes.
   pure integer(int64) function room_of_fields(pixels, states) result(bytes)

@@ -4,6 +4,7 @@
 !> near the largest radius, and the combined modulus in 16**modulus_power. So all are near one.
 module asperity_contact_pairs
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+  use asperity_element_pressures, only: element_pressures
   use asperity_interruption, only: interruption
   use asperity_kinds, only: real64
   use asperity_solution_start, only: solution_start
@@ -58,6 +59,8 @@ module asperity_contact_pairs
     type(work_count) :: count                       !! states that are done are counted there
     type(solution_start), pointer :: start => null() !! earlier solutions; or none
     logical :: keeps_solution = .false.             !! the result has the last one, too
+    !> Gets the pressures of each solve on boundary elements; not associated: they are not kept.
+    type(element_pressures), pointer :: pressures => null()
   end type contact_pairs
 
 contains

@@ -5,6 +5,7 @@ module asperity_contact_records
   use asperity_constants, only: pi
   use asperity_contact_field, only: contact_field
   use asperity_effect_names, only: known_effects
+  use asperity_element_pressures, only: element_pressures
   use asperity_kinds, only: not_computed, real64
   use asperity_solve_ending, only: solve_ending
   use asperity_solution_start, only: solution_start
@@ -130,6 +131,9 @@ module asperity_contact_records
     real(real64), allocatable :: contact_values(:, :)  !! what they tell (row, column)
     real(real64), allocatable :: state_values(:)       !! what they tell of the last state (column)
     type(solution_start) :: start = solution_start()   !! solutions for further runs, where kept
+    !> Pressures on boundary elements and shifts of contacts, by state, in the unit of the scene;
+    !> not allocated: none were kept.
+    type(element_pressures), allocatable :: pressures(:)
     !> Pressure and gap of its states, in their order; not allocated: none were kept.
     type(contact_field), allocatable :: fields(:)
   end type position_result

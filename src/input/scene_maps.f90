@@ -251,6 +251,9 @@ contains
            'solved without its images: found ''coupled'', expected ''boundary'' or ''auto'', ' // &
            'which solve its pixels')
     if (.not. solves_pixels(checked)) return
+    if (fields%has('surfaces', 'field_spacing')) &
+      call fields%complain_of('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
+                              'on its pixels, expected none: the fields are on the pixels')
     if (checked%loading%control == control_limit) &
       call fields%complain_of_group('loading', 'no control: the pixels of a map have no ' // &
            'limit, expected control = ''separation'', ''load'', ''vertical_load'' or ''pressure''')

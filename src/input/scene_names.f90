@@ -34,9 +34,9 @@ contains
   pure function scene_table() result(table)
     type(known_name), allocatable :: table(:)  !! all names
 
-    table = [in_group('surfaces', [character(len=12) :: 'deck', 'upper', 'lower', 'radius', &
+    table = [in_group('surfaces', [character(len=13) :: 'deck', 'upper', 'lower', 'radius', &
                                    'nominal_area', 'units', 'map_edge', 'map_level', 'map_unit', &
-                                   'map_spacing', 'map_despike']), &
+                                   'map_spacing', 'map_despike', 'field_spacing']), &
              in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio', &
                                    'contact_modulus']), &
              in_group('motion', [character(len=9) :: 'x_first', 'x_step', 'y_first', 'y_step', &

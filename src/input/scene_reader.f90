@@ -124,6 +124,7 @@ contains
     checked%lower = as_in_its_file(other%lower)
     if (allocated(other%map)) checked%map = other%map
     checked%nominal_area = other%nominal_area
+    checked%field_spacing = other%field_spacing
     checked%units = other%units
     call read_fields(checked%file, text, 'a scene', [a_scene], scene_table(), fields)
     fields%given = .true.

@@ -32,6 +32,7 @@ contains
 
     if (fields%surfaces_kept) return
     call fields%take_number('surfaces', 'nominal_area', above_zero, checked%nominal_area)
+    call fields%take_number('surfaces', 'field_spacing', above_zero, checked%field_spacing)
     call fields%take_names('surfaces', 'units', checked%units)
     if (any(fields%given)) then
       call fields%take_text('surfaces', 'upper', upper)

@@ -2,12 +2,13 @@
 module asperity_cells_answer
   use asperity_cells_lattice, only: cell_lattice, gap_at, gap_shape
   use asperity_constants, only: pi
+  use asperity_element_pressures, only: element_pressures
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
-  public :: cell_contact, cells_answer, tell
+  public :: cell_contact, cells_answer, keep_elements, tell
 
   ! The pressure of Hertz has the integrals A p0**k/(1 + k/2) of its powers, whatever the ellipse.
   ! So an area is what they, times (1 + k/2), come to at the power 0: three of them, on a parabola
@@ -43,6 +44,7 @@ module asperity_cells_answer
     real(real64) :: area_error = 0.0_real64         !! of the area, relative, root mean square
     !> of the solve; residual: largest violation of the gap over the deepest penetration
     type(solve_ending) :: ending
+    type(element_pressures) :: loaded               !! where they are kept: the loaded elements
     character(:), allocatable :: failure            !! why it did not converge
   end type cells_answer
 
@@ -98,6 +100,29 @@ contains
       end associate
     end do
   end subroutine tell
+
+  !> Lists the loaded elements of a lattice.
+  pure subroutine keep_elements(lattice, pair, loaded)
+    type(cell_lattice), intent(in) :: lattice           !! solved
+    integer, intent(in) :: pair(:)                      !! place in the list of pairs, by owner
+    type(element_pressures), intent(inout) :: loaded    !! gets them, in the unit of the pairs
+    integer :: i, j, number
+
+    number = count(lattice%force > 0.0_real64)
+    allocate (loaded%pair(number), loaded%x(number), loaded%y(number), loaded%force(number))
+    allocate (loaded%side(number), source=lattice%cell)
+    number = 0
+    do j = 1, size(lattice%force, 2)
+      do i = 1, size(lattice%force, 1)
+        if (.not. lattice%force(i, j) > 0.0_real64) cycle
+        number = number + 1
+        loaded%pair(number) = pair(lattice%owner(i, j))
+        loaded%x(number) = lattice%x + (lattice%left + i - 0.5_real64) * lattice%cell
+        loaded%y(number) = lattice%y + (lattice%bottom + j - 0.5_real64) * lattice%cell
+        loaded%force(number) = lattice%force(i, j)
+      end do
+    end do
+  end subroutine keep_elements
 
   ! Cells in contact, from the sums of powers of their forces.
   pure real(real64) function cells_of(sums)

@@ -5,7 +5,8 @@
 !> end of the half-space. The cells are as fine as the load and the area call for.
 module asperity_cells_solver
   use asperity_cell_convolution, only: cell_convolution
-  use asperity_cells_answer, only: area_error, cell_contact, cells_answer, load_error, tell
+  use asperity_cells_answer, only: area_error, cell_contact, cells_answer, keep_elements, &
+                                   load_error, tell
   use asperity_cells_influence, only: mean_influence
   use asperity_cells_lattice, only: box_of, cell_lattice, gap_shape, lay_cells, shape_of_gap
   use asperity_cells_outside, only: add_outside, field_of_cells, outside_field
@@ -160,6 +161,8 @@ contains
       call tell(pairs%modulus, shapes, lattice, contacts)
       if (.not. present(outside)) return
       answer%cells = size(lattice%force)
+      if (associated(pairs%pressures)) &
+        call keep_elements(lattice, members(shapes%pair), answer%loaded)
       answer%ending = ending
       if (allocated(outside%x)) answer%beside = [ &
         (field_of_cells(lattice, outside%x(i), outside%y(i)), i=1, size(outside%x))]

@@ -14,6 +14,7 @@ module asperity_joint_contacts
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution, resolved_contacts, solve_coupled
   use asperity_coupled_state, only: far_below
+  use asperity_element_pressures, only: join_elements
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
@@ -87,6 +88,7 @@ contains
     real(real64) :: before, now, of_closing, total
     logical :: more
 
+    if (associated(pairs%pressures)) pairs%pressures%closing = -1.0_real64
     call solve_coupled(pairs, law, solution%coupled, target)
     if (failed(solution)) return
     allocate (solution%is_resolved(size(error)), source=.false.)
@@ -143,6 +145,10 @@ contains
         if (failed(solution)) return
         solution%clusters = size(clusters)
         solution%cells = sum(clusters%answer%cells)
+        if (associated(pairs%pressures)) then
+          call join_elements(clusters%answer%loaded, pairs%pressures)
+          pairs%pressures%closing = coupled%closing
+        end if
       end if
       ! Open: below 0, as 0 is a contact at first touch.
       where (coupled%penetration < 0.5_real64 * far_below) coupled%penetration = -tiny(1.0_real64)

@@ -35,7 +35,7 @@ module asperity_field_picture
 
 contains
 
-  !> Draws a plan: x to the right, y upwards, the centre of the first pixel at 0, 0.
+  !> Draws a plan: x to the right, y upwards, in the coordinates of the field.
   subroutine draw_plan(field, quantity, title, units, longest, most_pixels, drawing)
     type(contact_field), intent(in) :: field      !! of one state
     integer, intent(in) :: quantity               !! `plan_of_pressure` or `plan_of_gap`
@@ -45,7 +45,7 @@ contains
     integer, intent(in) :: most_pixels            !! of the image along its longer side
     type(plan_drawing), intent(out) :: drawing    !! the drawing
     integer, allocatable :: colour(:, :)
-    real(real64) :: highest, side(2)
+    real(real64) :: highest, low(2), side(2)
     integer :: i, points(2), room
     character(len=:), allocatable :: name
 
@@ -59,8 +59,9 @@ contains
                                    is_bold=.true.)
     call add_image(drawing, left, top, points(1), points(2), colour)
     call add_frame(drawing, left, top, points(1), points(2))
-    call put_axis(1, -0.5_real64 * field%spacing(1), side(1) - 0.5_real64 * field%spacing(1))
-    call put_axis(2, -0.5_real64 * field%spacing(2), side(2) - 0.5_real64 * field%spacing(2))
+    low = field%origin - 0.5_real64 * field%spacing
+    call put_axis(1, low(1), low(1) + side(1))
+    call put_axis(2, low(2), low(2) + side(2))
     call add_text(drawing, [left + points(1), top + points(2) + second_line], at_end, &
                   with_unit('x', trim(units(1))))
     call add_text(drawing, [left - 8, top - 12], at_end, with_unit('y', trim(units(1))))

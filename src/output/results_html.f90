@@ -1,7 +1,7 @@
 !> A run as one page that opens anywhere: totals, error estimate and warnings; curves; the effects;
 !> the plan of contacts; the scene's text. It loads nothing and runs nothing.
 module asperity_results_html
-  use asperity_contact_field, only: contact_field
+  use asperity_contact_field, only: contact_field, parts_in_words
   use asperity_contact_records, only: state_row
   use asperity_effects_summary, only: list_effects, told_line
   use asperity_effect_names, only: known_effects
@@ -98,6 +98,10 @@ contains
     units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
     call buffer%line('<p>Pressure and gap of the deformed surfaces on the pixels, at the last ' // &
                      'state. <code>--fields FILE</code> writes them.</p>')
+    if (parts_in_words(fields(size(fields))) /= '') &
+      call buffer%line('<p>The pixels have the sides <code>field_spacing</code>; ' // &
+                       'pressures of contacts: ' // &
+                       escaped(parts_in_words(fields(size(fields)))) // '.</p>')
     call buffer%line('<div class="plots">')
     do i = 1, size(quantities)
       call draw_plan(fields(size(fields)), quantities(i), '', units, width_of_page, most_pixels, &

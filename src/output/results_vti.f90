@@ -18,8 +18,10 @@ module asperity_results_vti
 
 contains
 
-  !> One cell a pixel, x along a row; the centre of the first pixel is at 0, 0. Arrays: pressure,
-  !> gap, displacement (NaN where a pixel was not measured) and contact (1 or 0).
+  !> One cell a pixel, x along a row; the centre of the first pixel of a map is at 0, 0. Arrays:
+  !> pressure, gap, displacement (NaN where a pixel was not measured) and contact (1 or 0). On the
+  !> grid of asperities two numbers state how many contacts have the pressure of boundary elements
+  !> and of Hertz.
   subroutine write_vti(field, buffer)
     type(contact_field), intent(in) :: field    !! of one state
     type(text_buffer), intent(inout) :: buffer  !! gets the bytes
@@ -45,11 +47,17 @@ contains
     call buffer%line('<VTKFile type="ImageData" version="1.0" byte_order="' // &
                      trim(merge('LittleEndian', 'BigEndian   ', &
                                 transfer(1, 'a') == achar(1))) // '" header_type="UInt64">')
-    write (numbers, '(2es25.16e3)') -0.5_real64 * field%spacing
+    write (numbers, '(2es25.16e3)') field%origin - 0.5_real64 * field%spacing
     call buffer%append('<ImageData WholeExtent=' // extent // ' Origin="' // &
                        trim(adjustl(numbers)) // ' 0"')
     write (numbers, '(2es25.16e3)') field%spacing
     call buffer%line(' Spacing="' // trim(adjustl(numbers)) // ' 1">')
+    if (field%hertz_contacts >= 0) then
+      call buffer%line('<FieldData>')
+      call put_number('boundary_element_contacts', field%boundary_contacts)
+      call put_number('hertz_contacts', field%hertz_contacts)
+      call buffer%line('</FieldData>')
+    end if
     call buffer%line('<Piece Extent=' // extent // '>')
     call buffer%line('<CellData Scalars="pressure">')
     offset = 0_int64
@@ -83,6 +91,14 @@ contains
       call buffer%line('<DataArray type="' // kind // '" Name="' // name // &
                        '" format="appended" offset="' // trim(digits) // '"/>')
     end subroutine put_head
+
+    subroutine put_number(name, number)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: number
+
+      call buffer%line('<DataArray type="Int32" Name="' // name // '" NumberOfTuples="1" ' // &
+                       'format="ascii">' // decimal_text(number) // '</DataArray>')
+    end subroutine put_number
 
     subroutine put_reals(values)
       real(real64), intent(in) :: values(:, :)

@@ -1,5 +1,6 @@
 !> What `asperity solve` prints: a short readable summary.
 module asperity_summary
+  use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: asked_nothing, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
@@ -37,6 +38,7 @@ contains
     call buffer%line('')
     call write_errors(results, buffer)
     call write_remarks(scene_in, results, buffer)
+    call write_grid(scene_in, results, buffer)
     call write_path(scene_in, results, buffer)
     call write_effects(results, buffer)
     if (allocated(results%map)) call write_map_table(results%map, .not. uses_samples(results), &
@@ -126,6 +128,23 @@ contains
       call buffer%line(overlap_text(results%positions%overlapping_circles, &
                                     scene_in%effects%mode('interaction') == effect_off))
   end subroutine write_remarks
+
+  ! Grid of the fields, and where the pressures on it come from.
+  subroutine write_grid(scene_in, results, buffer)
+    type(scene), intent(in) :: scene_in
+    type(scene_results), intent(in) :: results
+    type(text_buffer), intent(inout) :: buffer
+
+    if (.not. allocated(results%positions(1)%fields)) return
+    associate (field => results%positions(1)%fields(size(results%positions(1)%fields)))
+      if (parts_in_words(field) /= '') &
+        call buffer%line('fields on ' // decimal_text(field%columns) // ' x ' // &
+                         decimal_text(field%rows) // ' pixels of ' // &
+                         trim(readable(field%spacing(1), summary_digits) // ' ' // &
+                              unit_of(scene_in, is_length)) // &
+                         '; pressures of contacts: ' // parts_in_words(field))
+    end associate
+  end subroutine write_grid
 
   !> The state at each value of a load path, and the state of the largest load.
   subroutine write_path(scene_in, results, buffer)

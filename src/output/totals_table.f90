@@ -1,6 +1,7 @@
 !> Totals of a run, one line a quantity: its value at a single position; largest, smallest and mean
 !> value over several.
 module asperity_totals_table
+  use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: position_result, state_row
   use asperity_kinds, only: not_computed, real64
   use asperity_position_lists, only: readable
@@ -124,10 +125,23 @@ contains
                 1.0e-12_real64 * abs(values(:, i - 1)))) cycle
       end if
       call add_line(with_unit(trim(names(i)), unit_of(scene_in, dimensions(i))), values(:, i), &
-                    remarks(i), lines)
+                    remark(i), lines)
     end do
     call list_held(scene_in, results, lines)
     call list_effect_totals(scene_in, results, lines)
+
+  contains
+
+    ! The gap of asperities is that on the grid of their fields.
+    pure function remark(i) result(text)
+      integer, intent(in) :: i
+      character(len=len(remarks)) :: text
+
+      text = remarks(i)
+      if (i /= 7 .or. .not. allocated(results%positions(1)%fields)) return
+      if (parts_in_words(results%positions(1)%fields(1)) /= '') text = 'over the grid of the fields'
+    end function remark
+
   end subroutine list_totals
 
   ! Change of the load, or of the separation, during a hold.

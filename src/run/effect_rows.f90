@@ -4,7 +4,7 @@ module asperity_effect_rows
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pair, contact_pairs, in_scene_units
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
-  use asperity_contact_state, only: contact_state, in_contact, start_state
+  use asperity_contact_state, only: contact_state, in_contact, move_x, move_y, start_state
   use asperity_contact_law, only: contact_response
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
@@ -112,6 +112,7 @@ contains
       call add_contact_values(pairs, effects, state, outcomes, result)
     end if
     result%states(number) = totals
+    if (associated(pairs%pressures)) call keep_pressures(pairs, state, number, result)
     if (number == size(result%states)) &
       result%overlapping_circles = count_overlapping(pairs%list%x, pairs%list%y, &
                                                      state%answers%contact_radius)
@@ -123,6 +124,27 @@ contains
     if (number == size(result%states)) &
       call close_position(scene_in, pairs, effects, outcomes, result)
   end subroutine add_state
+
+  ! Keeps pressures on boundary elements, those of this closing alone, and shifts of contacts.
+  subroutine keep_pressures(pairs, state, number, result)
+    type(contact_pairs), intent(in) :: pairs
+    type(contact_state), intent(in) :: state
+    integer, intent(in) :: number
+    type(position_result), intent(inout) :: result
+
+    if (.not. (pairs%pressures%of_all_states .or. number == size(result%states))) return
+    if (.not. allocated(result%pressures)) allocate (result%pressures(size(result%states)))
+    associate (kept => result%pressures(number), unit => 4 * pairs%length_power)
+      if (.not. abs(pairs%pressures%closing - state%closing) > 0.0_real64) then
+        kept = pairs%pressures
+        kept%x = scale(kept%x, unit)
+        kept%y = scale(kept%y, unit)
+        kept%side = scale(kept%side, unit)
+      end if
+      if (allocated(state%found)) &
+        kept%shift = scale(transpose(state%found(2:, move_x:move_y)), unit)
+    end associate
+  end subroutine keep_pressures
 
   !> Adds what the effects report of a state at which all of them are left out.
   subroutine add_without_effects(scene_in, pairs, effects, state, outcomes, number, keep_rows, &

@@ -6,6 +6,7 @@
 module asperity_effect_solver
   use asperity_arithmetics, only: solver_in
   use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_field, only: fields_all, fields_none
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result, solve_method
@@ -16,6 +17,7 @@ module asperity_effect_solver
   use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
   use asperity_effect_position, only: run_position
   use asperity_effect_rows, only: add_nothing, add_without_effects, name_columns, of_compression
+  use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
   use asperity_hertz_law, only: hertz_law
   use asperity_kernel_real64, only: empty_state, list_pairs, place_scene, placed_scene, &
@@ -40,6 +42,7 @@ module asperity_effect_solver
     class(position_solver), allocatable :: other
     logical :: has_doubles = .true.              ! the scene can be placed in doubles
     logical :: by_estimate = .false.             ! all effects may turn out to be negligible
+    integer :: fields = fields_none              ! states whose pressures are kept
     logical :: remembers = .true.                ! a path, or effects other than interaction
     type(effect_box), allocatable :: effects(:)  ! as they are before a position
     type(effect_box), allocatable :: left_out(:) ! those that are off, to be estimated
@@ -51,16 +54,19 @@ contains
 
   !> Makes a scene ready to be solved with its effects. `failure` is allocated when a number is out
   !> of range.
-  subroutine make_effect_solver(scene_in, arithmetic, solver, header, failure)
+  subroutine make_effect_solver(scene_in, arithmetic, solver, header, failure, fields)
     type(scene), intent(in), target :: scene_in            !! checked; must outlive the solver
     character(len=*), intent(in) :: arithmetic             !! real64 where there are effects
     class(position_solver), allocatable, intent(out) :: solver
     type(effect_header), intent(out) :: header             !! what the effects tell
     character(len=:), allocatable, intent(out) :: failure  !! why not
+    !> States whose pressures on boundary elements are kept: `fields_last` ...; absent: none.
+    integer, intent(in), optional :: fields
     type(effect_solver), allocatable :: new
 
     allocate (new)
     new%scene_in => scene_in
+    if (present(fields)) new%fields = fields
     call list_effects(scene_in, new%effects)
     call list_left_out(scene_in, new%left_out)
     call name_columns(new%effects, header)
@@ -110,6 +116,7 @@ contains
     type(position_result) :: told
     type(effect_box), allocatable :: effects(:)
     class(contact_law), allocatable :: law
+    type(element_pressures), target :: pressures
     logical :: simulated, too_far
 
     if (self%by_estimate) then
@@ -166,6 +173,10 @@ contains
       call copy_effects(self%effects, effects)
       pairs%interrupt = self%interrupt
       pairs%count = self%count
+      if (self%fields /= fields_none) then
+        pressures%of_all_states = self%fields == fields_all
+        pairs%pressures => pressures
+      end if
       call take_start()
       call run_position(self%scene_in, pairs, effects, keep_rows, result, law, simulated, too_far, &
                         failure)

@@ -17,6 +17,7 @@ module asperity_map_solve
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: combined_modulus, control_limit, effect_auto, effect_off, &
                                    is_load, scene, solves_pixels
+  use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_theory_warnings, only: of_error, take_worse, theory_warning, warn
   implicit none
@@ -74,7 +75,9 @@ contains
     of_summits_options = options
     if (mode == effect_auto .and. allocated(options%keep_file)) &
       deallocate (of_summits_options%keep_file)
-    call solve_surfaces(plain, of_summits_options, of_summits, failure)
+    call solve_with_fields(plain, of_summits_options, of_summits, failure, &
+                           reshape([-0.5_real64 * map%spacing, map%spacing * &
+                                    ([map%columns, map%rows] - 0.5_real64)], [2, 2]))
     if (allocated(failure)) return
     call check_summits(scene_in, plain, map, seen, summits, of_summits, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'

@@ -11,7 +11,8 @@ module asperity_solve
   use asperity_run_options, only: check_options, run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: by_default, by_word, effect_off, scene
-  use asperity_surface_solve, only: needs_doubles, solve_surfaces
+  use asperity_surface_fields, only: solve_with_fields
+  use asperity_surface_solve, only: needs_doubles
   !$ use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   implicit none
   private
@@ -64,7 +65,7 @@ contains
     else if (allocated(scene_in%map)) then
       call solve_map(scene_in, chosen, results, failure)
     else
-      call solve_surfaces(scene_in, chosen, results, failure)
+      call solve_with_fields(scene_in, chosen, results, failure)
     end if
     !$ call omp_set_num_threads(usual)
     if (.not. results%nominal_area > 0.0_real64) &

@@ -62,7 +62,8 @@ contains
       return
     end if
     results%arithmetic = options%arithmetic
-    call make_effect_solver(scene_in, trim(options%arithmetic), solver, header, failure)
+    call make_effect_solver(scene_in, trim(options%arithmetic), solver, header, failure, &
+                            options%fields)
     if (needs_doubles(scene_in)) results%effects = header
     if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
   end subroutine solve_effects

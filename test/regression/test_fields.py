@@ -314,7 +314,7 @@ def test_refusals(asperity, tmp_path, curve):
         assert text in run(asperity, "solve", scene, *words, status=2, cwd=tmp_path).stderr
     done = run(asperity, "solve", "data/examples/one_pair.scene", "--fields", tmp_path / "a.vti",
                status=2)
-    assert "--fields: only a height map solved on its pixels has pressure on pixels" in done.stderr
+    assert "--fields: no grid for the fields of asperities, expected field_spacing" in done.stderr
     assert not list(tmp_path.iterdir())
 
 
