@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
-.PHONY: setup clean laws maps fault-table pages machine mutants wheel wheel-test
+.PHONY: setup clean tables laws maps fault-table pages machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
 
@@ -101,7 +101,7 @@ clean: ## remove what was built (.venv stays)
 	rm -rf build dist docs/api .pytest_cache .hypothesis
 	find test -name __pycache__ -type d -prune -exec rm -rf {} +
 
-hard-table: ## make the table of docs/development/hard-cases.md anew
+hard-table: ## make reference_output/bench/hard_cases.md anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/make_table.py "$$exe"
 
@@ -109,6 +109,10 @@ fault-table: ## make the tables of the pages on faults and on the listing anew
 	@bash .ci/setup build test
 	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/fault_effects.py "$$exe" && \
 	  .venv/bin/python test/regression/listing_page.py "$$exe"
+
+tables: ## make the tables of docs/reference from the tables of the source
+	@bash .ci/setup build test
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/reference_tables.py "$$exe"
 
 machine: ## the historic arithmetic against a System/370 (needs hercules), kept in reference_output
 	@bash .ci/setup build test

@@ -1,7 +1,7 @@
-"""The words of what a user reads first: README, changelog, messages and help, the last commit.
+"""The words of what a user reads: README, pages, changelog, messages, help, the last commit.
 
-usage: words.py [FILE...]    without files: README.md, CHANGELOG.md, the string literals of src,
-                             app and python, and the subject of the last commit
+usage: words.py [FILE...]    without files: README.md, CHANGELOG.md, the pages of docs, the string
+                             literals of src, app and python, the subject of the last commit
 
 Prints FILE:LINE: WORD: REASON, one line a finding; exit status 1 where there is one.
 Exceptions stand in .ci/words_exceptions.txt, each with its reason.
@@ -15,7 +15,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 EXCEPTIONS = ROOT / ".ci" / "words_exceptions.txt"
 MOST_EXCEPTIONS = 40
-MOST_WORDS = 30        # of a sentence of README
+MOST_WORDS = 30        # of a sentence of a page
+LONGEST_LINE = 200     # of a page; rows of tables, pictures and code are longer
 MOST_CHARACTERS = 160  # of an entry of the changelog
 
 # Refused words, as patterns, and their replacements. Case is ignored.
@@ -74,6 +75,10 @@ WORDS = (
 FIRST = re.compile(r"(?:^|(?<=[.:;!?] ))(Of|Nor|Or|What|So who)\b (?![^.!?]*\?)")
 
 
+# Headings of sections that are questions or sentences.
+HEADING = re.compile(r"##+ (.*\?$|(How|What|When|Where|Which|Who|Why|So|If|It|They)\b)")
+
+
 def literals(text):
     """The string literals of Fortran source: line and text; parts joined by // are one, with a #
     for what is not literal between them."""
@@ -129,7 +134,7 @@ def paragraphs(text):
             fenced = not fenced
             end()
             continue
-        if fenced or not line.strip():
+        if fenced or not line.strip() or (not lines and line.startswith("    ")):
             end()
             continue
         if re.match(r"\s*([-*#|]|\d+[.])", line):
@@ -138,7 +143,7 @@ def paragraphs(text):
             first = number
         line = re.sub(r"`[^`]*`", "NAME", line)
         line = re.sub(r"(!?)\[([^\]]*)\]\([^)]*\)", r"\2", line)
-        lines.append(re.sub(r"^\s*([-*]|#+|\d+[.])\s+|[|*]|^-+$", " ", line).strip())
+        lines.append(re.sub(r"^\s*([-*]|#+|\d+[.])\s+|[*]|^-+$", " ", line).strip())
     end()
     return found
 
@@ -160,16 +165,30 @@ def words_in(text):
                     for match in FIRST.finditer(text)]
 
 
+def of_lines(text):
+    """Findings in the lines of a page: those that are too long, and headings that ask."""
+    found, fenced = [], False
+    for number, line in enumerate(text.splitlines(), 1):
+        fenced ^= line.startswith("```")
+        if fenced:
+            continue
+        if len(line) > LONGEST_LINE and not re.match(r"[|>!\[ ]|</?\w", line):
+            found.append((number, line[:30], f"line longer than {LONGEST_LINE} characters"))
+        if HEADING.match(line):
+            found.append((number, line.strip("# "), "a heading is a noun phrase"))
+    return found
+
+
 def of_page(text, is_changelog):
     """Findings in a Markdown page: line, words, reason."""
-    found = []
+    found = of_lines(text)
     for line, paragraph in paragraphs(text):
         found += [(line, *finding) for finding in words_in(paragraph)]
         if is_changelog:
             if len(paragraph) > MOST_CHARACTERS:
                 found.append((line, paragraph[:30], f"entry longer than {MOST_CHARACTERS}"))
             continue
-        for sentence in re.split(r"(?<=[.!?])\s+", paragraph):
+        for sentence in re.split(r"(?<=[.!?])\s+|\s*[|]\s*", paragraph):
             if len(sentence.split()) > MOST_WORDS:
                 found.append((line, sentence[:30], f"sentence longer than {MOST_WORDS} words"))
     return found
@@ -209,7 +228,8 @@ def all_files():
     sources = [ROOT / name for name in tracked
                if name.endswith((".f90", ".F90", ".inc", ".py")) and
                not name.startswith("src/original/")]
-    return [ROOT / "README.md", ROOT / "CHANGELOG.md", *sources]
+    pages = sorted(ROOT.glob("docs/**/*.md"))
+    return [ROOT / "README.md", ROOT / "CHANGELOG.md", *pages, *sources]
 
 
 def main(names):

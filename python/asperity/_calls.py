@@ -60,7 +60,7 @@ def summits(map: _a.Path | HeightMap | NDArray[Any] | Sequence[Sequence[float]],
             rule: str = "eight", level: str | None = None, radius: str | None = None,
             unit: str | None = None, spacing: float | Sequence[float] = (0.0, 0.0),
             despike: bool = False, edge: str | None = None) -> Summits:
-    """Find the summits of a height map (`docs/reference/summits.md`).
+    """Find the summits of a height map (`docs/reference/height-maps.md`).
 
     Parameters
     ----------

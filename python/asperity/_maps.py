@@ -119,7 +119,7 @@ class HeightMap:
         _c.call("write_map", byref(self._struct()), _a.path("path", path)).checked()
 
     def power_spectrum(self, kind: str = "iso") -> Table:
-        """Power spectral density of the heights (`docs/reference/summits.md`).
+        """Power spectral density of the heights (`docs/reference/height-maps.md`).
 
         The map is levelled first: a free map by its plane, a periodic one by its mean. A free map
         has a Hann window.

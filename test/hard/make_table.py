@@ -1,4 +1,4 @@
-"""The table of hard cases in docs/development/hard-cases.md, between its markers.
+"""The tables of reference_output/bench/hard_cases.md, between their markers.
 
     python test/hard/make_table.py EXECUTABLE
 """
@@ -16,7 +16,7 @@ from exact_contact import read_deck  # noqa: E402
 from measure import (condition, measure, measure_deck, positions_of,  # noqa: E402
                      positions_of_deck, scene_of)
 
-DOCUMENT = "docs/development/hard-cases.md"
+DOCUMENT = "reference_output/bench/hard_cases.md"
 BEGIN, END = "<!-- begin: made by test/hard/make_table.py -->", "<!-- end -->"
 
 

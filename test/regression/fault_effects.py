@@ -2,7 +2,7 @@
 
     python test/regression/fault_effects.py EXECUTABLE
 
-writes the tables of docs/theory/faults.md between their markers, and
+writes the tables of reference_output/faults/effects.md between their markers, and
 reference_output/faults/table_vi.csv. All numbers are those of the executable, which mends one
 fault after the other with --fault-free; effects are Table VI mended less Table VI as printed.
 """
@@ -163,7 +163,7 @@ def archive(asperity):
                     f"{mended[cell] - value!r}"
 
 
-DOCUMENT = "docs/theory/faults.md"
+DOCUMENT = "reference_output/faults/effects.md"
 MADE = {"effects": table_of_effects, "prints": table_of_prints}
 
 

@@ -1,4 +1,4 @@
-"""The tables of docs/development/listing-port-scan.md, between its markers.
+"""The tables of reference_output/faults/listing_port_scan.md, between its markers.
 
     python test/regression/listing_page.py EXECUTABLE
 
@@ -14,7 +14,7 @@ from digitised_tables import DATA, records
 from fault_effects import DECIMALS, END, ROOT, TABLES, inside, names, printed_rows
 from printed_report import Report
 
-DOCUMENT = "docs/development/listing-port-scan.md"
+DOCUMENT = "reference_output/faults/listing_port_scan.md"
 ARCHIVE = ROOT / "reference_output" / "thesis.ibm370.txt"
 PLACES = ("displacement", "approach", "x", "y")
 

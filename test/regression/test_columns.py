@@ -109,7 +109,7 @@ def test_cells_of_solve(solved):
         for scene, header, rows in solved[file]:
             for name, cells in zip(header, zip(*rows)):
                 meaning = told[name][1]
-                of_effect = re.match(rf"({'|'.join(EFFECTS)}|of a map pressed itself):? ", meaning)
+                of_effect = re.match(rf"({'|'.join(EFFECTS)}|of the pixels of a map):? ", meaning)
                 signed = re.search("any sign|below 0|[Ss]ign as", meaning)
                 for cell in cells:
                     looked_at += 1

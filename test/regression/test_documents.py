@@ -169,6 +169,10 @@ def input_files(page, folder):
     text = page.read_text(encoding="utf-8").splitlines()
     written = []
     for first, block in blocks(page):
+        if block.startswith("x,y,height"):
+            name = re.findall(r"`([\w.-]+[.]csv)`", "\n".join(text[:first]))[-1]
+            (folder / name).write_text(block + "\n", encoding="utf-8")
+            continue
         if not re.match(r"(?:!.*\n|\s)*&\w+", block) or any(
                 block in shipped.read_text() for shipped in ROOT.glob("data/examples/*/*.scene")):
             continue
@@ -276,7 +280,7 @@ def test_names_of_a_scene(group, asperity, tmp_path):
 
 @pytest.mark.parametrize("page, command, groups", [
     ("reference/generate.md", "generate", ["surfaces", "heights", "random", "deck", "map"]),
-    ("theory/representative-area.md", "study", ["material", "study"])])
+    ("how-to/representative-area.md", "study", ["material", "study"])])
 def test_names_of_a_specification(page, command, groups, asperity, tmp_path):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     rows = re.findall(r"^\| (?:`&(\w+)`)? *\| ([^|]*) \|", text, re.M)

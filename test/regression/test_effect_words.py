@@ -75,7 +75,7 @@ def test_pairs(asperity, tmp_path, tally):
 
 def test_the_page_says_what_goes_together():
     """The table of docs/theory/effects.md: yes, no, or only with contacts coupled."""
-    lines = (ROOT / "docs/theory/effects.md").read_text().split("## What goes together\n\n")[1]
+    lines = (ROOT / "docs/theory/effects.md").read_text().split("## Combinations\n\n")[1]
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines.splitlines()]
     header, rows = rows[0], rows[2:2 + len(ON)]
     assert set(header[1:]) == set(ON) == {row[0] for row in rows}

@@ -149,7 +149,7 @@ def test_the_report_without_faults(asperity):
 
 def test_names(asperity):
     """The page has the names of the program, with their numbers; the help has them, too."""
-    page = (ROOT / DOCUMENT).read_text(encoding="utf-8")
+    page = (ROOT / "docs/theory/faults.md").read_text(encoding="utf-8")
     assert re.findall(r"^\| \d+ \|.*\| `([a-z-]+)` \|$", page, re.MULTILINE) == names(asperity)
     told = subprocess.run([asperity, "--help"], capture_output=True, text=True, check=False).stdout
     assert ", ".join(names(asperity)) in " ".join(told.split())

@@ -105,7 +105,7 @@ def test_page_examples(package, venv, tmp_path):
 
 def test_first_example_is_short():
     """The page keeps its promise: at most twelve lines, and neither savetxt nor asarray."""
-    text = page_examples()["reference_python_1"]
+    text = page_examples()["tutorial_first_contact_python_1"]
     assert len(text.splitlines()) <= 12 and "savetxt" not in text and "asarray" not in text
     assert ast.parse(text)
 

@@ -36,7 +36,7 @@ SLIPS = {
         ({"my.scene": SCENE.replace("value = 1.", "value = 1e3")}, SOLVE, 0),
 }
 ROWS = [[cell.strip() for cell in line.strip("|").split(" | ")]
-        for line in PAGE.read_text(encoding="utf-8").splitlines()
+        for line in PAGE.read_text(encoding="utf-8").split("\n## ")[0].splitlines()
         if line.startswith("| ")][2:]
 
 

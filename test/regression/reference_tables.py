@@ -1,0 +1,95 @@
+"""The tables of docs/reference that are made from the tables of the source, between their markers.
+
+    python test/regression/reference_tables.py EXECUTABLE
+
+The help of the program prints its tables of options and of the names of &effects; this script
+writes them as tables of commands.md and scene.md.
+"""
+
+import re
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMANDS = ("", "solve", "accuracy", "generate", "study", "summits")
+END = "<!-- end of what was made -->"
+# A word of a scene, with or without its name: in code marks in a page.
+WORD = re.compile(r"(?:\w+ = )?'\w+'")
+
+
+def begin(name):
+    return f"<!-- {name}: made by make tables -->"
+
+
+def help_of(asperity, command):
+    """The paragraphs of the help of a command."""
+    words = [word for word in (command, "--help") if word]
+    text = subprocess.run([asperity, *words], capture_output=True, text=True, check=True).stdout
+    return text.strip("\n").split("\n\n")
+
+
+def options(paragraph):
+    """The options of a paragraph of the help: the option with its value, and its meaning."""
+    found = []
+    for line in paragraph.splitlines():
+        start = re.match(r"  (-\S+(?:,? \S+)*?)(?:  +(\S.*))?$", line)
+        if start:
+            found.append([start[1], start[2] or ""])
+        else:
+            found[-1][1] += f" {line.strip()}"
+    return [(option, meaning.strip()) for option, meaning in found]
+
+
+def table_of_options(asperity):
+    """For each command its usage, its purpose and its options."""
+    for command in COMMANDS:
+        usage, purpose, *others = help_of(asperity, command)
+        line = usage.splitlines()[0].removeprefix("Usage: ").replace("[OPTIONS] ", "")
+        yield from (f"## `{line}`", "", *textwrap.wrap(" ".join(purpose.split()), 100), "")
+        yield from ("| option | meaning |", "| --- | --- |")
+        (listed,) = [text for text in others if text.startswith("  --")]
+        for option, meaning in options(listed):
+            yield f"| `{option}` | {meaning} |".replace("|  |", "| |")
+        yield ""
+
+
+def table_of_effects(asperity):
+    """The names of &effects with values, default, unit and meaning."""
+    yield "| name | values | default | unit | meaning |"
+    yield "| --- | --- | --- | --- | --- |"
+    text = "\n\n".join(help_of(asperity, "solve"))
+    lines = text.split("Names of group &effects")[1].split("\n\n")[1].splitlines()
+    for first, second in zip(lines[::2], lines[1::2], strict=True):
+        name, values, default = re.fullmatch(r" +(\w+) +(.+); (?:default )?(.+)", first).groups()
+        meaning, unit = re.fullmatch(r" +(.+?)(?: \[(.+)\])?", second).groups()
+        cells = [WORD.sub(lambda word: f"`{word[0]}`", cell)
+                 for cell in (values, default, unit or "", meaning)]
+        yield " | ".join((f"| `{name}`", *cells)).replace("|  |", "| |") + " |"
+
+
+MADE = {"options": ("docs/reference/commands.md", table_of_options),
+        "effects": ("docs/reference/scene.md", table_of_effects)}
+
+
+def inside(text, name):
+    """A page before a table, the table, and the page after it."""
+    before, _, rest = text.partition(begin(name))
+    return before, *rest.partition(END)[::2]
+
+
+def made(asperity, name):
+    return "\n".join(MADE[name][1](asperity)).strip("\n")
+
+
+def main(executable):
+    for name, (page, _) in MADE.items():
+        path = ROOT / page
+        before, _, after = inside(path.read_text(encoding="utf-8"), name)
+        table = made(Path(executable).resolve(), name)
+        path.write_text(f"{before}{begin(name)}\n{table}\n{END}{after}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,22 @@
+"""The tables of docs/reference that are made from the source: current, and complete."""
+
+import pytest
+from builds import ROOT
+from reference_tables import MADE, begin, inside, made, options
+
+pytestmark = pytest.mark.once
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_table_is_current(name, asperity):
+    """After a change of an option or a default in the source: make tables."""
+    text = (ROOT / MADE[name][0]).read_text(encoding="utf-8")
+    assert text.count(begin(name)) == 1
+    assert inside(text, name)[1].strip("\n") == made(asperity, name), "run make tables"
+
+
+def test_all_options_are_read():
+    """An option with its value, one without, one whose line is too long, a meaning of two lines."""
+    text = "  --a FILE  first\n            second\n  --bb      other\n  --ccc, -c, --d\n    last"
+    assert options(text) == [("--a FILE", "first second"), ("--bb", "other"),
+                             ("--ccc, -c, --d", "last")]
