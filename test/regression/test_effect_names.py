@@ -66,7 +66,8 @@ def tables_in(path):
     """Every such table of a page."""
     lines = path.read_text().splitlines()
     for start in (i for i, line in enumerate(lines) if line == HEAD):
-        end = next((i for i, line in enumerate(lines) if i > start and not line.startswith("|")), len(lines))
+        end = next((i for i, line in enumerate(lines) if i > start and not line.startswith("|")),
+                   len(lines))
         yield lines[start:end]
 
 
