@@ -229,7 +229,8 @@ def all_files():
                if name.endswith((".f90", ".F90", ".inc", ".py")) and
                not name.startswith("src/original/")]
     pages = sorted(ROOT.glob("docs/**/*.md"))
-    return [ROOT / "README.md", ROOT / "CHANGELOG.md", *pages, *sources]
+    return [*(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")), *pages,
+            *sources]
 
 
 def main(names):

@@ -44,15 +44,19 @@ def options(paragraph):
 
 def table_of_options(asperity):
     """For each command its usage, its purpose and its options."""
+    seen = set()
     for command in COMMANDS:
         usage, purpose, *others = help_of(asperity, command)
         line = usage.splitlines()[0].removeprefix("Usage: ").replace("[OPTIONS] ", "")
         yield from (f"## `{line}`", "", *textwrap.wrap(" ".join(purpose.split()), 100), "")
         yield from ("| option | meaning |", "| --- | --- |")
         (listed,) = [text for text in others if text.startswith("  --")]
-        for option, meaning in options(listed):
+        rows = options(listed)
+        again = [f"`{row[0]}`" for row in rows if row in seen]
+        for option, meaning in (row for row in rows if row not in seen):
             yield f"| `{option}` | {meaning} |".replace("|  |", "| |")
-        yield ""
+        seen |= set(rows)
+        yield from ("", f"Also {', '.join(again)}, as above.", "") if again else ("",)
 
 
 def table_of_effects(asperity):
