@@ -45,10 +45,9 @@ archive: ## rewrite reference_output/ (on purpose only, see CONTRIBUTING.md)
 	@bash .ci/setup build
 	@bash .ci/archive
 
-docs: ## API pages in docs/api
+docs: ## the site in build/site: pages with search, Python API, Fortran API
 	@bash .ci/setup docs
-	@PATH="$$PWD/.venv/bin:$$PATH" ford -q ford.md
-	@echo docs/api/index.html
+	@bash .ci/site
 
 ifeq ($(PART),maps)
 bench:
@@ -98,7 +97,7 @@ setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint
 
 clean: ## remove what was built (.venv stays)
-	rm -rf build dist docs/api .pytest_cache .hypothesis
+	rm -rf build dist .pytest_cache .hypothesis
 	find test -name __pycache__ -type d -prune -exec rm -rf {} +
 
 hard-table: ## make reference_output/bench/hard_cases.md anew

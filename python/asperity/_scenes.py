@@ -124,9 +124,8 @@ def solve(scene: _a.Path | Mapping[str, Mapping[str, Any]] | Scene, *, arithmeti
     ----------
     scene : str, os.PathLike, mapping or Scene
         The path of a scene file or of a card deck; or the groups of a scene as a dict of dicts,
-        with the names and units of `docs/reference/scene.md`. There, `upper` and `lower` of
-        the group
-        `surfaces` are a path, relative to the current folder; `"plane"` for one of the two;
+        with the names and units of `docs/reference/scene.md`. There, `upper` and `lower` of the
+        group `surfaces` are a path, relative to the current folder; `"plane"` for one of the two;
         asperities: a mapping, a structured array or a pandas table with `x`, `y` (places on the
         reference plane), `height` (above it) and `radius` (more than 0), arrays of n numbers each,
         or one radius for all; or a height map: a `HeightMap`, a topography of SurfaceTopography, or
