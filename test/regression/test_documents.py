@@ -250,6 +250,12 @@ def test_blocks_are_seen():
     assert any(text.startswith("&surfaces") for text in readme)
 
 
+def test_number_of_words():
+    """README and the pages of docs have at most 35,000 words."""
+    pages = [page for page in PAGES if page.name != "CONTRIBUTING.md"]
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 35_000
+
+
 # ---------------------------------------------------------------- names
 
 def names_known(asperity, folder, command, group, suffix):

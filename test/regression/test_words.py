@@ -24,14 +24,14 @@ def test_the_project_passes():
 
 def test_sentences_in_a_page(tmp_path):
     assert len(REFUSED) >= 80
-    for name in ("README.md", "CHANGELOG.md"):
+    for name in ("README.md", "CHANGELOG.md", "docs/page.md"):
         for number, sentence in enumerate(REFUSED):
             page = tmp_path / f"{number}" / name
-            page.parent.mkdir(exist_ok=True)
+            page.parent.mkdir(parents=True, exist_ok=True)
             page.write_text(f"# Title\n\n- {sentence}\n")
-    found = lint(*sorted(tmp_path.glob("*/*.md"))).stdout
+    found = lint(*sorted(tmp_path.glob("*/**/*.md"))).stdout
     for number, sentence in enumerate(REFUSED):
-        for name in ("README.md", "CHANGELOG.md"):
+        for name in ("README.md", "CHANGELOG.md", "docs/page.md"):
             assert f"{tmp_path}/{number}/{name}:3: " in found, sentence
 
 
@@ -47,9 +47,22 @@ def test_sentences_in_a_message(tmp_path):
         assert f"{tmp_path}/m{number}.f90:1: " in found, sentence
 
 
+def test_all_pages_are_read():
+    """Without names the lint reads every page of docs: one more sentence in any is a finding."""
+    code = "import words; print(*words.all_files(), sep='\\n')"
+    done = subprocess.run([sys.executable, "-c", code], cwd=LINT.parent, capture_output=True,
+                          text=True, check=True)
+    pages = {str(page) for page in (*ROOT.glob("docs/**/*.md"), ROOT / "CONTRIBUTING.md")}
+    assert len(pages) > 30 and pages <= set(done.stdout.split())
+
+
 @pytest.mark.parametrize("name, line, reason", [
     ("README.md", "word " * 31 + "end.", "sentence longer than 30 words"),
     ("CHANGELOG.md", "- " + "letters " * 21, "entry longer than 160"),
+    ("page.md", "- word " + "letters " * 26, "line longer than 200"),
+    ("page.md", "| word | " + "letters " * 16 + " | " + "letters " * 31 + " |", "longer than 30 words"),
+    ("page.md", "## How it works", "a heading is a noun phrase"),
+    ("page.md", "### Is it exact?", "a heading is a noun phrase"),
     ("a.f90", "print *, 'the closing of the surfaces'", "compression"),
     ("a.py", "x = 'nobody is here'", "contacts and programs are things")])
 def test_each_kind(tmp_path, name, line, reason):
@@ -61,6 +74,8 @@ def test_each_kind(tmp_path, name, line, reason):
 def test_what_is_allowed(tmp_path):
     """Names of columns, comments, code and addresses are no sentences."""
     (tmp_path / "a.f90").write_text("call put('closing')  ! nobody\n! who waits\n")
-    (tmp_path / "README.md").write_text("# Title\n\n```\nwho tells\n```\n\n[text](who-tells.md)\n")
+    (tmp_path / "README.md").write_text(
+        "# Title\n\n```\nwho tells\n```\n\n[text](who-tells.md)\n\n    p = who tells\n\n"
+        "| " + "a | " * 60 + "\n")
     done = lint(tmp_path / "a.f90", tmp_path / "README.md")
     assert (done.returncode, done.stdout) == (0, "")
