@@ -186,6 +186,23 @@ def test_boundary_elements_are_not_circles(asperity, tmp_path):
                     np.argmin(np.hypot(x - 0.9 * a, y).ravel()) % x.shape[1]] < 0.9 * hertz
 
 
+def test_neighbours_move_the_pressure(asperity, tmp_path):
+    """A Hertzian contact stands where the sphere is level with the slope of its neighbour's
+    displacement, P/(pi E d**2) far from it: R times the slope farther away."""
+    rows, side = [(0.0, 0.0, 1.0, R), (0.4, 0.1, 1.0, R)], 0.005
+    moves = {}
+    for interaction in ("off", "coupled"):
+        scene = plane_scene(tmp_path, rows, side, {"interaction": interaction})
+        (x, y), fields, contacts, _ = fields_of(asperity, tmp_path, scene)
+        first = np.where(np.hypot(x, y) < 0.2, np.nan_to_num(fields["pressure"]), 0.0)
+        moves[interaction] = np.array([(x * first).sum(), (y * first).sum()]) / first.sum()
+    distance = math.hypot(*rows[1][:2])
+    slope = contacts[1]["vertical_load"] / (math.pi * E * distance**2)
+    assert moves["coupled"] == pytest.approx(
+        -R * slope * np.array(rows[1][:2]) / distance, rel=0.05)
+    assert np.abs(moves["off"]).max() < 1e-12
+
+
 @pytest.mark.parametrize("side", [0.05, 0.3, 1.7, 30.0])
 def test_contacts_smaller_than_a_cell(asperity, tmp_path, side):
     for interaction in ("coupled", "boundary"):
