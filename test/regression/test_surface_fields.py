@@ -188,7 +188,7 @@ def test_boundary_elements_are_not_circles(asperity, tmp_path):
 
 @pytest.mark.parametrize("scale", [1.0, 1000.0])
 def test_boundary_elements_of_one_sphere(asperity, tmp_path, scale):
-    """Hertz' pressure again, moved from the elements to smaller pixels, in small and large units."""
+    """Hertz' pressure again, from the elements to smaller pixels, in small and large units."""
     a, p0, side = scale * 0.1, 2 / math.pi * E * 0.1, 0.005 * scale
     scene = plane_scene(tmp_path, [(0.0, 0.0, scale, scale)], side, {"interaction": "boundary"},
                         control="compression", value=DEPTH * scale)
