@@ -134,7 +134,8 @@ contains
     at = 1
     do
       at = at + verify(text(min(at, len(text) + 1):) // '.', between) - 1
-      if (at > len(text)) return
+      ! A line of many names: flang-19 keeps the text of every turn on the stack.
+      if (at > len(text) .or. found%count > most_names) return
       if (scan(text(at:at), '[(') == 1 .and. found%count > 0) then
         last = at + scan(text(at:) // ']', '])') - 1
         if (found%count <= most_names) found%unit(found%count) = plain_unit(text(at + 1:last - 1))

@@ -180,7 +180,7 @@ contains
         do k = 1, min(2, lines - j)
           associate (height => row(k, :map%columns - 1))
             numbers = numbers + sum(int(height, int128))
-            squares = squares + sum(int(shifta(height + half, lost), int128)**2)
+            squares = squares + sum(square_of(shifta(height + half, lost)))
             if (which == of_heights) map%height(:, first + j + k) = real(height, real64)
           end associate
         end do
@@ -191,6 +191,13 @@ contains
     mean = real(numbers, real128) / pixels
     square = real(squares, real128) / pixels * 4.0_real128**(lost + order)
   end subroutine sum_waves
+
+  ! A product: flang-19 has no powers of whole numbers of 128 bits.
+  elemental integer(int128) function square_of(number)
+    integer(int64), intent(in) :: number
+
+    square_of = int(number, int128) * number
+  end function square_of
 
   ! The components of a slope: i k a, over 2**order.
   pure subroutine derive(components, wave, which, order)
