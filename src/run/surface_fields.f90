@@ -30,8 +30,8 @@ module asperity_surface_fields
   public :: has_field_grid, solve_with_fields
 
   ! Bytes of a pixel while the fields are computed: both spectra and the transform of the padded
-  ! grid, the table of influence with its integral, forces and the two elevations (measured: 73 of 16 and of
-  ! 76 million pixels).
+  ! grid, the table of influence with its integral, forces and the two elevations (measured: 73,
+  ! with 16 and with 76 million pixels).
   integer, parameter :: bytes_of_cell = 80
   ! Cells along the side of a block, for which the spheres are chosen that can be highest.
   integer, parameter :: block = 32
