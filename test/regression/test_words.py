@@ -60,7 +60,7 @@ def test_all_pages_are_read():
     ("README.md", "word " * 31 + "end.", "sentence longer than 30 words"),
     ("CHANGELOG.md", "- " + "letters " * 21, "entry longer than 160"),
     ("page.md", "- word " + "letters " * 26, "line longer than 200"),
-    ("page.md", "| word | " + "letters " * 16 + " | " + "letters " * 31 + " |",
+    ("page.md", "| word | " + "letters " * 16 + "| " + "letters " * 31 + "|",
      "longer than 30 words"),
     ("page.md", "## How it works", "a heading is a noun phrase"),
     ("page.md", "### Is it exact?", "a heading is a noun phrase"),
