@@ -1,22 +1,26 @@
-!> Pressures of least energy that nowhere pull.
+!> Forces of least energy between 0 and a largest force.
 !>
-!> The energy is f.Af/2 + f.g, of forces f that are 0 or more, gaps g and a positive definite A. The
-!> steps are those of Polonsky and Keer, Wear 231 (1999) 206-219, for a prescribed approach:
-!> conjugate gradients, a cell whose force comes out negative is let go, one without force under
-!> which the surfaces overlap is taken in. That alone is not sure to end. So a step must lower the
-!> energy by half of what a step along the projected gradient is sure to, of length 1/|A|; else that
-!> one is taken. Such a step brings the energy nearer to its least value at least by the factor
-!> 1 - (least eigenvalue)/|A| (Dostal and Schoeberl, Comput. Optim. Appl. 30 (2005) 23-43, theorem
-!> 4.1), and every step here by 1 - (least eigenvalue)/(4 |A|): the solve ends. The same is true on
-!> the forces of a given sum, which are as convex a set; gaps are then over their mean under force.
+!> Problem: minimise f.Af/2 + f.g over all forces 0 <= f <= H, of a given sum where there is a
+!> load. A f are the displacements, A is positive definite, and g are the undeformed gaps. H is the
+!> force of an element at the hardness of a perfectly plastic body (Almqvist, Sahlin, Larsson and
+!> Glavatskih, Tribol. Int. 40 (2007) 574; Weber et al., Nat. Commun. 9 (2018) 888), or infinite.
+!> Both sets are convex, so there is one solution. With the gaps r = A f + g, under a load less
+!> their mean where 0 < f < H, it has r = 0 where 0 < f < H, r >= 0 where f = 0, and r <= 0 where
+!> f = H: at the hardness the surfaces may overlap.
 !>
-!> It ends where the residual, the largest gap under a force or overlap without one, is at most the
-!> tolerance, or at most what rounding leaves of it: `rounding` times the largest displacement.
+!> Method: conjugate gradients on the free forces, 0 < f < H, with a rough inverse of A (Polonsky
+!> and Keer, Wear 231 (1999) 206-219). In the same step a force of 0 follows an overlap, and a
+!> force of H a gap. The forces are then cut at 0 and H, and the free ones are scaled to the load.
+!> This step alone need not end. It is accepted if it lowers the energy by half of what the step to
+!> P(f - r/|A|) is sure to; else that one is taken. P projects on the set of allowed forces. Such a
+!> step brings the energy nearer to its least value at least by the factor 1 - (least
+!> eigenvalue)/|A| (Dostal and Schoeberl, Comput. Optim. Appl. 30 (2005) 23-43, theorem 4.1), and
+!> every step here by 1 - (least eigenvalue)/(4 |A|): the solve converges.
 !>
-!> Forces may have an upper limit H, that of a perfectly plastic body (Almqvist, Sahlin, Larsson and
-!> Glavatskih, Tribol. Int. 40 (2007) 574; Weber et al., Nat. Commun. 9 (2018) 888). The set
-!> 0 <= f <= H is convex, so that the same theorem holds. At the limit the surfaces may overlap: the
-!> residual counts a gap that is left there.
+!> Residual: the largest gap where f > 0 or overlap where f < H. Exits: converged, at a residual of
+!> the tolerance at most, or of what rounding leaves of it, `rounding` times the largest
+!> displacement; not converged, after `iterations_allowed` steps or where the run is interrupted.
+!> The forces are in the allowed set at both exits.
 module asperity_cells_relax
   use asperity_cell_convolution, only: cell_convolution
   use asperity_interruption, only: interruption
