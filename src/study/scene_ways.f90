@@ -15,8 +15,8 @@ module asperity_scene_ways
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_compression, control_limit, control_separation, &
                                    effect_auto, effect_boundary, &
-                                   effect_coupled, effect_off, is_thesis_sweep, scene, &
-                                   scene_effects
+                                   effect_coupled, effect_off, has_hardness, is_thesis_sweep, &
+                                   scene, scene_effects
   use asperity_solve, only: solve
   use asperity_surface_solve, only: solve_in_arithmetic
   implicit none
@@ -161,6 +161,11 @@ contains
     way%name = unit // ' coupled'
     ways = [ways, way]
     if (scene_in%loading%control == control_limit .and. allocated(scene_in%map)) return
+    ! A hardness is that of pixels: `auto` solves these alone.
+    if (has_hardness(scene_in)) then
+      call add_pixels(ways)
+      return
+    end if
     on_cells = ''
     do e = 1, size(simulated)
       if (simulated(e)) on_cells = on_cells // &
@@ -173,20 +178,27 @@ contains
       way%name = 'auto, tolerance ' // share_text(of_auto(k))
       ways = [ways, way]
     end do
-    way%interaction = effect_boundary
-    way%tolerance = hardly_anything
     if (allocated(scene_in%map)) then
-      if (any(simulated .and. known_effects%name /= 'interaction')) return
-      way%name = 'pixels of the map'
-      ways = [ways, way]
+      if (.not. any(simulated .and. known_effects%name /= 'interaction')) call add_pixels(ways)
       return
     end if
+    way%interaction = effect_boundary
     do k = -2, -4, -1
       way%tolerance = decimal_value(1_int64, k)
       way%name = 'boundary elements, ' // share_text(way%tolerance)
       ways = [ways, way]
     end do
   end subroutine add_neighbours
+
+  ! The pixels of a map.
+  subroutine add_pixels(ways)
+    type(scene_way), allocatable, intent(inout) :: ways(:)
+    type(scene_way) :: way
+
+    way = scene_way(family=of_neighbours, interaction=effect_boundary, tolerance=hardly_anything)
+    way%name = 'pixels of the map'
+    ways = [ways, way]
+  end subroutine add_pixels
 
   ! A tolerance as .01.
   pure function share_text(share) result(text)
@@ -244,7 +256,10 @@ contains
       type(scene) :: plain
 
       call without_map(copy, plain, failure)
-      if (.not. allocated(failure)) copy = plain
+      if (allocated(failure)) return
+      ! Summits have no hardness: they are elastic.
+      if (has_hardness(copy)) call plain%effects%call_for('plasticity', effect_off)
+      copy = plain
     end subroutine take_summits
 
   end subroutine run_way

@@ -302,3 +302,38 @@ def test_refused_beside_asperities(asperity, tmp_path):
                      "&effects plastic_hardness = 1. /\n")
     found = solve(asperity, scene)
     assert found.status == 2 and "expected plastic_yield_stress in its place" in found.stderr
+
+
+@pytest.mark.parametrize("interaction", ["boundary", "auto"])
+def test_accuracy_against_numpy(asperity, tmp_path, interaction):
+    """`asperity accuracy`: the reference has the hardness; without plasticity, and on summits,
+    which have no hardness, the contacts are elastic."""
+    height = 1e-3 * rough(32, shortest=5, seed=50)
+    load = load_for(height, SIDES, 0.15)
+    hardness = load / (0.3 * height.size * AREA)
+    scene = map_scene(tmp_path, height, SIDES, interaction=interaction,
+                      loading={"control": "load", "value": load})
+    elastic = scene.read_text()
+    scene.write_text(elastic.replace("plasticity = 'off'", "plasticity = 'on', "
+                                     f"plastic_hardness = {hardness!r}"))
+    done = subprocess.run(
+        [asperity, "accuracy", scene, "--quiet", "--seconds", "3", "--csv", tmp_path / "a.csv"],
+        stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "a.csv", newline="") as file:
+        rows = {row["way"]: row for row in csv.DictReader(file) if row["method"] == "total"}
+    of = level(height)
+    flat, _ = projected_gradients(of, hardness, "free", total=load / AREA)
+    softer, _ = projected_gradients(of, 1e9, "free", total=load / AREA)
+    assert [way for way, row in rows.items() if row["reference"] == "1"] == ["pixels of the map"]
+    for way, true in (("pixels of the map", flat), ("as in the scene", flat),
+                      ("without plasticity", softer)):
+        assert float(rows[way]["separation"]) == pytest.approx(true, abs=1e-7 * np.ptp(of)), way
+        assert float(rows[way]["error_max"]) == pytest.approx(
+            abs(true - flat) / (of.max() - flat), abs=1e-6), way
+    assert float(rows["without plasticity"]["error_max"]) > 1e-2
+    assert not any(way.startswith("auto") for way in rows)
+    scene.write_text(elastic.replace(f"'{interaction}'", "'coupled'"))
+    alone = solve(asperity, scene)
+    assert float(rows["summits coupled"]["separation"]) == pytest.approx(
+        float(alone.positions[0]["separation"]), rel=1e-9)
