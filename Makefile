@@ -49,12 +49,16 @@ docs: ## the site in build/site: pages with search, Python API, Fortran API
 	@bash .ci/setup docs
 	@bash .ci/site
 
-ifeq ($(PART),maps)
+ifeq ($(PART),accuracy)
+bench:
+	@bash .ci/setup build test
+	@.venv/bin/python test/bench/accuracy_costs.py $(if $(SAVE),--save)
+else ifeq ($(PART),maps)
 bench:
 	@bash .ci/setup build test figures
 	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save)
 else
-bench: ## time, memory, accuracy (SAVE=1 keeps it, MOST=1e7 goes further, SMALL=1: a bit, PART=maps)
+bench: ## time, memory, accuracy (SAVE=1 keeps it, MOST=1e7 goes further, SMALL=1: a bit, PART=maps or accuracy)
 	@bash .ci/setup build test bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--runs 2)
 	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save) $(if $(SMALL),--small)

@@ -1,18 +1,28 @@
 """The tables of docs/reference that are made from the source: current, and complete."""
 
+import sys
+
 import pytest
 from builds import ROOT
 from reference_tables import MADE, begin, inside, made, options
+sys.path.insert(0, str(ROOT / "test/bench"))
+import accuracy_costs  # noqa: E402
 
 pytestmark = pytest.mark.once
-
-
 @pytest.mark.parametrize("name", MADE)
 def test_a_table_is_current(name, asperity):
     """After a change of an option or a default in the source: make tables."""
     text = (ROOT / MADE[name][0]).read_text(encoding="utf-8")
     assert text.count(begin(name)) == 1
     assert inside(text, name)[1].strip("\n") == made(asperity, name), "run make tables"
+
+
+def test_costs_of_accuracy():
+    """The table of the page is that of the kept measurement."""
+    page = accuracy_costs.PAGE.read_text(encoding="utf-8")
+    shown = page.partition(accuracy_costs.BEGIN)[2].partition(accuracy_costs.END)[0]
+    rows = list(accuracy_costs.table(accuracy_costs.KEPT.read_text(encoding="ascii")))
+    assert shown.strip("\n").splitlines() == rows and len(rows) > 6
 
 
 def test_all_options_are_read():

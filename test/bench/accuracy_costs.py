@@ -1,0 +1,104 @@
+"""Run time and error of each mode of interaction on four kinds of surfaces: the table of the page.
+
+    python test/bench/accuracy_costs.py [--seconds 60] [--save]
+
+Runs `asperity accuracy` on the sweep of the thesis, on a rough surface, on a dense one and on a
+height map. With --save the rows go to reference_output/bench/accuracy_costs.csv, and as a table
+into docs/how-to/accuracy.md. test_reference_tables.py compares both.
+"""
+
+import argparse
+import csv
+import datetime
+import io
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+KEPT = ROOT / "reference_output/bench/accuracy_costs.csv"
+PAGE = ROOT / "docs/how-to/accuracy.md"
+BEGIN, END = "<!-- costs: made by make bench PART=accuracy -->", "<!-- end of what was made -->"
+MATERIAL = "&material elastic_modulus = 2*275760., poisson_ratio = 2*0.42 /\n"
+SUMMITS = ("&surfaces number = {}, length = {}, width = {} /\n"
+           "&heights mean = 0.127, deviation = {}, lowest = 0.01 /\n&radii mean = 1.27 /\n")
+SURFACES = {"rough": (10000, 19.6, 19.6, 0.03), "dense": (100, 2.0, 2.0, 0.005)}
+SCENES = {
+    "thesis, 100 positions": f"&surfaces deck = '{ROOT}/data/thesis.deck' /\n"
+                             "&motion x_first = 0.1, x_step = 0.1, positions = 100 /\n",
+    "rough, 10,000 summits": "&surfaces upper = 'plane', lower = 'rough.csv' /\n" + MATERIAL +
+                             "&loading control = 'load', value = 1e5 /\n",
+    "dense, 100 summits": "&surfaces upper = 'plane', lower = 'dense.csv' /\n" + MATERIAL +
+                          "&loading control = 'load', value = 3000. /\n",
+    "map, 128 x 96 pixels": f"&surfaces upper = 'plane', map_unit = 'um', lower = "
+                            f"'{ROOT}/data/examples/summits/smooth.sdf' /\n"
+                            "&material contact_modulus = 1e5 /\n"
+                            "&loading control = 'pressure', value = 200 /\n"}
+# What `asperity accuracy` calls a method, and the options of a scene.
+OPTIONS = {"isolated": "`interaction = 'off'`", "coupled": "`'coupled'`",
+           "auto; tolerance 0.01": "`'auto', tolerance = 0.01`",
+           "auto; tolerance 0.001": "`'auto', tolerance = 0.001`",
+           "boundary elements; 0.01": "`'boundary', boundary_tolerance = 0.01`",
+           "boundary elements; 0.001": "`'boundary', boundary_tolerance = 0.001`",
+           "pixels": "`'boundary'`, on the pixels"}
+
+
+def measured(asperity, seconds):
+    """Scene, option, seconds, error of the load and of the area of each method that was run."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for surface, numbers in SURFACES.items():
+            (folder / "a.spec").write_text(SUMMITS.format(*numbers), encoding="ascii")
+            subprocess.run([asperity, "generate", "a.spec", "--upper", f"{surface}.csv", "--lower",
+                            "lower.csv"], cwd=folder, check=True)
+        for scene, text in SCENES.items():
+            (folder / "a.scene").write_text(text, encoding="ascii")
+            subprocess.run([asperity, "accuracy", "a.scene", "--seconds", str(seconds), "--csv",
+                            "a.out", "--quiet"], cwd=folder, check=True, capture_output=True)
+            for row in csv.DictReader((folder / "a.out").open(encoding="ascii")):
+                option = next((text for start, text in OPTIONS.items() if start in row["way"]), "")
+                if row["family"] == "neighbours" and option and row["seconds"]:
+                    yield (scene, option, f"{float(row['seconds']):.2g}",
+                           *("reference" if row["reference"] == "1" else f"{float(row[name]):.1g}"
+                             for name in ("error_max", "area_error_max")))
+
+
+def table(text):
+    """The table of the page, from the kept rows."""
+    rows = list(csv.DictReader(io.StringIO(text.partition("\n")[2])))
+    cells = {(row["option"], row["scene"]): row for row in rows}
+    yield "| option | " + " | ".join(SCENES) + " |"
+    yield "| --- |" + " ---: |" * len(SCENES)
+    for option in OPTIONS.values():
+        if not any(option == row["option"] for row in rows):
+            continue
+        found = [cells.get((option, scene)) for scene in SCENES]
+        yield f"| {option} | " + " | ".join(
+            f"{row['seconds']} s, {row['error']}" if row else "-" for row in found) + " |"
+
+
+def main():
+    sys.path[:0] = [str(ROOT / "test"), str(ROOT / "test/bench")]
+    from builds import build
+    from run_bench import machine
+
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=60)
+    parser.add_argument("--save", action="store_true")
+    words = parser.parse_args()
+    rows = [",".join(f'"{cell}"' for cell in row) for row in measured(build("release"),
+                                                                     words.seconds)]
+    text = "\n".join([f"# {datetime.date.today()}; {machine('')[1].split(maxsplit=1)[1]}; python "
+                      f"test/bench/accuracy_costs.py --seconds {words.seconds:g}",
+                      "scene,option,seconds,error,area_error", *rows, ""])
+    print("\n".join(table(text)))
+    if words.save:
+        KEPT.write_text(text, encoding="ascii")
+        before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+        PAGE.write_text("\n".join([f"{before}{BEGIN}", *table(text), END]) +
+                        rest.partition(END)[2], encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
