@@ -58,7 +58,7 @@ bench:
 	@bash .ci/setup build test figures
 	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save)
 else
-bench: ## time, memory, accuracy (SAVE=1 keeps it, MOST=1e7 goes further, SMALL=1: a bit, PART=maps or accuracy)
+bench: ## time, memory, accuracy (SAVE=1 keeps it, MOST=1e7, SMALL=1: a bit, PART=maps|accuracy)
 	@bash .ci/setup build test bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--runs 2)
 	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save) $(if $(SMALL),--small)

@@ -5,7 +5,7 @@ outputs = '../../data/examples/effects/'
 held = outputs . 'ten_minutes.curve.csv'
 stopped = outputs . 'ten_minutes_approach.curve.csv'
 set xlabel 'Time since loading (s)'
-set ylabel 'Share of the value at once'
+set ylabel 'Value over that at the end of loading'
 set xrange [0:610]
 set yrange [0.78:1.2]
 set key at graph 0.98, 0.5 right center reverse Left
@@ -19,8 +19,8 @@ tau = 100.0
 plot held using 'time':(column('area') / area) with lines linetype 1 \
     title 'load held: contact area', \
   held using 'time':(column('compression') / closing) with lines linetype 2 \
-    title 'load held: decrease of approach', \
+    title 'load held: compression', \
   (1 / r - (1 / r - 1) * exp(-r * x / tau))**(2.0 / 3) with lines linecolor rgb '#222222' \
-    linewidth 1 dashtype 3 title 'both, were it a single contact', \
+    linewidth 1 dashtype 3 title 'both, for a single contact', \
   stopped using 'time':(column('load') / force) with lines linetype 3 \
-    title 'approach held: load'
+    title 'separation held: load'

@@ -4,7 +4,7 @@ load 'style.gp'
 load 'curves.gp'
 set logscale xy
 set xlabel 'Total load (N)'
-set ylabel 'Decrease of approach (cm)'
+set ylabel 'Compression (cm)'
 set xrange [1:2000]
 set yrange [0.0002:0.02]
 set format y '%g'

@@ -2,8 +2,8 @@
 height = 420
 load 'style.gp'
 outputs = '../../data/examples/effects/'
-set xlabel 'Load a summit (N)'
-set ylabel 'Summits that touch, of 400'
+set xlabel 'Load per summit (N)'
+set ylabel 'Summits in contact, of 400'
 set xrange [0:*]
 set yrange [0:400]
 set key off

@@ -8,6 +8,6 @@ set xrange [0:2950]
 set yrange [0:*]
 set key left top Left reverse
 plot outputs . 'beyond_limit.curve.csv' using 'load':'area' with linespoints linetype 3 \
-    pointtype 7 pointsize 0.5 title 'auto: flow from 1.5 times the limit load on', \
+    pointtype 7 pointsize 0.5 title 'auto: plastic from 1.5 times the limit load on', \
   outputs . 'beyond_limit_hertz.curve.csv' using 'load':'area' with linespoints linetype 1 \
     pointtype 7 pointsize 0.5 title 'Hertz'

@@ -1,8 +1,8 @@
-# Two spheres pressed together: load against decrease of approach, and Hertz by hand.
+# Two spheres pressed together: load against compression, and Hertz by hand.
 height = 420
 load 'style.gp'
-set xlabel 'Decrease of approach'
-set ylabel 'Load'
+set xlabel 'Compression (unit of length of the scene)'
+set ylabel 'Load (unit of force of the scene)'
 set xrange [0:0.0105]
 set yrange [0:*]
 set key left top Left reverse

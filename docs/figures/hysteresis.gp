@@ -1,8 +1,8 @@
-# Loading the models past the limit, and unloading: load against decrease of approach.
+# Loading the models past the limit, and unloading: load against compression.
 height = 480
 load 'style.gp'
 outputs = '../../data/examples/effects/'
-set xlabel 'Decrease of approach (cm)'
+set xlabel 'Compression (cm)'
 set ylabel 'Load (kN)'
 set xrange [0:0.052]
 set yrange [0:12.6]
@@ -15,8 +15,8 @@ cycle = outputs . 'cycle.curve.csv'
 # Steps 2 to 41 go up, 42 to 81 down, and so on.
 part(k) = sprintf("< awk -F, 'NR > 1 && $2 > %d && $2 <= %d' %s", 40 * k, 40 * k + 41, cycle)
 plot outputs . 'cycle_elastic.curve.csv' using 'compression':(column('load') / 1000) with lines \
-    linecolor rgb '#999999' linewidth 1.5 dashtype 2 title 'elastic: up and down', \
+    linecolor rgb '#999999' linewidth 1.5 dashtype 2 title 'elastic: loading and unloading', \
   for [k = 0:4:2] part(k) using 4:($6 / 1000) with lines linetype 3 \
-    title (k == 0 ? 'with flow: loading' : ''), \
+    title (k == 0 ? 'plastic: loading' : ''), \
   for [k = 1:5:2] part(k) using 4:($6 / 1000) with lines linetype 2 \
     title (k == 1 ? 'unloading' : '')

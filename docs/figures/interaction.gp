@@ -2,7 +2,7 @@
 height = 460
 load 'style.gp'
 set xlabel 'Displacement (cm)'
-set ylabel 'Load together / load alone'
+set ylabel 'Load with interaction / load of isolated contacts'
 set xrange [0:10.1]
 set yrange [0.74:1.02]
 set key at graph 0.5, 0.42 center reverse Left
@@ -11,11 +11,11 @@ coupled = data . '/coupled.csv'
 cells = data . '/boundary.csv'
 truth = '../../reference_output/boundary/factors.csv'
 # Positions with overlapping contact circles are named.
-plot 1 with lines linecolor rgb '#999999' dashtype 3 title 'independent', \
+plot 1 with lines linecolor rgb '#999999' dashtype 3 title 'isolated contacts', \
   coupled using 'x_displacement':'factor' with points linetype 1 pointtype 7 pointsize 0.5 \
     title 'coupled', \
   cells using 'x_displacement':'factor' with points linetype 2 pointtype 6 pointsize 1.0 \
-    title 'cells (boundary)', \
+    title 'boundary elements', \
   truth using (column('position') / 10):'factor' with points linetype 4 pointtype 2 pointsize 0.6 \
     title 'independent evaluation', \
   truth using (column('overlapping_circles') > 0 ? column('position') / 10 : NaN): \
