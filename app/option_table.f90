@@ -72,14 +72,14 @@ module asperity_option_table
     option_entry('solve', '--html', 'FILE', &
       'write an HTML page with summary, warnings, curves and a plan of the contacts'), &
     option_entry('solve', '--fields', 'FILE', &
-      'write pressure, gap and displacement on the pixels of a map (VTK image data, .vti, for ' // &
-      'ParaView)'), &
+      'write pressure, gap and displacement on the pixels of a map, or of asperities with ' // &
+      'field_spacing (VTK image data, .vti, for ParaView)'), &
     option_entry('solve', '--fields-of', 'WORD', &
       'states that --fields writes: last (default), or all, each in a file NAME_0001.vti'), &
     option_entry('solve', '--picture', 'FILE', &
-      'draw the pressure on the pixels of a map at the last state (.svg or .png)'), &
+      'draw the pressure on the same pixels at the last state (.svg or .png)'), &
     option_entry('solve', '--histogram', 'FILE', &
-      'write the distribution of the pressure in contact at the last state of a map as CSV'), &
+      'write the distribution of the pressure in contact on them at the last state as CSV'), &
     option_entry('solve', '--arithmetic', 'NAME', &
       'real64 (default), real32, real128 or ibm370; effects and paths are computed in real64 ' // &
       'only'), &

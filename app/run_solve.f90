@@ -32,7 +32,7 @@ module asperity_run_solve
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: effect_auto, is_thesis_sweep, scene, scene_effects, solves_pixels
   use asperity_solve, only: solve
-  use asperity_surface_fields, only: has_field_grid
+  use asperity_surface_fields, only: has_field_grid, may_have_fields
   use asperity_summary, only: write_choice, write_summary
   use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: has_units, is_length, is_pressure, unit_of, units_in_words, &
@@ -357,7 +357,7 @@ contains
                             is_thesis_sweep(scene_in) .or. needs_fields(line)
     if (needs_fields(line) .or. &
         (line%output('--html') /= '' .and. line%output('--keep') == '' .and. &
-         scene_in%motion%positions == 1)) &
+         (allocated(scene_in%map) .or. may_have_fields(scene_in)))) &
       options%fields = max(fields_last, line%fields_of)
     options%threads = line%threads
     options%progress = image_number() == 1

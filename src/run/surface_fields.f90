@@ -22,12 +22,16 @@ module asperity_surface_fields
   use asperity_process, only: has_memory
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: combined_modulus, scene, scene_surface
+  use asperity_scene_values, only: combined_modulus, effect_off, scene, scene_surface
   use asperity_surface_solve, only: solve_surfaces
   implicit none
   private
 
-  public :: has_field_grid, solve_with_fields
+  public :: has_field_grid, may_have_fields, solve_with_fields
+
+  ! Effects under which the pressure of a contact is not that of Hertz.
+  character(len=*), parameter :: other_pressures(3) = [character(len=11) :: 'plasticity', &
+    'adhesion', 'creep']
 
   ! Bytes of a pixel while the fields are computed: both spectra and the transform of the padded
   ! grid, the table of influence with its integral, forces and the two elevations (measured: 73,
@@ -58,6 +62,18 @@ contains
     has_field_grid = scene_in%field_spacing%digits > 0_int64
   end function has_field_grid
 
+  !> Whether a scene of asperities certainly has fields: a grid, one position, Hertz' law.
+  pure logical function may_have_fields(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values
+    integer :: i
+
+    may_have_fields = has_field_grid(scene_in) .and. scene_in%motion%positions == 1
+    do i = 1, size(other_pressures)
+      may_have_fields = may_have_fields .and. &
+                        scene_in%effects%mode(trim(other_pressures(i))) == effect_off
+    end do
+  end function may_have_fields
+
   !> Solves the one position of a scene and adds its fields to the results, where they are kept.
   subroutine solve_with_fields(scene_in, options, results, failure, corners)
     type(scene), intent(in) :: scene_in                    !! surfaces of asperities
@@ -66,12 +82,14 @@ contains
     character(len=:), allocatable, intent(out) :: failure  !! why not
     !> Low and high corner of the grid in plan; absent: those of what both surfaces have in common.
     real(real64), intent(in), optional :: corners(2, 2)
-    type(run_options) :: with_contacts
+    type(run_options) :: with_contacts  ! or without fields
     type(placed_surface) :: upper, lower
     type(field_grid) :: grid
 
     if (options%fields == fields_none .or. .not. has_field_grid(scene_in)) then
-      call solve_surfaces(scene_in, options, results, failure)
+      with_contacts = options
+      with_contacts%fields = fields_none
+      call solve_surfaces(scene_in, with_contacts, results, failure)
       return
     end if
     if (scene_in%motion%positions > 1) then
@@ -150,7 +168,7 @@ contains
     do i = 1, size(results%effects%names)
       associate (name => results%effects%names(i))
         if (results%positions(1)%effects(i)%simulated /= 'off' .and. &
-            any(name == [character(len=11) :: 'plasticity', 'adhesion', 'creep'])) &
+            any(name == other_pressures)) &
           failure = 'fields: the pressure of contacts with ' // trim(name) // &
                     ' is not Hertz''s: found it simulated, expected ' // trim(name) // &
                     ' = ''off'' or no fields'

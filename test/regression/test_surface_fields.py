@@ -340,6 +340,10 @@ def test_refusals(asperity, tmp_path):
     adhesion = {"adhesion": "on", "work_of_adhesion": 1.0, "equilibrium_distance": 1e-4}
     assert "fields: the pressure of contacts with adhesion is not Hertz's" in told(
         effects=adhesion, status=1)
+    # A page goes without.
+    scene = tmp_path / "pair.scene"
+    run(asperity, scene, "--quiet", "--html", tmp_path / "p.html")
+    assert "pressure in plan" not in (tmp_path / "p.html").read_text()
     assert "no area in common in plan" in told(status=1, motion={"x_first": 3.0})
 
 
