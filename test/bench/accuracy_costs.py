@@ -96,7 +96,7 @@ def main():
     if words.save:
         KEPT.write_text(text, encoding="ascii")
         before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-        PAGE.write_text("\n".join([f"{before}{BEGIN}", *table(text), END]) +
+        PAGE.write_text("\n".join([f"{before}{BEGIN}\n", *table(text), f"\n{END}"]) +
                         rest.partition(END)[2], encoding="utf-8")
 
 

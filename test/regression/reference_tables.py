@@ -92,7 +92,7 @@ def main(executable):
         path = ROOT / page
         before, _, after = inside(path.read_text(encoding="utf-8"), name)
         table = made(Path(executable).resolve(), name)
-        path.write_text(f"{before}{begin(name)}\n{table}\n{END}{after}", encoding="utf-8")
+        path.write_text(f"{before}{begin(name)}\n\n{table}\n\n{END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":
