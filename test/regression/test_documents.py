@@ -250,6 +250,13 @@ def test_blocks_are_seen():
     assert any(text.startswith("&surfaces") for text in readme)
 
 
+def test_menu_of_the_site():
+    """The menu of mkdocs.yml has every page of docs once."""
+    menu = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("\nnav:\n")[1]
+    pages = sorted(str(page.relative_to(ROOT / "docs")) for page in ROOT.glob("docs/**/*.md"))
+    assert sorted(re.findall(r"- (?:\w+: )?(\S+[.]md)$", menu, re.M)) == pages
+
+
 def test_number_of_words():
     """README and the pages of docs have at most 35,000 words."""
     pages = [page for page in PAGES if page.name != "CONTRIBUTING.md"]
