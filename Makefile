@@ -53,6 +53,8 @@ ifeq ($(PART),accuracy)
 bench:
 	@bash .ci/setup build test
 	@.venv/bin/python test/bench/accuracy_costs.py $(if $(SAVE),--save)
+	@$(if $(SAVE),"$$(bash .ci/build release)" accuracy data/thesis.deck --quiet \
+	  --html docs/accuracy-thesis.html)
 else ifeq ($(PART),maps)
 bench:
 	@bash .ci/setup build test figures
