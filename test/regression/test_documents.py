@@ -202,8 +202,8 @@ def test_commands_and_scenes_are_accepted(page, asperity, options, workplace):
         strange = {word.partition("=")[0] for word in words if word.startswith("--")} \
             - options[command] - {"--help", "--version"}
         assert not strange, f"{where}: {strange}"
-        done = subprocess.run([asperity, *words, *SHORT.get(command, [])], cwd=workplace, stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True, timeout=60)
+        done = subprocess.run([asperity, *words, *SHORT.get(command, [])], cwd=workplace,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, f"{where}: {done.stderr}"
         assert_shown(shown, done.stdout.splitlines(), where)
     for number, name in inputs:
