@@ -272,6 +272,33 @@ def test_two_surfaces_with_tilt_and_displacement(asperity, tmp_path):
     assert np.abs(fields["gap"] - expected)[open_].max() < 1e-12
 
 
+def test_deck(asperity, root, tmp_path):
+    """A mirrored lower surface: around each contact the surfaces are near."""
+    scene = tmp_path / "deck.scene"
+    scene.write_text(f"&surfaces deck = '{root}/data/thesis.deck', field_spacing = 0.01 /\n"
+                     "&motion x_first = 0.1, positions = 1 /\n"
+                     "&loading control = 'vertical_load', value = 300. /\n"
+                     "&effects friction = 'on', friction_coefficient = 0.2 /\n")
+    (x, y), fields, contacts, positions = fields_of(asperity, tmp_path, scene)
+    assert np.nansum(fields["pressure"]) * 0.01**2 == pytest.approx(300.0, rel=1e-6)
+    assert len(contacts) > 2 and np.median(fields["gap"]) > 20 * positions[0]["compression"]
+    for contact in contacts:
+        far = np.hypot(x - contact["x"], y - contact["y"]) / math.sqrt(contact["area"] / math.pi)
+        assert (fields["pressure"][far < 0.8] > 0).all()
+        ring = fields["gap"][(far > 1.2) & (far < 1.5)]
+        assert 0 < ring.min() and ring.max() < 0.7 * positions[0]["compression"]
+
+
+def test_small_spheres_between_centres(asperity, tmp_path):
+    """No pixel has its centre under a sphere; the loaded ones are there all the same."""
+    rows = [(0.0, 0.0, 0.02, 0.3), (0.9, 0.9, -0.01, 0.3)]
+    (_, _), fields, _, positions = fields_of(
+        asperity, tmp_path, plane_scene(tmp_path, rows, 1.6, control="compression", value=0.05))
+    assert np.nansum(fields["pressure"]) * 1.6**2 == pytest.approx(positions[0]["vertical_load"],
+                                                                    rel=1e-12)
+    assert fields["gap"].tolist() == [[0.0]]
+
+
 def test_without_a_base_plane(asperity, tmp_path):
     """Heights from a mean plane: beside the spheres there is no surface."""
     rows = [(0.0, 0.0, 0.02, 0.3), (1.0, 0.1, -0.01, 0.2)]
@@ -281,6 +308,14 @@ def test_without_a_base_plane(asperity, tmp_path):
         there |= np.hypot(x - a, y - b) < radius
     assert np.array_equal(~np.isnan(fields["gap"]), there)
     assert x.min() == pytest.approx(-0.3, abs=0.02) and x.max() == pytest.approx(1.2, abs=0.02)
+
+
+@pytest.mark.parametrize("height, reach", [(0.2, 0.6), (1.0, 1.0), (1.5, 1.0)])
+def test_the_grid_covers_the_cap(asperity, tmp_path, height, reach):
+    """To its base circle, of a sphere that stands higher to its widest circle."""
+    (x, y), *_ = fields_of(asperity, tmp_path, plane_scene(tmp_path, [(3.0, 0.0, height, R)], 0.1))
+    assert (x.min() - 0.05, x.max() + 0.05) == pytest.approx((3 - reach, 3 + reach))
+    assert (y.min() - 0.05, y.max() + 0.05) == pytest.approx((-reach, reach))
 
 
 def test_many_spheres(asperity, tmp_path):
