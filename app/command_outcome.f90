@@ -1,4 +1,5 @@
-!> What a command leaves to be told and written. The program does that, once for all commands.
+!> Outcome of a command: messages, printed text and staged files. The program prints and writes them
+!> in one place for all commands.
 module asperity_command_outcome
   use asperity_files, only: write_message, write_standard_error, write_standard_output
   use asperity_images, only: image_number
@@ -10,7 +11,7 @@ module asperity_command_outcome
 
   public :: command_outcome, finish_command
 
-  !> The outcome. Image 1 tells and writes for all images.
+  !> The outcome of a command. Image 1 prints and writes for all images.
   type :: command_outcome
     type(problem_list) :: problems           !! what is wrong with the input
     type(problem_list) :: warnings           !! what of the results lies outside a theory
@@ -34,7 +35,7 @@ contains
     call stage_file(path, text%store(:text%used), self%failure)
   end subroutine stage
 
-  !> Tells what is wrong, or prints the text and gives the files their names.
+  !> Prints the problems, or prints the text and renames the staged files to their final names.
   subroutine finish_command(outcome, status)
     type(command_outcome), intent(inout) :: outcome  !! of the command
     integer, intent(out) :: status                   !! exit status

@@ -102,7 +102,7 @@ contains
     call tell_cost(cost, outcome%text)
   end subroutine try_waves
 
-  !> Tells the cost from the first surfaces of the ensemble; nothing is written.
+  !> Estimates the cost from the first surfaces of the ensemble; no file is written.
   subroutine try_surfaces(line, spec, plans, outcome)
     type(command_line), intent(in) :: line
     type(generation_spec), intent(in) :: spec

@@ -110,7 +110,7 @@ contains
 
   contains
 
-    ! What tells of the files that the scene is made of.
+    ! Stages a file that includes the input files of the scene: JSON or HTML.
     subroutine stage_whole(option)
       character(len=*), intent(in) :: option
       type(input_file) :: inputs(3)

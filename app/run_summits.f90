@@ -70,7 +70,7 @@ contains
     call outcome%stage(line%output('--picture'), picture)
   end subroutine run_summits_command
 
-  ! Tells the cost from the first rows of the map, which is read.
+  ! Estimates the cost from the first rows of the map; the map has been read.
   subroutine try_rows(line, choices, outcome)
     type(command_line), intent(in) :: line
     type(summit_choices), intent(inout) :: choices

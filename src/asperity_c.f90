@@ -165,7 +165,7 @@ contains
     call finish(new)
   end function solve_chosen
 
-  ! The choices of a run. What is no choice is told.
+  ! Reads the options of a run. A value out of its range is a problem.
   subroutine set_options(given, chosen, problems)
     type(c_ptr), intent(in) :: given
     type(run_options), intent(inout) :: chosen

@@ -60,7 +60,7 @@ contains
     if (associated(new)) handle = c_loc(new)
   end subroutine begin
 
-  !> Makes what C is told of an outcome from what is in it.
+  !> Fills what C reads of an outcome: status, messages, tables and texts.
   subroutine finish(new)
     type(outcome), intent(inout) :: new  !! whose work is done
     character(len=:), allocatable :: text
@@ -97,7 +97,7 @@ contains
     if (size(new%messages) > 0 .and. .not. new%problems%lacks_memory) new%status = bad_input
   end subroutine finish
 
-  !> Makes what C is told of an outcome that has a scene.
+  !> The same for an outcome that has a scene, with the groups of the scene as text.
   subroutine finish_scene(new)
     type(outcome), intent(inout) :: new  !! whose scene is read or built
 

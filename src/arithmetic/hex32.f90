@@ -1,8 +1,8 @@
 !> Short hexadecimal floating point of the IBM System/360 and 370, as a number type.
 !>
 !> A number is a signed 24-bit fraction times a power of 16. This module is all that others use:
-!> the type with its operators (`asperity_hex32_arithmetic`, which tells the rules and the
-!> exceptions), its conversions (`asperity_hex32_conversions`), and the functions of the FORTRAN
+!> the type with its operators (`asperity_hex32_arithmetic`, which documents the rules and
+!> the exceptions), its conversions (`asperity_hex32_conversions`), and the functions of the FORTRAN
 !> library. They, too, are integer work throughout.
 module asperity_hex32
   use asperity_hex32_arithmetic, only: hex32, hex32_from_binary, hex32_huge, hex32_tiny, &

@@ -55,7 +55,7 @@ module asperity_contact_pairs
     logical :: vertical = .false.                   !! loads asked for are of the vertical parts
     real(real64) :: x_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
-    type(interruption) :: interrupt                 !! who solves the position may be told to end
+    type(interruption) :: interrupt                 !! may end the solve of the position
     type(work_count) :: count                       !! states that are done are counted there
     type(solution_start), pointer :: start => null() !! earlier solutions; or none
     logical :: keeps_solution = .false.             !! the result has the last one, too

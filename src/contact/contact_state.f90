@@ -25,8 +25,8 @@ module asperity_contact_state
     class(contact_law), allocatable :: law           !! what a contact answers
     real(real64), allocatable :: penetration(:)      !! of each pair; not positive where open
     type(contact_response), allocatable :: answers(:)  !! of each pair
-    !> what a search for the closing has found (pair, quantity), for the effect that searched; not
-    !> allocated: nobody did
+    !> results of the search for the compression (pair, quantity), for the effect that searched; not
+    !> allocated: no effect searched
     real(real64), allocatable :: found(:, :)
   end type contact_state
 

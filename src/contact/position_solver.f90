@@ -1,5 +1,5 @@
-!> What a sweep needs of whoever solves its positions: the one interface of the arithmetics and of
-!> the effects.
+!> Abstract solver of the positions of a sweep, with one interface for the arithmetics and the
+!> effects.
 module asperity_position_solver
   use asperity_contact_records, only: position_result
   use asperity_interruption, only: interruption
@@ -18,8 +18,8 @@ module asperity_position_solver
     integer(int64) :: work = 0_int64      !! asperities that a position looks at, at most
     !> How near a load asked for is met; numbers of few digits are no nearer.
     real(real64) :: load_precision = 1.0e-6_real64
-    !> Normal forces and vertical load are told when they differ by more than this share; huge:
-    !> never.
+    !> Total normal force and vertical load are both reported when they differ by more than this
+    !> fraction; huge: never.
     real(real64) :: loads_differ = huge(1.0_real64)
     real(real64) :: nominal_area = 0.0_real64  !! in the scene's unit; 0: not given
     type(interruption) :: interrupt       !! of the run: long positions look at it

@@ -176,7 +176,7 @@ contains
     call find_place(list, kind, at)
     if (present(contacts)) list(at)%contacts = list(at)%contacts + contacts
     if (list(at)%size >= size_found) return
-    ! Beyond the range of a double is as bad as can be told.
+    ! A size beyond the range of a double is reported as the largest double.
     list(at)%size = min(size_found, huge(size_found))
     if (present(whose)) list(at)%whose = whose
   end subroutine warn

@@ -36,7 +36,7 @@ module asperity_contact_effect
     integer :: length_power = 0               !! and the length to this
   end type column_name
 
-  !> What one effect did to one state, and what it tells of it.
+  !> Outcome of one effect in one state: its change of the state, and the values of its columns.
   type, extends(effect_record) :: effect_outcome
     character(len=:), allocatable :: failure      !! why it could not be simulated
     real(real64), allocatable :: of_contacts(:, :)  !! (pair, column), in the unit of the pairs
@@ -53,15 +53,15 @@ module asperity_contact_effect
     real(real64) :: load_tolerance = 1.0e-11_real64     !! how near a load asked for is met
     logical :: acts_in_time = .false.                   !! acts while load or approach is held
     logical :: approximates = .false.                   !! its `auto` leaves something out itself
-    type(column_name), allocatable :: contact_columns(:)  !! what it tells of a contact
-    type(column_name), allocatable :: state_columns(:)    !! what it tells of a position
+    type(column_name), allocatable :: contact_columns(:)  !! its columns of a contact
+    type(column_name), allocatable :: state_columns(:)    !! its columns of a position
   contains
     procedure(estimate_influence), deferred :: estimate  !! what it would change, cheaply
     procedure(apply_effect), deferred :: apply           !! changes the state
     procedure :: begin            !! forgets the position before
     procedure :: keep             !! remembers a state for those that follow
-    procedure :: leave_out        !! tells its columns where `auto` left it out
-    procedure :: finish           !! tells its columns anew, after all effects
+    procedure :: leave_out        !! sets its columns where `auto` left it out
+    procedure :: finish           !! sets its columns again, after all effects
     procedure :: held_share       !! what it leaves of a load that is held
     procedure :: closing_at_load  !! where a load is reached
     procedure :: letting_go       !! where contacts part that were held by attraction
@@ -139,8 +139,8 @@ contains
     end associate
   end subroutine keep
 
-  !> Tells what is cheap to know where `auto` left the effect out. Here: nothing, and the cells of
-  !> its columns are empty.
+  !> Sets the columns that need no simulation where `auto` left the effect out. This default sets
+  !> none: the values of the columns are empty.
   subroutine leave_out(self, pairs, state, outcome)
     class(contact_effect), intent(in) :: self       !! the effect
     type(contact_pairs), intent(in) :: pairs        !! the position
@@ -151,8 +151,8 @@ contains
     end associate
   end subroutine leave_out
 
-  !> Tells the columns anew, when the effects after it have changed the state, whether or not the
-  !> effect was left out. Here: they stand.
+  !> Sets the columns again when later effects have changed the state, also where this effect was
+  !> left out. This default leaves them unchanged.
   subroutine finish(self, pairs, state, outcome)
     class(contact_effect), intent(in) :: self       !! the effect
     type(contact_pairs), intent(in) :: pairs        !! the position

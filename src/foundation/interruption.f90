@@ -8,7 +8,7 @@ module asperity_interruption
 
   public :: interruption
 
-  !> Where the number is. As it stands nobody can end the work.
+  !> Address of the number that ends the work. Null by default: no interruption is possible.
   type :: interruption
     integer(c_int), pointer :: number => null()  !! 0 as long as the work may go on
     integer(int64) :: last_tick = huge(0_int64)  !! of the clock; huge: there is time

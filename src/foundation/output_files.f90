@@ -48,7 +48,7 @@ module asperity_output_files
   type(known_name) :: names(most_files)
   integer, volatile :: staged = 0
   logical, volatile :: committing = .false.
-  ! What an interruption tells of work that is kept.
+  ! Message about kept work, printed at an interruption.
   integer, parameter :: longest_note = 600
   character(kind=c_char, len=longest_note) :: kept_note = ''
   integer, volatile :: noted = 0
@@ -186,8 +186,9 @@ contains
                 index(path, '/proc/') == 1
   end function is_device
 
-  !> Opens a device or a pipe for writing. `descriptor` is -1 for a file: a rename would put one in
-  !> the place of a device, and nobody wants that of /dev/null.
+  !> Opens a device or a pipe for writing. `descriptor` is -1 for a regular file. Devices are
+  !> written directly, because renaming a staged file would replace the device (/dev/null) by a
+  !> file.
   subroutine open_special(path, descriptor, failure)
     character(len=*), intent(in) :: path
     integer(c_int), intent(out) :: descriptor

@@ -34,7 +34,7 @@ module asperity_problems
     private
     type(text_buffer) :: lines
     type(problem_place), allocatable :: places(:)  ! of each line
-    character(len=:), allocatable :: file  ! whose places `add_at` tells
+    character(len=:), allocatable :: file  ! to which the places of `add_at` refer
     integer :: placed = 0, others = 0      ! problems with a place in it, and without
     integer :: beyond = 0                  ! those that came after `most_placed` had been written
     integer :: alike = 0                   ! in a row that say the same as the last one
@@ -109,7 +109,7 @@ contains
     if (self%beyond == 0) call add_line(self, self%file, place, message, line, column)
   end subroutine add_placed
 
-  ! What tells how many problems like the last one are not written out.
+  ! Text with the number of problems like the last one that are not printed.
   pure function uncounted(self) result(text)
     class(problem_list), intent(in) :: self
     character(len=:), allocatable :: text

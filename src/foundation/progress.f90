@@ -2,7 +2,7 @@
 !>
 !> Nothing is shown unless the caller wants it and standard error is a terminal. How much work there
 !> is is shown at once, as its first piece may take long; how fast it goes after two seconds. A line
-!> belongs to whoever does the work; its threads take turns in calling it.
+!> belongs to one piece of work; the threads of that work call it one at a time.
 module asperity_progress
   use, intrinsic :: iso_c_binding, only: c_int
   use asperity_files, only: standard_error, write_standard_error

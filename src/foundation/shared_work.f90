@@ -26,8 +26,8 @@ module asperity_shared_work
     integer :: first = 1                             !! piece of this round ...
     integer :: last = 0                              !! ... to this
     logical :: packed = .false.                      !! results become words
-    !> words of the pieces that a former run kept, then of those of the round: whoever has done a
-    !> piece puts them there, when results are packed
+    !> words of the pieces that an earlier run kept, then of those of the round; the thread that has
+    !> done a piece stores its words, when results are packed
     type(word_record), allocatable :: records(:)
     integer :: failed = huge(1)                      !! first piece that failed
     character(len=:), allocatable :: failure         !! why
@@ -99,7 +99,7 @@ contains
     dealt_to = 1 + modulo(m - work%first, image_count())
   end function dealt_to
 
-  !> A piece that could not be done. The first of all is told.
+  !> Records the failure of a piece. The failure of the piece with the lowest number is kept.
   subroutine add_failure(work, m, failure)
     type(shared_work), intent(inout) :: work  !! in a round
     integer, intent(in) :: m                  !! piece

@@ -123,7 +123,7 @@ module asperity_system_calls
       integer(c_int), value :: microseconds
     end function posix_usleep
 
-    !> Sets what a signal does, and tells what it did before.
+    !> Sets the handler of a signal, and returns the former handler.
     type(c_funptr) function posix_signal(number, handler) bind(c, name='signal')
       import :: c_funptr, c_int
       implicit none

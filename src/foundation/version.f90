@@ -1,5 +1,5 @@
-!> Which asperity this is: told by `--version`, and kept with unfinished work, which another version
-!> might finish otherwise.
+!> Version of asperity: printed by `--version`, and stored with unfinished work, because another
+!> version may give other results.
 module asperity_version
   implicit none
   private

@@ -1,5 +1,5 @@
-!> What work will cost, told beforehand: some of its pieces are tried, the others are taken to be
-!> like them.
+!> Estimate of run time and memory of work: some of its pieces are run, and the others are assumed
+!> to cost as much.
 module asperity_work_cost
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text, real_text
@@ -24,8 +24,8 @@ module asperity_work_cost
     !> Processor time of this process when the first piece that is tried begins, s: what comes
     !> before is done once.
     real(real64) :: begun = 0.0_real64
-    !> The same when the last of them is done, and what follows is done once; negative: when it is
-    !> told.
+    !> The same when the last of them is done, s: what follows is done once; negative: the time at
+    !> which the estimate is printed.
     real(real64) :: ended = -1.0_real64
   end type work_cost
 

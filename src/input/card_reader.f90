@@ -1,4 +1,4 @@
-!> The text of a card deck as cards: their columns, their numbers, and the problems told at them.
+!> The text of a card deck as cards: their columns, their numbers, and problems with their places.
 module asperity_card_reader
   use asperity_card_fields, only: read_f_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
@@ -29,9 +29,9 @@ module asperity_card_reader
     procedure :: has_text      !! whether a card holds more than blanks and a sequence number
     procedure :: last_card     !! the last line that is a card
     procedure :: real_field    !! reads a number under F format
-    procedure :: require_card  !! tells a problem when a card is missing
-    procedure :: complain      !! tells a problem at a column of a card
-    procedure :: check_bytes   !! tells the first byte that no text has
+    procedure :: require_card  !! reports a problem when a card is missing
+    procedure :: complain      !! reports a problem at a column of a card
+    procedure :: check_bytes   !! reports the first byte that is no text
   end type card_reader
 
 contains
@@ -102,7 +102,7 @@ contains
     end do
   end function last_card
 
-  !> Reads columns `from:to` under F format; tells a problem when that is no finite number,
+  !> Reads columns `from:to` under F format; reports a problem when that is no finite number,
   !> or, with `positive`, not above zero.
   subroutine real_field(self, line, from, to, decimals, name, value, positive)
     class(card_reader), intent(inout) :: self   !! the cards
@@ -133,7 +133,7 @@ contains
     end if
   end subroutine real_field
 
-  !> Tells a problem when the deck ends before card `line`.
+  !> Reports a problem when the deck ends before card `line`.
   subroutine require_card(self, line, names, complete)
     class(card_reader), intent(inout) :: self  !! the cards
     integer, intent(in) :: line                !! the card's line, from 1
@@ -146,7 +146,7 @@ contains
                               ' is missing: found the end of the deck, expected ' // names)
   end subroutine require_card
 
-  !> Tells `FILE:LINE:COLUMN: NAME: found '...', expected ...`.
+  !> Reports `FILE:LINE:COLUMN: NAME: found '...', expected ...`.
   subroutine complain(self, line, column, name, found, expected)
     class(card_reader), intent(inout) :: self  !! the cards
     integer, intent(in) :: line                !! the card's line, from 1
@@ -159,7 +159,7 @@ contains
                               name // ': found ''' // found // ''', expected ' // expected)
   end subroutine complain
 
-  !> Tells the first byte that no text has. A carriage return is text only where a line ends.
+  !> Reports the first byte that is no text. A carriage return is text only at the end of a line.
   subroutine check_bytes(self)
     class(card_reader), intent(inout) :: self  !! the cards
     integer :: i, code, line

@@ -8,7 +8,7 @@ module asperity_file_kind
 
   public :: a_scene, a_specification, a_study, a_surface, a_map, group_start, other_kind
 
-  !> Kinds that a text tells by itself. A card deck, or a map as plain numbers, does not.
+  !> Kinds of files that are recognised by their text. Card decks and maps of plain numbers are not.
   integer, parameter :: a_scene = 1, a_specification = 2, a_study = 3, a_surface = 4, a_map = 5
 
   ! What they are and what to do with them.

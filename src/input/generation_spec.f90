@@ -160,7 +160,7 @@ contains
         call fields%complain_of('surfaces', 'number', 'no count of asperities given for ' // &
              'the ' // trim(side_names(side)) // ' surface, expected a whole number from 1 to ' // &
              decimal_text(most_asperities))
-        ! One number for both is told once.
+        ! One number for both surfaces: its problem is reported once.
         if (fields%value_count('surfaces', 'number') == 1) exit
       end if
     end do

@@ -1,4 +1,4 @@
-!> Reads a height map; what kind of file it is, its content tells.
+!> Reads a height map; the content of the file determines its format.
 module asperity_height_map_reader
   use asperity_height_map, only: fault_of_map, fault_of_spacing, give_spacing, height_map
   use asperity_kinds, only: int64, real64

@@ -15,7 +15,7 @@ module asperity_input_text
 
 contains
 
-  !> Reads a file whole; that it cannot be read is told as a problem at its beginning.
+  !> Reads a whole file; a file that cannot be read is a problem at its first byte.
   subroutine read_text(path, kind, text, problems, opened)
     character(len=*), intent(in) :: path                !! the file; `-` is standard input
     character(len=*), intent(in) :: kind                !! what it should be, for the message
@@ -51,7 +51,7 @@ contains
 
   end subroutine read_text
 
-  !> Tells the first byte that no text has.
+  !> Reports the first byte that is no text.
   pure subroutine check_text(text, kind, problems)
     character(len=*), intent(in) :: text           !! the whole file
     character(len=*), intent(in) :: kind           !! what it should be, for the message

@@ -1,6 +1,6 @@
 !> The syntax of a Fortran namelist file: text in, groups, names and values with their places out.
 !>
-!> Read by hand and not by a NAMELIST statement, so that every problem is told with its place.
+!> The text is parsed here and not by a NAMELIST statement, so that problems have a place.
 !> Nothing is known here of what the groups mean.
 module asperity_namelist_text
   use asperity_input_text, only: blanks, line_end, lower_case, quoted, text_start
@@ -23,7 +23,7 @@ module asperity_namelist_text
     integer :: values = 0           !! of a name: so many items that follow are its values
     integer :: repeats = 1          !! of a value: how often it stands there, `r*value`
     logical :: is_quoted = .false.  !! of a value: a text between quotes
-    logical :: is_broken = .false.  !! a problem has been told that may hide what else is there
+    logical :: is_broken = .false.  !! a reported problem may hide others
   end type namelist_item
 
   !> A whole file.
@@ -295,7 +295,7 @@ contains
     self%items(self%count) = item
   end subroutine add
 
-  ! Tells a problem of an item, unless one has been told that may be its cause.
+  ! Reports a problem of an item, unless a problem that may be its cause has been reported.
   pure subroutine refuse(self, i, byte, message, problems)
     class(namelist_text), intent(inout) :: self
     integer, intent(in) :: i, byte

@@ -1,8 +1,8 @@
 !> The values of a scene, taken from its text by group and name; or of another file of its form
 !> with a table of its own.
 !>
-!> Each `take_` procedure leaves the value as it is when the name does not stand in the scene, and
-!> tells a problem, with its place, when what stands there is not what is expected.
+!> Each `take_` procedure leaves the value unchanged when the name does not occur in the scene, and
+!> reports a problem, with its place, when the value there is not what is expected.
 module asperity_scene_fields
   use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: other_kind
@@ -42,9 +42,9 @@ module asperity_scene_fields
     procedure :: take_word          !! takes one of several words between quotes, as its number
     procedure :: take_units         !! takes names of units, as numbers
     procedure :: comma_pair         !! two whole numbers with a comma between and no blank
-    procedure :: complain_of_group  !! tells a problem at a group
-    procedure :: complain_of        !! tells a problem at a name
-    procedure :: require            !! tells that a name is missing
+    procedure :: complain_of_group  !! reports a problem at a group
+    procedure :: complain_of        !! reports a problem at a name
+    procedure :: require            !! reports that a name is missing
     procedure, private :: in_quotes
     procedure, private :: item_of
     procedure, private :: refuse_units
@@ -54,12 +54,12 @@ module asperity_scene_fields
 
 contains
 
-  !> Sorts the text of a scene; what is unknown or stands twice is told.
+  !> Sorts the text of a scene by group and name; unknown and repeated names are problems.
   subroutine read_fields(file, text, kind, kinds, table, fields)
     character(len=*), intent(in) :: file       !! name for the messages
     character(len=*), intent(in) :: text       !! the whole scene
     character(len=*), intent(in) :: kind       !! what it should be, for a message
-    integer, intent(in) :: kinds(:)            !! what it may be, as `asperity_file_kind` tells
+    integer, intent(in) :: kinds(:)            !! kinds accepted, of `asperity_file_kind`
     type(known_name), intent(in) :: table(:)   !! what is known
     type(scene_fields), intent(out) :: fields  !! its values and problems
     character(len=:), allocatable :: other
@@ -304,8 +304,8 @@ contains
     end associate
   end function comma_pair
 
-  !> Tells a problem at a group, or at &surfaces when that group does not stand there, or at the
-  !> first byte of the text.
+  !> Reports a problem at a group; at &surfaces when that group does not occur; at the first byte of
+  !> the text when neither occurs.
   subroutine complain_of_group(self, group, message)
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
@@ -319,7 +319,7 @@ contains
     call self%problems%add_at_byte(self%list%text, byte, message)
   end subroutine complain_of_group
 
-  !> Tells a problem at a name, where it stands in the scene; else by group and name.
+  !> Reports a problem at the place of a name in the scene; by group and name where it is absent.
   subroutine complain_of(self, group, name, message)
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
@@ -334,7 +334,7 @@ contains
     end if
   end subroutine complain_of
 
-  !> Tells that a name does not stand in the scene.
+  !> Reports that a required name does not occur in the scene.
   subroutine require(self, group, name, expected)
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
@@ -395,8 +395,8 @@ contains
     item_of = sum(self%known%at, self%known%group == group .and. self%known%name == name)
   end function item_of
 
-  ! Number of a name's item when it has so many values, which follow it; else 0, and another count
-  ! is told.
+  ! Number of a name's item when the wanted count of values follows it; else 0, and another count is
+  ! a problem.
   integer function values_of(self, group, name, wanted) result(at)
     class(scene_fields), intent(inout) :: self
     character(len=*), intent(in) :: group, name
@@ -422,7 +422,7 @@ contains
     values_at = sum(int(list%items(at + 1:at + list%items(at)%values)%repeats, int64))
   end function values_at
 
-  ! Tells that value number `i` is none of those that are expected.
+  ! Reports that value number `i` is not one of the expected values.
   subroutine refuse_value(self, name, i, expected)
     class(scene_fields), intent(inout) :: self
     character(len=*), intent(in) :: name, expected

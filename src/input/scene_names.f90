@@ -48,9 +48,9 @@ contains
              in_group('effects', known_effects%name), in_group('effects', effect_numbers%name)]
   end function scene_table
 
-  !> Finds where the known names stand in a text. What is unknown or stands twice is told; of what
-  !> stands twice the first one counts. What is told is taken for the name that was probably meant,
-  !> so that this is not told to be missing too.
+  !> Finds the places of the known names in a text. Unknown and repeated names are problems; of a
+  !> repeated name the first counts. An unknown name is taken for the known name it resembles, so
+  !> that this name is not reported as missing as well.
   pure subroutine find_names(list, known, problems)
     type(namelist_text), intent(in) :: list        !! the text
     type(known_name), intent(inout) :: known(:)    !! gets the items of names and groups

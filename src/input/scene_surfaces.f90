@@ -285,7 +285,7 @@ contains
     type(decimal_value), intent(in) :: common_radius
     type(scene_surface), intent(inout) :: surface
     logical, intent(out) :: has_radius
-    character(len=:), allocatable, intent(inout) :: unit  ! that its header tells
+    character(len=:), allocatable, intent(inout) :: unit  ! of lengths, from its header
     type(problem_list), intent(inout) :: notes, problems
     type(surface_table) :: table
     type(problem_list) :: found
@@ -322,7 +322,7 @@ contains
                (fields%has('surfaces', 'upper') .or. fields%has('surfaces', 'lower')))
   end function from_csv
 
-  !> A surface from numbers in memory. What is wrong with them is told.
+  !> A surface from numbers in memory. Invalid numbers are reported as problems.
   subroutine take_surface(which, x, y, height, radius, surface, problems)
     character(len=*), intent(in) :: which          !! the name of the surface, for the messages
     real(real64), intent(in) :: x(:), y(:)         !! summits on the reference plane

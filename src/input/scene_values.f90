@@ -168,7 +168,7 @@ module asperity_scene_values
     !> Combined modulus itself, in place of those of both surfaces; 0: it follows from them.
     type(decimal_value) :: contact_modulus
     type(decimal_value) :: nominal_area           !! of the surfaces in plan; 0: not given
-    character(len=16) :: units(2) = ''            !! names of length and force; blank: not told
+    character(len=16) :: units(2) = ''            !! names of length and force; blank: not given
     type(decimal_value) :: field_spacing          !! cells of fields of asperities; 0: not given
     type(decimal_value) :: starting_gap           !! A before closing: 1.27 cm for a deck, else 0
     type(scene_motion) :: motion                  !! where the upper surface stands

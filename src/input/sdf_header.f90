@@ -250,7 +250,7 @@ contains
         call wrong(fields(i + 2), float_text(bits), expected_length)
       at = at + 8
     end do
-    ! Zresolution matters to nobody.
+    ! Zresolution is skipped: no result depends on it.
     at = at + 8
     do i = 1, 3
       code = iachar(bytes(at + 1:at + 1))

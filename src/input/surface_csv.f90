@@ -28,9 +28,9 @@ module asperity_surface_csv
   type :: surface_table
     real(real64), allocatable :: x(:), y(:)    !! summits on the reference plane
     real(real64), allocatable :: height(:)     !! summits above the plane, less than 2 radii
-    real(real64), allocatable :: radius(:)     !! more than 0; not allocated when nobody gives it
+    real(real64), allocatable :: radius(:)     !! more than 0; not allocated: not given
     logical :: has_radius = .false.            !! the file has a radius column
-    character(len=:), allocatable :: unit      !! of its lengths; empty when the file does not tell
+    character(len=:), allocatable :: unit      !! of its lengths; empty: not given
     character(len=:), allocatable :: others    !! names of columns that are not read; or empty
   end type surface_table
 
@@ -229,7 +229,7 @@ contains
       cell = text(cells%first(columns%cell_of(column)):cells%last(columns%cell_of(column)))
     end function cell
 
-    ! Tells that the cell of a column is not what is expected.
+    ! Reports that the value of a column is not what is expected.
     pure subroutine refuse(column, expected, problems)
       integer, intent(in) :: column
       character(len=*), intent(in) :: expected

@@ -280,7 +280,7 @@ contains
 
   contains
 
-    ! Tells it at that kind of gap whose first one comes last.
+    ! Reports the problem at the kind of gap whose first occurrence comes last.
     subroutine refuse(kinds, found)
       integer, intent(in) :: kinds(:)
       character(len=*), intent(in) :: found

@@ -187,7 +187,7 @@ contains
         call find_terms(set, k, batch(k - from + 1))
       end do
       !$omp end parallel do
-      ! Sums in the same order, whoever makes them.
+      ! The order of summation does not depend on the number of threads.
       !$omp parallel sections private(k) if(to - from > many)
       do k = from, to
         call add_lifts(set, k, batch(k - from + 1))

@@ -98,7 +98,8 @@ contains
       if (present(share)) enough = max(enough, share)
       done = state%residual <= enough .or. &
              (state%residual <= accepted .and. .not. state%residual < before)
-      ! Pairs that were not listed may touch: whoever asked must come again with all.
+      ! The pair list is complete only up to this compression. Beyond it the solution is invalid;
+      ! the caller repeats the solve with all pairs.
       if (solution%closing > pairs%complete_to .and. state%residual < much_less) exit
       if (done .or. (joined /= 0 .and. state%residual <= look_again * looked)) then
         call look(pairs, law, asked, done, solution, state, resolved, joined)
@@ -191,8 +192,8 @@ contains
     call evaluate(pairs, law, solution, state, resolved)
     if (state%since < patience .and. size(state%miss) > many) before = growth_of_many * before
     if (allocated(solution%failure) .or. state%residual < before) return
-    ! Or the potential has fallen, by its slopes at both ends of the way: whoever slides far leaves
-    ! all around off by more than they were.
+    ! Otherwise the step is accepted when the potential decreases, by its slopes at both ends of the
+    ! step: a contact whose centre moves far raises the residual of its neighbours.
     load = -load
     load(solution%set%number) = load(solution%set%number) + solution%set%load
     way = slope_along(number, gradient, load, solution%move - move)

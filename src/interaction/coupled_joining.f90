@@ -210,8 +210,8 @@ contains
 
   ! For each open contact the shift at which it is lowest, s**2/(2 R) + u(x + s), and how far it
   ! penetrates there: near neighbours act exactly, the others by value and slope. The far field
-  ! bends: what is told of a place from another one is so only near by. So who touches at the shift
-  ! before is told that, and stays at it. What is hidden in a circle touches nowhere else.
+  ! is curved, so its linear extrapolation holds only near the place of its evaluation: a contact
+  ! that penetrates at its former shift keeps that shift, and so does one within another circle.
   subroutine look_around(pairs, number, state, least, solution, touches)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: number(:)               ! places of the open ones in the list

@@ -128,7 +128,7 @@ contains
     real(real64), intent(out) :: total                    !! load over modulus, or the vertical one
     real(real64), intent(out) :: slope                    !! its derivative
     type(contact_response) :: response
-    ! Parts of the sums, the same whoever makes them.
+    ! Partial sums, in an order that does not depend on the number of threads.
     real(real64), dimension(1 + size(penetration) / many) :: load, stiffness
     integer :: i, part
 
@@ -272,7 +272,7 @@ contains
           set%curvature(k) = 0.0_real64
           set%move(:, k) = 0.0_real64
         end if
-        ! Whoever stands elsewhere is to be planted there.
+        ! A centre of pressure has moved: the neighbour lists must be rebuilt.
         if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) same = .false.
         set%x(k) = place(1)
         set%y(k) = place(2)

@@ -19,9 +19,9 @@ module asperity_coupled_step
 
   ! Rounds of conjugate gradients; what is there then is a direction that goes down as well.
   integer, parameter :: most_rounds = 400
-  ! These four choose the way and not its end: the step is cut until it goes down, and what is left
-  ! of the gradient tells when the solution is there.
-  ! Shifts wait for loads where no less than this share of the gradient is asked for.
+  ! The next four constants change the path of the minimisation and not its result: the line search
+  ! requires a decrease of the potential, and the norm of the gradient decides on convergence.
+  ! Shifts stay fixed while the relative residual of the gradient is above this value.
   real(real64), parameter :: far_off = 0.1_real64
   ! Near pairs are stiffened where the potential is nearly flat, by how far off all is times this.
   real(real64), parameter :: flat = 3.0_real64

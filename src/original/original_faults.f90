@@ -1,6 +1,6 @@
-!> Faults of the original that can be mended one at a time, by name.
-!> docs/theory/faults.md tells what each
-!> is and what its mending does; the code bears its number.
+!> Faults of the original that can be corrected one at a time, by name.
+!> docs/theory/faults.md describes each fault and the effect of its correction; the code refers to
+!> its number.
 module asperity_original_faults
   implicit none
   private

@@ -139,11 +139,11 @@ contains
         cells(1) = row%way%name
         cells(2) = family_words(row%way%family)
         cells(3) = merge('*', ' ', row%on_front)
-        cells(4) = told(row%seconds)
-        cells(5) = told(row%total%largest)
-        cells(6) = told(row%total%area)
+        cells(4) = readable_or_blank(row%seconds)
+        cells(5) = readable_or_blank(row%total%largest)
+        cells(6) = readable_or_blank(row%total%area)
         if (row%is_reference) cells(5:6) = 'reference'
-        cells(7) = told(row%own%largest)
+        cells(7) = readable_or_blank(row%own%largest)
         cells(8) = ''
         if (allocated(row%left_out)) cells(8) = row%left_out
         call put_row(cells, buffer)
@@ -152,13 +152,14 @@ contains
     call end_table(buffer)
   end subroutine put_ways
 
-  pure function told(value) result(text)
+  ! A value with two digits; blank: not computed.
+  pure function readable_or_blank(value) result(text)
     real(real64), intent(in) :: value
     character(len=:), allocatable :: text
 
     text = ''
     if (value > not_computed) text = readable(value, 2)
-  end function told
+  end function readable_or_blank
 
   ! The data, and the script of the slider: the fastest method for an error, and for a tenth of it.
   subroutine put_script(table, is_run, error, buffer)

@@ -26,7 +26,7 @@ contains
   subroutine write_summits_table(path, choices, spikes, map, summits, found, buffer)
     character(len=*), intent(in) :: path          !! the file of the map
     type(summit_choices), intent(in) :: choices   !! how it was done
-    integer(int64), intent(in) :: spikes          !! taken out; less than 0: nobody looked for them
+    integer(int64), intent(in) :: spikes          !! removed; less than 0: not searched for
     type(height_map), intent(in) :: map           !! levelled
     type(map_summits), intent(in) :: summits      !! of this map
     type(map_statistics), intent(in) :: found     !! of both

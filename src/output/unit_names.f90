@@ -1,4 +1,4 @@
-!> Names of the units of a run, where its scene or a deck tells them. Nothing is converted.
+!> Names of the units of a run, where its scene or deck gives them. No value is converted.
 module asperity_unit_names
   use asperity_scene_values, only: scene
   implicit none

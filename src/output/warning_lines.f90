@@ -1,4 +1,4 @@
-!> The warnings of a run: one line a kind, told at the worst position.
+!> The warnings of a run: one line a kind, for the worst position.
 module asperity_warning_lines
   use asperity_kinds, only: real64
   use asperity_position_lists, only: counted, percent

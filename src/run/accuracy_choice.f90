@@ -21,8 +21,9 @@ module asperity_accuracy_choice
   public :: accuracy_had, check_left_out, choose_model, first_tolerance, had_text, has_accuracy, &
             influence_left_out, may_go_on_cells, next_tolerance, tell_way, total_of, with_circles
 
-  ! The finest accuracy for which contacts go on cells: areas there are not known any better. Finer
-  ! cells told 1.9e-3 and 9.3e-4 in two scenes of steep pairs, and were 2.1e-3 and 1.5e-3 off.
+  ! Smallest relative error for which boundary elements are chosen: areas are not more accurate.
+  ! With finer elements the estimates 1.9e-3 and 9.3e-4 in two scenes of steep pairs were less than
+  ! the errors 2.1e-3 and 1.5e-3.
   real(real64), parameter :: finest_on_cells = 3.0e-3_real64
   ! What the solves of effects are good to: docs/reference/exit-status.md.
   real(real64), parameter :: finest_of_effects = 1.0e-9_real64
@@ -184,8 +185,8 @@ contains
     first = accuracy / over_estimate
   end function first_tolerance
 
-  !> The tolerance to try after one on cells that was not good enough: what is told is in proportion
-  !> to it. 0: none, it was fine enough for that.
+  !> Tolerance of boundary elements to try after one whose error estimate exceeded the accuracy: the
+  !> estimate is taken as proportional to the tolerance. 0: none, a finer one would not help.
   pure real(real64) function next_tolerance(had, accuracy, tolerance) result(next)
     type(accuracy_had), intent(in) :: had       !! with the tolerance
     real(real64), intent(in) :: accuracy        !! asked for
@@ -197,7 +198,7 @@ contains
     if (.not. (next > 0.0_real64 .and. tolerance > least_tried * accuracy)) next = 0.0_real64
   end function next_tolerance
 
-  !> Tells which way was taken, and what ten times better would cost.
+  !> Reports the chosen method, and the cost of an error smaller by a factor of ten.
   subroutine tell_way(scene_in, accuracy, results)
     type(scene), intent(in) :: scene_in             !! as it was solved
     real(real64), intent(in) :: accuracy            !! asked for

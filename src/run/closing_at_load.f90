@@ -31,7 +31,7 @@ contains
   !> less than that of the state before, or 0 or less, is looked for on the way back.
   !>
   !> Where `auto` begins or ends to simulate an effect the load jumps; a load within the jump is
-  !> borne with the effect, whose estimate is at its tolerance there: `called_for` tells it.
+  !> carried with the effect, whose estimate equals its tolerance there; `called_for` is then true.
   subroutine close_to_load(pairs, effects, target, time, closing, state, outcomes, called_for, &
                            found, failure)
     type(contact_pairs), intent(in) :: pairs                !! the position

@@ -42,8 +42,8 @@ contains
     end do
   end function pulls
 
-  !> Finds the closing, from that of the state before or from first touch. `failure` tells the
-  !> greatest pull where the load is a greater one.
+  !> Finds the compression, from that of the former state or from first contact. `failure` reports
+  !> the largest tensile load when the target exceeds it.
   subroutine close_to_pull(pairs, effects, target, closing, state, outcomes, failure)
     type(contact_pairs), intent(in) :: pairs                !! the position
     type(effect_box), intent(in) :: effects(:)              !! of the scene

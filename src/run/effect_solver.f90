@@ -113,7 +113,7 @@ contains
     type(position_result), intent(out) :: result
     character(len=:), allocatable, intent(out) :: failure
     type(contact_pairs) :: pairs
-    type(position_result) :: told
+    type(position_result) :: columns
     type(effect_box), allocatable :: effects(:)
     class(contact_law), allocatable :: law
     type(element_pressures), target :: pressures
@@ -149,10 +149,10 @@ contains
     end if
     if (allocated(failure)) return
     if (.not. simulated) then
-      told = result
+      columns = result
       call solve_position(self%placed, m, solve_method(), keep_rows, result, failure)
       if (allocated(failure)) return
-      call move_values(told, result)
+      call move_values(columns, result)
     end if
     call estimate_left_out(self, pairs, law, result)
 
@@ -193,7 +193,7 @@ contains
     logical, intent(out) :: called_for
     character(len=:), allocatable, intent(out) :: failure
     type(contact_pairs) :: pairs
-    type(position_result) :: told
+    type(position_result) :: columns
     type(effect_box), allocatable :: effects(:)
     type(contact_state) :: state
     type(effect_outcome), allocatable :: outcomes(:)
@@ -207,7 +207,7 @@ contains
     if (allocated(self%other)) then
       call self%other%solve(m, keep_rows, result, failure)
       if (allocated(failure) .or. .not. self%has_doubles) return
-      call solve_position(self%placed, m, solve_method(), .false., told, no_estimate, pairs)
+      call solve_position(self%placed, m, solve_method(), .false., columns, no_estimate, pairs)
       if (.not. allocated(no_estimate)) call estimate_left_out(self, pairs, law, result)
       return
     end if
@@ -215,8 +215,8 @@ contains
     if (allocated(failure)) return
     if (size(self%effects) > 0) then
       call copy_effects(self%effects, effects)
-      allocate (told%states(size(result%states)))
-      if (size(pairs%list) == 0) call add_nothing(pairs, effects, told)
+      allocate (columns%states(size(result%states)))
+      if (size(pairs%list) == 0) call add_nothing(pairs, effects, columns)
       ! The end comes first: most is called for there.
       do i = size(result%states), 1, -1
         if (size(pairs%list) == 0) exit
@@ -227,9 +227,10 @@ contains
       do i = 1, size(result%states)
         if (size(pairs%list) == 0) exit
         if (size(result%states) > 1) call choose_in(i)
-        call add_without_effects(self%scene_in, pairs, effects, state, outcomes, i, keep_rows, told)
+        call add_without_effects(self%scene_in, pairs, effects, state, outcomes, i, keep_rows, &
+                                 columns)
       end do
-      call move_values(told, result)
+      call move_values(columns, result)
     end if
     call estimate_left_out(self, pairs, law, result)
 
@@ -257,14 +258,14 @@ contains
   end function compression_of
 
   ! Moves the results of the effects to a position that was solved without them.
-  subroutine move_values(told, result)
-    type(position_result), intent(inout) :: told, result
+  subroutine move_values(columns, result)
+    type(position_result), intent(inout) :: columns, result
 
-    result%counted = told%counted
-    call move_alloc(told%effects, result%effects)
-    call move_alloc(told%contact_values, result%contact_values)
-    call move_alloc(told%state_values, result%state_values)
-    result%error_estimate = told%error_estimate
+    result%counted = columns%counted
+    call move_alloc(columns%effects, result%effects)
+    call move_alloc(columns%contact_values, result%contact_values)
+    call move_alloc(columns%state_values, result%state_values)
+    result%error_estimate = columns%error_estimate
   end subroutine move_values
 
   ! Estimates the influence of every effect that is off, in the state of the largest compression.

@@ -37,8 +37,9 @@ contains
     call run_sweep(solver, options, kept, results%positions, failure)
   end subroutine sweep_scene
 
-  ! What a file of kept positions is for: all files that the scene is made of, and what else the
-  ! results depend on. Every image reads them: what fails on one fails on all, and nobody waits.
+  ! Identifies the work of a file of kept positions: all input files of the scene, and all options
+  ! that change the results. Every image reads the files, so that a failure occurs on all images and
+  ! no image stays in a barrier.
   subroutine name_work(scene_in, options, kept, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options

@@ -1,6 +1,6 @@
-!> Whether every state of a position carries the load that was asked for, and has a meaning.
+!> Whether every state of a position carries the requested load and is physically valid.
 !>
-!> The driver asks, whoever solved the position: what a solver says of itself is not enough.
+!> The driver checks this for every solver, independently of the error that the solver reports.
 module asperity_loads_met
   use asperity_contact_records, only: asked_nothing, asked_vertical, position_result, state_row
   use asperity_kinds, only: real64

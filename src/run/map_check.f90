@@ -121,7 +121,8 @@ contains
     check%rms_height = sqrt(sum(map%height**2, mask=is_measured(map%height)) / &
                             count(is_measured(map%height), kind=int64))
     associate (answer => seen%answer)
-      ! By load it was pressed as far. Else from its coarser ones again: what they come to tells.
+      ! By load the map has been solved to this load. Otherwise it is solved again, from its coarser
+      ! levels: their results estimate the error of discretisation.
       if (.not. (seen%by_load .and. allocated(answer%pressure))) then
         if (allocated(answer%pressure)) deallocate (answer%pressure)
         call press_map(seen%map, modulus, answer, state%vertical_load, seen%closed)

@@ -69,7 +69,7 @@ contains
     call move_alloc(new, solver)
   end subroutine make_map_solver
 
-  !> What a pressed map tells beside its contacts.
+  !> Names of the columns of a map that is solved on its pixels, beside those of contacts.
   subroutine name_map_columns(scene_in, header)
     type(scene), intent(in) :: scene_in         !! with a map that is solved on its pixels
     type(effect_header), intent(out) :: header  !! of interaction, and of plasticity with a hardness

@@ -130,7 +130,7 @@ contains
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine add_map_warnings
 
-  ! What the summits cost, from the map itself: told with the results.
+  ! Error of the summit model, from the map itself; reported with the results.
   subroutine check_summits(scene_in, plain, map, seen, summits, results, failure)
     type(scene), intent(in) :: scene_in, plain
     type(height_map), intent(in) :: map
@@ -152,8 +152,8 @@ contains
                                                   seen%answer%load > 0.0_real64)
       return
     end if
-    ! The stiffness of the summits takes a second state, worth it where the map's is known. None:
-    ! it is not told.
+    ! The stiffness of the summits needs a second state, solved only where the stiffness of the map
+    ! is computed. If that fails the stiffness is not reported.
     stiffness = not_computed
     if (seen%coarser == 1) then
       other = plain

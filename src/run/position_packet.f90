@@ -24,23 +24,24 @@ contains
   pure subroutine pack_position(result, words)
     type(position_result), intent(in) :: result             !! a position that is solved
     integer(int64), allocatable, intent(out) :: words(:)    !! never none
-    integer :: i, values(2), effects, told, warnings
+    integer :: i, values(2), effects, columns, warnings
 
     warnings = 0
     if (allocated(result%warnings)) warnings = size(result%warnings)
     effects = -1
-    told = 0
+    columns = 0
     values = 0
     if (allocated(result%effects)) then
       effects = size(result%effects)
-      told = size(result%state_values)
+      columns = size(result%state_values)
       ! A list of contacts that is not kept has no columns.
       if (allocated(result%contact_values)) values = shape(result%contact_values)
     end if
     words = [transfer([result%x_displacement, result%y_displacement, &
                        result%first_step_pressure, result%error_estimate], word), &
              int([merge(1, 0, result%limit_reached), result%overlapping_circles, &
-                  size(result%states), result%rows_used, effects, told, values, warnings], int64), &
+                  size(result%states), result%rows_used, effects, columns, values, &
+                  warnings], int64), &
              transfer(result%left_out, word), &
              [(words_of_warning(result%warnings(i)), i = 1, warnings)], &
              [(words_of_state(result%states(i)), i = 1, size(result%states))]]
@@ -56,7 +57,7 @@ contains
   pure subroutine unpack_position(words, result)
     integer(int64), intent(in) :: words(:)         !! from pack_position
     type(position_result), intent(out) :: result   !! the position
-    integer :: at, i, states, effects, told, values(2), warnings
+    integer :: at, i, states, effects, columns, values(2), warnings
 
     result%x_displacement = transfer(words(1), result%x_displacement)
     result%y_displacement = transfer(words(2), result%y_displacement)
@@ -67,7 +68,7 @@ contains
     states = int(words(7))
     result%rows_used = int(words(8))
     effects = int(words(9))
-    told = int(words(10))
+    columns = int(words(10))
     values = int(words(11:12))
     warnings = int(words(13))
     result%left_out = transfer(words(14:of_head), result%left_out, size(result%left_out))
@@ -86,14 +87,14 @@ contains
                            result%rows_used)
     at = at + of_row * result%rows_used
     if (effects < 0) return
-    allocate (result%effects(effects), result%state_values(told), &
+    allocate (result%effects(effects), result%state_values(columns), &
               result%contact_values(values(1), values(2)))
     do i = 1, effects
       result%effects(i) = effect_of(words(at + 1:at + of_effect))
       at = at + of_effect
     end do
-    result%state_values = transfer(words(at + 1:at + told), result%state_values, told)
-    at = at + told
+    result%state_values = transfer(words(at + 1:at + columns), result%state_values, columns)
+    at = at + columns
     result%contact_values = reshape(transfer(words(at + 1:at + product(values)), &
                                              result%state_values, product(values)), values)
   end subroutine unpack_position

@@ -9,11 +9,11 @@ module asperity_scene_results
   public :: effect_header, map_record, scene_results, kinds_of_warnings, last_state, &
             has_height_map, nominal_values, nominal_names
 
-  !> What is told over the nominal area: the vertical load, the projected area of the contacts.
+  !> Quantities over the nominal area: vertical load, projected area of the contacts.
   character(len=*), parameter :: nominal_names(2) = &
     [character(len=16) :: 'nominal_pressure', 'area_fraction']
 
-  !> The effects of a scene that are not off, and the columns in which they tell what they did.
+  !> The effects of a scene that are not off, and their columns.
   type :: effect_header
     character(len=11), allocatable :: names(:)             !! as in &effects
     integer, allocatable :: modes(:)                       !! as in &effects

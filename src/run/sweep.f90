@@ -1,9 +1,9 @@
 !> The one way through a sweep: its positions are shared out to images and threads, and kept in a
 !> file as they are solved, with the same result however many there are.
 !>
-!> What a run tells of a failure is what a run with one thread tells: the first position in order
-!> that fails, or with which there are too many contacts. Positions behind it are left out. Without
-!> OpenMP there is one thread.
+!> The reported failure does not depend on the number of threads: it is that of the first position
+!> in order that fails, or at which there are too many contacts. Later positions are left out.
+!> Without OpenMP there is one thread.
 module asperity_sweep
   use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
   use asperity_images, only: image_number

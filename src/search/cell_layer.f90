@@ -104,7 +104,7 @@ contains
     do strip = 1, layer%strips
       k = n
       do i = layer%first(strip), layer%first(strip + 1) - 1
-        ! Without a branch: which are high cannot be foretold. The next one takes a low one's place.
+        ! No branch, as it would be mispredicted: the next point overwrites a low one.
         part%points(n + 1) = layer%points(i)
         n = n + merge(1, 0, layer%points(i)%height >= least)
       end do

@@ -301,7 +301,7 @@ contains
   !> Gathers pairs nearer than `distance` until the strips or the batch are at their end.
   !>
   !> Differences are taken as the distance itself takes them, so no rounding can lose a pair. A
-  !> group of points is tested without a branch: whether a point is near cannot be foretold.
+  !> group of points is tested without a branch, as that would be mispredicted.
   pure subroutine sweep_strips(seekers, points, offset, distance, place, near)
     type(grid_point), contiguous, intent(in) :: seekers(:)  !! the layer that seeks
     type(grid_point), contiguous, intent(in) :: points(:)   !! searched; with spare ones

@@ -55,8 +55,8 @@ module asperity_reviewed_theories
 
 contains
 
-  !> The theories and criteria on the surfaces of a scene, held against the totals of its best way.
-  !> `why_not` tells why there are none; empty: there are.
+  !> The theories and criteria on the surfaces of a scene, compared with the totals of the reference
+  !> solution. `why_not` is the reason why there are none; empty: there are.
   subroutine theories_of(scene_in, truth, theories, criteria, why_not)
     type(scene), intent(in) :: scene_in                             !! without a map
     type(way_totals), intent(in) :: truth                           !! of the best way
@@ -166,7 +166,7 @@ contains
 
   end subroutine measure
 
-  ! A theory of which the thesis has an equation that nobody can put numbers into.
+  ! A theory that is left out: its equation in the thesis lacks the value of a constant.
   pure type(reviewed_theory) function lacks(name, what) result(theory)
     character(len=*), intent(in) :: name, what
 

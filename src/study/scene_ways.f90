@@ -83,8 +83,8 @@ contains
     end do
   end function simulated_effects
 
-  !> All ways beside the scene as it asks, by family, each from the cheapest on. `left_out` tells in
-  !> a line why neighbours are in none; empty: they are.
+  !> All methods except that of the scene, by family, each from the fastest on. `left_out` is the
+  !> reason in one line why no method includes interaction; empty: some do.
   subroutine list_ways(scene_in, simulated, closing, ways, left_out)
     type(scene), intent(in) :: scene_in                   !! checked values
     logical, intent(in) :: simulated(:)                   !! as `simulated_effects` has it

@@ -22,13 +22,13 @@ module asperity_way_study
 
   public :: most_ways, run_way_study, way_row, way_table
 
-  ! What is foretold before a way has run, from runs on dense scenes of 20 to 2000 contacts: cells
-  ! to 0.01 take about 5 ms a contact; a tolerance ten times finer, of cells or of `auto`, up to ten
-  ! times as long.
+  ! Run time estimated for a method that has not run, measured on dense scenes of 20 to 2000
+  ! contacts: boundary elements to 0.01 take about 5 ms a contact; a tolerance ten times smaller, of
+  ! boundary elements or of `auto`, takes up to ten times as long.
   real(real64), parameter :: seconds_a_contact = 5.0e-3_real64, times_a_decade = 10.0_real64
   ! The other arithmetics over real64, at most: docs/theory/accuracy.md.
   real(real64), parameter :: times_arithmetic = 40.0_real64
-  ! Of what is left of the time a way may be foretold to take so much.
+  ! Largest estimated run time of a method, as a fraction of the remaining time.
   real(real64), parameter :: share_of_a_way = 0.9_real64
   ! The scene as it asks may take so much: the rest is for ways that are cheaper.
   real(real64), parameter :: share_of_scene = 0.5_real64
@@ -117,7 +117,7 @@ contains
     call progress%step()
     do i = 1, size(ways)
       row = way_row(way=ways(i))
-      call foretell(table%rows(:i), contacts, others%left(), row)
+      call estimate_time(table%rows(:i), contacts, others%left(), row)
       if (.not. allocated(row%left_out)) &
         call run_row(scene_in, least_seconds, others%left(), row, totals(i + 1), results)
       if (contacts == 0 .and. .not. allocated(row%left_out)) contacts = contacts_of(results)
@@ -147,8 +147,8 @@ contains
     end do
   end function contacts_of
 
-  ! Leaves a way out where it is foretold to take too long.
-  pure subroutine foretell(before, contacts, left, row)
+  ! Leaves a method out where its estimated run time is too long.
+  pure subroutine estimate_time(before, contacts, left, row)
     type(way_row), intent(in) :: before(:)
     integer, intent(in) :: contacts
     real(real64), intent(in) :: left
@@ -199,7 +199,7 @@ contains
       end do
     end function last_seconds
 
-  end subroutine foretell
+  end subroutine estimate_time
 
   ! One way on the clock, again and again until the median is steady or the time is spent.
   subroutine run_row(scene_in, least_seconds, most_seconds, row, totals, results)

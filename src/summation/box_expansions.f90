@@ -156,7 +156,7 @@ contains
     real(real64), intent(in) :: place(2)      !! from the middle of the box, over its half
     real(real64), intent(in) :: half          !! half of the box's width
     real(real64), intent(in) :: field(:)      !! of the box, as many as the sums take
-    real(real64), intent(inout) :: value(6)   !! as `sum_sources` tells it
+    real(real64), intent(inout) :: value(6)   !! as `sum_sources` returns it
     real(real64) :: t(0:order, 2, 0:2), along_y(0:order, 0:2), xx, yy
     integer :: k
 

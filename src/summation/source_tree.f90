@@ -107,7 +107,7 @@ contains
           k = tree%order(i) - tree%before
           here = tree%circle(i, :3)
           n = 0
-          ! Without a branch: who is near cannot be foretold. The next one takes a far one's place.
+          ! No branch, as it would be mispredicted: the next name overwrites that of a far circle.
           do j = 1, size(name)
             found(n + 1) = name(j)
             apart = (about(j, 1) - here(1))**2 + (about(j, 2) - here(2))**2
@@ -222,8 +222,8 @@ contains
     !$omp end parallel
   end subroutine sum_sources
 
-  ! What sources do at a target, one by one. What is near was told by the same sums when the tree
-  ! was planted; nothing acts on its own place.
+  ! Field of the sources at a target by direct summation. The near sources were selected by the same
+  ! distances when the tree was built; a source has no effect at its own position.
   pure function direct_sum(about, here) result(value)
     real(real64), contiguous, intent(in) :: about(:, :)
     real(real64), intent(in) :: here(7)

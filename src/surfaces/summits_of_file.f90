@@ -37,7 +37,7 @@ contains
     type(summit_choices), intent(inout) :: choices          !! learns the rule for radii
     type(height_map), intent(out) :: map                    !! levelled
     type(map_summits), intent(out) :: summits               !! of the map
-    integer(int64), intent(out) :: spikes                   !! taken out; -1: nobody looked
+    integer(int64), intent(out) :: spikes                   !! removed; -1: not searched for
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
 
@@ -107,7 +107,7 @@ contains
     type(height_map), intent(inout) :: map                  !! read, then levelled
     type(summit_choices), intent(inout) :: choices          !! learns the rule for radii
     type(map_summits), intent(out) :: summits               !! of the map
-    integer(int64), intent(out) :: spikes                   !! taken out; -1: nobody looked
+    integer(int64), intent(out) :: spikes                   !! removed; -1: not searched for
     character(len=:), allocatable, intent(out) :: failure   !! why not
 
     spikes = -1_int64

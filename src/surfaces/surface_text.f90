@@ -117,7 +117,7 @@ contains
     end if
   end subroutine write_decimal
 
-  !> The cards. What is rounded on them is told in `notes`.
+  !> The cards. `notes` reports the values that are rounded on them.
   subroutine surfaces_as_deck(spec, upper, lower, text, notes)
     type(generation_spec), intent(in) :: spec      !! what stands beside the asperities
     type(generated_surface), intent(in) :: upper   !! in card units

@@ -87,7 +87,7 @@ contains
     call rub_all(self, pairs, state%penetration, answers, outcome)
   end subroutine leave_out
 
-  ! Adds friction to all answers and tells the columns. The rig holds the upper body with the
+  ! Adds friction to all answers and sets the columns. The rig holds the upper body with the
   ! opposite of what the contacts do to it. The moments are about the origin of the plan; those
   ! about x and y are of the vertical loads alone: heights count from the plane of the contacts.
   subroutine rub_all(self, pairs, penetration, answers, outcome)
