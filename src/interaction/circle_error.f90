@@ -130,7 +130,7 @@ contains
     type(contact_pairs), intent(in) :: pairs        !! the position
     type(coupled_solution), intent(in) :: solution  !! solved
     real(real64), intent(in) :: radii               !! of a circle: who is within is about it
-    type(source_tree), intent(out) :: tree          !! circles of the solution; targets: open pairs
+    type(source_tree), intent(inout) :: tree        !! circles of the solution; targets: open pairs
     integer, allocatable, intent(out) :: number(:)  !! places of the open pairs in the list
     logical :: is_open(size(pairs%list))
     integer :: i

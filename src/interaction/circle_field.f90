@@ -85,19 +85,28 @@ module asperity_circle_field
 
 contains
 
-  !> Makes room for circles, without shift.
+  !> Makes room for circles, without shift. The expansions of its tree are kept.
   subroutine make_room(self, n)
-    class(circle_set), intent(out) :: self  !! empty before
-    integer, intent(in) :: n                !! number of circles
-    real(real64) :: none(n)
+    class(circle_set), intent(inout) :: self  !! gets new arrays, all zero
+    integer, intent(in) :: n                  !! number of circles
 
-    none = 0.0_real64
-    self%number = nint(none)
-    allocate (self%bends(3, n), self%bowl(3, n))
-    allocate (self%move(2, n), self%tilt(2, n), self%steer(2, n), source=0.0_real64)
-    allocate (self%still(n), source=.false.)
-    allocate (self%x, self%y, self%curvature, self%load, self%circle, self%stiffness, self%lift, &
-              self%growth, source=none)
+    if (allocated(self%outer)) deallocate (self%outer)
+    if (allocated(self%one)) deallocate (self%pair, self%one, self%other, self%terms)
+    self%number = spread(0, 1, n)
+    self%still = spread(.false., 1, n)
+    self%x = spread(0.0_real64, 1, n)
+    self%y = self%x
+    self%curvature = self%x
+    self%load = self%x
+    self%circle = self%x
+    self%stiffness = self%x
+    self%lift = self%x
+    self%growth = self%x
+    self%move = spread(self%x, 1, 2)
+    self%tilt = self%move
+    self%steer = self%move
+    self%bends = spread(self%x, 1, 3)
+    self%bowl = self%bends
   end subroutine make_room
 
   !> What an inclined contact presses the surface down with, over its vertical load.

@@ -10,7 +10,7 @@ module asperity_coupled_joining
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
-  use asperity_source_tree, only: plant_tree, source_tree, sum_sources
+  use asperity_source_tree, only: plant_tree, sum_sources
   implicit none
   private
 
@@ -215,11 +215,10 @@ contains
   subroutine look_around(pairs, number, state, least, solution, touches)
     type(contact_pairs), intent(in) :: pairs
     integer, intent(in) :: number(:)               ! places of the open ones in the list
-    type(solve_state), intent(in) :: state         ! gaps, and who has joined how often
+    type(solve_state), intent(inout) :: state      ! gaps, who has joined how often; gets a tree
     real(real64), intent(in) :: least              ! penetration of one that touches
     type(coupled_solution), intent(inout) :: solution
     logical, intent(inout) :: touches(:)           ! of all pairs
-    type(source_tree) :: tree
     real(real64), allocatable :: field(:, :)
     real(real64) :: above, before, far(3), shift(2)
     integer :: i, k, n
@@ -227,7 +226,7 @@ contains
 
     n = size(number)
     allocate (field(6, n))
-    associate (set => solution%set)
+    associate (set => solution%set, tree => state%open_tree)
       ! Near where they are: far off a tilted surface moves them past many a circle.
       call plant_tree(tree, &
                       [set%x + set%move(1, :), pairs%list(number)%x + solution%move(1, number)], &

@@ -5,6 +5,7 @@ module asperity_coupled_state
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
+  use asperity_source_tree, only: source_tree
   implicit none
   private
 
@@ -51,6 +52,7 @@ module asperity_coupled_state
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
     integer, allocatable :: joins(:)                !! how often a pair has joined
     real(real64), allocatable :: stood(:)           !! penetrations when open ones were looked at
+    type(source_tree) :: open_tree                  !! circles and open contacts, planted last
   end type solve_state
 
   ! Of many a circle that has grown by this factor, or shrunk as much, or has moved by its radius,

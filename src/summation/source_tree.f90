@@ -49,7 +49,8 @@ contains
 
   !> Plants circles at their places and finds which are near each other.
   subroutine plant_tree(tree, x, y, reach, near_factor, sources)
-    type(source_tree), intent(out) :: tree   !! the tree
+    !> the tree; one that was planted before keeps its expansions between boxes
+    type(source_tree), intent(inout) :: tree
     real(real64), intent(in) :: x(:)         !! places
     real(real64), intent(in) :: y(:)         !! places
     real(real64), intent(in) :: reach(:)     !! reaches, none negative
@@ -60,10 +61,15 @@ contains
     integer, intent(in), optional :: sources
 
     tree%sources = size(x)
+    tree%before = 0
     if (present(sources)) then
       tree%sources = sources
       tree%before = sources
     end if
+    if (allocated(tree%failure)) deallocate (tree%failure)
+    if (allocated(tree%near)) deallocate (tree%near)
+    if (allocated(tree%circle)) deallocate (tree%circle)
+    if (allocated(tree%moment)) deallocate (tree%moment, tree%field)
     tree%first = [1, spread(0, 1, size(x) - tree%before)]
     allocate (tree%near(0))
     if (.not. has_memory(bytes_per_circle * size(x))) then
@@ -78,7 +84,7 @@ contains
                      tree%boxes, tree%level)
     call list_near(tree)
     if (size(tree%level) < 4) return
-    call prepare(tree%ways)
+    if (.not. allocated(tree%ways%way)) call prepare(tree%ways)
     allocate (tree%moment(tree%ways%terms, size(tree%boxes)), &
               tree%field(tree%ways%terms, size(tree%boxes)))
   end subroutine plant_tree
@@ -183,9 +189,13 @@ contains
     logical, intent(in), optional :: rough
     real(real64), allocatable :: about(:, :)
     integer :: a, i, k, terms
+    logical :: is_rough
 
-    terms = tree%ways%terms
-    if (present(rough)) terms = merge(tree%ways%rough_terms, terms, rough)
+    ! Without expansions all sums are exact.
+    terms = merge(tree%ways%terms, 0, allocated(tree%moment))
+    is_rough = .false.
+    if (present(rough)) is_rough = rough .and. terms > 0
+    if (is_rough) terms = tree%ways%rough_terms
     !$omp parallel private(about, a, i, k) if(size(tree%order) > many)
     !$omp do
     do i = 1, size(tree%order)
@@ -207,7 +217,7 @@ contains
       about = sources_about(tree, a, 7)
       do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
         k = tree%order(i) - tree%before
-        if (terms < tree%ways%terms) then
+        if (is_rough) then
           value(:, k) = [1, 0, 0, 0, 0, 0] * rough_sum(about, tree%circle(i, :))
         else
           value(:, k) = direct_sum(about, tree%circle(i, :))
