@@ -3,6 +3,8 @@
 usage: words.py [FILE...]    without files: README.md, CHANGELOG.md, the pages of docs, the string
                              literals of src, app and python, the subject of the last commit
 
+A few words are refused in comments, names and code, too, in every text file of these folders.
+
 Prints FILE:LINE: WORD: REASON, one line a finding; exit status 1 where there is one.
 Exceptions stand in .ci/words_exceptions.txt, each with its reason.
 """
@@ -74,6 +76,12 @@ WORDS = (
 # First words of a sentence, unless it is a question.
 FIRST = re.compile(r"(?:^|(?<=[.:;!?] ))(Of|Nor|Or|What|So who)\b (?![^.!?]*\?)")
 
+
+# Refused wherever they occur, also in comments, names and blocks of code.
+ANYWHERE = re.compile(r"\b(whoever|foretell|foretold|nobody|who bears|told|tells|press less)\b",
+                      re.IGNORECASE)
+# Text files beside pages and sources, which are read for these words alone.
+OTHER_TEXTS = (".h", ".html", ".ipynb", ".json", ".gp", ".scene", ".toml", ".svg")
 
 # Headings of sections that are questions or sentences.
 HEADING = re.compile(r"##+ (.*\?$|(How|What|When|Where|Which|Who|Why|So|If|It|They)\b)")
@@ -200,13 +208,23 @@ def of_literals(parts):
             for finding in words_in(text)]
 
 
+def anywhere(text):
+    """Findings of the words that are refused in comments and code, too: line, word, reason."""
+    return [(number, match[0], "report, print, estimate, return; things are no persons")
+            for number, line in enumerate(text.splitlines(), 1)
+            for match in ANYWHERE.finditer(line)]
+
+
 def findings(path):
     text = path.read_text(encoding="utf-8")
+    found = anywhere(text)
     if path.suffix == ".md":
-        return of_page(text, path.name == "CHANGELOG.md")
+        return found + of_page(text, path.name == "CHANGELOG.md")
     if path.suffix == ".py":
-        return of_literals(python_literals(text))
-    return of_literals(literals(text))
+        return found + of_literals(python_literals(text))
+    if path.suffix in OTHER_TEXTS or path.parent.name == "original":
+        return found
+    return found + of_literals(literals(text))
 
 
 def of_last_commit():
@@ -223,11 +241,10 @@ def of_last_commit():
 
 
 def all_files():
-    tracked = subprocess.run(["git", "-C", ROOT, "ls-files", "src", "app", "python"], text=True,
-                             capture_output=True, check=True).stdout.split()
+    tracked = subprocess.run(["git", "-C", ROOT, "ls-files", "src", "app", "python", "docs",
+                              "include"], text=True, capture_output=True, check=True).stdout.split()
     sources = [ROOT / name for name in tracked
-               if name.endswith((".f90", ".F90", ".inc", ".py")) and
-               not name.startswith("src/original/")]
+               if name.endswith((".f90", ".F90", ".inc", ".py", *OTHER_TEXTS))]
     pages = sorted(ROOT.glob("docs/**/*.md"))
     return [*(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")), *pages,
             *sources]

@@ -72,11 +72,21 @@ def test_each_kind(tmp_path, name, line, reason):
     assert done.returncode == 1 and reason in done.stdout
 
 
+@pytest.mark.parametrize("name, text", [
+    ("a.f90", "x = 1  ! Whoever is near\n"), ("a.inc", "real :: told\n"),
+    ("a.py", "# it tells\n"), ("a.html", "<p>nobody</p>\n"), ("a.h", "/* foretold */\n"),
+    ("README.md", "```\npress less\n```\n")])
+def test_words_refused_in_comments_and_code(tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    done = lint(tmp_path / name)
+    assert done.returncode == 1 and "things are no persons" in done.stdout
+
+
 def test_what_is_allowed(tmp_path):
     """Names of columns, comments, code and addresses are no sentences."""
-    (tmp_path / "a.f90").write_text("call put('closing')  ! nobody\n! who waits\n")
+    (tmp_path / "a.f90").write_text("call put('closing')  ! somebody\n! who waits\n")
     (tmp_path / "README.md").write_text(
-        "# Title\n\n```\nwho tells\n```\n\n[text](who-tells.md)\n\n    p = who tells\n\n"
+        "# Title\n\n```\nwho waits\n```\n\n[text](who-waits.md)\n\n    p = who waits\n\n"
         "| " + "a | " * 60 + "\n")
     done = lint(tmp_path / "a.f90", tmp_path / "README.md")
     assert (done.returncode, done.stdout) == (0, "")
