@@ -90,7 +90,7 @@ SCENES = {
                                            "map_spacing": "2*1."},
                               "material": {"contact_modulus": "1000."},
                               "loading": {"control": "'compression'", "value": "0.01"}}}
-SCENES["default of a periodic map"] = {
+SCENES["if periodic"] = {
     **SCENES["default of a free map"],
     "surfaces": {**SCENES["default of a free map"]["surfaces"], "map_edge": "'periodic'"}}
 UPPER = "x,y,height,radius\n0,0,0.1,1\n0.4,0.1,0.09,1\n"

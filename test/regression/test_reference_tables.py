@@ -4,7 +4,7 @@ import sys
 
 import pytest
 from builds import ROOT
-from reference_tables import MADE, begin, inside, made, options
+from reference_tables import MADE, Reader, begin, inside, made, options
 sys.path.insert(0, str(ROOT / "test/bench"))
 import accuracy_costs  # noqa: E402
 
@@ -15,6 +15,28 @@ def test_a_table_is_current(name, asperity):
     text = (ROOT / MADE[name][0]).read_text(encoding="utf-8")
     assert text.count(begin(name)) == 1
     assert inside(text, name)[1].strip("\n") == made(asperity, name), "run make tables"
+
+
+@pytest.mark.parametrize("group, name, column, value, other", [
+    ("motion", "positions", "default", "1", "3"), ("motion", "x_step", "default", "0", "1"),
+    ("loading", "points", "default", "0", "2"), ("loading", "control", "default", "`'limit'`", "x"),
+    ("surfaces", "map_level", "default of a free map", "`'plane'`", "`'mean'`"),
+    ("surfaces", "map_level", "if periodic", "`'mean'`", "`'none'`"),
+    ("tilt", "upper_slope", "default", "0, 0", "0.1, 0.1")])
+def test_a_default_is_found(asperity, tmp_path, group, name, column, value, other):
+    """Whether the page shows it or another value."""
+    reader = Reader(asperity, tmp_path)
+    assert reader.default(group, name, column, value) == value
+    assert reader.default(group, name, column, other) == value
+
+
+def test_a_default_that_is_not_found(asperity, tmp_path):
+    """Slopes of a deck are no numbers that are tried: the page must have them."""
+    reader = Reader(asperity, tmp_path)
+    column = "default with a deck"
+    assert reader.default("tilt", "upper_slope", column, "0.004, -0.00058") == "0.004, -0.00058"
+    with pytest.raises(ValueError, match="upper_slope: default with a deck is not 0.004, 0"):
+        reader.default("tilt", "upper_slope", column, "0.004, 0")
 
 
 def test_costs_of_accuracy():
