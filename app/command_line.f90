@@ -54,7 +54,7 @@ module asperity_command_line
     logical :: units = .false.                       !! name the units in CSV files
     integer :: share(2) = [1, 1]                     !! part, and how many there are
     type(kept_file), allocatable :: parts(:)         !! of --keep, but for the first; none: no such
-    logical :: cost = .false.                        !! tell what the work will cost, no more
+    logical :: cost = .false.                        !! only estimate the cost of the work
     integer :: threads = 0                           !! threads to use; 0: all cores
     real(real64) :: accuracy = 0.0_real64            !! accuracy asked for; 0 when not given
     real(real64) :: seconds = 0.0_real64             !! time that may be spent; 0 when not given

@@ -28,7 +28,7 @@ module asperity_run_accuracy
   real(real64), parameter :: seconds_a_row = 0.2_real64, usual_seconds = 60.0_real64
   ! Of the time of a sweep, what the ways that serve any scene may take at most.
   real(real64), parameter :: share_of_ways = 1.0_real64 / 3.0_real64
-  ! Time that is spent to tell what all of it would take.
+  ! Time spent on estimating the run time of all methods.
   real(real64), parameter :: seconds_of_trial = 2.0_real64
 
 contains
@@ -36,7 +36,7 @@ contains
   !> Runs the command. All is computed before the first byte is written.
   subroutine run_accuracy_command(line, outcome)
     type(command_line), intent(in) :: line           !! the user's choices
-    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
+    type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(scene) :: scene_in
     type(card_deck), allocatable :: deck
     type(accuracy_row), allocatable :: rows(:)

@@ -29,7 +29,7 @@ contains
   !> Runs the command. The files of one member of the ensemble appear together.
   subroutine run_generate_command(line, outcome)
     type(command_line), intent(in) :: line           !! the user's choices
-    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
+    type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(generation_spec) :: spec
     type(surface_plan) :: plans(2)
     integer :: member

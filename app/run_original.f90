@@ -21,7 +21,7 @@ contains
   !> Runs the command. All is computed before the first byte is written.
   subroutine run_original_command(line, outcome)
     type(command_line), intent(in) :: line           !! the user's choices
-    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
+    type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(card_deck) :: deck
     type(original_request) :: request
     type(original_records) :: records

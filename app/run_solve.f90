@@ -58,7 +58,7 @@ contains
   !> are kept. Image 1 has all results and writes for all.
   subroutine run_solve_command(line, outcome)
     type(command_line), intent(in) :: line           !! the user's choices
-    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
+    type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(scene) :: scene_in
     type(scene_results) :: results
     type(error_budget) :: budget

@@ -26,7 +26,7 @@ contains
   !> surfaces that are kept. Image 1 has the study.
   subroutine run_study_command(line, outcome)
     type(command_line), intent(in) :: line           !! the user's choices
-    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
+    type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(study_spec) :: spec
     type(study_plan) :: plan
     type(area_study) :: study

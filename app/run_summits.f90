@@ -21,7 +21,7 @@ module asperity_run_summits
 
   public :: run_summits_command
 
-  ! Of a map, to tell the cost.
+  ! Rows of a map that are read to estimate the cost.
   integer, parameter :: rows_tried = 64
   ! A place while summits are looked for, and a sphere.
   real(real64), parameter :: bytes_of_summit = 56.0_real64 + 32.0_real64
@@ -31,7 +31,7 @@ contains
   !> Runs the command. All is computed before the first byte is written.
   subroutine run_summits_command(line, outcome)
     type(command_line), intent(in) :: line           !! the user's choices
-    type(command_outcome), intent(inout) :: outcome  !! what to tell and write
+    type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(height_map) :: map
     type(map_summits) :: summits
     type(map_statistics) :: found

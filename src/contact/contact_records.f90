@@ -128,8 +128,8 @@ module asperity_contact_records
     logical :: lacks_memory = .false.                  !! there was none for all contacts
     !> What each effect of the scene did to the last state; not allocated: the scene has none.
     type(effect_record), allocatable :: effects(:)
-    real(real64), allocatable :: contact_values(:, :)  !! what they tell (row, column)
-    real(real64), allocatable :: state_values(:)       !! what they tell of the last state (column)
+    real(real64), allocatable :: contact_values(:, :)  !! of their columns (row, column)
+    real(real64), allocatable :: state_values(:)       !! of the last state (column)
     type(solution_start) :: start = solution_start()   !! solutions for further runs, where kept
     !> Pressures on boundary elements and shifts of contacts, by state, in the unit of the scene;
     !> not allocated: none were kept.

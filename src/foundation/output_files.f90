@@ -281,7 +281,7 @@ contains
     call discard_files()
   end subroutine discard_at_end
 
-  !> What an end in the middle shall tell of work that is kept.
+  !> Sets the message about kept work that an interruption prints.
   subroutine tell_kept(note)
     character(len=*), intent(in) :: note  !! begins with `; `, at most 600 characters count
 

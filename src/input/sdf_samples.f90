@@ -28,7 +28,7 @@ contains
   subroutine read_sdf_samples(file, header, progress, map, problems, failure)
     type(token_reader), intent(inout) :: file               !! behind the header
     type(sdf_header), intent(in) :: header                  !! what it says
-    logical, intent(in) :: progress                         !! tell how far it has come
+    logical, intent(in) :: progress                         !! print the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not

@@ -29,7 +29,7 @@ module asperity_surface_columns
     integer :: cell_of(4) = 0                 !! cell of each of `column_names`; 0: there is none
     integer :: count = 0                      !! columns of the file
     character(len=1) :: separator = ','       !! what stands between them
-    character(len=:), allocatable :: unit     !! of all lengths; empty when the file does not tell
+    character(len=:), allocatable :: unit     !! of all lengths; empty: not given in the file
     !> Names of columns that are not read, the first five, and how many there are; or empty.
     character(len=:), allocatable :: others
   end type surface_columns

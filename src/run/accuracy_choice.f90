@@ -46,9 +46,9 @@ module asperity_accuracy_choice
 
 contains
 
-  !> The scene with its effects chosen by a tolerance. Without cells circles stay circles, and tell
-  !> how good they are. Of a map the samples: they take no longer than to hold its summits against
-  !> them.
+  !> The scene with its effects chosen by a tolerance. Without boundary elements all contacts are
+  !> Hertzian, and their error is estimated. A map is solved on its pixels: this takes no longer than
+  !> the comparison of its summits with them.
   subroutine choose_model(scene_in, tolerance, on_cells, chosen)
     type(scene), intent(in) :: scene_in       !! checked values, with effects
     real(real64), intent(in) :: tolerance     !! share of the totals
@@ -115,7 +115,7 @@ contains
                       .not. allocated(scene_in%map) .and. accuracy >= finest_on_cells
   end function may_go_on_cells
 
-  !> The scene with circles alone, to tell what they are good to.
+  !> The scene with Hertzian contacts only, to estimate their error.
   subroutine with_circles(scene_in, chosen)
     type(scene), intent(in) :: scene_in       !! checked values, with effects
     type(scene), intent(out) :: chosen        !! the same to be solved
@@ -178,7 +178,7 @@ contains
     total_of = max(had%model, had%area) + had%arithmetic + had%load
   end function total_of
 
-  !> The tolerance with which cells are tried first: what they tell is about that.
+  !> The first tolerance of boundary elements to try: their error estimate is about as large.
   pure real(real64) function first_tolerance(accuracy) result(first)
     real(real64), intent(in) :: accuracy        !! asked for
 

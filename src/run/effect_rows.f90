@@ -24,7 +24,7 @@ module asperity_effect_rows
 
 contains
 
-  !> The header of what the effects tell.
+  !> The header of the columns of the effects.
   subroutine name_columns(effects, header)
     type(effect_box), intent(in) :: effects(:)     !! of the scene
     type(effect_header), intent(inout) :: header   !! gets names and columns
@@ -193,7 +193,7 @@ contains
     call take_worse(result%warnings, warnings, size(result%states))
   end subroutine close_position
 
-  !> What the effects tell of a position at which no pair can touch.
+  !> Results of the effects at a position at which no pair can touch.
   subroutine add_nothing(pairs, effects, result)
     type(contact_pairs), intent(in) :: pairs         !! the position, without pairs
     type(effect_box), intent(inout) :: effects(:)    !! of the scene
@@ -319,7 +319,7 @@ contains
     end if
   end function is_at_limit
 
-  ! What the effects tell of the contacts of a state, below those of the states before.
+  ! Appends the values of the effects for the contacts of a state to those of the former states.
   subroutine add_contact_values(pairs, effects, state, outcomes, result)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)

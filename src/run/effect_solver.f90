@@ -58,7 +58,7 @@ contains
     type(scene), intent(in), target :: scene_in            !! checked; must outlive the solver
     character(len=*), intent(in) :: arithmetic             !! real64 where there are effects
     class(position_solver), allocatable, intent(out) :: solver
-    type(effect_header), intent(out) :: header             !! what the effects tell
+    type(effect_header), intent(out) :: header             !! columns of the effects
     character(len=:), allocatable, intent(out) :: failure  !! why not
     !> States whose pressures on boundary elements are kept: `fields_last` ...; absent: none.
     integer, intent(in), optional :: fields

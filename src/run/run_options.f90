@@ -23,7 +23,7 @@ module asperity_run_options
     real(real64) :: accuracy = 0.0_real64
     logical :: keep_contacts = .true.              !! keep the contacts of every state
     integer :: threads = 0                         !! 0: as many as OpenMP gives
-    logical :: progress = .false.                  !! tell how far it is, on a terminal
+    logical :: progress = .false.                  !! print the progress on a terminal
     integer :: sample = 0                          !! solve so many positions, spread; 0: all
     logical :: all_images = .false.                !! all images of the run call, and share the work
     character(len=:), allocatable :: keep_file     !! positions are kept there as they are solved

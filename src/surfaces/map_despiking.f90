@@ -26,7 +26,7 @@ contains
   subroutine despike_map(map, level, progress, spikes, failure)
     type(height_map), intent(inout) :: map                  !! levelled; then again
     integer, intent(in) :: level                            !! how it is levelled
-    logical, intent(in) :: progress                         !! tell how far it has come
+    logical, intent(in) :: progress                         !! print the progress
     integer(int64), intent(out) :: spikes                   !! samples that were changed
     character(len=:), allocatable, intent(out) :: failure   !! why not
     real(real64), allocatable :: off(:, :)

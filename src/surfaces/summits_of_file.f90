@@ -24,7 +24,7 @@ module asperity_summits_of_file
     integer :: unit = 0                        !! of `length_units`; 0: the file's own
     logical :: despike = .false.               !! take single outliers out
     real(real64) :: spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
-    logical :: progress = .false.              !! tell how far it is, on a terminal
+    logical :: progress = .false.              !! print the progress on a terminal
     character(len=2) :: prefix = ''            !! of a choice's name in messages: `--`, or none
   end type summit_choices
 
