@@ -47,8 +47,8 @@ module asperity_accuracy_choice
 contains
 
   !> The scene with its effects chosen by a tolerance. Without boundary elements all contacts are
-  !> Hertzian, and their error is estimated. A map is solved on its pixels: this takes no longer than
-  !> the comparison of its summits with them.
+  !> Hertzian, and their error is estimated. A map is solved on its pixels: this takes no longer
+  !> than the comparison of its summits with them.
   subroutine choose_model(scene_in, tolerance, on_cells, chosen)
     type(scene), intent(in) :: scene_in       !! checked values, with effects
     real(real64), intent(in) :: tolerance     !! share of the totals

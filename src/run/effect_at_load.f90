@@ -16,8 +16,8 @@ contains
 
   !> Compares the last state with those of fewer effects under the same load: of Hertz alone, then
   !> with the first effect that was simulated, with the first two and so on. The influence of an
-  !> effect is its addition to those before it. It is not computed where the contacts cannot carry the
-  !> load without the other effects.
+  !> effect is its addition to those before it. It is not computed where the contacts cannot carry
+  !> the load without the other effects.
   subroutine weigh_at_load(pairs, effects, load, state, records, failure)
     type(contact_pairs), intent(in) :: pairs            !! the position
     type(effect_box), intent(inout) :: effects(:)       !! not needed any more: they are forgotten
