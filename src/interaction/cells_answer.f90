@@ -55,7 +55,7 @@ contains
     real(real64), intent(in) :: modulus               !! combined
     type(gap_shape), intent(in) :: shapes(:)          !! the contacts that penetrate
     type(cell_lattice), intent(in) :: lattice         !! solved
-    type(cell_contact), intent(inout) :: contacts(:)  !! by member, those that penetrate are told
+    type(cell_contact), intent(inout) :: contacts(:)  !! by member; set for those that penetrate
     ! Of force: means of x, y, places in cells from first touch; sums of its powers.
     real(real64) :: moment(2, size(shapes)), sums(3, size(shapes)), highest(size(shapes)), radius
     real(real64) :: x, y, slit(size(shapes))

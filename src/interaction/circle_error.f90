@@ -39,7 +39,8 @@ module asperity_circle_error
   ! together is over its load alone, and 1.5 times as it presses its neighbours down less; 3.3 were
   ! measured at most.
   real(real64), parameter :: fourth_power = 3.5_real64
-  ! Residual of the weights, a share; of a weight, what is told, as it is of first order.
+  ! Relative residual of the weights; factor of a weight in the estimate, as weights are of first
+  ! order.
   real(real64), parameter :: weight_left = 0.03_real64, weight_told = 2.0_real64
   ! Ratio of radii from which on a contact that overlaps the circle of a blunter one is nested.
   real(real64), parameter :: blunter = 3.0_real64

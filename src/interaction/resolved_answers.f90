@@ -1,4 +1,4 @@
-!> What the cells of clusters answer, told to the circles.
+!> Results of the boundary elements of clusters, passed on to the Hertzian contacts.
 module asperity_resolved_answers
   use asperity_circle_field, only: circle_set, from_other
   use asperity_cells_outside, only: beside_circle

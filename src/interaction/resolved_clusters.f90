@@ -33,8 +33,8 @@ module asperity_resolved_clusters
   ! Sums of radii between members of two clusters, at least: what a contact's being oval changes at
   ! another falls with the sixth power of their distance, and is below 4e-6 of its load from there.
   real(real64), parameter :: between = 3.0_real64
-  ! A cluster that bears less than its part of the total over this is told as if it bore that: all
-  ! errors together are half above the tolerance at most.
+  ! A cluster that carries less than its equal part of the total over this number is solved to the
+  ! error of that load: the sum of all errors exceeds the tolerance by half of it at most.
   real(real64), parameter :: few_of_all = 2.0_real64
   ! An area may be off by so much more than a load.
   real(real64), parameter :: area_over_load = 4.0_real64
