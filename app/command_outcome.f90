@@ -49,8 +49,8 @@ contains
     if (image_number() == 1) then
       if (outcome%text%failed .and. .not. allocated(outcome%failure)) &
         outcome%failure = 'standard output: ' // not_enough_memory // ' for its text'
-      if (.not. allocated(outcome%failure)) &
-        call write_standard_output(outcome%text%text(), outcome%failure)
+      if (.not. allocated(outcome%failure) .and. outcome%text%used > 0) &
+        call write_standard_output(outcome%text%store(:outcome%text%used), outcome%failure)
       if (.not. allocated(outcome%failure)) call commit_files(outcome%failure, last=.true.)
       if (allocated(outcome%failure)) then
         call discard_files()

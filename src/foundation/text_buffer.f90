@@ -13,6 +13,7 @@ module asperity_text_buffer
     logical :: failed = .false.             !! there was no memory for it: the text is not whole
   contains
     procedure :: append => buffer_append  !! adds characters without a line end
+    procedure :: append_text              !! adds another text
     procedure :: line => buffer_line      !! adds one line; blanks at its end are dropped
     procedure :: text => buffer_text      !! the text so far
   end type text_buffer
@@ -41,6 +42,15 @@ contains
     self%store(self%used + 1_int64:needed) = piece
     self%used = needed
   end subroutine buffer_append
+
+  !> Adds another text, without a copy of it. A text that is not whole makes this one so, too.
+  pure subroutine append_text(self, other)
+    class(text_buffer), intent(inout) :: self  !! the text
+    type(text_buffer), intent(in) :: other     !! what is added
+
+    if (allocated(other%store)) call self%append(other%store(:other%used))
+    self%failed = self%failed .or. other%failed
+  end subroutine append_text
 
   !> Adds `piece` without its trailing blanks, and a line feed.
   pure subroutine buffer_line(self, piece)

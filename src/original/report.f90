@@ -58,9 +58,10 @@ contains
     end do
     call variance_table(lines, records%variance)
     if (carriage_control) then
-      call buffer%append(lines%text())
+      call buffer%append_text(lines)
     else
-      call apply_carriage_control(lines%text(), buffer)
+      call apply_carriage_control(lines%store(:lines%used), buffer)
+      buffer%failed = buffer%failed .or. lines%failed
     end if
   end subroutine write_report
 
