@@ -74,7 +74,7 @@ contains
 
   !> Solves a cluster at a closing.
   !>
-  !> Members that touch at the same place share one contact: its load is told under the first.
+  !> Members that touch at the same place share one contact: its load is stored at the first.
   subroutine solve_cells(pairs, members, closing, outside, tolerance, worth, place, answer)
     type(contact_pairs), intent(in) :: pairs       !! the position
     integer, intent(in) :: members(:)              !! places of the contacts in the list of pairs
@@ -82,7 +82,7 @@ contains
     type(outside_field), intent(in) :: outside     !! of the contacts that are no members
     !> shares of the load that halving may change, and of the area that may be off
     real(real64), intent(in) :: tolerance(2)
-    real(real64), intent(in) :: worth(2)           !! load, area: less is told as if it were this
+    real(real64), intent(in) :: worth(2)           !! load, area: smaller ones count as this
     !> of the lattice: x and y in plan, side of its cells; stays where it does, 0: none yet
     real(real64), intent(inout) :: place(3)
     type(cells_answer), intent(out) :: answer      !! the answer

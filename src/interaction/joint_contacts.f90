@@ -47,14 +47,17 @@ module asperity_joint_contacts
   ! Shares of a tolerance: what circles may leave out, halving of cells, the last round.
   real(real64), parameter :: left_share = 0.4_real64, cells_share = 0.25_real64
   real(real64), parameter :: round_share = 0.02_real64
-  ! What circles may leave out with the shape of spheres, which is told too high, not too low.
+  ! Share for the error of replacing spheres by paraboloids, whose estimate is an upper bound.
   real(real64), parameter :: shape_share = 0.8_real64
   ! What circles may leave out of the area: of the tolerance, or of that of areas if more.
   real(real64), parameter :: area_share = 0.7_real64
   integer, parameter :: most_rounds = 30
-  ! Of what the last coupling changed, what is told: rounds alternate and contract by .25 to .5.
+  ! Estimated error of stopping the iteration between Hertzian contacts and boundary elements, over
+  ! the last change of the total load. Changes alternate in sign and contract by q from 0.25 to 0.5,
+  ! so the remainder is at most q/(1 + q) = 1/3 of the last change.
   real(real64), parameter :: round_left = 0.33_real64
-  ! Standard deviations that are told of the scatter on cells: of loads, of areas.
+  ! Number of standard deviations of the scatter on boundary elements in the error estimate: of
+  ! loads, of areas.
   real(real64), parameter :: scatter_told = 2.0_real64, area_scatter_told = 3.0_real64
   ! Relative error of an area over that of its load: for an ellipse (n = 2) 4/3 of what the load
   ! gains, and a load that is off has the area off by 2/3; twice that, as of circles that all but
