@@ -1,6 +1,7 @@
 """Contact area of self-affine surfaces against nominal pressure, beside two theories.
 
-    python test/bench/map_area.py [--pixels N] [--cut-off LENGTH] [--realisations N] [--save]
+    python test/bench/map_area.py [--pixels N] [--cut-off LENGTH] [--realisations N]
+                                  [--methods NAME ...] [--save]
 
 Periodic random height maps of side 100, Hurst exponent 0.8 and roll-off 20, as those of the
 Contact Mechanics Challenge (Tribology Letters 65 (2017) 118), made by `asperity generate`. All
@@ -87,14 +88,17 @@ def main():
     parser.add_argument("--pixels", type=int, default=1024)
     parser.add_argument("--cut-off", type=float, default=0.4)
     parser.add_argument("--realisations", type=int, default=5)
+    parser.add_argument("--methods", nargs="+", choices=list(METHODS), default=list(METHODS))
     parser.add_argument("--save", action="store_true")
     words = parser.parse_args()
+    # Another cut-off has a file of its own.
+    name = "map_area.csv" if words.cut_off == 0.4 else f"map_area_cut_off_{words.cut_off}.csv"
     (exe, flags), began, lines = release_build(), time.monotonic(), []
     with tempfile.TemporaryDirectory() as folder:
-        found = {method: [] for method in METHODS}
+        found = {method: [] for method in words.methods}
         for seed in range(1, words.realisations + 1):
             path = made_map(exe, Path(folder), words.pixels, words.cut_off, seed)
-            for method in METHODS:
+            for method in words.methods:
                 found[method].append(area_fractions(exe, path, words.pixels, method))
     lines.append("cut_off,pixels,method,pressure,realisations,area_fraction,deviation,"
                  "persson,bush_gibson_thomas")
@@ -110,12 +114,13 @@ def main():
     where = "; ".join(machine(flags))
     print(f"{time.monotonic() - began:.0f} s; {where}")
     table = (f"# {datetime.date.today()}; {where}; python test/bench/map_area.py --pixels "
-             f"{words.pixels} --cut-off {words.cut_off} --realisations {words.realisations}\n" +
+             f"{words.pixels} --cut-off {words.cut_off} --realisations {words.realisations} "
+             f"--methods {' '.join(words.methods)}\n" +
              "\n".join(lines) + "\n")
-    for path in ["build/map_area.csv", "reference_output/bench/map_area.csv"][:1 + words.save]:
+    for path in [f"build/{name}", f"reference_output/bench/{name}"][:1 + words.save]:
         (ROOT / path).write_text(table, encoding="ascii")
     if shutil.which("gnuplot"):
-        subprocess.run(["gnuplot", "-e", f"kind = 'png'; table = '{ROOT}/build/map_area.csv'; "
+        subprocess.run(["gnuplot", "-e", f"kind = 'png'; table = '{ROOT}/build/{name}'; "
                         f"out = '{ROOT}/build/map-area.png'", "map-area.gp"],
                        cwd=ROOT / "docs/figures", check=True)
         print("build/map-area.png")
