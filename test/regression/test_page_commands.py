@@ -117,9 +117,13 @@ def shell(asperity, tmp_path):
         (programs / name).write_text(text)
         (programs / name).chmod(0o755)
 
+    # Under make a second make would print the folders that it enters.
+    plain = {name: value for name, value in os.environ.items()
+             if not name.startswith(("MAKE", "MFLAGS"))}
+
     def shell(commands, folder=tmp_path, status=0, **variables):
         done = subprocess.run(["bash", "-ec", commands], cwd=folder, stdin=subprocess.DEVNULL,
-                              env={**os.environ, **variables,
+                              env={**plain, **variables,
                                    "PATH": f"{programs}:{os.environ['PATH']}"},
                               capture_output=True, text=True, timeout=500)
         assert done.returncode == status, done.stdout + done.stderr
