@@ -11,8 +11,9 @@ strict_flags="-std=f2008 -Wall -Wextra -Werror -g -fbacktrace -fcheck=all,no-arr
 # The same for the whole program, which may meet a division by zero on its way and go on: no traps.
 # Warnings are the business of the strict build. Lines are counted. With threads gcc would count by
 # locked instructions, which takes five times as long; a count that two threads lose is still no 0.
+# -fPIC: Python loads the same objects.
 checks_flags="-O0 -g -fbacktrace -fcheck=all,no-array-temps -finit-real=snan -finit-derived \
---coverage -fprofile-update=single"
+--coverage -fprofile-update=single -fPIC"
 # Archived IEEE output must not depend on what the processor offers: no contraction to fused
 # multiply-add, no -march=native, no -ffast-math. -g is for valgrind, and changes no instruction.
 archive_flags="-O2 -ffp-contract=off -g"

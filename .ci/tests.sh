@@ -45,9 +45,16 @@ harness() {
   local exe=$1 folders
   shift
   mapfile -t folders < <(harness_folders)
+  harness_of "$exe" "${folders[@]}" "$@"
+}
+
+# The same for the files and folders that are named. Usage: harness_of EXECUTABLE [PYTEST OPTIONS]
+harness_of() {
+  local exe=$1
+  shift
   rm -f build/pytest.tally
   ASPERITY_EXE=$exe ASPERITY_TALLY=$root/build/pytest.tally \
     python -m pytest --rootdir "$root" -q -ra -n auto --maxprocesses 8 \
-    --durations 10 --durations-min 5 "${folders[@]}" "$@"
+    --durations 10 --durations-min 5 "$@"
   add "$?" pytest "$(cat build/pytest.tally 2>/dev/null)"
 }

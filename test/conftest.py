@@ -112,6 +112,8 @@ def asperity():
 @pytest.fixture(scope="session")
 def venv(tmp_path_factory):
     """A fresh venv with the package and nothing else: pip install ./python, without a network."""
+    if os.environ.get("ASPERITY_PACKAGE"):
+        pytest.skip("ASPERITY_PACKAGE is in no environment of its own")
     build("release")
     start = time.monotonic()
     folder = tmp_path_factory.mktemp("venv")
@@ -127,9 +129,18 @@ def venv(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def package(venv):
+def package_folder(request):
+    """The folder with the package: ASPERITY_PACKAGE if that is set, else one freshly installed."""
+    given = os.environ.get("ASPERITY_PACKAGE")
+    if given:
+        return Path(given).resolve()
+    return next(request.getfixturevalue("venv").glob("lib/python*/site-packages"))
+
+
+@pytest.fixture(scope="session")
+def package(package_folder):
     """The package in this process, which has numpy."""
-    folder = str(next(venv.glob("lib/python*/site-packages")))
+    folder = str(package_folder)
     sys.path.insert(0, folder)
     try:
         yield importlib.import_module("asperity")

@@ -146,8 +146,8 @@ class Library:
 
 
 @pytest.fixture(scope="module")
-def library(venv):
-    return Library(next(venv.glob("lib/python*/site-packages/asperity/libasperity.so")))
+def library(package_folder):
+    return Library(package_folder / "asperity" / "libasperity.so")
 
 
 def uneven():

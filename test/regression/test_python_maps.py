@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
-from builds import ROOT, build
+from builds import ROOT
 from SurfaceTopography import Topography
 
 matplotlib.use("Agg")
@@ -120,7 +120,7 @@ def test_missing_pixels(package, tmp_path):
     assert expected.statistics["missing"] == 12
 
 
-def test_read_and_write(package, tmp_path):
+def test_read_and_write(package, asperity, tmp_path):
     """A map comes back from `.sdf`, `.npy` and text as it was; the command reads all of them."""
     surface = package.HeightMap(HEIGHTS, (DX, DY), "um")
     for ending in ("sdf", "npy", "txt"):
@@ -132,7 +132,7 @@ def test_read_and_write(package, tmp_path):
         assert np.allclose(again.heights, HEIGHTS, atol=1e-15, **tolerance)
         assert again.spacing == pytest.approx((DX, DY), rel=1e-14) and again.unit == "um"
         words = ["--spacing", f"{DX},{DY}"] if given else []
-        done = subprocess.run([build("release"), "summits", path, "--unit", "um", *words],
+        done = subprocess.run([asperity, "summits", path, "--unit", "um", *words],
                               capture_output=True, text=True, timeout=100)
         assert done.returncode == 0 and f"{HEIGHTS.size}" in done.stdout, done.stderr
     assert np.array_equal(np.load(tmp_path / "m.npy"), HEIGHTS)
@@ -273,9 +273,9 @@ print(*states["area_fraction"])
 """
 
 
-def test_twelve_lines(venv):
+def test_twelve_lines(package_folder):
     """A numpy map to area against pressure, in twelve lines."""
-    code = f"import sys; sys.path.insert(0, {str(next(venv.glob('lib/python*/site-packages')))!r})"
+    code = f"import sys; sys.path.insert(0, {str(package_folder)!r})"
     done = subprocess.run([sys.executable, "-W", "ignore", "-c", code + TWELVE], text=True,
                           env={"MPLBACKEND": "Agg"}, capture_output=True, timeout=100)
     assert done.returncode == 0 and len(TWELVE.strip().splitlines()) <= 12, done.stderr

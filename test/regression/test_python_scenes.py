@@ -153,9 +153,9 @@ asperity.solve({"surfaces": {"deck": "data/thesis.deck"}, "loading": {"control":
 
 @pytest.mark.parametrize("hide, told", [(True, r"asperity: (\d+) of (\d+) states"),
                                         (False, r"asperity: .*\b(\d+)/(\d+) \[.*state/s")])
-def test_progress(venv, hide, told):
+def test_progress(package_folder, hide, told):
     """A bar of tqdm, or a line without it, on standard error; it ends with all states."""
-    code = f"import sys; sys.path.insert(0, {str(next(venv.glob('lib/python*/site-packages')))!r})"
+    code = f"import sys; sys.path.insert(0, {str(package_folder)!r})"
     done = subprocess.run([sys.executable, "-W", "ignore", "-c",
                            code + PROGRESS.replace("HIDE", str(hide))], cwd=ROOT, text=True,
                           capture_output=True, timeout=100)
