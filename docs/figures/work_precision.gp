@@ -1,9 +1,9 @@
-# Error against time a position: every way of computing of `asperity accuracy`.
+# Error against time a position: arithmetics and steps of `asperity accuracy`.
 height = 560
 load 'style.gp'
 file = data . '/accuracy.csv'
 arithmetics = 'ibm370 real32 real64 real128'
-methods = 'events marching original'
+methods = 'exact steps program'
 method_names = "'exact events' 'marching' 'original program'"
 array colour[4] = [red, yellow, blue, 0x222222]
 array filled[3] = [7, 9, 5]
@@ -14,7 +14,10 @@ set linetype 5 linecolor rgb '#222222' linewidth 1 dashtype 2
 floor_at = 1e-17
 place(error) = error > floor_at ? error : floor_at
 is(column, text) = strcol(column) eq text
-microseconds = 1e6
+# Microseconds a position: the sweep has 100.
+microseconds = 1e4
+worst(total) = place(column('pressure_max') > column(total) ? column('pressure_max') : column(total))
+uses(m) = strstrt(strcol('method'), word(methods, m)) > 0
 
 set logscale xy
 set xlabel 'Run time for each position (µs)'
@@ -33,20 +36,19 @@ set arrow 1 from 2, floor_at to 50000, floor_at nohead linecolor rgb '#999999' d
 set label 1 'zero error, drawn at 10^{-17}' at 2.5, 4 * floor_at \
   textcolor rgb '#666666' font ',11'
 
-at(a, m, overlap) = is('arithmetic', word(arithmetics, a)) && is('method', word(methods, m)) && \
-  is('overlap', overlap) ? microseconds * column('seconds_per_position') : NaN
-step_name(a) = is('arithmetic', word(arithmetics, a)) && is('method', 'marching') && \
-  is('overlap', 'stable') ? sprintf(step_format(column('step')), column('step')) : ''
+at(a, m, overlap) = is('arithmetic', word(arithmetics, a)) && uses(m) && \
+  is('overlap', overlap) ? microseconds * column('seconds') : NaN
+step_name(a) = is('arithmetic', word(arithmetics, a)) && uses(2) && is('overlap', 'stable') ? sprintf(step_format(column('step')), column('step')) : ''
 step_format(step) = sprintf('step %%.%df cm', int(ceil(-log10(step) - 0.01)))
 
-plot "< awk -F, 'NR == 1 || ($2 != \"model\" && $19 == 1)' " . file \
-    using (microseconds * column('seconds_per_position')):(place(column('worst'))) \
+plot "< awk -F, 'NR == 1 || $29 == 1' " . file \
+    using (microseconds * column('seconds')):(worst('own_error_max')) \
     smooth unique with lines linetype 5 title 'Pareto front', \
-  for [a = 1:4] for [m = 1:3] file using (at(a, m, 'stable')):(place(column('worst'))) \
+  for [a = 1:4] for [m = 1:3] file using (at(a, m, 'stable')):(worst('own_error_max')) \
     with points pointtype filled[m] pointsize 0.65 linewidth 1 linecolor rgb colour[a] notitle, \
-  for [a = 1:4] for [m = 1:3] file using (at(a, m, 'original')):(place(column('worst'))) \
+  for [a = 1:4] for [m = 1:3] file using (at(a, m, 'original')):(worst('own_error_max')) \
     with points pointtype open[m] pointsize 0.65 linewidth 1.2 linecolor rgb colour[a] notitle, \
-  file using (46000):(place(column('worst'))):(step_name(4)) with labels right \
+  file using (46000):(worst('own_error_max')):(step_name(4)) with labels right \
     font ',11' textcolor rgb '#666666' notitle, \
   NaN with lines linecolor rgb 'white' title ' ', \
   for [a = 1:4] NaN with lines linewidth 6 linecolor rgb colour[a] title word(arithmetics, a), \

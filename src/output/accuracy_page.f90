@@ -10,7 +10,8 @@ module asperity_accuracy_page
   use asperity_svg_plot, only: axis_over, plot_axis, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
-  use asperity_way_study, only: way_row, way_table
+  use asperity_way_study, only: way_table
+  use asperity_way_totals, only: error_of_area
   implicit none
   private
 
@@ -141,7 +142,7 @@ contains
         cells(3) = merge('*', ' ', row%on_front)
         cells(4) = readable_or_blank(row%seconds)
         cells(5) = readable_or_blank(row%total%largest)
-        cells(6) = readable_or_blank(row%total%area)
+        cells(6) = readable_or_blank(row%total%quantity(error_of_area))
         if (row%is_reference) cells(5:6) = 'reference'
         cells(7) = readable_or_blank(row%own%largest)
         cells(8) = ''

@@ -1,222 +1,234 @@
-!> The accuracy study as a table and as CSV.
+!> What accuracy costs for any scene, as a table with a diagram, and as lines of the study's CSV.
 module asperity_accuracy_table
-  use asperity_accuracy_study, only: accuracy_row, approach_error, area_error, count_error, &
-                                     load_error, pressure_error, way_events, way_marching
-  use asperity_contact_records, only: overlap_stable
+  use asperity_contact_records, only: by_marching, overlap_original
   use asperity_csv, only: csv_line
-  use asperity_kinds, only: real64
-  use asperity_model_rungs, only: model_rung
-  use asperity_problems, only: decimal_text
-  use asperity_scene_values, only: effect_off, effect_words
+  use asperity_kinds, only: not_computed, real64
+  use asperity_scene_ways, only: family_words, of_arithmetic, of_theory
   use asperity_text_buffer, only: text_buffer
-  use asperity_way_study, only: way_table
-  use asperity_way_table_text, only: number_of_way_columns, put_way_rows, way_columns
+  use asperity_way_study, only: way_row, way_table
+  use asperity_way_totals, only: error_of_area, quantity_names
   implicit none
   private
 
   public :: write_accuracy_table, write_accuracy_csv
 
-  ! Quantities in the order of the columns.
-  integer, parameter :: shown(5) = &
-    [load_error, area_error, pressure_error, approach_error, count_error]
-  character(len=*), parameter :: row_format = &
-    '(a1, 1x, a10, 1x, a8, 1x, a7, 1x, a8, 1x, f13.2, f7.0, "%", f9.1, 5(2x, a16))'
-  character(len=*), parameter :: rung_format = &
-    '(2x, a11, 1x, a9, 11x, f13.2, f7.0, "%", f9.1, 2x, a, 2x, a)'
+  ! The diagram: from 1 on the right to 1e-16 on the left, two characters a decade.
+  integer, parameter :: decades = 16
 
 contains
 
-  !> One line a way of computing; the front carries a star.
-  subroutine write_accuracy_table(rows, ways_left_out, rungs, left_out, buffer)
-    type(accuracy_row), intent(in) :: rows(:)   !! all ways that there was time for
-    integer, intent(in) :: ways_left_out        !! how many there was none for
-    type(model_rung), intent(in) :: rungs(:)    !! the model's ladder
-    character(len=*), intent(in) :: left_out    !! why its end is missing; empty: it is not
+  !> One line a way; the front carries a star.
+  subroutine write_accuracy_table(table, buffer)
+    type(way_table), intent(in) :: table        !! all ways
     type(text_buffer), intent(inout) :: buffer  !! the text
+    character(len=160) :: line
+    integer :: i
+
+    if (any(table%rows%way%family == of_arithmetic .and. table%rows%way%step > 0.0_real64 .and. &
+            table%rows%own%largest > not_computed)) call write_quantities(table%rows, buffer)
+    call buffer%line('All methods on one axis. Error: largest relative error over the ' // &
+                     'positions, of the load or, under load control, of')
+    call buffer%line('the compression, against the reference (+), and against the same model ' // &
+                     'without the approximation of this method (o):')
+    call buffer%line('arithmetic against real128, steps against exact events, effects against ' // &
+                     'the effects of the scene.')
+    call buffer%line('* Pareto front: no other method is faster and more accurate')
+    call buffer%line('')
+    call buffer%line('  family     method' // repeat(' ', 35) // 'seconds    error  of ' // &
+                     'area   method 1e-16    1e-12    1e-8    1e-4     1')
+    do i = 1, size(table%rows)
+      associate (row => table%rows(i))
+        if (allocated(row%left_out)) then
+          call buffer%line('  ' // family_words(row%way%family) // ' ' // row%way%name // &
+                           ' left out: ' // row%left_out)
+          cycle
+        end if
+        write (line, '(a1, 1x, a10, 1x, a40, 1x, a8, 3(2x, a7), 2x, "|", a, "|")') &
+          merge('*', ' ', row%on_front), family_words(row%way%family), row%way%name, &
+          number(row%seconds), error_text(row, row%total%largest), &
+          error_text(row, row%total%quantity(error_of_area)), number(row%own%largest), &
+          axis(row)
+        call buffer%line(line)
+      end associate
+    end do
+    if (table%no_theories /= '') call buffer%line('  theories left out: ' // table%no_theories)
+    if (table%no_neighbours /= '') &
+      call buffer%line('  neighbours left out: ' // table%no_neighbours)
+    associate (best => table%rows(table%reference))
+      call buffer%line('')
+      call buffer%line('Reference: ' // trim(best%way%name) // ', ' // good_to(best) // '.')
+      if (table%next_best > 0) &
+        call buffer%line('The next most accurate, ' // &
+            trim(table%rows(table%next_best)%way%name) // &
+                         ', differs from it by ' // trim(adjustl(number(table%next_best_differs))) &
+                         // '.')
+    end associate
+    if (table%exponent > not_computed) then
+      write (line, '(a, f6.3, a)') 'Area grows as the load to the power', table%exponent, &
+        ' at the end, for isolated contacts. Archard: 2/3 for a sphere, 4/5 with'
+      call buffer%line('')
+      call buffer%line(line)
+      call buffer%line('smaller hemispheres on it, 14/15 with smaller ones on those.')
+    end if
+    if (.not. allocated(table%criteria)) return
+    if (size(table%criteria) == 0) return
+    call buffer%line('')
+    call buffer%line('Smallest hardness for elastic contact, by the criteria that the thesis ' // &
+                     'reviews')
+    do i = 1, size(table%criteria)
+      write (line, '(2x, a32, 1x, es10.3e2)') table%criteria(i)%name, table%criteria(i)%hardness
+      call buffer%line(line)
+    end do
+  end subroutine write_accuracy_table
+
+  ! Time and errors of arithmetics and steps of a sweep, by quantity.
+  subroutine write_quantities(rows, buffer)
+    type(way_row), intent(in) :: rows(:)
+    type(text_buffer), intent(inout) :: buffer
     character(len=170) :: line
     integer :: i, k
 
-    call buffer%line('Time per position, and largest (mean) relative error over all ' // &
-                     'positions. Reference: exact events in real128.')
-    call buffer%line('* Pareto front: no other method is faster and more accurate')
+    call buffer%line('Arithmetics and steps. Largest (mean) relative error over positions, ' // &
+                     'against exact events in real128;')
+    call buffer%line('pressure: of the first contact, one step past first touch.')
+    call buffer%line('* Pareto front: no other of these is faster and more accurate')
     call buffer%line('')
-    call buffer%line('  arithmetic method   step    overlap    us/position  spread    ratio  ' // &
-                     'load              area              pressure          separation' // &
-                     '        contacts')
+    write (line, '(2x, a40, a9, a8, a9, 5(2x, a17))') &
+      'method' // repeat(' ', 40), 'seconds', 'spread', 'ratio', quantity_names // repeat(' ', 7)
+    call buffer%line(trim(line))
     do i = 1, size(rows)
-      write (line, row_format) &
-        merge('*', ' ', rows(i)%on_front), rows(i)%arithmetic // '   ', way_name(rows(i)), &
-        step_text(rows(i)%step), overlap_name(rows(i)), 1.0e6_real64 * rows(i)%seconds, &
-        100 * rows(i)%spread, rows(i)%ratio, &
-        (both(rows(i)%largest(shown(k)), rows(i)%mean(shown(k))), k = 1, size(shown))
+      if (.not. rows(i)%own%quantity(error_of_area) > not_computed) cycle
+      if (.not. rows(i)%way%step > 0.0_real64) cycle
+      write (line, '(a1, 1x, a40, es9.1e2, f7.0, "%", f9.1, 5(2x, a17))') &
+        merge('*', ' ', rows(i)%on_own_front), rows(i)%way%name, rows(i)%seconds, &
+        100 * rows(i)%spread, ratio_of(rows, i), &
+        (number(rows(i)%own%quantity(k)) // ' (' // &
+         trim(adjustl(number(rows(i)%own%quantity_mean(k)))) // ')' // repeat(' ', 7), &
+         k = 1, size(quantity_names))
       call buffer%line(line)
     end do
-    if (ways_left_out > 0) &
-      call buffer%line('left out: ' // decimal_text(ways_left_out) // ' methods that take ' // &
-                       'longer than --seconds allow')
-    call write_rungs(rungs, minval(rows%seconds), left_out, buffer)
-  end subroutine write_accuracy_table
-
-  ! One line a rung of the model.
-  subroutine write_rungs(rungs, fastest, left_out, buffer)
-    type(model_rung), intent(in) :: rungs(:)
-    real(real64), intent(in) :: fastest
-    character(len=*), intent(in) :: left_out
-    type(text_buffer), intent(inout) :: buffer
-    character(len=120) :: line
-    character(len=18) :: tolerance, error
-    character(len=:), allocatable :: position
-    integer :: i
-
     call buffer%line('')
-    call buffer%line('Model: cost of elastic interaction. Largest (mean) error of the ' // &
-                     'ratio of the load to that of the same contacts as')
-    call buffer%line('isolated contacts; reference: the finest boundary elements.')
-    call buffer%line('')
-    call buffer%line('  interaction tolerance             us/position  spread    ratio  ' // &
-                     'load ratio          at position')
-    do i = 1, size(rungs)
-      tolerance = '-'
-      if (rungs(i)%tolerance > 0.0_real64) write (tolerance, '(es7.0e2)') rungs(i)%tolerance
-      if (rungs(i)%error_known) then
-        error = both(rungs(i)%largest, rungs(i)%mean)
-        position = decimal_text(rungs(i)%worst_position)
-      else
-        error = 'not estimated'
-        if (left_out == '' .and. i == size(rungs)) error = 'the reference'
-        position = ''
-      end if
-      write (line, rung_format) name_of_model(rungs(i)), adjustl(tolerance), &
-        1.0e6_real64 * rungs(i)%seconds, 100 * rungs(i)%spread, rungs(i)%seconds / fastest, error, &
-        position
-      call buffer%line(line)
-    end do
-    if (left_out /= '') call buffer%line('no finer level: ' // left_out)
-  end subroutine write_rungs
+  end subroutine write_quantities
 
-  !> The same with all digits. Rungs of the model follow the ways; what does not apply to a row is
-  !> empty.
-  subroutine write_accuracy_csv(rows, rungs, table, buffer)
-    type(accuracy_row), intent(in) :: rows(:)   !! all ways
-    type(model_rung), intent(in) :: rungs(:)    !! the model's ladder
-    type(way_table), intent(in) :: table        !! what serves any scene
+  ! Time over that of the fastest method.
+  pure real(real64) function ratio_of(rows, i)
+    type(way_row), intent(in) :: rows(:)
+    integer, intent(in) :: i
+
+    ratio_of = not_computed
+    if (rows(i)%seconds > not_computed .and. rows(i)%way%family /= of_theory) &
+      ratio_of = rows(i)%seconds / minval(rows%seconds, rows%spread > not_computed)
+  end function ratio_of
+
+  ! What a reference says of itself.
+  pure function good_to(row) result(text)
+    type(way_row), intent(in) :: row
+    character(len=:), allocatable :: text
+
+    text = 'exact to rounding'
+    if (row%own_estimate > 0.0_real64) &
+      text = 'estimated error ' // trim(adjustl(number(row%own_estimate)))
+    if (row%way%family /= of_arithmetic .and. .not. row%own_estimate > not_computed) &
+      text = 'without an error estimate'
+  end function good_to
+
+  pure function error_text(row, error) result(text)
+    type(way_row), intent(in) :: row
+    real(real64), intent(in) :: error
+    character(len=7) :: text
+
+    text = number(error)
+    if (row%is_reference) text = '      -'
+  end function error_text
+
+  pure function number(value) result(text)
+    real(real64), intent(in) :: value
+    character(len=7) :: text
+
+    text = ''
+    if (value > not_computed) write (text, '(es7.1e2)') value
+    if (.not. abs(value) > 0.0_real64) text = '      0'
+  end function number
+
+  ! Own error o, error against the reference +, both in one place *.
+  pure function axis(row) result(text)
+    type(way_row), intent(in) :: row
+    character(len=2 * decades + 1) :: text
+    integer :: own, total
+
+    text = repeat(' ', len(text))
+    total = place(row%total%largest)
+    own = place(row%own%largest)
+    if (own > 0) text(own:own) = 'o'
+    if (total > 0 .and. .not. row%is_reference) text(total:total) = '+'
+    if (own == total .and. own > 0 .and. .not. row%is_reference) text(own:own) = '*'
+  end function axis
+
+  pure integer function place(error)
+    real(real64), intent(in) :: error
+
+    place = 0
+    if (.not. error > not_computed) return
+    place = 1
+    if (error > 0.0_real64) &
+      place = min(2 * decades + 1, max(1, nint(2 * (decades + log10(error))) + 1))
+  end function place
+
+  !> The same with all digits. What does not apply to a row is empty.
+  subroutine write_accuracy_csv(table, buffer)
+    type(way_table), intent(in) :: table        !! all ways
     type(text_buffer), intent(inout) :: buffer  !! the text
     type(csv_line) :: line
     integer :: i, k
 
-    call buffer%line('arithmetic,method,step,overlap,seconds_per_position,spread,ratio,' // &
-                     'load_max,load_mean,area_max,area_mean,pressure_max,pressure_mean,' // &
-                     'separation_max,separation_mean,contacts_max,contacts_mean,worst,front,' // &
-                     'interaction,tolerance,factor_max,factor_mean,factor_worst_position,' // &
-                     way_columns)
-    do i = 1, size(rows)
-      call line%put(trim(rows(i)%arithmetic))
-      call line%put(trim(way_name(rows(i))))
-      call line%put(rows(i)%step)
-      call line%put(trim(overlap_name(rows(i))))
-      call line%put([rows(i)%seconds, rows(i)%spread, rows(i)%ratio])
-      do k = 1, size(shown)
-        call line%put([rows(i)%largest(shown(k)), rows(i)%mean(shown(k))])
-      end do
-      call line%put(rows(i)%worst)
-      call line%put(rows(i)%on_front)
-      call put_factor(line, rungs, effect_off)
-      call put_nothing(line, number_of_way_columns)
-      call line%finish(buffer)
+    call buffer%append('family,method,arithmetic,step,overlap,seconds,spread,ratio,error_max,' // &
+                       'error_mean,error_position,area_error_max,own_error_max')
+    do k = 1, size(quantity_names)
+      call buffer%append(',' // trim(quantity_names(k)) // '_max,' // trim(quantity_names(k)) // &
+                         '_mean')
     end do
-    do i = 1, size(rungs)
-      call line%put('real64')
-      call line%put('model')
-      call line%put(0.0_real64)
-      call line%put('stable')
-      call line%put([rungs(i)%seconds, rungs(i)%spread, rungs(i)%seconds / minval(rows%seconds)])
-      ! Two for each quantity, the worst, the front.
-      call put_nothing(line, 2 * size(shown) + 2)
-      call put_factor(line, rungs(i:i), rungs(i)%interaction)
-      call put_nothing(line, number_of_way_columns)
-      call line%finish(buffer)
+    call buffer%line(',error_estimate,load,separation,area,front,own_front,reference,left_out')
+    do i = 1, size(table%rows)
+      associate (row => table%rows(i), way => table%rows(i)%way)
+        call line%put(trim(family_words(way%family)))
+        call line%put(without_commas(trim(way%name)))
+        call line%put(trim(way%arithmetic))
+        call line%put(merge(way%step, 0.0_real64, way%path == by_marching))
+        call line%put(trim(merge('original', 'stable  ', way%overlap == overlap_original)))
+        call line%put([row%seconds, row%spread, ratio_of(table%rows, i), row%total%largest, &
+                       row%total%mean])
+        if (row%total%worst > 0) then
+          call line%put(row%total%worst)
+        else
+          call line%put('')
+        end if
+        call line%put([row%total%quantity(error_of_area), row%own%largest])
+        do k = 1, size(quantity_names)
+          call line%put([row%own%quantity(k), row%own%quantity_mean(k)])
+        end do
+        call line%put([row%own_estimate, row%ends])
+        call line%put(row%on_front)
+        call line%put(row%on_own_front)
+        call line%put(row%is_reference)
+        if (allocated(row%left_out)) then
+          call line%put(without_commas(row%left_out))
+        else
+          call line%put('')
+        end if
+        call line%finish(buffer)
+      end associate
     end do
-    call put_way_rows(table, buffer)
   end subroutine write_accuracy_csv
 
-  subroutine put_nothing(line, cells)
-    type(csv_line), intent(inout) :: line
-    integer, intent(in) :: cells
-    integer :: k
-
-    do k = 1, cells
-      call line%put('')
-    end do
-  end subroutine put_nothing
-
-  ! The model's cells: those of the first rung that takes contacts together in this way.
-  subroutine put_factor(line, rungs, interaction)
-    type(csv_line), intent(inout) :: line
-    type(model_rung), intent(in) :: rungs(:)
-    integer, intent(in) :: interaction
+  pure function without_commas(text) result(words)
+    character(len=*), intent(in) :: text
+    character(len=len(text)) :: words
     integer :: i
 
-    call line%put(trim(effect_words(interaction)))
-    do i = 1, size(rungs)
-      if (rungs(i)%interaction == interaction) exit
+    words = text
+    do i = 1, len(text)
+      if (text(i:i) == ',') words(i:i) = ';'
     end do
-    if (i > size(rungs)) then
-      call line%put('')
-    else
-      call line%put(rungs(i)%tolerance)
-      if (rungs(i)%error_known) then
-        call line%put([rungs(i)%largest, rungs(i)%mean])
-        call line%put(rungs(i)%worst_position)
-        return
-      end if
-    end if
-    call put_nothing(line, 3)
-  end subroutine put_factor
-
-  pure function name_of_model(rung) result(name)
-    type(model_rung), intent(in) :: rung
-    character(len=11) :: name
-
-    name = effect_words(rung%interaction)
-    if (rung%interaction == effect_off) name = 'independent'
-  end function name_of_model
-
-  pure function way_name(row) result(name)
-    type(accuracy_row), intent(in) :: row
-    character(len=8) :: name
-
-    select case (row%way)
-    case (way_events)
-      name = 'events'
-    case (way_marching)
-      name = 'marching'
-    case default
-      name = 'original'
-    end select
-  end function way_name
-
-  pure function overlap_name(row) result(name)
-    type(accuracy_row), intent(in) :: row
-    character(len=8) :: name
-
-    name = merge('stable  ', 'original', row%overlap == overlap_stable)
-  end function overlap_name
-
-  pure function step_text(step) result(text)
-    real(real64), intent(in) :: step
-    character(len=7) :: text
-
-    text = '-'
-    if (step > 0.0_real64) write (text, '(es7.0e2)') step
-    if (step > 0.0_real64 .and. exponent(step) < -328) write (text, '(es7.0e3)') step
-  end function step_text
-
-  !> `largest (mean)`.
-  pure function both(largest, mean) result(text)
-    real(real64), intent(in) :: largest, mean
-    character(len=16) :: text
-
-    write (text, '(es7.1e2, " (", es6.0e2, ")")') largest, mean
-  end function both
+  end function without_commas
 
 end module asperity_accuracy_table

@@ -22,7 +22,6 @@ module asperity_error_budget
 
   public :: budget_line, error_budget, model_budget, measure_budget
   public :: share_given, share_measured, share_unknown, of_load, of_area, of_approach
-  public :: model_run, take_last_states, too_many_for_cells
 
   !> One total: its value and the plus-or-minus of each source, in the total's own unit.
   type :: budget_line

@@ -2,7 +2,8 @@
 !> on cells: what they are, and how one is run.
 module asperity_scene_ways
   use asperity_arithmetics, only: solver_in
-  use asperity_contact_records, only: by_marching, solve_method
+  use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
+                                      solve_method
   use asperity_decimal, only: decimal_value
   use asperity_effect_names, only: known_effects, why_not_together
   use asperity_height_map, only: height_map
@@ -14,7 +15,7 @@ module asperity_scene_ways
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_compression, control_limit, control_separation, &
-                                   effect_auto, effect_boundary, &
+                                   criterion_load, effect_auto, effect_boundary, &
                                    effect_coupled, effect_off, has_hardness, is_thesis_sweep, &
                                    scene, scene_effects
   use asperity_solve, only: solve
@@ -22,7 +23,8 @@ module asperity_scene_ways
   implicit none
   private
 
-  public :: as_the_scene_asks, list_ways, run_way, scene_way, simulated_effects, without_map
+  public :: as_the_scene_asks, list_ways, most_ways, run_way, scene_way, simulated_effects, &
+            without_map
   public :: of_scene, of_arithmetic, of_steps, of_neighbours, of_effects, of_input, of_theory, &
             family_words
 
@@ -40,15 +42,22 @@ module asperity_scene_ways
 
   integer, parameter :: as_it_is = -1  ! interaction as in the scene
 
+  ! Step of the original program, cm.
+  real(real64), parameter :: original_step = 1.0e-3_real64
+
   !> What `auto` may leave out of other effects beside a given way of taking neighbours.
   type(decimal_value), parameter :: hardly_anything = decimal_value(1_int64, -4)
 
   !> One way.
   type :: scene_way
     integer :: family = of_scene               !! one of the numbers above
-    character(len=32) :: name = ''             !! in words
+    character(len=40) :: name = ''             !! in words
     character(len=7) :: arithmetic = 'real64'  !! one of `arithmetic_names`
-    real(real64) :: step = 0.0_real64          !! of marching; 0: exact events
+    integer :: path = by_events                !! `by_events` or `by_marching`
+    integer :: overlap = overlap_stable        !! `overlap_stable` or `overlap_original`
+    !> Step of the separation [length]: of marching, or past first touch for the pressure there; 0:
+    !> no step.
+    real(real64) :: step = 0.0_real64
     integer :: interaction = as_it_is          !! one of the `effect_` numbers, or as it is
     type(decimal_value) :: tolerance = decimal_value()  !! of `auto` or of the cells
     character(len=11) :: without = ''          !! an effect that is left out
@@ -63,6 +72,22 @@ contains
 
     way%name = 'as in the scene'
   end function as_the_scene_asks
+
+  ! Whether a scene goes to a limit load: all its methods without effects are compared.
+  pure logical function is_sweep(scene_in)
+    type(scene), intent(in) :: scene_in
+
+    is_sweep = scene_in%loading%control == control_limit .and. &
+               scene_in%limit%criterion == criterion_load .and. .not. allocated(scene_in%map)
+  end function is_sweep
+
+  !> So many ways there are at most: the scene, 8 of arithmetic and steps, 44 of a sweep, 8 of
+  !> neighbours, 4 of effects.
+  pure integer function most_ways(scene_in)
+    type(scene), intent(in) :: scene_in  !! checked values
+
+    most_ways = merge(57, 21, is_sweep(scene_in))
+  end function most_ways
 
   !> Which effects were simulated at some position, or are on.
   pure function simulated_effects(scene_in, results) result(simulated)
@@ -109,35 +134,60 @@ contains
     if (left_out == '') call add_neighbours(scene_in, simulated, ways)
   end subroutine list_ways
 
-  ! Without effects: every arithmetic by exact events, the original program where the scene is its
-  ! sweep, and steps of a tenth, a hundredth and a thousandth of the closing.
+  ! Without effects: every arithmetic by exact events, and steps of a tenth, a hundredth and a
+  ! thousandth of the closing. Of a sweep to a limit load besides steps of about the closing, all of
+  ! them in every arithmetic and with both overlaps, and the original program where it can be run.
   subroutine add_arithmetics(scene_in, closing, ways)
     type(scene), intent(in) :: scene_in
     real(real64), intent(in) :: closing
     type(scene_way), allocatable, intent(inout) :: ways(:)
     character(len=7), parameter :: names(4) = [character(len=7) :: 'real64', 'real128', 'real32', &
                                                'ibm370']
-    type(scene_way) :: way
+    character(len=24) :: steps
+    real(real64) :: step
     integer :: k
+    logical :: sweep
 
-    do k = 1, size(names)
-      way = scene_way(family=of_arithmetic, arithmetic=names(k))
-      way%name = trim(names(k)) // ', exact events'
-      ways = [ways, way]
-    end do
+    sweep = is_sweep(scene_in)
+    step = 0.0_real64
+    if (sweep .and. closing > 0.0_real64) step = 10.0_real64**(floor(log10(closing)) - 1)
+    call add(of_arithmetic, by_events, size(names), ', exact events')
     if (is_thesis_sweep(scene_in)) then
-      way = scene_way(family=of_steps, arithmetic='ibm370', is_original=.true.)
-      way%name = 'the original program, 1976'
-      ways = [ways, way]
+      step = original_step
+      call add(of_steps, by_marching, size(names), ', original program, 1976')
     end if
     if (any(scene_in%loading%control == [control_separation, control_compression]) .or. &
         .not. closing > 0.0_real64) return
-    do k = 1, 3
-      way = scene_way(family=of_steps)
-      way%step = 10.0_real64**(floor(log10(closing)) - k)
-      write (way%name, '("steps of ", es7.1e2)') way%step
-      ways = [ways, way]
+    do k = merge(0, 1, sweep), 3
+      step = 10.0_real64**(floor(log10(closing)) - k)
+      write (steps, '(", steps ", es7.1e2)') step
+      call add(of_steps, by_marching, merge(size(names), 1, sweep), trim(steps))
     end do
+
+  contains
+
+    ! Adds a way in arithmetics; in a sweep also with the overlap of the original.
+    subroutine add(family, path, arithmetics, words)
+      integer, intent(in) :: family, path, arithmetics
+      character(len=*), intent(in) :: words
+      type(scene_way) :: way
+      integer :: a, overlap
+      logical :: is_original
+
+      is_original = index(words, 'original program') > 0
+      do a = 1, arithmetics
+        do overlap = merge(overlap_original, overlap_stable, is_original), &
+                     merge(overlap_original, overlap_stable, sweep)
+          way = scene_way(family=family, arithmetic=names(a), path=path, overlap=overlap, &
+                          step=step, is_original=is_original)
+          way%name = trim(names(a)) // words
+          if (overlap == overlap_original .and. .not. is_original) &
+            way%name = trim(way%name) // ', original overlap'
+          ways = [ways, way]
+        end do
+      end do
+    end subroutine add
+
   end subroutine add_arithmetics
 
   ! Contacts each alone, as circles together, circles or cells by estimate, all on cells.
@@ -228,10 +278,11 @@ contains
       call leave_effects_out(copy)
       copy%loading%points = 0
       chosen%arithmetic = way%arithmetic
-      if (way%step > 0.0_real64) then
-        call march(copy, way%step, options%interrupt, results, failure)
+      if (way%path == by_marching) then
+        call march(copy, way, options%interrupt, results, failure)
       else
-        call solve_in_arithmetic(copy, solve_method(), chosen, results, failure)
+        call solve_in_arithmetic(copy, solve_method(overlap=way%overlap, step=way%step), chosen, &
+                                 results, failure)
       end if
       return
     end if
@@ -265,16 +316,17 @@ contains
   end subroutine run_way
 
   ! In steps, all positions. A load that was asked for is overshot, as it is meant to be.
-  subroutine march(scene_in, step, interrupt, results, failure)
+  subroutine march(scene_in, way, interrupt, results, failure)
     type(scene), intent(in) :: scene_in
-    real(real64), intent(in) :: step
+    type(scene_way), intent(in) :: way
     type(interruption), intent(in) :: interrupt
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
     class(position_solver), allocatable :: solver
     integer :: m
 
-    call solver_in('real64', scene_in, solve_method(path=by_marching, step=step), solver, failure)
+    call solver_in(way%arithmetic, scene_in, solve_method(way%path, way%overlap, way%step), &
+                   solver, failure)
     if (allocated(failure)) return
     allocate (results%positions(solver%positions))
     do m = 1, solver%positions

@@ -15,7 +15,8 @@ module asperity_way_beside
   use asperity_scene_ways, only: of_arithmetic, of_input, of_theory, run_way, scene_way, without_map
   use asperity_timing, only: time_allowance
   use asperity_way_study, only: way_row, way_table
-  use asperity_way_totals, only: errors_of, totals_of, way_errors, way_totals
+  use asperity_way_totals, only: error_of_area, errors_of, no_errors, totals_of, way_errors, &
+                                 way_totals
   implicit none
   private
 
@@ -74,7 +75,7 @@ contains
       if (.not. allocated(as_given%first)) then
         row%left_out = 'isolated contacts were not run'
       else
-        row%own = way_errors(largest=0.0_real64, mean=0.0_real64, area=0.0_real64, worst=0)
+        row%own = no_errors
         options = run_options(keep_contacts=.false., threads=1)
         call options%interrupt%end_within(allowance%left())
         do draw = 1, draws
@@ -118,7 +119,7 @@ contains
         row%left_out = theories(i)%left_out
       else
         row%total%largest = theories(i)%load
-        row%total%area = theories(i)%area
+        row%total%quantity(error_of_area) = theories(i)%area
         ! Of all theories together.
         row%seconds = real(until - from, real64) / real(rate, real64)
       end if

@@ -15,12 +15,12 @@ module asperity_way_study
   use asperity_scene_ways, only: as_the_scene_asks, list_ways, of_arithmetic, of_effects, &
                                  of_neighbours, of_steps, run_way, scene_way, simulated_effects
   use asperity_timing, only: time_allowance, timing_samples
-  use asperity_way_totals, only: errors_of, mean_ends, original_totals, totals_of, way_errors, &
-                                 way_totals
+  use asperity_way_totals, only: error_of_area, error_of_pressure, errors_of, mean_ends, &
+                                 original_totals, totals_of, way_errors, way_totals
   implicit none
   private
 
-  public :: most_ways, run_way_study, way_row, way_table
+  public :: run_way_study, way_row, way_table
 
   ! Run time estimated for a method that has not run, measured on dense scenes of 20 to 2000
   ! contacts: boundary elements to 0.01 take about 5 ms a contact; a tolerance ten times smaller, of
@@ -35,14 +35,11 @@ module asperity_way_study
 
   character(len=*), parameter :: too_long = 'takes longer than --seconds'
 
-  !> So many ways there are at most: the scene, 8 of arithmetic and steps, 8 of neighbours, 4 of
-  !> effects.
-  integer, parameter :: most_ways = 21
-
   !> One way: its cost and its errors.
   type :: way_row
     type(scene_way) :: way                     !! what it is
     real(real64) :: seconds = not_computed     !! all positions, median, from the scene read on
+    real(real64) :: spread = not_computed      !! half the quartile distance of the time, relative
     type(way_errors) :: total = way_errors()   !! against the reference
     type(way_errors) :: own = way_errors()     !! against what differs in its family alone
     real(real64) :: own_estimate = not_computed  !! what it says of itself: `error_estimate`
@@ -50,6 +47,7 @@ module asperity_way_study
     real(real64) :: ends(3) = not_computed
     logical :: is_reference = .false.          !! the others are held against it
     logical :: on_front = .false.              !! no other is clearly better
+    logical :: on_own_front = .false.          !! the same of arithmetics and steps, own errors
     character(len=:), allocatable :: left_out  !! why it was not run; not allocated: it was
   end type way_row
 
@@ -82,7 +80,7 @@ contains
     type(way_totals), allocatable :: totals(:)
     type(way_row) :: row
     type(time_allowance) :: others
-    real(real64) :: closing, most
+    real(real64) :: closing, left, most
     integer :: contacts, i
 
     most = allowance%left()
@@ -117,20 +115,23 @@ contains
     call progress%step()
     do i = 1, size(ways)
       row = way_row(way=ways(i))
-      call estimate_time(table%rows(:i), contacts, others%left(), row)
+      ! A step takes a quarter of the remaining time at most: its time is not estimated well.
+      left = others%left() * merge(0.25_real64, 1.0_real64, row%way%family == of_steps)
+      call estimate_time(table%rows(:i), contacts, left, row)
       if (.not. allocated(row%left_out)) &
-        call run_row(scene_in, least_seconds, others%left(), row, totals(i + 1), results)
+        call run_row(scene_in, least_seconds, left, row, totals(i + 1), results)
       if (contacts == 0 .and. .not. allocated(row%left_out)) contacts = contacts_of(results)
       table%rows(i + 1) = row
       call progress%step()
     end do
-    call hold_against_best(table, totals)
+    call choose_reference(table, totals)
     if (table%reference == 0) then
       failure = table%rows(1)%left_out
       if (index(failure, too_long) == 1) &
         failure = 'the scene ' // too_long // ': expected more of them, or fewer positions'
     else
-      call mark_front(table%rows)
+      call measure_errors(scene_in, others, table, totals)
+      call mark_fronts(table%rows)
     end if
   end subroutine run_way_study
 
@@ -212,6 +213,7 @@ contains
     type(run_options) :: options
     type(time_allowance) :: allowance
     type(original_records) :: records
+    character(len=:), allocatable :: failure
     integer(int64) :: from, rate, until
 
     options = run_options(keep_contacts=.false., threads=1)
@@ -228,12 +230,8 @@ contains
       call system_clock(until)
       if (allocated(row%left_out)) exit
       ! A pass that is ended early leaves no totals.
-      if (row%way%is_original) then
-        totals = original_totals(records)
-      else
-        totals = totals_of(results)
-      end if
-      call timing%add(real(until - from, real64) / real(rate, real64), 1)
+      if (.not. row%way%is_original) totals = totals_of(results)
+      call timing%add(real(until - from, real64) / real(rate, real64))
       if (allowance%left() < 0.0_real64) exit
     end do
     if (timing%passes() == 0) then
@@ -242,14 +240,21 @@ contains
       return
     end if
     if (allocated(row%left_out)) deallocate (row%left_out)
+    if (row%way%is_original) then
+      ! It is timed without its contacts, which have the pressure of the first step.
+      call run_in_arithmetic(row%way%arithmetic, scene_in%deck, &
+                             original_request(keep_contacts=.true.), records, failure)
+      totals = original_totals(records, row%way%step)
+    end if
     row%seconds = timing%median()
+    row%spread = timing%spread()
     row%own_estimate = totals%own_estimate
     row%ends = mean_ends(totals)
   end subroutine run_row
 
-  ! The reference is the way that says of itself that it errs least, of those that know neighbours,
-  ! or the scene as it asks. Every way is held against it, and against what its family is about.
-  subroutine hold_against_best(table, totals)
+  ! Chooses the reference: the way that says of itself that it errs least, of those that know
+  ! neighbours, or the scene as it asks.
+  subroutine choose_reference(table, totals)
     type(way_table), intent(inout) :: table
     type(way_totals), intent(in) :: totals(:)
     real(real64) :: estimate, least
@@ -274,31 +279,48 @@ contains
         end if
       end associate
     end do
-    plain = place_of('real64')
-    precise = place_of('real128')
-    if (plain > 0) table%plain = totals(plain)
     ! Without effects the arithmetic alone is left.
+    plain = place_of(table%rows, 'real64')
+    precise = place_of(table%rows, 'real128')
     if (best == 1 .and. precise > 0 .and. .not. table%rows(1)%own_estimate > not_computed) then
-      if (errors_between(1, plain) <= epsilon(least)) best = precise
+      if (difference_of(totals, 1, plain) <= epsilon(least)) best = precise
       second = plain
     end if
     if (second > 0 .and. second /= best) then
       table%next_best = second
-      table%next_best_differs = errors_between(second, best)
+      table%next_best_differs = difference_of(totals, second, best)
     end if
     table%reference = best
     if (best == 0) return
     table%rows(best)%is_reference = .true.
     table%truth = totals(best)
+  end subroutine choose_reference
+
+  ! Holds every way against the reference, and against what its family is about.
+  subroutine measure_errors(scene_in, allowance, table, totals)
+    type(scene), intent(in) :: scene_in
+    type(time_allowance), intent(in) :: allowance
+    type(way_table), intent(inout) :: table
+    type(way_totals), intent(in) :: totals(:)
+    type(way_totals) :: exact
+    real(real64) :: step
+    integer :: i, plain, precise
+
+    plain = place_of(table%rows, 'real64')
+    precise = place_of(table%rows, 'real128')
+    if (plain > 0) table%plain = totals(plain)
+    if (plain > 0) exact = totals(plain)
+    if (precise > 0) exact = totals(precise)
+    step = 0.0_real64
     do i = 1, size(totals)
       associate (row => table%rows(i))
         if (allocated(row%left_out)) cycle
-        row%total = errors_of(totals(i), totals(best))
+        row%total = errors_of(totals(i), table%truth)
         select case (row%way%family)
-        case (of_arithmetic)
-          if (precise > 0) row%own = errors_of(totals(i), totals(precise))
-        case (of_steps)
-          if (plain > 0) row%own = errors_of(totals(i), totals(plain))
+        case (of_arithmetic, of_steps)
+          if (row%way%step > 0.0_real64) call find_pressures(row%way%step)
+          if (precise > 0 .or. plain > 0 .and. row%way%family == of_steps) &
+            row%own = errors_of(totals(i), exact)
         case (of_effects)
           if (allocated(totals(1)%load)) row%own = errors_of(totals(i), totals(1))
         case default
@@ -309,44 +331,71 @@ contains
 
   contains
 
-    integer function place_of(arithmetic)
-      character(len=*), intent(in) :: arithmetic
+    ! First pressures of exact events at another step; not known where the time is over.
+    subroutine find_pressures(new_step)
+      real(real64), intent(in) :: new_step
+      type(scene_results) :: results
+      type(run_options) :: options
+      character(len=:), allocatable :: failure
 
-      place_of = findloc(table%rows%way%family == of_arithmetic .and. &
-                         table%rows%way%arithmetic == arithmetic, .true., 1)
-      if (place_of == 0) return
-      if (allocated(table%rows(place_of)%left_out)) place_of = 0
-    end function place_of
+      if (precise == 0 .or. abs(new_step - step) <= 0.0_real64) return
+      step = new_step
+      options = run_options(keep_contacts=.false., threads=1)
+      call options%interrupt%end_within(allowance%left())
+      call run_way(scene_in, scene_way(family=of_arithmetic, arithmetic='real128', step=step), &
+                   options, results, failure)
+      exact%pressure(:) = not_computed
+      if (.not. allocated(failure)) exact%pressure = results%positions%first_step_pressure
+    end subroutine find_pressures
 
-    real(real64) function errors_between(i, j) result(largest)
-      integer, intent(in) :: i, j
-      type(way_errors) :: errors
+  end subroutine measure_errors
 
-      largest = huge(largest)
-      if (j == 0) return
-      errors = errors_of(totals(i), totals(j))
-      largest = errors%largest
-    end function errors_between
+  ! The row of exact events in an arithmetic; 0: it was not run.
+  pure integer function place_of(rows, arithmetic)
+    type(way_row), intent(in) :: rows(:)
+    character(len=*), intent(in) :: arithmetic
 
-  end subroutine hold_against_best
+    place_of = findloc(rows%way%family == of_arithmetic .and. rows%way%arithmetic == arithmetic, &
+                       .true., 1)
+    if (place_of == 0) return
+    if (allocated(rows(place_of)%left_out)) place_of = 0
+  end function place_of
 
-  ! Marks the ways that are worth their time, of those that were run. What is below the error of
-  ! the reference itself is no gain.
-  pure subroutine mark_front(rows)
+  ! The error of a row against another one; without that one it is huge.
+  real(real64) function difference_of(totals, i, j) result(largest)
+    type(way_totals), intent(in) :: totals(:)
+    integer, intent(in) :: i, j
+    type(way_errors) :: errors
+
+    largest = huge(largest)
+    if (j == 0) return
+    errors = errors_of(totals(i), totals(j))
+    largest = errors%largest
+  end function difference_of
+
+  ! Marks the ways that are worth their time, of those that were run: by the error against the
+  ! reference, where what is below the error of the reference itself is no gain; and, of
+  ! arithmetics and steps, by the largest own error of load, separation, area and pressure.
+  pure subroutine mark_fronts(rows)
     type(way_row), intent(inout) :: rows(:)
-    integer, allocatable :: run(:)
+    integer, allocatable :: own(:), run(:)
     real(real64) :: floor
     integer :: i
 
     floor = 0.0_real64
     if (any(rows%is_reference)) &
       floor = max(0.0_real64, rows(findloc(rows%is_reference, .true., 1))%own_estimate)
-    allocate (run(0))
+    allocate (own(0), run(0))
     do i = 1, size(rows)
-      if (.not. allocated(rows(i)%left_out)) run = [run, i]
+      if (allocated(rows(i)%left_out)) cycle
+      run = [run, i]
+      if (any(rows(i)%way%family == [of_arithmetic, of_steps]) .and. &
+          rows(i)%own%largest > not_computed) own = [own, i]
     end do
+    rows(own)%on_own_front = on_front(rows(own)%seconds, max(rows(own)%own%largest, &
+      rows(own)%own%quantity(error_of_area), rows(own)%own%quantity(error_of_pressure)))
     rows(run)%on_front = on_front(rows(run)%seconds, max(rows(run)%total%largest, floor))
-  end subroutine mark_front
+  end subroutine mark_fronts
 
   ! Seconds with two digits.
   pure function seconds_text(seconds) result(text)

@@ -7,7 +7,19 @@ module asperity_way_totals
   private
 
   public :: way_errors, way_totals
-  public :: errors_of, mean_ends, original_totals, totals_of
+  public :: errors_of, mean_ends, no_errors, original_totals, totals_of
+  public :: error_of_area, error_of_pressure, quantity_names
+
+  ! Quantities whose errors are measured one by one.
+  integer, parameter :: error_of_load = 1        !! sum of the normal forces
+  integer, parameter :: error_of_area = 2        !! contact area
+  integer, parameter :: error_of_pressure = 3    !! of the first contact, one step past first touch
+  integer, parameter :: error_of_separation = 4  !! separation over the compression
+  integer, parameter :: error_of_contacts = 5    !! number of contacts
+  integer, parameter :: number_of_quantities = 5 !! all of them
+  !> Their names in the order of the numbers.
+  character(len=*), parameter :: quantity_names(number_of_quantities) = [character(len=10) :: &
+    'load', 'area', 'pressure', 'separation', 'contacts']
 
   !> Totals of the states of all positions.
   type :: way_totals
@@ -17,6 +29,10 @@ module asperity_way_totals
     real(real64), allocatable :: approach(:)     !! separation of the reference planes
     real(real64), allocatable :: closing(:)      !! past first touch
     real(real64), allocatable :: area(:)         !! real
+    real(real64), allocatable :: contacts(:)     !! number of contacts
+    !> Average pressure of the first contact one step past first touch, by position; 0 or less where
+    !> it is not known.
+    real(real64), allocatable :: pressure(:)
     real(real64) :: greatest_pressure = 0.0_real64    !! at any point of a last state
     real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of the positions
     logical :: is_held = .false.                 !! states in time follow
@@ -27,9 +43,15 @@ module asperity_way_totals
     !> Largest over the positions: relative, of the load, or of the approach over the closing.
     real(real64) :: largest = not_computed
     real(real64) :: mean = not_computed    !! the same, mean over the positions
-    real(real64) :: area = not_computed    !! largest over the positions: relative, of the area
     integer :: worst = 0                   !! position of the largest
+    !> Relative errors by quantity, largest and mean over the positions.
+    real(real64) :: quantity(number_of_quantities) = not_computed
+    real(real64) :: quantity_mean(number_of_quantities) = not_computed
   end type way_errors
+
+  !> Errors of a method that agrees with the other.
+  type(way_errors), parameter :: no_errors = way_errors( &
+    largest=0.0_real64, mean=0.0_real64, quantity=0.0_real64, quantity_mean=0.0_real64)
 
 contains
 
@@ -56,9 +78,11 @@ contains
             totals%approach(k) = state%approach
             totals%closing(k) = state%closing
             totals%area(k) = state%area
+            totals%contacts(k) = state%contacts
             totals%is_held = totals%is_held .or. state%time > 0.0_real64
           end associate
         end do
+        totals%pressure(m) = position%first_step_pressure
         totals%greatest_pressure = max(totals%greatest_pressure, &
                                        position%states(size(position%states))%greatest_pressure)
         ! It is of the last state, and says nothing of a path that came back.
@@ -70,10 +94,11 @@ contains
   end function totals_of
 
   !> The totals of the original program: one state a position, its closing not known.
-  pure function original_totals(records) result(totals)
-    type(original_records), intent(in) :: records  !! of a run
+  pure function original_totals(records, step) result(totals)
+    type(original_records), intent(in) :: records  !! of a run that kept its contacts
+    real(real64), intent(in) :: step               !! its step of the separation [length]
     type(way_totals) :: totals
-    integer :: m
+    integer :: i, m
 
     call make_room(totals, original_positions, original_positions)
     totals%first = [(m, m=1, original_positions + 1)]
@@ -82,6 +107,18 @@ contains
     totals%approach = records%positions%approach
     totals%closing = 0.0_real64
     totals%area = records%positions%area
+    totals%contacts = records%positions%contacts
+    totals%pressure = not_computed
+    do m = 1, original_positions
+      associate (first => records%positions(m)%first_contact, &
+                 last => records%positions(m)%last_contact)
+        i = first - 1 + findloc(records%contacts(first:last)%step, 2, 1)
+        ! A step that was cut short by the next contact has no pressure.
+        if (i < first) cycle
+        if (abs(records%contacts(first)%approach - records%contacts(i)%approach - step) < &
+            0.01_real64 * step) totals%pressure(m) = records%contacts(i)%average_pressure
+      end associate
+    end do
   end function original_totals
 
   pure subroutine make_room(totals, positions, states)
@@ -89,61 +126,79 @@ contains
     integer, intent(in) :: positions, states
 
     allocate (totals%first(positions + 1), totals%load(states), totals%vertical(states), &
-              totals%approach(states), totals%closing(states), totals%area(states))
+              totals%approach(states), totals%closing(states), totals%area(states), &
+              totals%contacts(states), totals%pressure(positions))
   end subroutine make_room
 
   !> How far a way is off from another one: at every state of a position where both have as many,
   !> else at the last one of a hold, else at the deepest. The error of a load, of the normal forces
   !> or of their vertical parts, is relative to the largest of the position, that of the approach to
   !> its largest closing; the largest counts, as one of them is asked for.
-  pure function errors_of(totals, reference) result(errors)
+  function errors_of(totals, reference) result(errors)
     type(way_totals), intent(in) :: totals     !! of a way
     type(way_totals), intent(in) :: reference  !! of the way it is held against
     type(way_errors) :: errors
-    real(real64) :: error, of_area, all_errors
-    integer :: have, k, last, m, want
+    real(real64) :: error, by_quantity(number_of_quantities)
+    integer :: have, k, last, m, positions, pressures, want
+    logical, parameter :: is_pressure(number_of_quantities) = &
+      [(k == error_of_pressure, k=1, number_of_quantities)]
 
-    errors = way_errors(largest=0.0_real64, mean=0.0_real64, area=0.0_real64, worst=0)
-    all_errors = 0.0_real64
+    errors = no_errors
+    pressures = 0
     do m = 1, size(reference%first) - 1
       want = reference%first(m)
       last = reference%first(m + 1) - 1
       have = totals%first(m)
       if (totals%first(m + 1) - have == last - want + 1) then
-        call compare([(have + k, k=0, last - want)], [(k, k=want, last)], &
-                     error, of_area)
+        call compare([(have + k, k=0, last - want)], [(k, k=want, last)])
       else if (reference%is_held) then
-        call compare([totals%first(m + 1) - 1], [last], error, of_area)
+        call compare([totals%first(m + 1) - 1], [last])
       else
         call compare([have - 1 + maxloc(totals%closing(have:totals%first(m + 1) - 1), 1)], &
-                     [want - 1 + maxloc(reference%closing(want:last), 1)], &
-                     error, of_area)
+                     [want - 1 + maxloc(reference%closing(want:last), 1)])
       end if
-      all_errors = all_errors + error
-      errors%area = max(errors%area, of_area)
+      by_quantity(error_of_pressure) = 0.0_real64
+      if (min(totals%pressure(m), reference%pressure(m)) > 0.0_real64) then
+        pressures = pressures + 1
+        by_quantity(error_of_pressure) = share(abs(totals%pressure(m) - reference%pressure(m)), &
+                                               reference%pressure(m))
+      end if
+      errors%mean = errors%mean + error
+      errors%quantity = max(errors%quantity, by_quantity)
+      errors%quantity_mean = errors%quantity_mean + by_quantity
       if (error > errors%largest .or. errors%worst == 0) then
         errors%largest = error
         errors%worst = m
       end if
     end do
-    errors%mean = all_errors / max(1, size(reference%first) - 1)
+    ! The mean of the pressure is over the positions that have one.
+    positions = max(1, size(reference%first) - 1)
+    errors%mean = errors%mean / positions
+    errors%quantity_mean = errors%quantity_mean / &
+                           merge(max(pressures, 1), positions, is_pressure)
+    if (pressures == 0) errors%quantity(error_of_pressure) = not_computed
+    if (pressures == 0) errors%quantity_mean(error_of_pressure) = not_computed
 
   contains
 
     ! States of the one against states of the other.
-    pure subroutine compare(one, other, error, of_area)
+    subroutine compare(one, other)
       integer, intent(in) :: one(:), other(:)
-      real(real64), intent(out) :: error, of_area
 
-      error = max(share(maxval(abs(totals%load(one) - reference%load(other))), &
-                        maxval(abs(reference%load(other)))), &
+      by_quantity(error_of_load) = share(maxval(abs(totals%load(one) - reference%load(other))), &
+                                         maxval(abs(reference%load(other))))
+      by_quantity(error_of_area) = share(maxval(abs(totals%area(one) - reference%area(other))), &
+                                         maxval(reference%area(other)))
+      by_quantity(error_of_separation) = &
+        share(maxval(abs(totals%approach(one) - reference%approach(other))), &
+              maxval(reference%closing(other)))
+      by_quantity(error_of_contacts) = &
+        share(maxval(abs(totals%contacts(one) - reference%contacts(other))), &
+              maxval(reference%contacts(other)))
+      error = max(by_quantity(error_of_load), by_quantity(error_of_separation), &
                   share(maxval(abs(totals%vertical(one) - reference%vertical(other)), &
                                totals%vertical(one) > not_computed), &
-                        maxval(abs(reference%vertical(other)))), &
-                  share(maxval(abs(totals%approach(one) - reference%approach(other))), &
-                        maxval(reference%closing(other))))
-      of_area = share(maxval(abs(totals%area(one) - reference%area(other))), &
-                      maxval(reference%area(other)))
+                        maxval(abs(reference%vertical(other)))))
     end subroutine compare
 
   end function errors_of

@@ -57,7 +57,8 @@ def measured(asperity, seconds):
             subprocess.run([asperity, "accuracy", "a.scene", "--seconds", str(seconds), "--csv",
                             "a.out", "--quiet"], cwd=folder, check=True, capture_output=True)
             for row in csv.DictReader((folder / "a.out").open(encoding="ascii")):
-                option = next((text for start, text in OPTIONS.items() if start in row["way"]), "")
+                option = next((text for start, text in OPTIONS.items()
+                               if start in row["method"]), "")
                 if row["family"] == "neighbours" and option and row["seconds"]:
                     yield (scene, option, f"{float(row['seconds']):.2g}",
                            *("reference" if row["reference"] == "1" else f"{float(row[name]):.1g}"

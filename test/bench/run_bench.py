@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DECK = "data/thesis.deck"
 ARITHMETICS = ("real64", "real32", "ibm370", "real128")
 # From which --accuracy chooses (src/run/accuracy_bound.f90).
-WAYS = [(arithmetic, "events", 0.0, "stable") for arithmetic in ("real64", "real128")]
+WAYS = ["real64; exact events", "real128; exact events"]
 HEAD = ("arithmetic", "ratio", "median ms", "min ms", "max ms", "quartiles ms", "peak MiB")
 
 
@@ -143,25 +143,23 @@ def accuracy_study(path):
         file = Path(folder) / "accuracy.csv"
         table_text = output_of(path, "accuracy", DECK, "--csv", str(file))
         text = file.read_text(encoding="ascii")
-    rows = {(r["arithmetic"], r["method"], float(r["step"]), r["overlap"]): r
-            for r in csv.DictReader(text.splitlines()) if r["method"] != "model"}
-    events = rows["real64", "events", 0.0, "stable"]
+    rows = {r["method"]: r for r in csv.DictReader(text.splitlines()) if r["seconds"]}
+    events = rows["real64; exact events"]
 
-    def slower(*key):
-        return float(rows[key]["seconds_per_position"]) / float(events["seconds_per_position"])
+    def slower(method):
+        return float(rows[method]["seconds"]) / float(events["seconds"])
 
     ratios = [
-        "time a position, exact events in real64 = 1",
+        "time, exact events in real64 = 1",
         f"  marching at 0.001 cm in real64, stable overlap   "
-        f"{slower('real64', 'marching', 0.001, 'stable'):8.2f}",
+        f"{slower('real64; steps 1.0E-03'):8.2f}",
         f"  original program in real64                       "
-        f"{slower('real64', 'original', 0.001, 'original'):8.2f}",
+        f"{slower('real64; original program; 1976'):8.2f}",
         f"  exact events in real128                          "
-        f"{slower('real128', 'events', 0.0, 'stable'):8.2f}",
+        f"{slower('real128; exact events'):8.2f}",
     ]
-    front = [key for key, row in rows.items() if row["front"] == "1"]
-    ratios += ["the cheapest for their accuracy: " +
-               ", ".join(f"{way[1]} in {way[0]}, {way[3]} overlap" for way in front),
+    front = [method for method, row in rows.items() if row["own_front"] == "1"]
+    ratios += ["the cheapest for their accuracy: " + ", ".join(front),
                "  the ways of --accuracy" if front == WAYS else "  NOT the ways of --accuracy"]
     return ratios + ["", table_text], text
 

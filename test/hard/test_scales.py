@@ -199,6 +199,6 @@ def test_accuracy(unit, asperity, tmp_path):
         subprocess.run([asperity, "accuracy", "s.scene", "--seconds", "3", "--quiet", "--csv",
                         "a.csv"], cwd=tmp_path, check=True, timeout=60)
         rows.append(rows_of(tmp_path / "a.csv"))
-    named = [[(row["arithmetic"], row["method"], row["overlap"]) for row in table]
+    named = [[(row["family"], row["arithmetic"], row["overlap"]) for row in table]
              for table in rows]
     assert named[0] and named[0] == named[1]

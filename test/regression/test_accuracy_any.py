@@ -33,7 +33,7 @@ def study(asperity, scene, folder, seconds=SECONDS):
     done = subprocess.run([asperity, "accuracy", scene, "--seconds", str(seconds), "--csv", file],
                           capture_output=True, text=True, timeout=20 * seconds)
     assert done.returncode == 0, done.stderr
-    return [row for row in records(file) if row["method"] == "total"], done.stdout
+    return list(records(file)), done.stdout
 
 
 def number(row, name):
@@ -104,7 +104,7 @@ def test_any_scene(kind, asperity, root, tmp_path):
     assert rows[0]["family"] == "scene" and not rows[0]["left_out"]
     best = reference(rows)
     assert float(best["error_max"]) == 0.0
-    assert "Reference: " + best["way"].replace(";", ",") in text
+    assert "Reference: " + best["method"].replace(";", ",") in text
     run = [row for row in rows if row["seconds"] and row["family"] != "theory"]
     assert all(row["left_out"] for row in rows if not row["seconds"] and row["family"] != "input")
     assert all(row["left_out"] in text.replace(",", ";") for row in rows)
@@ -126,7 +126,7 @@ def test_any_scene(kind, asperity, root, tmp_path):
     if kind == "adhesion cycle":
         assert "neighbours left out: adhesion and interaction do not go together" in text
     if kind in ("deck", "clusters", "map", "generated"):
-        alone, coupled = (next(row for row in rows if end in row["way"])
+        alone, coupled = (next(row for row in rows if end in row["method"])
                           for end in ("isolated", "coupled"))
         assert float(alone["error_max"]) > float(coupled["error_max"])
 
@@ -149,9 +149,9 @@ def test_the_reference_of_neighbours(name, asperity, tmp_path):
     want = truths()[scene.name]
     error = abs(float(best["load"]) / float(want["load"]) - 1)
     said = float(best["error_estimate"])
-    print(f"{scene.name}: {best['way']} off by {error:.1e}, says {said:.1e}")
+    print(f"{scene.name}: {best['method']} off by {error:.1e}, says {said:.1e}")
     assert error <= 3 * said + 2e-5
-    alone = next(row for row in rows if row["way"] == "isolated contacts")
+    alone = next(row for row in rows if row["method"] == "isolated contacts")
     factor = float(want["alone"]) / float(want["load"]) - 1
     assert float(alone["error_max"]) == pytest.approx(factor, rel=0.02, abs=1e-3)
 
@@ -170,7 +170,7 @@ def test_the_reference_of_a_map(asperity, tmp_path):
     level = height - (plane @ np.linalg.lstsq(plane, height.ravel(), rcond=None)[0]).reshape(48, 48)
     want = press(level, (1.0, 1.0), 1.0, 0.5)[0]
     best = reference(rows)
-    assert best["way"] == "pixels of the map"
+    assert best["method"] == "pixels of the map"
     assert abs(float(best["separation"]) - want) < 1e-6 * (level.max() - want)
 
 
@@ -181,7 +181,7 @@ def test_the_reference_of_flow(asperity, tmp_path):
     scene = balls(tmp_path, "ball", {"plasticity": "on", "plastic_yield_stress": 0.9115},
                   path([closing]), modulus=200 / (1 - 0.32 ** 2), ratio=0.32)
     rows, _ = study(asperity, scene, tmp_path, 3)
-    without = next(row for row in rows if row["way"] == "without plasticity")
+    without = next(row for row in rows if row["method"] == "without plasticity")
     hertz = 4 / 3 * 200 / (1 - 0.32 ** 2) * float(closing) ** 1.5
     want = float(STEEL.critical_load * STEEL.published("20"))
     assert float(reference(rows)["load"]) == pytest.approx(want, rel=1e-9)
@@ -235,11 +235,11 @@ def test_the_page(asperity, root, tmp_path):
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     tree = ElementTree.fromstring(page.split("\n", 1)[1])
     assert "default-src 'none'" in page and not re.search(r"(?:src|href)=|https?:|url\(", page)
-    rows = [row for row in records(tmp_path / "a.csv") if row["method"] == "total"]
+    rows = list(records(tmp_path / "a.csv"))
     run = [row for row in rows if row["seconds"] and row["family"] != "theory"]
     floor = float(reference(rows)["error_estimate"])
     data = re.findall(r'^\["(.*?)",\s*(\S+?),\s*(\S+?)\],$', page, re.M)
-    assert [name for name, _, _ in data] == [row["way"].replace(";", ",") for row in run]
+    assert [name for name, _, _ in data] == [row["method"].replace(";", ",") for row in run]
     for (_, seconds, error), row in zip(data, run):
         assert float(seconds) == pytest.approx(float(row["seconds"]), rel=1e-12)
         assert float(error) == pytest.approx(max(float(row["error_max"]), floor), rel=1e-12)
@@ -268,7 +268,7 @@ def test_theories_in_closed_form(asperity, tmp_path):
     s = np.linspace(u, u + 12, 200001)
     f2 = np.trapezoid((s - u) ** 2 * np.exp(-s * s / 2), s) / np.sqrt(2 * np.pi)
     want = (np.pi * density * 1.25 * sigma) ** 2 * min(boxes) * f2
-    found = {row["way"]: row for row in rows if row["family"] == "theory"}
+    found = {row["method"]: row for row in rows if row["family"] == "theory"}
     assert float(found["Greenwood and Tripp; plastic"]["area_error_max"]) == pytest.approx(
         abs(want / area - 1), rel=1e-6)
     # Two unlike surfaces: the mean of the product of both radii stands for beta squared.
@@ -292,7 +292,7 @@ def test_the_error_of_the_input(asperity, tmp_path):
                             loading={"control": "approach", "value": 0.151})
     rows, text = study(asperity, scene, tmp_path, 3)
     row = next(row for row in rows if row["family"] == "input")
-    assert row["way"] == "heights 5.0E-04; radii 5.0E-03"
+    assert row["method"] == "heights 5.0E-04; radii 5.0E-03"
     # Both heights and both radii at their ends: closing 0.05 +- 0.001, radius 0.5 +- 0.5 %.
     bound = (1 + 0.001 / 0.05) ** 1.5 * 1.01 - 1
     assert 1e-4 < float(row["own_error_max"]) <= bound
@@ -335,7 +335,7 @@ def test_the_error_of_the_input_of_a_map(kind, asperity, tmp_path):
                         loading={"control": "load", "value": load},
                         effects={"interaction": "boundary"})
     rows, _ = study(asperity, scene, tmp_path, 3)
-    told = {row["way"]: float(row["own_error_max"]) for row in rows if row["family"] == "input"}
+    told = {row["method"]: float(row["own_error_max"]) for row in rows if row["family"] == "input"}
     first = f"heights {half:.1E}"
     assert list(told) == [first + "; of summits", first + "; of pixels"]
     rng = np.random.default_rng(1)
@@ -362,7 +362,7 @@ def test_the_time_is_kept_within_cells(asperity, tmp_path):
     rows, text = study(asperity, written, tmp_path, 3)
     assert "takes longer than --seconds" in rows[0]["left_out"]
     assert reference(rows)["family"] == "neighbours"
-    coupled = next(row for row in rows if row["way"] == "contacts coupled")
+    coupled = next(row for row in rows if row["method"] == "contacts coupled")
     assert float(coupled["load"]) == pytest.approx(float(truths()[scene.name]["load"]), rel=0.02)
 
 
@@ -424,6 +424,6 @@ def test_the_reason_of_an_arithmetic_without_the_range(asperity, tmp_path):
         tmp_path / "far.scene", surfaces={"upper": "u.csv", "lower": "plane"},
         material={"elastic_modulus": (2e18, 2e18), "poisson_ratio": (0.3, 0.3)},
         loading={"control": "load", "value": 1e50}), tmp_path)
-    of = {row["way"]: row for row in rows}["real32; exact events"]
+    of = {row["method"]: row for row in rows}["real32; exact events"]
     assert not of["seconds"] and "out of the range of this arithmetic" in of["left_out"]
     assert "out of the range of this arithmetic" in text
