@@ -1,15 +1,14 @@
 !> The one interface of all effects.
 !>
-!> An effect estimates, from what is cheap, how much it would change the total vertical load of a
-!> state; when it is called for it changes the state. It knows its own numbers and nothing of the
-!> others. What only it knows it hands over as named columns, so that writers need not know it.
+!> An effect estimates at low cost how much it changes the total vertical load of a state; where it
+!> is simulated it changes the state. Its own quantities are named columns, so that writers need no
+!> knowledge of the effect.
 !>
-!> `estimate` and `apply` must be written for each; the other procedures have a default, which does
-!> nothing. An effect that remembers overrides `begin` and `keep`; one that acts while load or
-!> approach is held sets `acts_in_time` and overrides `held_share`; one that knows some of its
-!> columns without being simulated, `leave_out`; one whose columns depend on what later effects do,
-!> `finish`; one that knows a short way to a load, `closing_at_load`; one that attracts,
-!> `letting_go`.
+!> `estimate` and `apply` are deferred; the defaults of the other procedures change nothing. An
+!> effect with a memory overrides `begin` and `keep`; one that acts during a hold sets
+!> `acts_in_time` and overrides `held_share`; one with columns that need no simulation overrides
+!> `leave_out`; one with columns that later effects change, `finish`; one with a fast search for a
+!> load, `closing_at_load`; one that attracts, `letting_go`.
 module asperity_contact_effect
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
@@ -23,96 +22,94 @@ module asperity_contact_effect
   private
 
   public :: contact_effect, effect_box, effect_outcome
-  public :: column_name, column, plain, length, force, moment
+  public :: column_name, effect_column, plain, length, force, moment
 
-  !> The unit of a column is the modulus to the first power and the length to the second: a plain
-  !> number, a length, a force, a moment or an energy.
+  !> Powers of the modulus and of the length in the unit of a column, derived from the dimension: a
+  !> plain number, a length, a force, a moment or an energy.
   integer, parameter :: plain(2) = [0, 0], length(2) = [0, 1], force(2) = [1, 2], moment(2) = [1, 3]
 
   !> The name of a column of a CSV file, and its unit.
   type :: column_name
-    character(len=20) :: text = ''            !! its name, as in the header
-    integer :: modulus_power = 0              !! its unit holds the modulus to this power
-    integer :: length_power = 0               !! and the length to this
+    character(len=20) :: text = ''            !! name of the column in the header of the file
+    integer :: modulus_power = 0              !! power of the modulus in its unit
+    integer :: length_power = 0               !! power of the length in its unit
   end type column_name
 
   !> Outcome of one effect in one state: its change of the state, and the values of its columns.
   type, extends(effect_record) :: effect_outcome
-    character(len=:), allocatable :: failure      !! why it could not be simulated
+    character(len=:), allocatable :: failure      !! error message; not allocated: simulated
     real(real64), allocatable :: of_contacts(:, :)  !! (pair, column), in the unit of the pairs
     real(real64), allocatable :: of_state(:)        !! (column), in the unit of the pairs
-    type(theory_warning), allocatable :: warnings(:)  !! what of it lies outside its theory
+    type(theory_warning), allocatable :: warnings(:)  !! where it is outside its theory
   end type effect_outcome
 
   !> An effect that a scene names.
   type, abstract :: contact_effect
-    character(len=11) :: name = ''                      !! as in &effects
-    integer :: mode = effect_off                        !! as in &effects
-    integer :: given = by_word                          !! by what: one of the `by_` numbers
+    character(len=11) :: name = ''                      !! name of the effect in &effects
+    integer :: mode = effect_off                        !! mode of the effect in &effects
+    integer :: given = by_word                          !! source of the mode: a `by_` number
     real(real64) :: tolerance = 0.0_real64              !! share that all may leave out together
-    real(real64) :: load_tolerance = 1.0e-11_real64     !! how near a load asked for is met
-    logical :: acts_in_time = .false.                   !! acts while load or approach is held
-    logical :: approximates = .false.                   !! its `auto` leaves something out itself
-    type(column_name), allocatable :: contact_columns(:)  !! its columns of a contact
-    type(column_name), allocatable :: state_columns(:)    !! its columns of a position
+    real(real64) :: load_tolerance = 1.0e-11_real64     !! relative error of a prescribed load
+    logical :: acts_in_time = .false.                   !! acts while load or separation is held
+    logical :: approximates = .false.                   !! its `auto` is an approximation itself
+    type(column_name), allocatable :: contact_columns(:)  !! columns of a contact
+    type(column_name), allocatable :: state_columns(:)    !! columns of a position
   contains
-    procedure(estimate_influence), deferred :: estimate  !! what it would change, cheaply
+    procedure(estimate_influence), deferred :: estimate  !! influence on the load
     procedure(apply_effect), deferred :: apply           !! changes the state
-    procedure :: begin            !! forgets the position before
-    procedure :: keep             !! remembers a state for those that follow
-    procedure :: leave_out        !! sets its columns where `auto` left it out
-    procedure :: finish           !! sets its columns again, after all effects
-    procedure :: held_share       !! what it leaves of a load that is held
-    procedure :: closing_at_load  !! where a load is reached
-    procedure :: letting_go       !! where contacts part that were held by attraction
-    procedure, non_overridable :: call_as  !! name, mode and tolerance
+    procedure :: begin => begin_position   !! clears the memory of the last position
+    procedure :: keep => keep_state        !! keeps a state for the next ones of the position
+    procedure :: leave_out                 !! sets its columns where `auto` leaves it out
+    procedure :: finish => finish_columns  !! sets its columns again, after all effects
+    procedure :: held_share                !! share of the load that remains in a hold
+    procedure :: closing_at_load           !! compression at which a load is reached
+    procedure :: letting_go                !! compressions at which adhering contacts separate
+    procedure, non_overridable :: call_as  !! sets name, mode and tolerance
   end type contact_effect
 
   !> One effect of a list.
   type :: effect_box
-    class(contact_effect), allocatable :: effect  !! the effect
+    class(contact_effect), allocatable :: effect  !! effect of any type
   end type effect_box
 
   abstract interface
-    !> Estimated change of the total vertical load, as a share of it; not below the true one as
-    !> long as both are small.
+    !> Estimated change of the total vertical load, as a share of it; an upper bound while both are
+    !> small.
     function estimate_influence(self, pairs, state) result(share)
       import :: contact_effect, contact_pairs, contact_state, real64
       implicit none
-      class(contact_effect), intent(in) :: self  !! the effect
-      type(contact_pairs), intent(in) :: pairs   !! the position
-      type(contact_state), intent(in) :: state   !! without this effect
+      class(contact_effect), intent(in) :: self  !! effect with its parameters
+      type(contact_pairs), intent(in) :: pairs   !! pairs of the position
+      type(contact_state), intent(in) :: state   !! contacts without this effect
       real(real64) :: share
     end function estimate_influence
 
-    !> Simulates the effect. `outcome%failure` is allocated when that cannot be done.
+    !> Simulates the effect. `outcome%failure` is allocated where that is impossible.
     subroutine apply_effect(self, pairs, state, outcome)
       import :: contact_effect, contact_pairs, contact_state, effect_outcome
       implicit none
-      class(contact_effect), intent(in) :: self       !! the effect
-      type(contact_pairs), intent(in) :: pairs        !! the position
-      type(contact_state), intent(inout) :: state     !! without, then with this effect
-      type(effect_outcome), intent(inout) :: outcome  !! what it did
+      class(contact_effect), intent(in) :: self       !! effect with its parameters
+      type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+      type(contact_state), intent(inout) :: state     !! contacts without, then with this effect
+      type(effect_outcome), intent(inout) :: outcome  !! columns, influence, warnings
     end subroutine apply_effect
   end interface
 
 contains
 
-  !> A column: its name and its unit.
-  pure type(column_name) function column(name, unit)
-    character(len=*), intent(in) :: name  !! as in the header
+  !> Column with a name and a unit.
+  pure type(column_name) function effect_column(name, unit) result(column)
+    character(len=*), intent(in) :: name  !! name in the header of the file
     integer, intent(in) :: unit(2)        !! `plain`, `length`, `force` or `moment`
 
-    column%text = name
-    column%modulus_power = unit(1)
-    column%length_power = unit(2)
-  end function column
+    column = column_name(name, unit(1), unit(2))
+  end function effect_column
 
-  !> Name, mode and tolerance, as the scene has them.
+  !> Sets name, mode and tolerance of an effect from the scene.
   subroutine call_as(self, name, effects)
-    class(contact_effect), intent(inout) :: self  !! the effect
-    character(len=*), intent(in) :: name          !! as in &effects
-    type(scene_effects), intent(in) :: effects    !! of the scene
+    class(contact_effect), intent(inout) :: self  !! effect to be set
+    character(len=*), intent(in) :: name          !! name of the effect in &effects
+    type(scene_effects), intent(in) :: effects    !! effects of the scene
 
     self%name = name
     self%mode = effects%mode(name)
@@ -120,54 +117,54 @@ contains
     self%tolerance = effects%number('tolerance')
   end subroutine call_as
 
-  !> Begins a position at which nothing has touched yet. Here: there is nothing to forget.
-  subroutine begin(self, pairs)
-    class(contact_effect), intent(inout) :: self  !! the effect
-    type(contact_pairs), intent(in) :: pairs      !! the position
+  !> Begins a position without any contact so far. This default has no memory to clear.
+  subroutine begin_position(self, pairs)
+    class(contact_effect), intent(inout) :: self  !! effect, whose memory is cleared
+    type(contact_pairs), intent(in) :: pairs      !! pairs of the position
 
     associate (unused => self, unused_too => pairs)
     end associate
-  end subroutine begin
+  end subroutine begin_position
 
-  !> Keeps a state as the past of those that follow. Here: nothing is remembered.
-  subroutine keep(self, pairs, state)
-    class(contact_effect), intent(inout) :: self  !! the effect
-    type(contact_pairs), intent(in) :: pairs      !! the position
-    type(contact_state), intent(in) :: state      !! all effects applied
+  !> Keeps a state as the history of the next ones. This default has no memory.
+  subroutine keep_state(self, pairs, state)
+    class(contact_effect), intent(inout) :: self  !! effect, whose memory is set
+    type(contact_pairs), intent(in) :: pairs      !! pairs of the position
+    type(contact_state), intent(in) :: state      !! contacts with all effects
 
     associate (unused => self, unused_too => pairs, unused_also => state)
     end associate
-  end subroutine keep
+  end subroutine keep_state
 
-  !> Sets the columns that need no simulation where `auto` left the effect out. This default sets
+  !> Sets the columns that need no simulation where `auto` leaves the effect out. This default sets
   !> none: the values of the columns are empty.
   subroutine leave_out(self, pairs, state, outcome)
-    class(contact_effect), intent(in) :: self       !! the effect
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(in) :: state        !! without this effect
+    class(contact_effect), intent(in) :: self       !! effect with its parameters
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(in) :: state        !! contacts without this effect
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
 
     associate (unused => self, unused_too => pairs, unused_also => state, as_it_is => outcome)
     end associate
   end subroutine leave_out
 
-  !> Sets the columns again when later effects have changed the state, also where this effect was
+  !> Sets the columns again when later effects have changed the state, also where this effect is
   !> left out. This default leaves them unchanged.
-  subroutine finish(self, pairs, state, outcome)
-    class(contact_effect), intent(in) :: self       !! the effect
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(in) :: state        !! all effects applied
-    type(effect_outcome), intent(inout) :: outcome  !! what it did
+  subroutine finish_columns(self, pairs, state, outcome)
+    class(contact_effect), intent(in) :: self       !! effect with its parameters
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(in) :: state        !! contacts with all effects
+    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
 
     associate (unused => self, unused_too => pairs, unused_also => state, as_it_is => outcome)
     end associate
-  end subroutine finish
+  end subroutine finish_columns
 
-  !> What is left of a load at a time, as a share of that at the same closing without this effect,
-  !> when all contacts together are held at one load. Here: all of it.
+  !> Total load at a time of a hold of the load, over the load without this effect at the same
+  !> compression. This default: 1.
   function held_share(self, time) result(share)
-    class(contact_effect), intent(in) :: self  !! the effect
-    real(real64), intent(in) :: time           !! since the end of loading
+    class(contact_effect), intent(in) :: self  !! effect with its parameters
+    real(real64), intent(in) :: time           !! time since the end of loading
     real(real64) :: share
 
     associate (unused => self, unused_too => time)
@@ -175,18 +172,18 @@ contains
     share = 1.0_real64
   end function held_share
 
-  !> Changes a closing to that at which the contacts with this effect alone carry a load. Here: no
-  !> way is known, it stays.
+  !> Sets the compression at which the contacts with this effect alone carry a load. This default
+  !> has no such search and changes nothing.
   subroutine closing_at_load(self, pairs, law, target, left, closing, found, failure)
-    class(contact_effect), intent(in) :: self                 !! the effect
-    type(contact_pairs), intent(in) :: pairs                  !! the position
-    class(contact_law), intent(in) :: law                     !! of every contact
+    class(contact_effect), intent(in) :: self                 !! effect with its parameters
+    type(contact_pairs), intent(in) :: pairs                  !! pairs of the position
+    class(contact_law), intent(in) :: law                     !! law of each contact
     real(real64), intent(in) :: target                        !! sum of the normal forces
-    real(real64), intent(in) :: left                          !! of the tolerance, for this effect
-    real(real64), intent(inout) :: closing                    !! past first touch
-    !> what the effect wants to know again when it acts there (pair, quantity); else as it was
+    real(real64), intent(in) :: left                          !! relative tolerance of this effect
+    real(real64), intent(inout) :: closing                    !! compression, start and result
+    !> solution at this compression (pair, quantity), for `apply`; else unchanged
     real(real64), allocatable, intent(inout) :: found(:, :)
-    character(len=:), allocatable, intent(inout) :: failure   !! why the load cannot be reached
+    character(len=:), allocatable, intent(inout) :: failure   !! set where it is impossible
 
     associate (unused => self, unused_too => pairs, unused_also => law, load => target, &
                share => left, as_it_is => closing)
@@ -194,11 +191,11 @@ contains
     end associate
   end subroutine closing_at_load
 
-  !> Closings below which a contact parts that attraction holds, one for each that may pull; the
-  !> load jumps there. Here: nothing attracts.
+  !> Compressions below which an adhering contact separates, at which the load is discontinuous.
+  !> This default: none, as nothing attracts.
   subroutine letting_go(self, pairs, closings)
-    class(contact_effect), intent(in) :: self                 !! the effect
-    type(contact_pairs), intent(in) :: pairs                  !! the position
+    class(contact_effect), intent(in) :: self                 !! effect with its parameters
+    type(contact_pairs), intent(in) :: pairs                  !! pairs of the position
     real(real64), allocatable, intent(out) :: closings(:)     !! none, or one for each pair
 
     associate (unused => self, unused_too => pairs)

@@ -21,16 +21,16 @@ contains
 
   !> The effects that are not off.
   subroutine list_effects(scene_in, list)
-    type(scene), intent(in) :: scene_in                    !! checked values
+    type(scene), intent(in) :: scene_in                    !! scene with checked values
     type(effect_box), allocatable, intent(out) :: list(:)  !! in the order in which they act
 
     call list_some(scene_in, scene_in%effects%modes /= effect_off, list)
   end subroutine list_effects
 
-  !> The effects that are off and whose influence can be estimated: interaction, and those whose
-  !> numbers the scene has.
+  !> The effects that are off and whose influence can be estimated: interaction, and those with all
+  !> parameters in the scene.
   subroutine list_left_out(scene_in, list)
-    type(scene), intent(in) :: scene_in                    !! checked values
+    type(scene), intent(in) :: scene_in                    !! scene with checked values
     type(effect_box), allocatable, intent(out) :: list(:)  !! in the order in which they act
     logical :: some(size(known_effects))
     integer :: i
@@ -51,7 +51,7 @@ contains
 
     allocate (list(count(some)))
     used = 0
-    ! Laws of a contact first, then what contacts do to each other, then what follows from loads.
+    ! Laws of a contact first, then interaction, then effects on the loads.
     if (is_next('plasticity')) call new_plasticity(scene_in, list(used)%effect)
     if (is_next('adhesion')) call new_adhesion(scene_in, list(used)%effect)
     if (is_next('interaction')) call new_interaction(scene_in, list(used)%effect)
@@ -60,7 +60,7 @@ contains
 
   contains
 
-    ! Whether an effect is one of them; it takes the next place then.
+    ! Whether an effect is selected; if so, `used` is its place.
     logical function is_next(name)
       character(len=*), intent(in) :: name
 

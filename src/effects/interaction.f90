@@ -1,10 +1,11 @@
-!> Interaction of neighbouring contacts, as an effect that a scene names.
+!> Interaction of neighbouring contacts, as an effect of a scene.
 !>
-!> `coupled`: every contact is lowered by the surface displacement of its neighbours, as circles.
-!> `boundary`: all are resolved on cells. `auto`: as many as the tolerance calls for.
+!> `coupled`: all contacts are Hertzian, in the surface displacement by their neighbours.
+!> `boundary`: all are resolved by boundary elements. `auto`: as many as the tolerance requires.
 module asperity_interaction
   use asperity_constants, only: pi
-  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, plain
+  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
+                                     length, plain
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, apart, contact_state, move_x, move_y
@@ -25,66 +26,69 @@ module asperity_interaction
 
   !> Interaction of neighbouring contacts.
   type, extends(contact_effect) :: interaction_effect
-    real(real64) :: boundary_tolerance = 0.0_real64  !! what halving the cells may change
-    real(real64) :: area_tolerance = 0.0_real64      !! what areas may be off by at least
+    real(real64) :: boundary_tolerance = 0.0_real64  !! change of the load by halving the elements
+    real(real64) :: area_tolerance = 0.0_real64      !! relative error of the areas
   contains
-    procedure :: estimate
-    procedure :: apply
+    procedure :: estimate => estimate_interaction
+    procedure :: apply => apply_interaction
     procedure :: leave_out
     procedure :: closing_at_load
   end type interaction_effect
 
-  ! What a solve has found is kept as numbers: a row of what is of all, then a row by pair.
-  integer, parameter :: cells = 1, error = 2, area_error = 3, residual = 4, iterations = 5, &
-                        nested = 6  ! then apart
-  integer, parameter :: penetration = 1, area = 2, pressure = 3, resolved = 4  ! then move_x, move_y
+  ! A solution is kept as an array. Columns of its first row, of all contacts; `apart` follows.
+  enum, bind(c)
+    enumerator :: cells = 1, error, area_error, residual, iterations, nested
+  end enum
+  ! Columns of its other rows, one row a pair; `move_x` and `move_y` follow.
+  enum, bind(c)
+    enumerator :: penetration = 1, area, pressure, resolved
+  end enum
 
 contains
 
-  !> Interaction as the scene names it.
+  !> Makes the effect from its parameters in a scene.
   subroutine new_interaction(scene_in, effect)
-    type(scene), intent(in) :: scene_in                        !! checked values
-    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
+    type(scene), intent(in) :: scene_in                        !! scene with checked values
+    class(contact_effect), allocatable, intent(out) :: effect  !! effect of the scene
     type(interaction_effect) :: new
 
     call new%call_as('interaction', scene_in%effects)
     new%approximates = .true.
     new%boundary_tolerance = scene_in%effects%number('boundary_tolerance')
     new%area_tolerance = scene_in%effects%number('area_tolerance')
-    ! Cells come and go with the closing, which moves the load a little.
+    ! The number of elements changes with the compression, so the load is not continuous.
     if (any(new%mode == [effect_auto, effect_boundary])) &
       new%load_tolerance = 0.1_real64 * new%boundary_tolerance
     new%contact_columns = [ &
-      column('lowered', length), &                       ! how far by its neighbours
-      column('alone_load', force)]   ! vertical, without them
+      effect_column('lowered', length), &     ! displacement by neighbours
+      effect_column('alone_load', force)]     ! vertical load of the isolated contact
     new%state_columns = [ &
-      column('alone_load', force), & ! sum of those of the contacts
-      column('factor', plain), &   ! load together over load alone
-      column('cells', plain), &                          ! how many
-      column('resolved', plain), &                       ! contacts on cells
-      ! left out: as much as neighbours may change
-      column('area_error_estimate', plain)]
+      effect_column('alone_load', force), &   ! sum over the isolated contacts
+      effect_column('factor', plain), &       ! load over load of isolated contacts
+      effect_column('cells', plain), &        ! number of boundary elements
+      effect_column('resolved', plain), &     ! number of contacts on boundary elements
+      effect_column('area_error_estimate', plain)]
     allocate (effect, source=new)
   end subroutine new_interaction
 
-  !> First-order estimate of the share by which neighbours lower the load.
-  function estimate(self, pairs, state) result(share)
-    class(interaction_effect), intent(in) :: self  !! interaction
-    type(contact_pairs), intent(in) :: pairs       !! the position
-    type(contact_state), intent(in) :: state       !! contacts that know nothing of each other
+  !> First-order estimate of the relative decrease of the load by neighbours.
+  function estimate_interaction(self, pairs, state) result(share)
+    class(interaction_effect), intent(in) :: self  !! interaction with its parameters
+    type(contact_pairs), intent(in) :: pairs       !! pairs of the position
+    type(contact_state), intent(in) :: state       !! contacts without interaction
     real(real64) :: share
 
     associate (unused => self)
     end associate
     share = estimate_of_interaction(pairs, state%law, state%closing)
-  end function estimate
+  end function estimate_interaction
 
-  !> Lets the contacts lower each other.
-  subroutine apply(self, pairs, state, outcome)
-    class(interaction_effect), intent(in) :: self   !! interaction
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(inout) :: state     !! gets the answers of contacts together
-    type(effect_outcome), intent(inout) :: outcome  !! what it did
+  !> Solves the interacting contacts at the compression of a state.
+  subroutine apply_interaction(self, pairs, state, outcome)
+    class(interaction_effect), intent(in) :: self   !! interaction with its parameters
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(inout) :: state     !! gets the interacting contacts
+    type(effect_outcome), intent(inout) :: outcome  !! gets columns, error and warnings
     real(real64) :: together, alone
 
     allocate (outcome%of_contacts(size(pairs%list), 2), outcome%of_state(5))
@@ -125,13 +129,13 @@ contains
     outcome%influence_known = .true.
     if (self%mode == effect_auto .and. outcome%of_state(5) > self%tolerance) &
       call warn(outcome%warnings, of_area, outcome%of_state(5))
-  end subroutine apply
+  end subroutine apply_interaction
 
-  !> Left out: what the contacts carry alone is known, and what they may change at most.
+  !> Sets the columns where interaction is left out: isolated loads and the estimate as error.
   subroutine leave_out(self, pairs, state, outcome)
-    class(interaction_effect), intent(in) :: self   !! interaction
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(in) :: state        !! contacts that know nothing of each other
+    class(interaction_effect), intent(in) :: self   !! interaction with its parameters
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(in) :: state        !! contacts without interaction
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
 
     associate (unused => self)
@@ -142,22 +146,22 @@ contains
                         outcome%estimate]
   end subroutine leave_out
 
-  !> Where the contacts together carry a load.
+  !> Solves for the compression at which the interacting contacts carry a load.
   subroutine closing_at_load(self, pairs, law, target, left, closing, found, failure)
-    class(interaction_effect), intent(in) :: self              !! interaction
-    type(contact_pairs), intent(in) :: pairs                   !! the position
-    class(contact_law), intent(in) :: law                      !! of every contact
+    class(interaction_effect), intent(in) :: self              !! interaction with its parameters
+    type(contact_pairs), intent(in) :: pairs                   !! pairs of the position
+    class(contact_law), intent(in) :: law                      !! law of each contact
     real(real64), intent(in) :: target                         !! sum of the normal forces
-    real(real64), intent(in) :: left                           !! of the tolerance
-    real(real64), intent(inout) :: closing                     !! past first touch
-    real(real64), allocatable, intent(inout) :: found(:, :)    !! the solution there
-    character(len=:), allocatable, intent(inout) :: failure    !! why there is none
+    real(real64), intent(in) :: left                           !! relative tolerance of interaction
+    real(real64), intent(inout) :: closing                     !! compression, start and result
+    real(real64), allocatable, intent(inout) :: found(:, :)    !! solution at this compression
+    character(len=:), allocatable, intent(inout) :: failure    !! set where it is impossible
 
     call solve_together(self, pairs, law, left, closing, found, failure, target)
     if (allocated(failure)) failure = 'interaction: ' // failure
   end subroutine closing_at_load
 
-  ! The contacts together at a closing, or at the one at which they carry a load, as numbers.
+  ! Solves the interacting contacts at a compression, or at that of the load `target`.
   subroutine solve_together(self, pairs, law, left, closing, found, failure, target)
     class(interaction_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
@@ -171,7 +175,7 @@ contains
     integer :: which
     logical :: has_start
 
-    ! Cells are elastic: contacts of another law stay circles.
+    ! Boundary elements are elastic: contacts of another law are coupled.
     which = resolve_none
     if (self%mode == effect_boundary) which = resolve_all
     if (self%mode == effect_auto .and. same_type_as(law, hertz_law())) which = resolve_called_for
@@ -215,7 +219,7 @@ contains
 
   end subroutine solve_together
 
-  ! Whether a solution does not depend on its start.
+  ! Whether a solution is independent of its start.
   logical function is_one_solution(pairs, solution)
     type(contact_pairs), intent(in) :: pairs
     type(joint_solution), intent(in) :: solution

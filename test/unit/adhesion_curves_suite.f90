@@ -6,7 +6,7 @@
 module asperity_adhesion_curves_suite
   use asperity_adhesion_cases, only: answer_of, contact_at, contact_of, contact_with, distance_of, &
                                      modulus, near, pi, radius, work
-  use asperity_adhesion_contact, only: adhering_contact, adheres, central_answer, model_dmt, &
+  use asperity_adhesion_contact, only: adhering_contact, adheres_at, central_answer, model_dmt, &
                                        model_hertz, model_jkr, model_maugis
   use asperity_kinds, only: real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
@@ -330,7 +330,7 @@ contains
                'snap-off at 0.1')
     above = contact_with(0.0_real64, 1.0_real64)
     call check(error, above%model, model_hertz, 'no work')
-    call check(error, .not. adheres(above, 1.0_real64, .true.), 'nothing adheres without work')
+    call check(error, .not. adheres_at(above, 1.0_real64, .true.), 'nothing adheres without work')
   end subroutine borders
 
   ! Overlap, contact radius, load, stiffness, pressure.

@@ -7,8 +7,9 @@ module asperity_creep_solid_suite
   use asperity_effect_helpers, only: near
   use asperity_kinds, only: real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
-  use asperity_viscoelastic_solid, only: creep_compliance, hold_times, loaded, relaxation, &
-                                         solid_step, standard_linear_solid, step_over
+  use asperity_viscoelastic_solid, only: creep_compliance, hold_times, load_after, &
+                                         relaxation_ratio, solid_step, standard_linear_solid, &
+                                         step_over
   implicit none
   private
 
@@ -43,14 +44,16 @@ contains
     do i = 1, 4
       solid = standard_linear_solid(truth(1, i), truth(2, i))
       call near(error, creep_compliance(solid, truth(3, i)), truth(4, i), 1.0e-13_real64, 'J E0')
-      call near(error, relaxation(solid, 0.0_real64), 1.0_real64, epsilon(1.0_real64), 'E(0)')
+      call near(error, relaxation_ratio(solid, 0.0_real64), 1.0_real64, epsilon(1.0_real64), 'E(0)')
       call near(error, creep_compliance(solid, 0.0_real64), 1.0_real64, epsilon(1.0_real64), 'J(0)')
-      call near(error, relaxation(solid, 1.0e300_real64), solid%relaxed_ratio, 1.0e-15_real64, &
+      call near(error, relaxation_ratio(solid, 1.0e300_real64), solid%relaxed_ratio, &
+                1.0e-15_real64, &
                 'relaxed')
       call near(error, creep_compliance(solid, 1.0e300_real64), 1.0_real64 / solid%relaxed_ratio, &
                 1.0e-15_real64, 'crept')
     end do
-    call near(error, relaxation(half, log(2.0_real64)), 0.75_real64, 1.0e-15_real64, 'half gone')
+    call near(error, relaxation_ratio(half, log(2.0_real64)), 0.75_real64, 1.0e-15_real64, &
+              'half gone')
     ! Nearly a fluid: J E0 = 1 + t/tau.
     solid = standard_linear_solid(1.0e-14_real64, 2.0_real64)
     call near(error, creep_compliance(solid, 10.0_real64), 6.0_real64, 1.0e-13_real64, 'fluid')
@@ -88,11 +91,12 @@ contains
     memory = 0.0_real64
     before = 1.0_real64
     last = 0.0_real64
-    call loaded(step_over(solid, 0.0_real64, 0.0_real64), 0.0_real64, before, memory, smooth_course)
+    call load_after(step_over(solid, 0.0_real64, 0.0_real64), 0.0_real64, before, memory, &
+                    smooth_course)
     do i = 1, steps
       t = 2.0_real64 * i / steps
       now = (1.0_real64 + t)**1.5_real64
-      call loaded(step_over(solid, last, t), before, now, memory, smooth_course)
+      call load_after(step_over(solid, last, t), before, now, memory, smooth_course)
       before = now
       last = t
     end do

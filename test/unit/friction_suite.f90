@@ -9,7 +9,8 @@ module asperity_friction_suite
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state, start_state
   use asperity_effect_helpers, only: act, as_decimal, pair_of, set_number
-  use asperity_friction, only: estimate_of_friction, rub, rubbing, tangential_stiffness_ratio
+  use asperity_friction, only: estimate_of_friction, rubbing, solve_friction, &
+                               tangential_stiffness_ratio
   use asperity_friction_effect, only: new_friction
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
@@ -97,7 +98,7 @@ contains
         pair = pair_of(it%upper, it%lower, it%d, plan)
         kappa = tangential_stiffness_ratio(it%e1, it%nu1, it%e2, it%nu2)
         response = answer(pair, combined(it%e1, it%nu1, it%e2, it%nu2), it%p)
-        call rub(pair, it%p, response, kappa, it%mu, rubbed)
+        call solve_friction(pair, it%p, response, kappa, it%mu, rubbed)
         call near(error, response%load, it%normal, it%normal, it%name//': normal load')
         call near(error, rubbed%tangential_load, it%tangential, it%tangential, &
                   it%name//': tangential load')
@@ -153,7 +154,7 @@ contains
     response = answer(pair, 2.0_real64, p)
     sine = sqrt((1.0_real64 - response%cosine) * (1.0_real64 + response%cosine))
 
-    call rub(pair, p, response, kappa, 0.0_real64, rubbed)
+    call solve_friction(pair, p, response, kappa, 0.0_real64, rubbed)
     call check(error, rubbed%sliding, 'without friction it slides')
     call check(error, .not. rubbed%tangential_load > 0.0_real64, 'no friction, no force')
     call near(error, rubbed%vertical_load, response%vertical_load, response%load, 'mu = 0: load')
@@ -161,8 +162,8 @@ contains
     call near(error, rubbed%lateral_x, 0.6_real64 * response%load * sine, response%load, &
               'mu = 0: the normal force pushes sideways')
 
-    call rub(pair, p, response, kappa, huge(1.0_real64), rubbed)
-    call rub(pair, p, response, kappa, 10.0_real64, other)
+    call solve_friction(pair, p, response, kappa, huge(1.0_real64), rubbed)
+    call solve_friction(pair, p, response, kappa, 10.0_real64, other)
     call check(error, .not. rubbed%sliding, 'with huge friction it sticks')
     call near(error, rubbed%slip_annulus, 0.0_real64, 1.0_real64, 'huge mu: no annulus')
     call near(error, rubbed%tangential_load, other%tangential_load, response%load, 'huge mu: T')
@@ -170,15 +171,15 @@ contains
 
     pair = pair_of(1.0_real64, 1.5_real64, 0.0_real64, plan)
     response = answer(pair, 2.0_real64, p)
-    call rub(pair, p, response, kappa, 0.0_real64, rubbed)
+    call solve_friction(pair, p, response, kappa, 0.0_real64, rubbed)
     call check(error, .not. rubbed%sliding, 'aligned: nothing to slide')
-    call rub(pair, p, response, kappa, 0.3_real64, rubbed)
+    call solve_friction(pair, p, response, kappa, 0.3_real64, rubbed)
     call check(error, .not. (rubbed%tangential_load > 0.0_real64 .or. &
                              abs(rubbed%lateral_x) > 0.0_real64), 'aligned: no force in plan')
     call near(error, rubbed%vertical_load, response%load, response%load, 'aligned: load')
 
     response = contact_response()
-    call rub(pair, -p, response, kappa, 0.3_real64, rubbed)
+    call solve_friction(pair, -p, response, kappa, 0.3_real64, rubbed)
     call check(error, .not. (rubbed%sliding .or. abs(rubbed%vertical_load) > 0.0_real64), &
                'apart: nothing')
   end subroutine limits
@@ -198,10 +199,10 @@ contains
     response = answer(pair, 1.0_real64, p)
     in_part = 0
     jump = 0.0_real64
-    call rub(pair, p, response, kappa, 0.7_real64, before)
+    call solve_friction(pair, p, response, kappa, 0.7_real64, before)
     do i = 1, steps
       mu = 0.7_real64 + 0.3_real64 * i / steps
-      call rub(pair, p, response, kappa, mu, rubbed)
+      call solve_friction(pair, p, response, kappa, mu, rubbed)
       if (.not. rubbed%sliding .and. rubbed%slip_annulus > 0.0_real64) in_part = in_part + 1
       jump = max(jump, rubbed%tangential_load - before%tangential_load)
       ! The rounding of a load that does not change.
@@ -227,9 +228,9 @@ contains
 
     pair = pair_of(1.0_real64, 1.0_real64, 1.4_real64, plan)
     do i = 1, size(mu)
-      call rub(pair, p, answer(pair, 1.0_real64, p), kappa, mu(i), rubbed)
-      call rub(pair, p + h, answer(pair, 1.0_real64, p + h), kappa, mu(i), above)
-      call rub(pair, p - h, answer(pair, 1.0_real64, p - h), kappa, mu(i), below)
+      call solve_friction(pair, p, answer(pair, 1.0_real64, p), kappa, mu(i), rubbed)
+      call solve_friction(pair, p + h, answer(pair, 1.0_real64, p + h), kappa, mu(i), above)
+      call solve_friction(pair, p - h, answer(pair, 1.0_real64, p - h), kappa, mu(i), below)
       if (i == 2) call check(error, rubbed%slip_annulus > 0.1_real64 .and. &
                              rubbed%slip_annulus < 0.9_real64, 'the second slips in part')
       ! The error of the quotient is about (h/p)**2.
@@ -317,7 +318,8 @@ contains
       plain = 0.0_real64
       do i = 1, 3
         response = answer(pairs%list(i), 1.0_real64, closing - pairs%list(i)%gap)
-        call rub(pairs%list(i), closing - pairs%list(i)%gap, response, kappa, mu(j), rubbed)
+        call solve_friction(pairs%list(i), closing - pairs%list(i)%gap, response, kappa, mu(j), &
+                            rubbed)
         truth = truth + rubbed%vertical_load
         plain = plain + response%vertical_load
       end do

@@ -3,7 +3,8 @@
 !> Every contact carries a share more than its law says, and that share again for each state kept
 !> before. Where it acts in time, all loads fall by exp(-t).
 module asperity_made_up_effect
-  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, plain
+  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
+                                     length, plain
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
   use asperity_kinds, only: real64
@@ -43,9 +44,9 @@ contains
     new%tolerance = tolerance
     new%share = share
     new%acts_in_time = in_time
-    new%contact_columns = [column('added_load', force), column('depth', length)]
-    new%state_columns = [column('bare_load', force), &
-                         column('kept', plain)]
+    new%contact_columns = [effect_column('added_load', force), effect_column('depth', length)]
+    new%state_columns = [effect_column('bare_load', force), &
+                         effect_column('kept', plain)]
     allocate (effect, source=new)
   end subroutine make_up
 

@@ -1,12 +1,12 @@
-!> Adhesion between asperities, as an effect that a scene names.
+!> Adhesion between asperities, as an effect of a scene.
 !>
-!> It replaces the law of every contact and asks it anew for each penetration. What a contact
-!> answers across a gap depends on whether it adhered before, so the effect keeps this from one
-!> state of a position to the next.
+!> It replaces the law of each contact and evaluates it. The load across a gap depends on whether
+!> the contact adhered before, so this is kept from one state of a position to the next.
 module asperity_adhesion
   use asperity_adhesion_contact, only: adhesion_numbers, model_dmt
   use asperity_adhesion_law, only: adhesion_law, new_adhesion_law
-  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, plain
+  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
+                                     plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
@@ -22,45 +22,45 @@ module asperity_adhesion
   type, extends(contact_effect) :: adhesion_effect
     real(real64) :: work = 0.0_real64      !! of adhesion, modulus times length, 0 or more
     real(real64) :: distance = 1.0_real64  !! of equilibrium, length, more than 0
-    type(adhesion_law) :: law              !! of a position, with what adhered at the state before
+    type(adhesion_law) :: law              !! law of a position with the state of its contacts
   contains
-    procedure :: estimate
-    procedure :: apply
+    procedure :: estimate => estimate_adhesion
+    procedure :: apply => apply_adhesion
     procedure :: leave_out
-    procedure :: begin
-    procedure :: keep
+    procedure :: begin => begin_adhesion
+    procedure :: keep => keep_adhesion
     procedure :: letting_go
   end type adhesion_effect
 
 contains
 
-  !> Adhesion as the scene names it.
+  !> Makes the effect from its parameters in a scene.
   subroutine new_adhesion(scene_in, effect)
-    type(scene), intent(in) :: scene_in                        !! checked values
-    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
+    type(scene), intent(in) :: scene_in                        !! scene with checked values
+    class(contact_effect), allocatable, intent(out) :: effect  !! effect without history
     type(adhesion_effect) :: new
 
     call new%call_as('adhesion', scene_in%effects)
     new%work = scene_in%effects%number('work_of_adhesion')
     new%distance = scene_in%effects%number('equilibrium_distance')
     new%contact_columns = [ &
-      column('adhering', plain), &           ! 1: it adheres
-      column('pull_off_force', force), &     ! its largest pull
-      column('tabor_parameter', plain)]
+      effect_column('adhering', plain), &           ! 1: it adheres
+      effect_column('pull_off_force', force), &     ! its largest tensile load
+      effect_column('tabor_parameter', plain)]
     new%state_columns = [ &
-      column('adhering_contacts', plain), &  ! how many adhere
-      column('pulling_contacts', plain), &   ! how many have a load below 0
-      column('pull_off_sum', force)]         ! of those that adhere
+      effect_column('adhering_contacts', plain), &  ! number of contacts that adhere
+      effect_column('pulling_contacts', plain), &   ! number of contacts with a load below 0
+      effect_column('pull_off_sum', force)]         ! sum over the contacts that adhere
     allocate (effect, source=new)
   end subroutine new_adhesion
 
-  !> Sum of the largest pulls of the contacts that adhere, over the total vertical load: adhesion
-  !> takes no more than that from the load of a contact that is pressed. Or by how much the area
-  !> grows, if that is more: at the closing, and under a load by what closes it further.
-  function estimate(self, pairs, state) result(share)
-    class(adhesion_effect), intent(in) :: self  !! adhesion
-    type(contact_pairs), intent(in) :: pairs    !! the position
-    type(contact_state), intent(in) :: state    !! without adhesion
+  !> Sum of the pull-off forces of the contacts that adhere, over the total vertical load: an upper
+  !> bound of the change of the load. The relative growth of the area, if that is larger: at the
+  !> compression, and under a prescribed load by the further compression as well.
+  function estimate_adhesion(self, pairs, state) result(share)
+    class(adhesion_effect), intent(in) :: self  !! adhesion with its history
+    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
+    type(contact_state), intent(in) :: state    !! contacts without adhesion
     real(real64) :: share
     type(contact_response) :: answer
     real(real64) :: area, load, pull
@@ -71,7 +71,7 @@ contains
     area = 0.0_real64
     pull = 0.0_real64
     do i = 1, size(pairs%list)
-      if (.not. self%law%holds(pairs%list(i), i, state%penetration(i))) cycle
+      if (.not. self%law%is_adhering(pairs%list(i), i, state%penetration(i))) cycle
       pull = pull + self%law%known(i)%pull_off
       call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
       area = area + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
@@ -82,31 +82,32 @@ contains
     if (.not. load > 0.0_real64) return
     share = pull / load
     area = area / sum(state%answers%contact_radius**2)
-    ! An area of Hertz goes with the power 2/3 of its load.
+    ! Hertz: the contact area is proportional to the power 2/3 of the load.
     if (pairs%target > 0.0_real64) area = area + 2.0_real64 / 3.0_real64 * share
     share = max(share, area)
-  end function estimate
+  end function estimate_adhesion
 
-  !> Answers the penetrations of the state with adhesion.
-  subroutine apply(self, pairs, state, outcome)
-    class(adhesion_effect), intent(in) :: self      !! adhesion
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(inout) :: state     !! gets law and answers with adhesion
-    type(effect_outcome), intent(inout) :: outcome  !! what it did
+  !> Sets the law with adhesion in a state and evaluates it.
+  subroutine apply_adhesion(self, pairs, state, outcome)
+    class(adhesion_effect), intent(in) :: self      !! adhesion with its history
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(inout) :: state     !! gets the law and the loads with adhesion
+    type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
 
     if (allocated(state%law)) deallocate (state%law)
     allocate (state%law, source=self%law)
     call answer_all(pairs, state)
-    call tell(self, pairs, state%penetration, count(state%answers%load < 0.0_real64), outcome)
+    call fill_columns(self, pairs, state%penetration, count(state%answers%load < 0.0_real64), &
+                      outcome)
     outcome%simulated = 'on'
     call warn_of_limits(self, pairs, outcome)
-  end subroutine apply
+  end subroutine apply_adhesion
 
-  !> Left out, it is known all the same which contacts adhere and how far they would pull.
+  !> Sets the columns where adhesion is left out: they need the penetrations only.
   subroutine leave_out(self, pairs, state, outcome)
-    class(adhesion_effect), intent(in) :: self      !! adhesion
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(in) :: state        !! without adhesion
+    class(adhesion_effect), intent(in) :: self      !! adhesion with its history
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(in) :: state        !! contacts without adhesion
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
     type(contact_response) :: answer
     integer :: i, pulling
@@ -116,11 +117,10 @@ contains
       call self%law%respond(pairs%list(i), i, state%penetration(i), answer)
       if (answer%load < 0.0_real64) pulling = pulling + 1
     end do
-    call tell(self, pairs, state%penetration, pulling, outcome)
+    call fill_columns(self, pairs, state%penetration, pulling, outcome)
   end subroutine leave_out
 
-  ! Fills the columns.
-  subroutine tell(self, pairs, penetration, pulling, outcome)
+  subroutine fill_columns(self, pairs, penetration, pulling, outcome)
     class(adhesion_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
     real(real64), intent(in) :: penetration(:)
@@ -135,16 +135,17 @@ contains
     do i = 1, size(pairs%list)
       outcome%of_contacts(i, 2) = self%law%known(i)%pull_off
       outcome%of_contacts(i, 3) = self%law%known(i)%tabor
-      if (.not. self%law%holds(pairs%list(i), i, penetration(i))) cycle
+      if (.not. self%law%is_adhering(pairs%list(i), i, penetration(i))) cycle
       outcome%of_contacts(i, 1) = 1.0_real64
       adhering = adhering + 1
       pull = pull + self%law%known(i)%pull_off
     end do
     outcome%of_state = [real(adhering, real64), real(pulling, real64), pull]
-  end subroutine tell
+  end subroutine fill_columns
 
-  ! The law of Derjaguin, Muller and Toporov pulls by more than Maugis' near its border. Adhesion
-  ! that acts over a gap of 0.045 R reaches to 0.3 R from the axis, where a sphere is no paraboloid.
+  ! The pull-off force of Derjaguin, Muller and Toporov exceeds that of Maugis near its limit.
+  ! Attraction over a gap of 0.045 R acts up to 0.3 R from the axis, where a sphere deviates from a
+  ! paraboloid.
   subroutine warn_of_limits(self, pairs, outcome)
     class(adhesion_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
@@ -168,35 +169,35 @@ contains
     end do
   end subroutine warn_of_limits
 
-  !> A position begins: its law, of contacts none of which adheres yet.
-  subroutine begin(self, pairs)
-    class(adhesion_effect), intent(inout) :: self  !! adhesion
-    type(contact_pairs), intent(in) :: pairs       !! the position
+  !> Begins a position without adhering contacts.
+  subroutine begin_adhesion(self, pairs)
+    class(adhesion_effect), intent(inout) :: self  !! adhesion, gets the law
+    type(contact_pairs), intent(in) :: pairs       !! pairs of the position
     type(adhesion_numbers) :: numbers
 
     numbers%modulus = pairs%modulus
     numbers%work = scale(self%work, -4 * (pairs%modulus_power + pairs%length_power))
     numbers%distance = scale(self%distance, -4 * pairs%length_power)
     call new_adhesion_law(numbers, pairs, self%law)
-  end subroutine begin
+  end subroutine begin_adhesion
 
-  !> Remembers which contacts adhere.
-  subroutine keep(self, pairs, state)
-    class(adhesion_effect), intent(inout) :: self  !! adhesion
-    type(contact_pairs), intent(in) :: pairs       !! the position
-    type(contact_state), intent(in) :: state       !! all effects applied
+  !> Keeps which contacts adhere.
+  subroutine keep_adhesion(self, pairs, state)
+    class(adhesion_effect), intent(inout) :: self  !! adhesion, gets the history
+    type(contact_pairs), intent(in) :: pairs       !! pairs of the position
+    type(contact_state), intent(in) :: state       !! contacts with all effects
     integer :: i
 
     do i = 1, size(pairs%list)
-      self%law%adhered(i) = self%law%holds(pairs%list(i), i, state%penetration(i))
+      self%law%adhered(i) = self%law%is_adhering(pairs%list(i), i, state%penetration(i))
     end do
-  end subroutine keep
+  end subroutine keep_adhesion
 
-  !> Where each contact lets go: its law knows the overlap, along the line of centres.
+  !> Compression at which each contact separates, from its overlap along the line of centres.
   subroutine letting_go(self, pairs, closings)
-    class(adhesion_effect), intent(in) :: self             !! adhesion
-    type(contact_pairs), intent(in) :: pairs               !! the position
-    real(real64), allocatable, intent(out) :: closings(:)  !! of every pair
+    class(adhesion_effect), intent(in) :: self             !! adhesion with its history
+    type(contact_pairs), intent(in) :: pairs               !! pairs of the position
+    real(real64), allocatable, intent(out) :: closings(:)  !! one for each pair, or none
     real(real64) :: centres, overlap
     integer :: i
 

@@ -1,17 +1,17 @@
-!> One adhering contact: which theory it follows, when it snaps in and off, what it answers.
+!> One adhering contact: its theory, the overlaps at which it snaps in and off, its load.
 !>
-!> The Tabor parameter mu = (R w**2/(E**2 z0**3))**(1/3) compares the neck that adhesion draws out
-!> with the range z0 of the attraction (Tabor 1977). Above 5 the theory of Johnson, Kendall and
-!> Roberts holds, below 0.1 that of Derjaguin, Muller and Toporov (Johnson and Greenwood 1997);
-!> between them Maugis' with lambda = 1.157 mu, which has both as its limits. Without work of
-!> adhesion it is Hertz.
+!> The Tabor parameter mu = (R w**2/(E**2 z0**3))**(1/3) is the height of the neck that adhesion
+!> draws out over the range z0 of the attraction (Tabor 1977). Above 5 the theory of Johnson,
+!> Kendall and Roberts holds, below 0.1 that of Derjaguin, Muller and Toporov (Johnson and Greenwood
+!> 1997); between them that of Maugis with lambda = 1.157 mu, whose limits both are. Without work of
+!> adhesion the law is that of Hertz.
 !>
-!> A contact has two states, apart and adhering. Apart there is no load. The attraction reaches h0 =
-!> 0.974 z0, Maugis' value: that of the constant stress with the strength and the work of the
-!> attraction between molecules. The contact begins to adhere when the spheres come that near, and
-!> ends when its curve turns back. Johnson, Kendall and Roberts have no range: spheres that meet
-!> adhere at once. In the limit of Derjaguin, Muller and Toporov nothing snaps: the pull grows
-!> linearly from the range to 2 pi w R at first touch and goes back on the same line.
+!> A contact is separated, without load, or adheres. The range of the attraction is h0 = 0.974 z0
+!> (Maugis: the constant stress has the strength and the work of the attraction between molecules).
+!> A contact adheres from a gap of h0 on and separates where its curve turns back. Johnson, Kendall
+!> and Roberts have no range: spheres adhere from first touch on. In the limit of Derjaguin, Muller
+!> and Toporov nothing snaps: the load decreases linearly from 0 at h0 to -2 pi w R at first touch,
+!> on separation along the same line.
 module asperity_adhesion_contact
   use asperity_adhesion_jkr, only: answer_jkr, snap_off_jkr
   use asperity_adhesion_maugis, only: central_answer, follow_maugis, maugis_curve, new_maugis
@@ -21,52 +21,49 @@ module asperity_adhesion_contact
   private
 
   public :: adhesion_numbers, adhering_contact, central_answer
-  public :: new_adhering_contact, adheres, answer_along_centres
+  public :: new_adhering_contact, adheres_at, answer_along_centres
   public :: model_hertz, model_jkr, model_maugis, model_dmt
 
-  !> No work of adhesion.
-  integer, parameter :: model_hertz = 0
-  !> Johnson, Kendall and Roberts.
-  integer, parameter :: model_jkr = 1
-  !> Maugis.
-  integer, parameter :: model_maugis = 2
-  !> Derjaguin, Muller and Toporov.
-  integer, parameter :: model_dmt = 3
+  !> Theories: no work of adhesion; Johnson, Kendall and Roberts; Maugis; Derjaguin, Muller and
+  !> Toporov.
+  enum, bind(c)
+    enumerator :: model_hertz, model_jkr, model_maugis, model_dmt
+  end enum
 
-  ! Johnson and Greenwood's borders of the Tabor parameter.
+  ! Limits of the Tabor parameter (Johnson and Greenwood 1997), tested by adhesion_curves_suite.
   real(real64), parameter :: least_of_jkr = 5.0_real64, most_of_dmt = 0.1_real64
-  ! Range of the constant stress over z0, w/(sigma0 z0): 9 sqrt(3)/16.
+  ! Range of the constant stress over z0, w/(sigma0 z0) = 9 sqrt(3)/16. Derived (Maugis 1992).
   real(real64), parameter :: range_of_attraction = 0.97427857925749364_real64
 
-  !> What holds for all contacts, in one set of units.
+  !> Parameters of all contacts, in one set of units.
   type :: adhesion_numbers
-    real(real64) :: modulus = 1.0_real64   !! combined, more than 0
-    real(real64) :: work = 0.0_real64      !! of adhesion, modulus times length, 0 or more
+    real(real64) :: modulus = 1.0_real64   !! combined modulus E > 0
+    real(real64) :: work = 0.0_real64      !! of adhesion, w, modulus times length, 0 or more
     real(real64) :: distance = 1.0_real64  !! of equilibrium, z0, more than 0
   end type adhesion_numbers
 
-  !> What does not change while one contact is opened and closed.
+  !> Parameters of one contact.
   type :: adhering_contact
-    integer :: model = model_hertz          !! the theory it follows
-    real(real64) :: radius = 0.0_real64     !! combined
-    real(real64) :: tabor = 0.0_real64      !! Tabor parameter
-    real(real64) :: pull_off = 0.0_real64   !! largest pull, 0 or more
+    integer :: model = model_hertz          !! its theory, one of the `model_` numbers
+    real(real64) :: radius = 0.0_real64     !! combined radius R
+    real(real64) :: tabor = 0.0_real64      !! Tabor parameter mu
+    real(real64) :: pull_off = 0.0_real64   !! largest tensile load, 0 or more
     real(real64) :: snap_in = 0.0_real64    !! overlap from which it adheres; 0 or less
-    real(real64) :: snap_off = 0.0_real64   !! overlap below which it parts; not above snap_in
-    type(maugis_curve) :: curve             !! of Maugis' theory
+    real(real64) :: snap_off = 0.0_real64   !! overlap below which it separates; <= snap_in
+    type(maugis_curve) :: curve             !! curve of Maugis' theory
   end type adhering_contact
 
 contains
 
-  !> The theory of a contact and the ends of its curve.
+  !> Sets the theory of a contact and the ends of its curve.
   pure subroutine new_adhering_contact(numbers, radius, contact)
-    type(adhesion_numbers), intent(in) :: numbers   !! of all contacts
-    real(real64), intent(in) :: radius              !! combined, more than 0
-    type(adhering_contact), intent(out) :: contact  !! ready to answer
+    type(adhesion_numbers), intent(in) :: numbers   !! parameters of all contacts
+    real(real64), intent(in) :: radius              !! combined radius, more than 0
+    type(adhering_contact), intent(out) :: contact  !! parameters of the contact
 
     contact%radius = radius
     if (.not. numbers%work > 0.0_real64) return
-    ! Roots of ratios without unit: the same digits in any unit.
+    ! Roots of dimensionless ratios: the same digits in any unit.
     contact%tabor = (numbers%work / numbers%modulus / radius)**(2.0_real64 / 3.0_real64) * &
                     (radius / numbers%distance)
     if (contact%tabor > least_of_jkr) then
@@ -84,28 +81,28 @@ contains
       call new_maugis(contact%tabor * (2.0_real64 / range_of_attraction) * &
                       (9.0_real64 / (16.0_real64 * pi))**(1.0_real64 / 3.0_real64), contact%curve)
       contact%snap_in = -range_of_attraction * numbers%distance
-      contact%snap_off = min(contact%curve%snap_off * neck(numbers, radius)**2 / radius, &
+      contact%snap_off = min(contact%curve%snap_off * radius_unit(numbers, radius)**2 / radius, &
                              contact%snap_in)
       contact%pull_off = contact%curve%pull_off * pi * numbers%work * radius
     end if
   end subroutine new_adhering_contact
 
-  !> Whether a contact adheres at an overlap that it came to without turning round on the way.
-  elemental logical function adheres(contact, overlap, adhered)
-    type(adhering_contact), intent(in) :: contact  !! the contact
-    real(real64), intent(in) :: overlap            !! of the spheres; negative: a gap
-    logical, intent(in) :: adhered                 !! whether it did before
+  !> Whether a contact adheres at an overlap that was reached monotonically.
+  elemental logical function adheres_at(contact, overlap, adhered) result(adheres)
+    type(adhering_contact), intent(in) :: contact  !! parameters of the contact
+    real(real64), intent(in) :: overlap            !! overlap of the spheres; negative: a gap
+    logical, intent(in) :: adhered                 !! whether it adhered before
 
     adheres = contact%model /= model_hertz .and. &
               (overlap >= contact%snap_in .or. (adhered .and. overlap >= contact%snap_off))
-  end function adheres
+  end function adheres_at
 
-  !> What a contact answers that adheres.
+  !> Response of an adhering contact along the line of centres.
   pure subroutine answer_along_centres(numbers, contact, overlap, answer)
-    type(adhesion_numbers), intent(in) :: numbers  !! of all contacts
-    type(adhering_contact), intent(in) :: contact  !! one that adheres
-    real(real64), intent(in) :: overlap            !! not below snap_off
-    type(central_answer), intent(out) :: answer    !! along the line of centres
+    type(adhesion_numbers), intent(in) :: numbers  !! parameters of all contacts
+    type(adhering_contact), intent(in) :: contact  !! parameters of the contact
+    real(real64), intent(in) :: overlap            !! overlap of the spheres, >= snap_off
+    type(central_answer), intent(out) :: answer    !! load, radius, stiffness, pressure
     real(real64) :: unit
 
     associate (modulus => numbers%modulus, radius => contact%radius)
@@ -114,7 +111,7 @@ contains
         call answer_jkr(modulus, radius, numbers%work, overlap, answer%load, &
                         answer%contact_radius, answer%stiffness, answer%pressure)
       case (model_maugis)
-        unit = neck(numbers, radius)
+        unit = radius_unit(numbers, radius)
         call follow_maugis(contact%curve, (overlap / unit) * (radius / unit), answer)
         answer%contact_radius = unit * answer%contact_radius
         answer%load = pi * numbers%work * radius * answer%load
@@ -137,12 +134,12 @@ contains
   end subroutine answer_along_centres
 
   ! Maugis' unit of the contact radius, (pi w R**2/K)**(1/3).
-  pure real(real64) function neck(numbers, radius)
+  pure real(real64) function radius_unit(numbers, radius)
     type(adhesion_numbers), intent(in) :: numbers
     real(real64), intent(in) :: radius
 
-    neck = radius * (0.75_real64 * pi * (numbers%work / numbers%modulus / radius))**(1.0_real64 / &
-                                                                                     3.0_real64)
-  end function neck
+    radius_unit = radius * &
+                  (0.75_real64 * pi * (numbers%work / numbers%modulus / radius))**(1.0_real64 / 3)
+  end function radius_unit
 
 end module asperity_adhesion_contact

@@ -1,10 +1,10 @@
-!> The law of adhering contacts, inclined as the pair's offset in plan makes them.
+!> The law of adhering contacts, inclined by the offset of the pair in plan.
 !>
-!> Load and contact radius follow the overlap of the spheres along the line of their centres, as in
-!> the law of Hertz; a negative overlap is a gap. A contact that was adhering goes on to do so
-!> where one that comes from far does not: the law holds which ones were.
+!> Load and contact radius are functions of the overlap of the spheres along the line of their
+!> centres, as in Hertz' law; a negative overlap is a gap. Over a range of gaps a contact adheres
+!> only if it adhered before: the law has a hysteresis and keeps which contacts adhered.
 module asperity_adhesion_law
-  use asperity_adhesion_contact, only: adhering_contact, adheres, adhesion_numbers, &
+  use asperity_adhesion_contact, only: adhering_contact, adheres_at, adhesion_numbers, &
                                        answer_along_centres, central_answer, model_hertz, &
                                        new_adhering_contact
   use asperity_contact_law, only: contact_law, contact_response
@@ -17,23 +17,23 @@ module asperity_adhesion_law
 
   public :: adhesion_law, new_adhesion_law
 
-  !> The law with what it holds of each contact.
+  !> The law with the parameters and the state of each contact.
   type, extends(contact_law) :: adhesion_law
     type(adhesion_numbers) :: numbers                 !! in the units of the pairs
     type(adhering_contact), allocatable :: known(:)   !! by the number of the contact
-    logical, allocatable :: adhered(:)                !! by the number: it did at the state before
+    logical, allocatable :: adhered(:)                !! by the number: at the last state
   contains
-    procedure :: respond
-    procedure :: holds
+    procedure :: respond => respond_adhering
+    procedure :: is_adhering
   end type adhesion_law
 
 contains
 
-  !> The law for the pairs of a position, of which none adheres yet.
+  !> Makes the law of a position without adhering contacts.
   subroutine new_adhesion_law(numbers, pairs, law)
     type(adhesion_numbers), intent(in) :: numbers  !! in the units of the pairs
-    type(contact_pairs), intent(in) :: pairs       !! the position
-    type(adhesion_law), intent(out) :: law         !! ready to answer
+    type(contact_pairs), intent(in) :: pairs       !! pairs of the position
+    type(adhesion_law), intent(out) :: law         !! law of the position
     integer :: i
     logical :: same
 
@@ -41,7 +41,7 @@ contains
     allocate (law%known(size(pairs%list)), law%adhered(size(pairs%list)))
     law%adhered = .false.
     do i = 1, size(pairs%list)
-      ! Most models have one radius; the ends of a curve are worth remembering.
+      ! Many scenes have one radius: its curve is computed once.
       same = .false.
       if (i > 1) same = .not. abs(pairs%list(i)%radius - law%known(i - 1)%radius) > 0.0_real64
       if (same) then
@@ -52,14 +52,14 @@ contains
     end do
   end subroutine new_adhesion_law
 
-  !> The answer of a contact. Continuous in the penetration but where the contact snaps. The
-  !> pressure is that at the centre of the contact circle, where it is largest.
-  pure subroutine respond(self, pair, number, penetration, response)
-    class(adhesion_law), intent(in) :: self         !! the law
-    type(contact_pair), intent(in) :: pair          !! who touches
+  !> Response of a contact. Continuous in the penetration except where the contact snaps. The
+  !> pressure is that at the centre of the contact circle, the largest.
+  pure subroutine respond_adhering(self, pair, number, penetration, response)
+    class(adhesion_law), intent(in) :: self         !! law with its history
+    type(contact_pair), intent(in) :: pair          !! geometry of the contact
     integer, intent(in) :: number                   !! place of the pair in its list
     real(real64), intent(in) :: penetration         !! vertical, less than zc; negative: a gap
-    type(contact_response), intent(out) :: response !! the answer
+    type(contact_response), intent(out) :: response !! loads, radius, pressure, stiffness
     type(hertz_law) :: hertz
     type(central_answer) :: answer
     real(real64) :: centres, overlap
@@ -71,7 +71,7 @@ contains
         return
       end if
       overlap = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, penetration)
-      if (.not. adheres(contact, overlap, self%adhered(number))) return
+      if (.not. adheres_at(contact, overlap, self%adhered(number))) return
       call answer_along_centres(self%numbers, contact, overlap, answer)
     end associate
     centres = pair%s - overlap
@@ -83,17 +83,17 @@ contains
     response%stiffness = answer%stiffness * response%cosine**2 - &
                          response%load * (pair%d / centres)**2 / centres
     response%maximum_pressure = answer%pressure
-  end subroutine respond
+  end subroutine respond_adhering
 
   !> Whether a contact adheres at a penetration.
-  pure logical function holds(self, pair, number, penetration)
-    class(adhesion_law), intent(in) :: self  !! the law
-    type(contact_pair), intent(in) :: pair   !! who touches
+  pure logical function is_adhering(self, pair, number, penetration)
+    class(adhesion_law), intent(in) :: self  !! law with its history
+    type(contact_pair), intent(in) :: pair   !! geometry of the contact
     integer, intent(in) :: number            !! place of the pair in its list
     real(real64), intent(in) :: penetration  !! vertical, less than zc; negative: a gap
 
-    holds = adheres(self%known(number), stable_overlap(pair%s, pair%d, pair%zc, pair%rest, &
-                                                       penetration), self%adhered(number))
-  end function holds
+    is_adhering = adheres_at(self%known(number), stable_overlap(pair%s, pair%d, pair%zc, &
+                             pair%rest, penetration), self%adhered(number))
+  end function is_adhering
 
 end module asperity_adhesion_law

@@ -1,22 +1,22 @@
 !> The adhering contact between soft and stiff: Maugis (1992), with Dugdale's constant attraction.
 !>
 !> The surfaces attract each other with a constant stress where they are less than h0 apart. They
-!> touch within a radius a and attract within c = a/cos(v). Numbers are Maugis': contact radius in
-!> (pi w R**2/K)**(1/3), load in pi w R, overlap in (pi**2 w**2 R/K**2)**(1/3), K = 4/3 E; h0 is
-!> 2/(pi lambda). With v = arcsec(c/a) his equations read
+!> touch within a radius a and attract within c = a/cos(v). Units are those of Maugis: contact
+!> radius (pi w R**2/K)**(1/3), load pi w R, overlap (pi**2 w**2 R/K**2)**(1/3), K = 4/3 E; h0 is
+!> 2/(pi lambda). With v = arcsec(c/a) the equations are
 !>
 !>     1       = lambda/2 c**2 (sin v cos v - v cos 2v) + 4/3 lambda**2 c (v sin v - 1 + cos v)
 !>     load    = (c cos v)**3 - lambda c**2 (sin v cos v + v)
 !>     overlap = (c cos v)**2 - 4/3 lambda c sin v
 !>
-!> so c follows from v by a quadratic equation and the whole curve by one parameter, s = sin v. At
-!> s = 1 the contact circle is gone and the spheres pull each other across a gap (Johnson and
-!> Greenwood 1997; the edge of a circle under constant stress: Johnson 1985, section 3.4(a))
+!> so c follows from v by a quadratic equation and the curve has one parameter, s = sin v. At s = 1
+!> the contact radius is 0 and the attraction acts across a gap (Johnson and Greenwood 1997; the
+!> edge of a circle under constant stress: Johnson 1985, section 3.4(a))
 !>
 !>     overlap = c**2/2 - k c - h0,   k = 8 lambda/(3 pi),   load = -pi/2 lambda c**2
 !>
-!> For a large lambda the curve becomes that of Johnson, Kendall and Roberts, for a small one that
-!> of Derjaguin, Muller and Toporov.
+!> The limits of the curve are that of Johnson, Kendall and Roberts for large lambda, that of
+!> Derjaguin, Muller and Toporov for small lambda.
 module asperity_adhesion_maugis
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
@@ -25,28 +25,28 @@ module asperity_adhesion_maugis
 
   public :: central_answer, maugis_curve, new_maugis, follow_maugis
 
-  ! A point of the curve is found in this many turns: each halves what is left at least.
+  ! Chosen: bounds the iterations, each of which halves the bracket at least.
   integer, parameter :: most_turns = 200
 
-  !> The curve of one lambda, without units.
+  !> The curve of one lambda, dimensionless.
   type :: maugis_curve
     real(real64) :: lambda = 1.0_real64     !! 1.157 times the Tabor parameter
-    real(real64) :: last = 1.0_real64       !! s where it turns back, or 1
-    real(real64) :: snap_in = 0.0_real64    !! overlap at which the attraction sets in, -h0
+    real(real64) :: last = 1.0_real64       !! s of the least overlap, or 1
+    real(real64) :: snap_in = 0.0_real64    !! overlap from which the attraction acts, -h0
     real(real64) :: snap_off = 0.0_real64   !! least overlap
     real(real64) :: touching = 0.0_real64   !! least overlap with a contact circle
-    real(real64) :: pull_off = 0.0_real64   !! largest pull, 1.5 to 2
+    real(real64) :: pull_off = 0.0_real64   !! largest tensile load, 1.5 to 2
   end type maugis_curve
 
   !> One point of a curve, along the line of centres.
   type :: central_answer
-    real(real64) :: contact_radius = 0.0_real64  !! 0 where the spheres do not touch
-    real(real64) :: load = 0.0_real64            !! negative: the contact pulls
+    real(real64) :: contact_radius = 0.0_real64  !! 0 across a gap
+    real(real64) :: load = 0.0_real64            !! < 0 in tension
     real(real64) :: stiffness = 0.0_real64       !! d load/d overlap
     real(real64) :: pressure = 0.0_real64        !! at the centre of the contact circle, or 0
   end type central_answer
 
-  ! One point by its parameter, with its slopes.
+  ! The point of a parameter s, with its slopes.
   type :: curve_point
     real(real64) :: angle = 0.0_real64
     real(real64) :: cosine = 1.0_real64
@@ -59,10 +59,10 @@ module asperity_adhesion_maugis
 
 contains
 
-  !> Finds where the curve of a lambda ends and how far it pulls.
+  !> Finds the ends of the curve of a lambda and its largest tensile load.
   pure subroutine new_maugis(lambda, curve)
-    real(real64), intent(in) :: lambda         !! 0.01 to 100
-    type(maugis_curve), intent(out) :: curve   !! ready to follow
+    real(real64), intent(in) :: lambda         !! parameter lambda, 0.01 to 100
+    type(maugis_curve), intent(out) :: curve   !! ends of the curve
     type(curve_point) :: at
     real(real64) :: low, high, s
     integer :: turn
@@ -72,8 +72,8 @@ contains
     at = point_at(lambda, 1.0_real64)
     curve%touching = at%overlap
     curve%snap_off = curve%snap_in - 0.5_real64 * (8.0_real64 * lambda / (3.0_real64 * pi))**2
-    ! The overlap falls with s up to the turn. There is a turn before the circle is gone if it rises
-    ! there.
+    ! The overlap decreases with s up to its least value, which has a contact circle if the overlap
+    ! increases at s = 1.
     if (at%overlap_slope > 0.0_real64) then
       low = 0.0_real64
       high = 1.0_real64
@@ -92,7 +92,7 @@ contains
       curve%touching = at%overlap
       curve%snap_off = at%overlap
     end if
-    ! The load falls with s up to the largest pull.
+    ! The load decreases with s up to the largest tensile load.
     low = 0.0_real64
     high = curve%last
     do turn = 1, most_turns
@@ -108,16 +108,16 @@ contains
     curve%pull_off = -at%load
   end subroutine new_maugis
 
-  !> The answer at an overlap, without units; the pressure in E a/(pi R) of the unit of a.
+  !> Response at an overlap, dimensionless; the unit of the pressure is E a/(pi R) with the unit of
+  !> the contact radius for a.
   pure subroutine follow_maugis(curve, overlap, answer)
-    type(maugis_curve), intent(in) :: curve     !! of the contact's lambda
-    real(real64), intent(in) :: overlap         !! not below `snap_off`
-    type(central_answer), intent(out) :: answer !! the point of the curve
+    type(maugis_curve), intent(in) :: curve     !! curve of the contact's lambda
+    real(real64), intent(in) :: overlap         !! overlap, not below `snap_off`
+    type(central_answer), intent(out) :: answer !! point of the curve
     type(curve_point) :: at
     real(real64) :: edge, root
 
-    ! A curve that turns with a contact circle never comes to a gap: below its end there is only
-    ! rounding.
+    ! Where the least overlap has a contact circle, an overlap below it is due to rounding.
     if (overlap < curve%touching .and. .not. curve%last < 1.0_real64) then
       edge = 8.0_real64 * curve%lambda / (3.0_real64 * pi)
       root = sqrt(max(edge**2 + 2.0_real64 * (overlap - curve%snap_in), 0.0_real64))
@@ -134,13 +134,14 @@ contains
                       (4.0_real64 / 3.0_real64) * curve%lambda * at%angle
   end subroutine follow_maugis
 
-  ! The parameter at an overlap, by Newton's steps for log(s) within bounds that close in. The area
-  ! sine of the overlap is nearly linear in log(s); the last steps are for the overlap itself.
+  ! The parameter s at an overlap, by Newton's method for log(s) within a shrinking bracket. The
+  ! inverse hyperbolic sine of the overlap is nearly linear in log(s); the last steps solve for the
+  ! overlap itself.
   pure function parameter_at(curve, overlap) result(s)
     type(maugis_curve), intent(in) :: curve
     real(real64), intent(in) :: overlap
     type(curve_point) :: at
-    real(real64) :: s, low, high, radius, miss, next
+    real(real64) :: s, low, high, radius, error, next
     integer :: turn
 
     low = 0.0_real64
@@ -150,17 +151,17 @@ contains
             sqrt(1.5_real64 / radius) / curve%lambda, 0.9_real64 * high)
     do turn = 1, most_turns
       at = point_at(curve%lambda, s)
-      miss = at%overlap - overlap
-      if (miss > 0.0_real64) then
+      error = at%overlap - overlap
+      if (error > 0.0_real64) then
         low = s
       else
         high = s
       end if
-      if (abs(miss) > 0.01_real64 * (1.0_real64 + abs(overlap))) then
-        miss = (asinh(at%overlap) - asinh(overlap)) * hypot(1.0_real64, at%overlap)
-        next = s * exp(min(-miss / min(s * at%overlap_slope, -tiny(s)), 2.0_real64))
+      if (abs(error) > 0.01_real64 * (1.0_real64 + abs(overlap))) then
+        error = (asinh(at%overlap) - asinh(overlap)) * hypot(1.0_real64, at%overlap)
+        next = s * exp(min(-error / min(s * at%overlap_slope, -tiny(s)), 2.0_real64))
       else
-        next = s - miss / min(at%overlap_slope, -tiny(s))
+        next = s - error / min(at%overlap_slope, -tiny(s))
       end if
       if (.not. abs(next - s) > 0.5_real64 * epsilon(s) * s) exit
       if (next > low .and. next < high) then
@@ -173,7 +174,7 @@ contains
     end do
   end function parameter_at
 
-  ! The point of a parameter. Slopes are regular up to s = 1, where those by the angle are none.
+  ! The point of a parameter. Slopes by s are regular up to s = 1, slopes by the angle are not.
   pure function point_at(lambda, s) result(at)
     real(real64), intent(in) :: lambda, s
     type(curve_point) :: at

@@ -1,10 +1,12 @@
-!> Creep of both bodies, as an effect that a scene names.
+!> Creep of both bodies, as an effect of a scene.
 !>
-!> Loading takes no time. Then the load or the approach is held; the states of the hold come at
-!> rising times. In each, the elastic answers become those of a standard linear solid with the
-!> memory of the states before (Lee and Radok 1960). The scene's modulus is the instantaneous one.
+!> Loading is instantaneous. Then the load or the separation is held; the states of the hold are at
+!> increasing times. In each, the elastic responses become those of a standard linear solid with the
+!> memory of the states before (Lee and Radok 1960). The modulus of the scene is the instantaneous
+!> one.
 module asperity_creep
-  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, plain
+  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
+                                     plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: contact_state
@@ -13,8 +15,9 @@ module asperity_creep
   use asperity_scene_values, only: compliance, effect_auto, effect_boundary, hold_load, scene
   use asperity_theory_warnings, only: of_creep_strain, of_relaxing, of_unlike_bodies, warn, &
                                       warning_kinds
-  use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, loaded, relaxation, &
-                                         solid_step, standard_linear_solid, step_over
+  use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, load_after, &
+                                         relaxation_ratio, solid_step, standard_linear_solid, &
+                                         step_over
   implicit none
   private
 
@@ -22,39 +25,41 @@ module asperity_creep
 
   ! Representative strain over contact radius by combined radius (Tabor 1951).
   real(real64), parameter :: strain_per_radius = 0.2_real64
+  ! Power of the load in the compression of a contact. Derived (Hertz).
   real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
 
-  !> What one contact remembers of the last state kept: of its load and of its greatest pressure.
+  !> Memory of one contact at the last state kept: of its load and of its greatest pressure.
   type :: contact_memory
     real(real64) :: elastic(2) = 0.0_real64   !! without relaxation
-    real(real64) :: relaxing(2) = 0.0_real64  !! the part of it that will relax
+    real(real64) :: relaxing(2) = 0.0_real64  !! the part that will relax
   end type contact_memory
 
   !> Creep with one standard linear solid for both bodies.
   type, extends(contact_effect) :: creep_effect
-    type(standard_linear_solid) :: solid            !! of both bodies
-    real(real64) :: hold_time = 0.0_real64          !! how long the last state is held, 0 or more
-    logical :: holds_load = .true.                  !! not the approach
-    real(real64) :: softer_share = 1.0_real64       !! of the combined compliance, the softer body's
-    real(real64) :: unlike = 0.0_real64             !! of the compliance, relaxes by another solid
-    real(real64) :: may_fall = 0.0_real64           !! elastic load that may go, share of the total
-    real(real64) :: time = 0.0_real64               !! of the last state kept
+    type(standard_linear_solid) :: solid            !! material of both bodies
+    real(real64) :: hold_time = 0.0_real64          !! duration of the hold, 0 or more
+    logical :: holds_load = .true.                  !! the load is held; else the separation
+    real(real64) :: softer_share = 1.0_real64       !! share of the softer body in the compliance
+    real(real64) :: unlike = 0.0_real64             !! share of the compliance with another solid
+    real(real64) :: may_fall = 0.0_real64           !! decrease of an elastic load over the total
+    real(real64) :: time = 0.0_real64               !! time of the last state kept
     type(contact_memory), allocatable :: memory(:)  !! of each pair; allocated by `begin`
   contains
-    procedure :: estimate
-    procedure :: apply
+    procedure :: estimate => estimate_creep
+    procedure :: apply => apply_creep
     procedure :: leave_out
-    procedure :: begin
-    procedure :: keep
+    procedure :: begin => begin_creep
+    procedure :: keep => keep_creep
     procedure :: held_share
   end type creep_effect
 
 contains
 
-  !> Creep as the scene names it.
+  !> Makes the effect from its parameters in a scene.
   subroutine new_creep(scene_in, effect)
-    type(scene), intent(in) :: scene_in                        !! checked values
-    class(contact_effect), allocatable, intent(out) :: effect  !! ready to act
+    type(scene), intent(in) :: scene_in                        !! scene with checked values
+    class(contact_effect), allocatable, intent(out) :: effect  !! effect without history
+    ! Decrease of an elastic load by rounding, over the total. Chosen.
     real(real64), parameter :: rounding = 1.0e-9_real64
     type(creep_effect) :: new
     real(real64) :: compliances(2)
@@ -66,7 +71,7 @@ contains
       new%solid%relaxation_time = effects%number('relaxation_time')
       new%hold_time = effects%number('hold_time')
       new%holds_load = nint(effects%number('hold')) == hold_load
-      ! Cells move the load of a contact by their tolerance, `auto` by its own where it sets in.
+      ! Boundary elements change the load of a contact by their tolerance, `auto` by its own.
       new%may_fall = rounding
       if (any(effects%mode('interaction') == [effect_auto, effect_boundary])) &
         new%may_fall = effects%number('boundary_tolerance')
@@ -79,50 +84,49 @@ contains
       compliances = compliance([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus], &
                                [scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
       new%softer_share = maxval(compliances) / sum(compliances)
-      ! 0 for equal bodies and for a rigid one.
+      ! It is 0 for equal bodies and for a rigid one.
       new%unlike = minval(compliances) / sum(compliances) * &
                    (1.0_real64 - minval(compliances) / maxval(compliances))
     end if
     new%contact_columns = [ &
-      column('elastic_load', force), &     ! of an elastic one of this closing
-      column('relaxed_share', plain)]    ! load over that
+      effect_column('elastic_load', force), &   ! load of an elastic contact at this compression
+      effect_column('relaxed_share', plain)]    ! load over elastic load
     new%state_columns = [ &
-      column('time', plain), &                                 ! since the end of loading
-      column('elastic_load', force)]       ! sum of those of the contacts
+      effect_column('time', plain), &           ! since the end of loading
+      effect_column('elastic_load', force)]     ! sum over the contacts
     allocate (effect, source=new)
   end subroutine new_creep
 
-  !> Share of the load that is gone at the end of a hold of the approach. While a load is held, load
-  !> over elastic load is nearer to one. The same for all states of a position, so that `auto` does
-  !> not change its mind on the way.
-  function estimate(self, pairs, state) result(share)
-    class(creep_effect), intent(in) :: self   !! creep
-    type(contact_pairs), intent(in) :: pairs  !! the position
-    type(contact_state), intent(in) :: state  !! before creep
+  !> Relative decrease of the load at the end of a hold of the separation; in a hold of the load the
+  !> ratio of load and elastic load is closer to 1. The estimate is equal for all states of a
+  !> position, so that `auto` has one choice in a hold.
+  function estimate_creep(self, pairs, state) result(share)
+    class(creep_effect), intent(in) :: self   !! creep with its parameters
+    type(contact_pairs), intent(in) :: pairs  !! pairs of the position
+    type(contact_state), intent(in) :: state  !! contacts without creep
     real(real64) :: share
 
     share = 0.0_real64
     if (size(pairs%list) > 0 .and. allocated(state%answers)) &
-      share = 1.0_real64 - relaxation(self%solid, self%hold_time)
-  end function estimate
+      share = 1.0_real64 - relaxation_ratio(self%solid, self%hold_time)
+  end function estimate_creep
 
-  !> What is left of a load that is held, over the elastic load of the same closing: one over the
+  !> Load in a hold of the load over the elastic load at the same compression: the inverse of the
   !> creep compliance.
   function held_share(self, time) result(share)
-    class(creep_effect), intent(in) :: self  !! creep
-    real(real64), intent(in) :: time         !! since the end of loading
+    class(creep_effect), intent(in) :: self  !! creep with its parameters
+    real(real64), intent(in) :: time         !! time since the end of loading
     real(real64) :: share
 
     share = 1.0_real64 / creep_compliance(self%solid, time)
   end function held_share
 
-  !> Turns the elastic answers at `state%time` into those after creep. Columns: load that an elastic
-  !> contact of this closing carries, load over that; the time, the sum of the elastic loads.
-  subroutine apply(self, pairs, state, outcome)
-    class(creep_effect), intent(in) :: self         !! creep
-    type(contact_pairs), intent(in) :: pairs        !! the position
+  !> Turns the elastic responses at `state%time` into those after creep.
+  subroutine apply_creep(self, pairs, state, outcome)
+    class(creep_effect), intent(in) :: self         !! creep with its history
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(inout) :: state     !! gets loads, pressures and stiffness
-    type(effect_outcome), intent(inout) :: outcome  !! what it did
+    type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
     type(solid_step) :: step
     real(real64) :: elastic, fall
     logical :: holds
@@ -132,7 +136,7 @@ contains
     outcome%ending%converged = .true.
     allocate (outcome%of_contacts(size(pairs%list), 2), source=0.0_real64)
     outcome%of_state = [state%time, sum(state%answers%load)]
-    ! At the end of loading nothing has crept, and closings may still go anywhere.
+    ! At the end of loading there is no creep, and a compression of any sign is valid.
     holds = state%time > 0.0_real64
     if (holds) step = step_over(self%solid, self%time, state%time)
     fall = 0.0_real64
@@ -146,20 +150,20 @@ contains
       if (.not. state%penetration(i) > 0.0_real64) cycle
       outcome%of_contacts(i, :) = [elastic, 1.0_real64]
       if (.not. (holds .and. elastic > 0.0_real64)) cycle
-      call relax(step, self%memory(i), pairs%list(i)%s, state%answers(i))
+      call relax_contact(step, self%memory(i), pairs%list(i)%s, state%answers(i))
       outcome%of_contacts(i, 2) = state%answers(i)%load / elastic
     end do
     call warn_of_limits(self, pairs, state, outcome)
     if (fall > self%may_fall * outcome%of_state(2)) outcome%failure = &
       'the area of contact ' // decimal_text(worst) // ' shrinks during the hold, which the ' // &
       'theory of Lee and Radok does not cover'
-  end subroutine apply
+  end subroutine apply_creep
 
-  !> Left out: all is elastic.
+  !> Sets the columns where creep is left out: the contacts are elastic.
   subroutine leave_out(self, pairs, state, outcome)
-    class(creep_effect), intent(in) :: self         !! creep
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(in) :: state        !! without creep
+    class(creep_effect), intent(in) :: self         !! creep with its parameters
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(in) :: state        !! contacts without creep
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
 
     associate (unused => self)
@@ -169,8 +173,9 @@ contains
     outcome%of_state = [not_computed, sum(state%answers%load)]
   end subroutine leave_out
 
-  ! Strains beyond the linear range, and a hold that ends early: held, the approach still loses
-  ! load; under a held load one contact still closes by the power 2/3 of the compliance.
+  ! Warns of strains beyond the linear range, of unlike bodies, and of a hold that ends before
+  ! relaxation does. In a hold of the load the compression of one contact still increases by the
+  ! power 2/3 of the compliance.
   subroutine warn_of_limits(self, pairs, state, outcome)
     class(creep_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
@@ -192,13 +197,13 @@ contains
       to_come = (1.0_real64 / (self%solid%relaxed_ratio * &
                                creep_compliance(self%solid, state%time)))**two_thirds - 1.0_real64
     else
-      to_come = 1.0_real64 - self%solid%relaxed_ratio / relaxation(self%solid, state%time)
+      to_come = 1.0_real64 - self%solid%relaxed_ratio / relaxation_ratio(self%solid, state%time)
     end if
     if (to_come > self%tolerance) call warn(outcome%warnings, of_relaxing, to_come)
   end subroutine warn_of_limits
 
-  ! One contact: the elastic answer becomes that after a step.
-  pure subroutine relax(step, before, sum_of_radii, answer)
+  ! Turns the elastic response of a contact into that after a step.
+  pure subroutine relax_contact(step, before, sum_of_radii, answer)
     type(solid_step), intent(in) :: step
     type(contact_memory), intent(in) :: before
     real(real64), intent(in) :: sum_of_radii
@@ -207,41 +212,41 @@ contains
 
     elastic = answer%load
     relaxing = before%relaxing
-    call loaded(step, before%elastic, [answer%load, answer%maximum_pressure], relaxing, now)
+    call load_after(step, before%elastic, [answer%load, answer%maximum_pressure], relaxing, now)
     answer%load = now(1)
     answer%maximum_pressure = now(2)
     answer%vertical_load = answer%vertical_load * (answer%load / elastic)
-    ! The elastic stiffness is cosine dPe/dp + Pe d(cosine)/dp; only dPe/dp becomes less.
+    ! The elastic stiffness is cosine dPe/dp + Pe d(cosine)/dp; creep reduces dPe/dp only.
     turn = (1.0_real64 - answer%cosine) * (1.0_real64 + answer%cosine) / &
            (sum_of_radii - answer%overlap)
     gain = step%relaxed_ratio + step%growth
     answer%stiffness = gain * answer%stiffness - (answer%load - gain * elastic) * turn
-  end subroutine relax
+  end subroutine relax_contact
 
-  !> Nothing has touched yet.
-  subroutine begin(self, pairs)
-    class(creep_effect), intent(inout) :: self  !! creep
-    type(contact_pairs), intent(in) :: pairs    !! the position
+  !> Begins a position without any contact so far.
+  subroutine begin_creep(self, pairs)
+    class(creep_effect), intent(inout) :: self  !! creep, whose memory is cleared
+    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
 
     if (allocated(self%memory)) deallocate (self%memory)
     allocate (self%memory(size(pairs%list)))
     self%time = 0.0_real64
-  end subroutine begin
+  end subroutine begin_creep
 
-  !> Remembers a state. Its loads and pressures are those after creep; the elastic ones follow from
-  !> them. Friction, which acts later, leaves both as they are.
-  subroutine keep(self, pairs, state)
-    class(creep_effect), intent(inout) :: self  !! creep
-    type(contact_pairs), intent(in) :: pairs    !! the position
-    type(contact_state), intent(in) :: state    !! all effects applied
+  !> Keeps a state. Its loads and pressures are those after creep; the elastic ones follow from
+  !> them. Friction, which acts later, changes neither.
+  subroutine keep_creep(self, pairs, state)
+    class(creep_effect), intent(inout) :: self  !! creep, gets the history
+    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
+    type(contact_state), intent(in) :: state    !! contacts with all effects
 
     if (.not. state%time > 0.0_real64) call self%begin(pairs)
-    call remember(step_over(self%solid, self%time, state%time), state%answers, self%memory)
+    call update_memory(step_over(self%solid, self%time, state%time), state%answers, self%memory)
     self%time = state%time
-  end subroutine keep
+  end subroutine keep_creep
 
-  ! What a contact keeps of a step.
-  elemental subroutine remember(step, answer, memory)
+  ! Sets the memory of a contact at the end of a step.
+  elemental subroutine update_memory(step, answer, memory)
     type(solid_step), intent(in) :: step
     type(contact_response), intent(in) :: answer
     type(contact_memory), intent(inout) :: memory
@@ -254,6 +259,6 @@ contains
     else
       memory = contact_memory()
     end if
-  end subroutine remember
+  end subroutine update_memory
 
 end module asperity_creep

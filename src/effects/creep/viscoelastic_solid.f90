@@ -1,109 +1,109 @@
-!> The standard linear solid: how it relaxes, how it creeps, and one step of its memory.
+!> The standard linear solid: relaxation, creep compliance and one step of its memory.
 !>
 !> Relaxation: E(t)/E(0) = r + (1 - r) exp(-t/tau). With it a load is the hereditary integral of the
 !> elastic load of the same contact (Lee and Radok 1960, for contact areas that do not shrink),
 !>
 !>     P = r Pe + q,     q' = -q/tau + (1 - r) Pe'
 !>
-!> so that one number a contact, q, holds the whole past. Over a step h the elastic load is taken to
-!> run from its old to its new value as A + B exp(-r t/tau). So it runs where the load of all
-!> contacts is held, so the steps are exact there and where the approach is held. Otherwise the
-!> error falls with the square of the step.
+!> so that the history of a contact is one number, q. Over a step h the elastic load is assumed to
+!> change as A + B exp(-r t/tau). This is its form in a hold of the load of all contacts: steps are
+!> exact there and in a hold of the separation. Otherwise the error is of second order in the step.
 module asperity_viscoelastic_solid
   use asperity_kinds, only: real64
   implicit none
   private
 
   public :: standard_linear_solid, solid_step
-  public :: relaxation, creep_compliance, step_over, loaded, elastic_load_of, hold_times
+  public :: relaxation_ratio, creep_compliance, step_over, load_after, elastic_load_of, hold_times
 
-  ! Where exp(-x) is nothing beside one, and where exp(x) is still in range.
-  real(real64), parameter :: most = 700.0_real64
-  ! Below it 1 - x/2 is 1.
-  real(real64), parameter :: least = 1.0e-17_real64
+  ! Largest argument of exp, derived: exp(-700) is negligible beside 1, exp(700) does not overflow.
+  real(real64), parameter :: largest_argument = 700.0_real64
+  ! Argument below which 1 - x/2 is 1, derived from the spacing of doubles.
+  real(real64), parameter :: least_argument = 1.0e-17_real64
 
   !> A standard linear solid with a constant Poisson's ratio.
   type :: standard_linear_solid
     real(real64) :: relaxed_ratio = 1.0_real64    !! r, relaxed over instantaneous modulus, (0, 1]
-    real(real64) :: relaxation_time = 0.0_real64  !! tau, 0 or more: 0 relaxes in no time
+    real(real64) :: relaxation_time = 0.0_real64  !! tau >= 0; 0: relaxes instantaneously
   end type standard_linear_solid
 
-  !> What one step does: P_new = (r + growth) Pe_new - growth Pe_old + decay q_old.
+  !> Coefficients of one step: P_new = (r + growth) Pe_new - growth Pe_old + decay q_old.
   type :: solid_step
-    real(real64) :: relaxed_ratio = 1.0_real64  !! r
-    real(real64) :: decay = 1.0_real64          !! what is left of the memory, exp(-h/tau)
+    real(real64) :: relaxed_ratio = 1.0_real64  !! r, relaxed over instantaneous modulus
+    real(real64) :: decay = 1.0_real64          !! decay of the memory, exp(-h/tau)
     real(real64) :: growth = 0.0_real64         !! new memory over growth of the elastic load
   end type solid_step
 
 contains
 
-  !> E(t)/E(0), between r and 1: the load over that at once after loading, at a held approach.
-  elemental real(real64) function relaxation(solid, time)
-    type(standard_linear_solid), intent(in) :: solid  !! the material
-    real(real64), intent(in) :: time                  !! since loading, 0 or more
+  !> E(t)/E(0), between r and 1: the load over that at time 0 in a hold of the separation.
+  elemental real(real64) function relaxation_ratio(solid, time)
+    type(standard_linear_solid), intent(in) :: solid  !! material of both bodies
+    real(real64), intent(in) :: time                  !! time since loading, 0 or more
     real(real64) :: x
 
     x = time_over(time, solid%relaxation_time)
-    relaxation = solid%relaxed_ratio + (1.0_real64 - solid%relaxed_ratio) * left(x)
-  end function relaxation
+    relaxation_ratio = solid%relaxed_ratio + (1.0_real64 - solid%relaxed_ratio) * decay_of(x)
+  end function relaxation_ratio
 
-  !> J(t) E(0) = 1/r - (1/r - 1) exp(-r t/tau), between 1 and 1/r: the elastic load at the closing
-  !> of a held load, over that load (Johnson, Contact Mechanics, 1985, section 6.5).
+  !> J(t) E(0) = 1/r - (1/r - 1) exp(-r t/tau), between 1 and 1/r: the elastic load at the
+  !> compression of a held load, over that load (Johnson, Contact Mechanics, 1985, section 6.5).
   elemental real(real64) function creep_compliance(solid, time)
-    type(standard_linear_solid), intent(in) :: solid  !! the material
-    real(real64), intent(in) :: time                  !! since loading, 0 or more
+    type(standard_linear_solid), intent(in) :: solid  !! material of both bodies
+    real(real64), intent(in) :: time                  !! time since loading, 0 or more
     real(real64) :: r, x
 
     r = solid%relaxed_ratio
     x = r * time_over(time, solid%relaxation_time)
-    creep_compliance = 1.0_real64 + ((1.0_real64 - r) / r) * lost(x)
+    creep_compliance = 1.0_real64 + ((1.0_real64 - r) / r) * growth_of(x)
   end function creep_compliance
 
-  !> The step from one time to another. No time: an elastic step.
+  !> The step from one time to another; elastic for equal times.
   elemental type(solid_step) function step_over(solid, from, to) result(step)
-    type(standard_linear_solid), intent(in) :: solid  !! the material
-    real(real64), intent(in) :: from                  !! where the step begins
-    real(real64), intent(in) :: to                    !! where it ends, not before
+    type(standard_linear_solid), intent(in) :: solid  !! material of both bodies
+    real(real64), intent(in) :: from                  !! time at its begin
+    real(real64), intent(in) :: to                    !! time at its end, >= from
     real(real64) :: r, x, slow
 
     r = solid%relaxed_ratio
     x = time_over(to - from, solid%relaxation_time)
     slow = r * x
     step%relaxed_ratio = r
-    step%decay = left(x)
+    step%decay = decay_of(x)
     ! r (1 - exp(-(1-r) x))/(exp(r x) - 1), as a product of factors without cancellation.
-    step%growth = (1.0_real64 - r) * mean_of((1.0_real64 - r) * x) * left(slow) / mean_of(slow)
+    step%growth = (1.0_real64 - r) * mean_decay((1.0_real64 - r) * x) * decay_of(slow) / &
+                  mean_decay(slow)
   end function step_over
 
-  !> Load at the end of a step. `memory` becomes that of the end.
-  elemental subroutine loaded(step, elastic_before, elastic, memory, load)
-    type(solid_step), intent(in) :: step        !! the step
+  !> Computes load and memory at the end of a step.
+  elemental subroutine load_after(step, elastic_before, elastic, memory, load)
+    type(solid_step), intent(in) :: step        !! coefficients of the step
     real(real64), intent(in) :: elastic_before  !! elastic load at its begin
     real(real64), intent(in) :: elastic         !! elastic load at its end
-    real(real64), intent(inout) :: memory       !! q
-    real(real64), intent(out) :: load           !! P at the end
+    real(real64), intent(inout) :: memory       !! q at its begin, then at its end
+    real(real64), intent(out) :: load           !! load P at its end
 
     memory = step%decay * memory + step%growth * (elastic - elastic_before)
     load = step%relaxed_ratio * elastic + memory
-  end subroutine loaded
+  end subroutine load_after
 
   !> Elastic load at the end of a step, from the load there.
   elemental function elastic_load_of(step, elastic_before, memory, load) result(elastic)
-    type(solid_step), intent(in) :: step        !! the step
+    type(solid_step), intent(in) :: step        !! coefficients of the step
     real(real64), intent(in) :: elastic_before  !! elastic load at its begin
     real(real64), intent(in) :: memory          !! q at its begin
-    real(real64), intent(in) :: load            !! P at its end
+    real(real64), intent(in) :: load            !! load P at its end
     real(real64) :: elastic
 
     elastic = (load - step%decay * memory + step%growth * elastic_before) / &
               (step%relaxed_ratio + step%growth)
   end function elastic_load_of
 
-  !> Times of the states of a hold: evenly spaced while well below the relaxation time, by equal
-  !> factors beyond it.
+  !> Times of the states of a hold: evenly spaced up to a fraction of the relaxation time, in equal
+  !> ratios beyond it.
   pure subroutine hold_times(hold_time, relaxation_time, points, times)
-    real(real64), intent(in) :: hold_time                !! how long, 0 or more
-    real(real64), intent(in) :: relaxation_time          !! of the material, 0 or more
+    real(real64), intent(in) :: hold_time                !! duration of the hold, 0 or more
+    real(real64), intent(in) :: relaxation_time          !! relaxation time of the material
     integer, intent(in) :: points                        !! number of states, 2 or more
     real(real64), allocatable, intent(out) :: times(:)   !! from 0 to `hold_time`, ascending
     real(real64) :: even, rise, span
@@ -116,7 +116,7 @@ contains
     end if
     last = max(1, points - 1)
     allocate (times(last + 1))
-    ! Six decades at most. Ten holds or more: nearly even all over.
+    ! Chosen: ratios over at most six decades; from ten holds on times are nearly even.
     even = min(max(0.1_real64 * relaxation_time, 1.0e-6_real64 * hold_time), &
                10.0_real64 * hold_time)
     span = log(1.0_real64 + hold_time / even)
@@ -128,7 +128,7 @@ contains
     times(last + 1) = hold_time
   end subroutine hold_times
 
-  ! A time in relaxation times; huge where that is out of range.
+  ! A time over the relaxation time; huge where that overflows.
   elemental real(real64) function time_over(time, relaxation_time)
     real(real64), intent(in) :: time
     real(real64), intent(in) :: relaxation_time
@@ -138,7 +138,7 @@ contains
       return
     end if
     time_over = huge(time)
-    ! Nothing overflows: the product is asked for only below one.
+    ! The product overflows for no relaxation time below 1.
     if (relaxation_time < 1.0_real64) then
       if (time > relaxation_time * huge(time)) return
     end if
@@ -146,33 +146,33 @@ contains
   end function time_over
 
   ! exp(-x) for x of 0 or more.
-  elemental real(real64) function left(x)
+  elemental real(real64) function decay_of(x)
     real(real64), intent(in) :: x
 
-    left = 0.0_real64
-    if (x < most) left = exp(-x)
-  end function left
+    decay_of = 0.0_real64
+    if (x < largest_argument) decay_of = exp(-x)
+  end function decay_of
 
   ! 1 - exp(-x) for x of 0 or more, without cancellation.
-  elemental real(real64) function lost(x)
+  elemental real(real64) function growth_of(x)
     real(real64), intent(in) :: x
 
-    if (x < most) then
-      lost = 2.0_real64 * exp(-0.5_real64 * x) * sinh(0.5_real64 * x)
+    if (x < largest_argument) then
+      growth_of = 2.0_real64 * exp(-0.5_real64 * x) * sinh(0.5_real64 * x)
     else
-      lost = 1.0_real64
+      growth_of = 1.0_real64
     end if
-  end function lost
+  end function growth_of
 
   ! (1 - exp(-x))/x, the mean of exp(-x) from 0 to x.
-  elemental real(real64) function mean_of(x)
+  elemental real(real64) function mean_decay(x)
     real(real64), intent(in) :: x
 
-    if (x > least) then
-      mean_of = lost(x) / x
+    if (x > least_argument) then
+      mean_decay = growth_of(x) / x
     else
-      mean_of = 1.0_real64
+      mean_decay = 1.0_real64
     end if
-  end function mean_of
+  end function mean_decay
 
 end module asperity_viscoelastic_solid

@@ -1,21 +1,21 @@
-!> Friction between two spheres, one above the other and offset in plan, closed vertically.
+!> Friction between two spheres, one above the other and offset in plan, compressed vertically.
 !>
-!> The upper body comes down and is held against sideways motion and rotation. So a pair moves
-!> tangentially as well as normally: with the height z between the centres, their distance in plan
-!> d and the overlap W, the tangential displacement U follows dU = tan(slope) dW, tan(slope) = d/z.
-!> The slope grows a little while the pair closes. Increments: dT = 8 G a dU, dN = 2 E a dW with
+!> The upper body moves down without lateral motion or rotation, so a pair moves tangentially as
+!> well as normally: with the height z between the centres, their distance in plan d and the overlap
+!> W, the tangential displacement U obeys dU = tan(slope) dW, tan(slope) = d/z. The slope increases
+!> slightly with the compression. Increments: dT = 8 G a dU, dN = 2 E a dW with
 !> the contact radius a and 1/G = (2-nu1)/G1 + (2-nu2)/G2 (Mindlin and Deresiewicz 1953; Walton
 !> 1978; Johnson, Contact Mechanics, 1985, chapter 7). So dT/dN = kappa d/z with kappa = 4 G/E.
 !>
 !> - kappa d/z <= mu: no slip anywhere, T is the integral of kappa d/z over N.
-!> - kappa U > mu W: all of it slides, T = mu N.
-!> - Between: it sticks within a radius c and slips around it. Traction mu times the difference of
-!>   the Hertz pressures of radii a and c moves the inside of c as a whole (Cattaneo, Mindlin;
-!>   for paths Jaeger 1993, Ciavarella 1998). The stick part is what it was when the contact radius
-!>   was c: T = mu (N - N(c)) + T(c), where U - U(c) = (mu/kappa) (W - W(c)).
+!> - kappa U > mu W: complete sliding, T = mu N.
+!> - Between: stick within a radius c and slip outside. The traction, mu times the difference of
+!>   the Hertz pressures of radii a and c, displaces the inside of c uniformly (Cattaneo, Mindlin;
+!>   for paths Jaeger 1993, Ciavarella 1998). The stick part is that at the contact radius c:
+!>   T = mu (N - N(c)) + T(c), where U - U(c) = (mu/kappa) (W - W(c)).
 !>
-!> Within the assumptions of Hertz and Mindlin this is exact for the path as it is. N enters as a
-!> multiple of W**1.5; for a law that is none, the shares of stick and slip are those of Hertz.
+!> Within the assumptions of Hertz and Mindlin this is exact for the actual path. N is taken as
+!> proportional to W**1.5; for another law the shares of stick and slip are those of Hertz' law.
 module asperity_friction
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
@@ -24,22 +24,23 @@ module asperity_friction
   implicit none
   private
 
-  public :: rubbing, tangential_stiffness_ratio, rub, estimate_of_friction
+  public :: rubbing, tangential_stiffness_ratio, solve_friction, estimate_of_friction
 
-  !> What friction adds to one contact. Zeros where it does not touch.
+  !> Friction of one contact. Zeros where it does not touch.
   type :: rubbing
-    real(real64) :: tangential_load = 0.0_real64  !! 0 or more; on the upper body up the slope
-    logical :: sliding = .false.                  !! slips all over: T = mu N
+    real(real64) :: tangential_load = 0.0_real64  !! T >= 0; on the upper body up the slope
+    logical :: sliding = .false.                  !! complete sliding, T = mu N
     real(real64) :: slip_annulus = 0.0_real64     !! its width over contact radius; 0 stick, 1 slide
-    real(real64) :: stick_radius = 0.0_real64     !! of the circle that does not slip
-    real(real64) :: lateral_x = 0.0_real64        !! force on the upper body in plan, N and T
-    real(real64) :: lateral_y = 0.0_real64        !! force on the upper body in plan, N and T
-    real(real64) :: vertical_load = 0.0_real64    !! N cos + T sin: friction resists the closing
+    real(real64) :: stick_radius = 0.0_real64     !! radius c of the circle that sticks
+    real(real64) :: lateral_x = 0.0_real64        !! force on the upper body in plan, of N and T
+    real(real64) :: lateral_y = 0.0_real64        !! force on the upper body in plan, of N and T
+    real(real64) :: vertical_load = 0.0_real64    !! N cos + T sin
     real(real64) :: stiffness = 0.0_real64        !! d vertical_load / d penetration
   end type rubbing
 
-  ! A coefficient above this sticks as this one does; products with it cannot overflow.
-  real(real64), parameter :: coefficient_sought = 1.0e100_real64
+  ! Largest coefficient of friction that is used; above it all contacts stick. Chosen: products
+  ! with it do not overflow.
+  real(real64), parameter :: largest_coefficient = 1.0e100_real64
 
 contains
 
@@ -47,16 +48,16 @@ contains
   !> (2-nu2)/G2 and 1/E = (1-nu1**2)/E1 + (1-nu2**2)/E2 (Johnson 1985, sections 7.2 and 4.2).
   !>
   !> 2 (1-nu)/(2-nu) for equal materials: from 2/3 at nu = 0.5 to 4/3 at nu = -1. Mindlin's value:
-  !> for unlike materials it leaves out that shear also presses and pressure also shears.
+  !> for unlike materials it neglects the coupling of normal and tangential displacements.
   elemental function tangential_stiffness_ratio(e1, nu1, e2, nu2) result(kappa)
     real(real64), intent(in) :: e1   !! elastic modulus, more than 0
     real(real64), intent(in) :: nu1  !! Poisson's ratio, -1 to 0.5
     real(real64), intent(in) :: e2   !! elastic modulus, more than 0, in the unit of `e1`
     real(real64), intent(in) :: nu2  !! Poisson's ratio, -1 to 0.5
-    real(real64) :: kappa            !! dimensionless
+    real(real64) :: kappa            !! ratio of the stiffnesses, dimensionless
     real(real64) :: larger, c1, c2
 
-    ! Shear compliances, but for a common factor.
+    ! Shear compliances up to a common factor.
     larger = max(e1, e2)
     c1 = (1.0_real64 + nu1) * (e2 / larger)
     c2 = (1.0_real64 + nu2) * (e1 / larger)
@@ -64,37 +65,36 @@ contains
       kappa = 2.0_real64 * ((1.0_real64 - nu1) * c1 + (1.0_real64 - nu2) * c2) / &
               ((2.0_real64 - nu1) * c1 + (2.0_real64 - nu2) * c2)
     else
-      ! Both are -1: stiff against shear without bound, the ratio has a limit.
+      ! Limit where both are -1 and the shear moduli are infinite.
       kappa = 4.0_real64 / 3.0_real64
     end if
   end function tangential_stiffness_ratio
 
-  !> What friction adds to a contact that was closed from first touch to a penetration.
-  pure subroutine rub(pair, penetration, response, kappa, coefficient, rubbed)
-    type(contact_pair), intent(in) :: pair          !! who touches
+  !> Solves the friction of a contact that was compressed from first touch to a penetration.
+  pure subroutine solve_friction(pair, penetration, response, kappa, coefficient, rubbed)
+    type(contact_pair), intent(in) :: pair          !! geometry of the contact
     real(real64), intent(in) :: penetration         !! vertical, past first touch; less than zc
-    type(contact_response), intent(in) :: response  !! the law's answer to this penetration
+    type(contact_response), intent(in) :: response  !! frictionless response to this penetration
     real(real64), intent(in) :: kappa               !! tangential over normal stiffness
-    real(real64), intent(in) :: coefficient         !! of friction, mu, 0 or more
-    type(rubbing), intent(out) :: rubbed            !! what friction adds
-    real(real64) :: mu, z, centres, sine, cosine, slope, share, past, load, rate
+    real(real64), intent(in) :: coefficient         !! coefficient of friction mu >= 0
+    type(rubbing), intent(out) :: rubbed            !! friction of the contact
+    real(real64) :: mu, z, centres, sine, cosine, slope, share, stuck, load, rate
 
     if (.not. (penetration > 0.0_real64 .and. response%load > 0.0_real64)) return
-    mu = min(coefficient, coefficient_sought)
+    mu = min(coefficient, largest_coefficient)
     z = pair%zc - penetration
     centres = sqrt(pair%d**2 + z**2)
     sine = pair%d / centres
     cosine = z / centres
     slope = pair%d / z
 
-    ! past: penetration at which the contact was as large as what still sticks.
-    past = stuck_since(pair, penetration, kappa, mu)
-    if (past > 0.0_real64) then
+    stuck = stuck_penetration(pair, penetration, kappa, mu)
+    if (stuck > 0.0_real64) then
       share = 1.0_real64
-      if (past < penetration) share = min(share, overlap_ratio(pair, past, penetration))
+      if (stuck < penetration) share = min(share, overlap_ratio(pair, stuck, penetration))
       load = response%load * share * sqrt(share)
-      rubbed%tangential_load = kappa * mean_slope(pair, past) * load
-      ! Nothing is added for mu when all sticks: 0 times a huge mu must not matter.
+      rubbed%tangential_load = kappa * mean_slope(pair, stuck) * load
+      ! Complete stick has no term with mu, which may be huge.
       if (share < 1.0_real64) rubbed%tangential_load = rubbed%tangential_load + &
                                                        mu * (response%load - load)
       share = sqrt(share)
@@ -108,23 +108,23 @@ contains
 
     rubbed%vertical_load = response%vertical_load + rubbed%tangential_load * sine
     call push_sideways(pair, response%load * sine - rubbed%tangential_load * cosine, rubbed)
-    ! dN/dp of the law, then dT/dp = 8 G c dU/dp + mu (dN/dp - 2 E c dW/dp).
+    ! Derivatives: dN/dp of the law, dT/dp = 8 G c dU/dp + mu (dN/dp - 2 E c dW/dp).
     rate = (response%stiffness + response%load * sine**2 / centres) / cosine
     rate = rate * share * kappa * slope + merge(rate * (1.0_real64 - share) * mu, 0.0_real64, &
                                                share < 1.0_real64)
     rubbed%stiffness = response%stiffness + rate * sine + &
                        rubbed%tangential_load * sine * cosine / centres
-  end subroutine rub
+  end subroutine solve_friction
 
-  !> Upper bound of the share by which friction raises the total vertical load at a closing: the
-  !> sum of T sin over that of N cos, with T at most mu N and at most kappa d/z N.
+  !> Upper bound of the relative increase of the total vertical load by friction at a compression:
+  !> the sum of T sin over that of N cos, with T at most mu N and at most kappa d/z N.
   pure function estimate_of_friction(pairs, law, closing, kappa, coefficient) result(estimate)
-    type(contact_pairs), intent(in) :: pairs  !! of the position
-    class(contact_law), intent(in) :: law     !! the law of each contact
-    real(real64), intent(in) :: closing       !! past first touch of the first pair
+    type(contact_pairs), intent(in) :: pairs  !! pairs of the position
+    class(contact_law), intent(in) :: law     !! law of each contact
+    real(real64), intent(in) :: closing       !! compression, length, 0 or more
     real(real64), intent(in) :: kappa         !! tangential over normal stiffness
-    real(real64), intent(in) :: coefficient   !! of friction, 0 or more
-    real(real64) :: estimate                  !! 0 or more; 0 without contact
+    real(real64), intent(in) :: coefficient   !! coefficient of friction mu >= 0
+    real(real64) :: estimate                  !! relative increase; 0 without contact
     type(contact_response) :: response
     real(real64) :: z, slope, total, added
     integer :: i
@@ -146,40 +146,42 @@ contains
     if (total > 0.0_real64) estimate = added / total
   end function estimate_of_friction
 
-  ! The penetration at which the contact circle was the one that still sticks at p: p if all of it
-  ! sticks, 0 if it slides. Between two states of the path, exactly,
+  ! The penetration at which the contact radius was the stick radius c at p: p with complete stick,
+  ! 0 with complete sliding. Between two states of the path, exactly,
   !   U - U' = 2 d atanh(q), W - W' = (z' - z) (z + z') / (D + D'), q = (z' - z) / (D + D')
   ! with D the distance of the centres, so the secant U - U' = (mu/kappa) (W - W') is
   !   2 d atanh(q)/q = (mu/kappa) (z + z').
-  ! It has no cancellation, and iterating on z' converges fast, as q is small.
-  pure function stuck_since(pair, p, kappa, mu) result(past)
+  ! It has no cancellation, and the fixed-point iteration for z' converges fast, as q is small.
+  pure function stuck_penetration(pair, p, kappa, mu) result(stuck)
     type(contact_pair), intent(in) :: pair
     real(real64), intent(in) :: p, kappa, mu
-    real(real64) :: past, z, centres, steepest, before, rise, q
+    real(real64) :: stuck, z, centres, steepest, before, rise, q
+    ! Chosen: bounds the iteration, which ends by its last test.
     integer, parameter :: most_turns = 100
     integer :: turn
 
-    past = p
+    stuck = p
     z = pair%zc - p
     if (kappa * pair%d <= mu * z) return
     centres = sqrt(pair%d**2 + z**2)
-    past = 0.0_real64
-    if (2.0_real64 * kappa * pair%d * stretch(p / (pair%s + centres)) > mu * (pair%zc + z)) return
-    ! Past the last return mu > 0. Below this height the slope is too much for stick.
+    stuck = 0.0_real64
+    if (2.0_real64 * kappa * pair%d * atanh_ratio(p / (pair%s + centres)) > &
+        mu * (pair%zc + z)) return
+    ! Here mu > 0. Below this height the slope exceeds the limit of stick.
     steepest = kappa * pair%d / mu
-    past = min(max(2.0_real64 * (pair%zc - steepest) - p, 0.0_real64), p)
+    stuck = min(max(2.0_real64 * (pair%zc - steepest) - p, 0.0_real64), p)
     do turn = 1, most_turns
-      rise = p - past
-      q = rise / (centres + sqrt(pair%d**2 + (pair%zc - past)**2))
-      before = past
-      past = 2.0_real64 * (pair%zc - steepest * stretch(q)) - p
-      past = min(max(past, 0.0_real64), p)
-      if (abs(past - before) <= 0.5_real64 * epsilon(past) * pair%zc) exit
+      rise = p - stuck
+      q = rise / (centres + sqrt(pair%d**2 + (pair%zc - stuck)**2))
+      before = stuck
+      stuck = 2.0_real64 * (pair%zc - steepest * atanh_ratio(q)) - p
+      stuck = min(max(stuck, 0.0_real64), p)
+      if (abs(stuck - before) <= 0.5_real64 * epsilon(stuck) * pair%zc) exit
     end do
-  end function stuck_since
+  end function stuck_penetration
 
   ! atanh(q)/q.
-  elemental function stretch(q) result(ratio)
+  elemental function atanh_ratio(q) result(ratio)
     real(real64), intent(in) :: q
     real(real64) :: ratio
 
@@ -189,9 +191,9 @@ contains
     else
       ratio = atanh(q) / q
     end if
-  end function stretch
+  end function atanh_ratio
 
-  ! Overlap at one penetration over that at another.
+  ! Overlap at the penetration p1 over that at p2.
   pure function overlap_ratio(pair, p1, p2) result(ratio)
     type(contact_pair), intent(in) :: pair
     real(real64), intent(in) :: p1, p2
@@ -203,8 +205,8 @@ contains
             ((pair%s + sqrt(pair%d**2 + z2**2)) / (pair%s + sqrt(pair%d**2 + z1**2)))
   end function overlap_ratio
 
-  ! Mean of d/z over the load, from first touch to p. With p = P t**2 and W = p (zc + z)/(s + D)
-  ! the integrand is smooth. Ten points are right to 1e-14 for P up to zc/4, 2e-10 up to zc/2.
+  ! Mean of d/z over the load, from first touch to P. With p = P t**2 and W = p (zc + z)/(s + D)
+  ! the integrand is smooth. Error of ten points: 1e-14 for P up to zc/4, 2e-10 up to zc/2.
   pure function mean_slope(pair, p) result(mean)
     type(contact_pair), intent(in) :: pair
     real(real64), intent(in) :: p
@@ -220,7 +222,7 @@ contains
     mean = 3.0_real64 * pair%d * last * sqrt(last) * total
   end function mean_slope
 
-  ! Sets the force in plan, outward from the lower centre to the upper one.
+  ! Sets the force in plan, > 0 from the lower centre to the upper one.
   pure subroutine push_sideways(pair, outward, rubbed)
     type(contact_pair), intent(in) :: pair
     real(real64), intent(in) :: outward

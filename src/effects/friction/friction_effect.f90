@@ -1,11 +1,13 @@
-!> Friction on inclined contacts, as an effect that a scene names.
+!> Friction on inclined contacts, as an effect of a scene.
 module asperity_friction_effect
-  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, moment, plain
+  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
+                                     moment, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state
   use asperity_decimal, only: decimal_to_real64
-  use asperity_friction, only: estimate_of_friction, rub, rubbing, tangential_stiffness_ratio
+  use asperity_friction, only: estimate_of_friction, rubbing, solve_friction, &
+                               tangential_stiffness_ratio
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
   implicit none
@@ -15,20 +17,20 @@ module asperity_friction_effect
 
   !> Friction with one coefficient for all contacts.
   type, extends(contact_effect) :: friction_effect
-    real(real64) :: coefficient = 0.0_real64  !! 0 or more
+    real(real64) :: coefficient = 0.0_real64  !! coefficient of friction, 0 or more
     real(real64) :: kappa = 1.0_real64        !! tangential over normal stiffness
   contains
-    procedure :: estimate
-    procedure :: apply
+    procedure :: estimate => estimate_by_friction
+    procedure :: apply => apply_friction
     procedure :: leave_out
   end type friction_effect
 
 contains
 
-  !> Friction as the scene names it.
+  !> Makes the effect from its parameters in a scene.
   subroutine new_friction(scene_in, effect)
-    type(scene), intent(in) :: scene_in                             !! checked values
-    class(contact_effect), allocatable, intent(out) :: effect       !! ready to act
+    type(scene), intent(in) :: scene_in                             !! scene with checked values
+    class(contact_effect), allocatable, intent(out) :: effect       !! effect of the scene
     type(friction_effect) :: new
 
     call new%call_as('friction', scene_in%effects)
@@ -39,58 +41,58 @@ contains
       decimal_to_real64(scene_in%lower%elastic_modulus), &
       decimal_to_real64(scene_in%lower%poisson_ratio))
     new%contact_columns = [ &
-      column('tangential_load', force), &                       ! up the slope
-      column('sliding', plain), &                               ! 1: slips all over
-      column('slip_annulus', plain), &                          ! its width over contact radius
-      column('lateral_x', force), column('lateral_y', force)]   ! on the upper body, in plan
+      effect_column('tangential_load', force), &
+      effect_column('sliding', plain), &            ! 1: complete sliding
+      effect_column('slip_annulus', plain), &       ! its width over contact radius
+      effect_column('lateral_x', force), effect_column('lateral_y', force)]
     new%state_columns = [ &
-      column('frictionless_load', force), & ! vertical, without friction
-      column('sliding_contacts', plain), &                      ! how many slip all over
-      column('rig_force_x', force), column('rig_force_y', force), &
-      column('rig_moment_x', moment), column('rig_moment_y', moment), &
-      column('rig_moment_z', moment)]
+      effect_column('frictionless_load', force), &  ! vertical load without friction
+      effect_column('sliding_contacts', plain), &   ! number of sliding contacts
+      effect_column('rig_force_x', force), effect_column('rig_force_y', force), &
+      effect_column('rig_moment_x', moment), effect_column('rig_moment_y', moment), &
+      effect_column('rig_moment_z', moment)]
     allocate (effect, source=new)
   end subroutine new_friction
 
-  !> Upper bound of the share by which friction raises the vertical load.
-  function estimate(self, pairs, state) result(share)
-    class(friction_effect), intent(in) :: self  !! friction
-    type(contact_pairs), intent(in) :: pairs    !! the position
-    type(contact_state), intent(in) :: state    !! without friction
+  !> Upper bound of the relative increase of the vertical load.
+  function estimate_by_friction(self, pairs, state) result(share)
+    class(friction_effect), intent(in) :: self  !! friction with its parameters
+    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
+    type(contact_state), intent(in) :: state    !! contacts without friction
     real(real64) :: share
 
     share = estimate_of_friction(pairs, state%law, state%closing, self%kappa, self%coefficient)
-  end function estimate
+  end function estimate_by_friction
 
-  !> Adds the tangential force of every contact.
-  subroutine apply(self, pairs, state, outcome)
-    class(friction_effect), intent(in) :: self      !! friction
-    type(contact_pairs), intent(in) :: pairs        !! the position
+  !> Adds the tangential force of each contact.
+  subroutine apply_friction(self, pairs, state, outcome)
+    class(friction_effect), intent(in) :: self      !! friction with its parameters
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
     type(contact_state), intent(inout) :: state     !! gets the vertical loads with friction
-    type(effect_outcome), intent(inout) :: outcome  !! what it did
+    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
 
-    call rub_all(self, pairs, state%penetration, state%answers, outcome)
+    call add_friction(self, pairs, state%penetration, state%answers, outcome)
     outcome%simulated = 'on'
     outcome%ending%converged = .true.
     outcome%ending%residual = 0.0_real64
-  end subroutine apply
+  end subroutine apply_friction
 
-  !> Left out of the vertical load, it is known all the same: forces in plan need not be small.
+  !> Sets the columns where friction is left out of the vertical loads: forces in plan may be large.
   subroutine leave_out(self, pairs, state, outcome)
-    class(friction_effect), intent(in) :: self      !! friction
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(in) :: state        !! without friction
+    class(friction_effect), intent(in) :: self      !! friction with its parameters
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(in) :: state        !! contacts without friction
     type(effect_outcome), intent(inout) :: outcome  !! gets the columns
     type(contact_response) :: answers(size(pairs%list))
 
     answers = state%answers
-    call rub_all(self, pairs, state%penetration, answers, outcome)
+    call add_friction(self, pairs, state%penetration, answers, outcome)
   end subroutine leave_out
 
-  ! Adds friction to all answers and sets the columns. The rig holds the upper body with the
-  ! opposite of what the contacts do to it. The moments are about the origin of the plan; those
-  ! about x and y are of the vertical loads alone: heights count from the plane of the contacts.
-  subroutine rub_all(self, pairs, penetration, answers, outcome)
+  ! Adds friction to all responses and sets the columns. The forces and moments of the rig balance
+  ! those of the contacts on the upper body. Moments are about the origin of the plan; those about
+  ! x and y are of the vertical loads alone, with all contacts in one plane.
+  subroutine add_friction(self, pairs, penetration, answers, outcome)
     class(friction_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
     real(real64), intent(in) :: penetration(:)
@@ -108,7 +110,8 @@ contains
     do i = 1, size(pairs%list)
       if (.not. penetration(i) > 0.0_real64) cycle
       call along_normal(pairs%list(i), penetration(i), answers(i), pressed)
-      call rub(pairs%list(i), penetration(i), pressed, self%kappa, self%coefficient, rubbed)
+      call solve_friction(pairs%list(i), penetration(i), pressed, self%kappa, self%coefficient, &
+                          rubbed)
       associate (pair => pairs%list(i))
         rig(:2) = rig(:2) + [rubbed%lateral_x, rubbed%lateral_y]
         rig(3:4) = rig(3:4) + [pair%y, -pair%x] * rubbed%vertical_load
@@ -122,9 +125,9 @@ contains
                                    rubbed%slip_annulus, rubbed%lateral_x, rubbed%lateral_y]
     end do
     outcome%of_state = [frictionless, real(sliding, real64), -rig]
-  end subroutine rub_all
+  end subroutine add_friction
 
-  ! The answer with the load that is normal to the contact. Cells know vertical loads only.
+  ! The response with the load normal to the contact. Boundary elements have vertical loads only.
   pure subroutine along_normal(pair, penetration, answer, pressed)
     type(contact_pair), intent(in) :: pair
     real(real64), intent(in) :: penetration

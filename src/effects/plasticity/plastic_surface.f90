@@ -1,5 +1,5 @@
-!> The plasticity index of the surfaces of a scene: whether their summits flow under any load worth
-!> speaking of (Greenwood and Williamson 1966, Proc. R. Soc. A 295, 300).
+!> The plasticity index of the surfaces of a scene (Greenwood and Williamson 1966, Proc. R. Soc. A
+!> 295, 300): above 1 summits are plastic at practical loads.
 module asperity_plastic_surface
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
@@ -17,10 +17,10 @@ contains
   !> The index (E/H) sqrt(sigma/R). The standard deviation sigma is that of the sum of both
   !> surfaces' heights; R is combined from the mean radii, or on a plane the mean radius. The
   !> hardness H is that of the limit, else 2.84 times the yield stress, else E sqrt(w/R) with the
-  !> overlap w at the onset. Negative: there is neither a limit nor a yield stress, or a number is
-  !> out of range.
+  !> overlap w at the onset. Negative: the scene has neither a limit nor a yield stress, or a number
+  !> is out of range.
   pure real(real64) function surface_index(scene_in) result(found)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene with checked values
     real(real64) :: deviation, hardness, radius
 
     found = -1.0_real64
@@ -33,34 +33,34 @@ contains
     if (.not. found <= huge(found)) found = -1.0_real64
   end function surface_index
 
-  !> Standard deviation of the heights of all summits, themselves and not a sample; 0 for a plane.
+  !> Standard deviation of the heights of all summits (of the population); 0 for a plane.
   pure real(real64) function height_deviation(height)
-    real(real64), intent(in) :: height(:)  !! of each summit
+    real(real64), intent(in) :: height(:)  !! height of each summit
 
     height_deviation = 0.0_real64
     if (size(height) == 0) return
-    height_deviation = norm2(height - mean(height)) / sqrt(real(size(height), real64))
+    height_deviation = norm2(height - mean_value(height)) / sqrt(real(size(height), real64))
   end function height_deviation
 
   !> Radius of two spheres of the mean radii together, or on a plane the mean radius.
   pure real(real64) function combined_radius(scene_in) result(radius)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene with checked values
 
     associate (upper => scene_in%upper, lower => scene_in%lower)
       if (upper%is_plane) then
-        radius = mean(lower%radius)
+        radius = mean_value(lower%radius)
       else if (lower%is_plane) then
-        radius = mean(upper%radius)
+        radius = mean_value(upper%radius)
       else
-        radius = 1.0_real64 / (1.0_real64 / mean(upper%radius) + 1.0_real64 / mean(lower%radius))
+        radius = 1.0_real64 / (1.0_real64 / mean_value(upper%radius) + &
+                               1.0_real64 / mean_value(lower%radius))
       end if
     end associate
   end function combined_radius
 
-  !> The hardness that a scene names, or what comes to the same; in the unit of the modulus; 0: it
-  !> is not known.
+  !> Hardness of a scene [modulus], from its limit or its yield stress; 0: it has neither.
   pure real(real64) function surface_hardness(scene_in) result(hardness)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene with checked values
     real(real64) :: load_share, modulus, radius
 
     hardness = 0.0_real64
@@ -72,7 +72,7 @@ contains
       else if (effects%number('plastic_yield_stress') > 0.0_real64) then
         hardness = 2.84_real64 * effects%number('plastic_yield_stress')
       else if (limit%criterion == criterion_load) then
-        ! (w/R)**1.5 of Hertz.
+        ! (w/R)**1.5 of Hertz' law.
         load_share = 0.75_real64 * (decimal_to_real64(limit%value) / modulus / radius) / radius
         hardness = modulus * load_share**(1.0_real64 / 3.0_real64)
       else if (limit%criterion == criterion_pressure) then
@@ -85,10 +85,10 @@ contains
     end associate
   end function surface_hardness
 
-  pure real(real64) function mean(values)
+  pure real(real64) function mean_value(values)
     real(real64), intent(in) :: values(:)
 
-    mean = sum(values / size(values))
-  end function mean
+    mean_value = sum(values / size(values))
+  end function mean_value
 
 end module asperity_plastic_surface

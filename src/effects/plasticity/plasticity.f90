@@ -1,11 +1,11 @@
-!> Plastic flow past the elastic limit, as an effect that a scene names.
+!> Plastic flow beyond the elastic limit, as an effect of a scene.
 !>
-!> It gives every contact the law of Hertz up to its onset, of Jackson and Green past it, and
-!> remembers through the states of a position how far each was pressed.
+!> Each contact follows Hertz' law up to its onset, that of Jackson and Green beyond it. The largest
+!> overlap of each contact is kept from one state of a position to the next.
 module asperity_plasticity
   use asperity_constants, only: pi
-  use asperity_contact_effect, only: column, contact_effect, effect_outcome, force, length, &
-                                     moment, plain
+  use asperity_contact_effect, only: contact_effect, effect_column, effect_outcome, force, &
+                                     length, moment, plain
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: answer_all, contact_state
@@ -28,21 +28,21 @@ module asperity_plasticity
     real(real64) :: yield_stress = 0.0_real64    !! in tension, in the scene's unit; 0: see limit
     logical :: limit_is_yield = .false.          !! the limit is the first yield, not the departure
     real(real64) :: before_hold = 0.0_real64     !! estimate at the last state kept
-    type(plastic_law) :: law                     !! of a position, with what its contacts remember
+    type(plastic_law) :: law                     !! law of a position with the history
   contains
-    procedure :: estimate
-    procedure :: apply
-    procedure :: begin
-    procedure :: keep
-    procedure :: finish
+    procedure :: estimate => estimate_plasticity
+    procedure :: apply => apply_plasticity
+    procedure :: begin => begin_plasticity
+    procedure :: keep => keep_plasticity
+    procedure :: finish => finish_plasticity
   end type plasticity_effect
 
 contains
 
-  !> Plasticity as the scene names it.
+  !> Makes the effect from its parameters in a scene.
   subroutine new_plasticity(scene_in, effect)
-    type(scene), intent(in) :: scene_in                         !! checked values
-    class(contact_effect), allocatable, intent(out) :: effect   !! ready to act
+    type(scene), intent(in) :: scene_in                         !! scene with checked values
+    class(contact_effect), allocatable, intent(out) :: effect   !! effect without history
     type(plasticity_effect) :: new
 
     call new%call_as('plasticity', scene_in%effects)
@@ -50,27 +50,26 @@ contains
     new%yield_stress = scene_in%effects%number('plastic_yield_stress')
     new%limit_is_yield = scene_in%limit%criterion == criterion_hardy
     new%contact_columns = [ &
-      column('plastic', plain), &                           ! 1: has passed its onset
-      column('largest_overlap', length), &                  ! so far
-      column('residual_overlap', length)]                   ! without load
+      effect_column('plastic', plain), &             ! 1: has passed its onset
+      effect_column('largest_overlap', length), &
+      effect_column('residual_overlap', length)]     ! overlap without load
     new%state_columns = [ &
-      column('hertz_load', force), &  ! of Hertz at the same penetrations
-      column('contacts_flowing', plain), &                  ! how many flow now
-      column('dissipated_work', moment), &                  ! lost since first touch
-      column('residual_flattening', length)]                ! greatest residual overlap
+      effect_column('hertz_load', force), &          ! Hertz' law at the same penetrations
+      effect_column('contacts_flowing', plain), &    ! number of contacts at their largest overlap
+      effect_column('dissipated_work', moment), &    ! since first touch
+      effect_column('residual_flattening', length)]  ! greatest residual overlap
     allocate (effect, source=new)
   end subroutine new_plasticity
 
-  !> Change of the total vertical load, or of the area if that is more, by flow and by what is left
-  !> of earlier flow, in full: the law answers for itself. The others only see less load, so it is
-  !> not below the truth. Under a load the surfaces close until it is borne, and the area is that
-  !> of one Newton step on: as the load is convex on loading, not below the truth either. In a hold
-  !> pressures fall while the surfaces close: what has not flowed at its begin does not flow later,
-  !> so that state's estimate stays.
-  function estimate(self, pairs, state) result(share)
-    class(plasticity_effect), intent(in) :: self  !! plasticity
-    type(contact_pairs), intent(in) :: pairs      !! the position
-    type(contact_state), intent(in) :: state      !! without plasticity
+  !> Relative change of the total vertical load, or of the area if that is larger, by plastic flow
+  !> and by residual deformation. The law is evaluated in full. The other effects reduce the loads,
+  !> so this is an upper bound. Under a prescribed load the area is that after one Newton step of
+  !> the compression; as the load is convex on loading, this is an upper bound too. In a hold
+  !> pressures decrease and no further contact yields: the estimate is that of its begin.
+  function estimate_plasticity(self, pairs, state) result(share)
+    class(plasticity_effect), intent(in) :: self  !! plasticity with its history
+    type(contact_pairs), intent(in) :: pairs      !! pairs of the position
+    type(contact_state), intent(in) :: state      !! contacts without plasticity
     real(real64) :: share
     type(contact_response) :: answer
     real(real64) :: changed, lost, stiffness, area, total, further
@@ -102,14 +101,14 @@ contains
       area = area + abs(answer%contact_radius**2 - state%answers(i)%contact_radius**2)
     end do
     share = max(changed / total, area / sum(state%answers%contact_radius**2))
-  end function estimate
+  end function estimate_plasticity
 
-  !> Gives the state the plastic law and asks again.
-  subroutine apply(self, pairs, state, outcome)
-    class(plasticity_effect), intent(in) :: self    !! plasticity
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(inout) :: state     !! elastic, then with plastic flow
-    type(effect_outcome), intent(inout) :: outcome  !! what it did
+  !> Sets the plastic law in a state and evaluates it.
+  subroutine apply_plasticity(self, pairs, state, outcome)
+    class(plasticity_effect), intent(in) :: self    !! plasticity with its history
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(inout) :: state     !! elastic contacts, then plastic ones
+    type(effect_outcome), intent(inout) :: outcome  !! gets how it ended
 
     deallocate (state%law)
     allocate (state%law, source=self%law)
@@ -117,14 +116,14 @@ contains
     outcome%simulated = 'on'
     outcome%ending%converged = .true.
     outcome%ending%residual = 0.0_real64
-  end subroutine apply
+  end subroutine apply_plasticity
 
-  !> Fills the columns from a state: later effects may have moved the contacts.
-  subroutine finish(self, pairs, state, outcome)
-    class(plasticity_effect), intent(in) :: self    !! plasticity
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(contact_state), intent(in) :: state        !! with plastic flow
-    type(effect_outcome), intent(inout) :: outcome  !! gets the columns
+  !> Sets the columns at the end, as later effects may change the penetrations.
+  subroutine finish_plasticity(self, pairs, state, outcome)
+    class(plasticity_effect), intent(in) :: self    !! plasticity with its history
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(contact_state), intent(in) :: state        !! contacts with all effects
+    type(effect_outcome), intent(inout) :: outcome  !! gets columns and warnings
     type(plastic_past) :: past
     type(contact_response) :: answer
     real(real64) :: elastic_load, flattening, overlap, strain, work
@@ -148,30 +147,30 @@ contains
       ! w_c/R = (pi C Sy/(2 E))**2.
       strain = sqrt(self%law%critical(i) / pairs%list(i)%radius) / (0.5_real64 * pi * &
                                                                     self%law%constraint)
-      call hold_against(of_yield_strain, strain)
+      call check_range(of_yield_strain, strain)
       if (overlap >= self%law%largest(i)) then
         flowing = flowing + 1
-        call hold_against(of_flow_depth, overlap / self%law%critical(i))
+        call check_range(of_flow_depth, overlap / self%law%critical(i))
       else
-        call hold_against(of_unloading_depth, self%law%largest(i) / self%law%critical(i))
+        call check_range(of_unloading_depth, self%law%largest(i) / self%law%critical(i))
       end if
     end do
     outcome%of_state = [elastic_load, real(flowing, real64), work, flattening]
 
   contains
 
-    ! The range of the fits, but for rounding.
-    subroutine hold_against(kind, found)
-      integer, intent(in) :: kind
+    ! Warns of a contact beyond the range of the fits; rounding is no reason.
+    subroutine check_range(warning, found)
+      integer, intent(in) :: warning
       real(real64), intent(in) :: found
 
-      if (found > warning_kinds(kind)%limit * (1.0_real64 + 1.0e-9_real64)) &
-        call warn(outcome%warnings, kind, found, contacts=1)
-    end subroutine hold_against
+      if (found > warning_kinds(warning)%limit * (1.0_real64 + 1.0e-9_real64)) &
+        call warn(outcome%warnings, warning, found, contacts=1)
+    end subroutine check_range
 
-  end subroutine finish
+  end subroutine finish_plasticity
 
-  ! Overlap at which the material of a contact first yields; huge: it never does.
+  ! Overlap at which the material of a contact first yields; huge: it never yields.
   pure real(real64) function critical_overlap(self, pairs, pair)
     class(plasticity_effect), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
@@ -190,10 +189,10 @@ contains
     critical_overlap = max(critical_overlap, tiny(1.0_real64))
   end function critical_overlap
 
-  !> A position begins: its law, of contacts that were not pressed yet.
-  subroutine begin(self, pairs)
-    class(plasticity_effect), intent(inout) :: self  !! plasticity
-    type(contact_pairs), intent(in) :: pairs         !! the position
+  !> Begins a position, whose contacts have not been loaded.
+  subroutine begin_plasticity(self, pairs)
+    class(plasticity_effect), intent(inout) :: self  !! plasticity, gets the law
+    type(contact_pairs), intent(in) :: pairs         !! pairs of the position
     integer :: i
 
     if (allocated(self%law%largest)) deallocate (self%law%largest, self%law%critical)
@@ -204,13 +203,13 @@ contains
     do i = 1, size(pairs%list)
       self%law%critical(i) = critical_overlap(self, pairs, pairs%list(i))
     end do
-  end subroutine begin
+  end subroutine begin_plasticity
 
-  !> Keeps how far every contact was pressed.
-  subroutine keep(self, pairs, state)
-    class(plasticity_effect), intent(inout) :: self  !! plasticity
-    type(contact_pairs), intent(in) :: pairs         !! the position
-    type(contact_state), intent(in) :: state         !! all effects applied
+  !> Keeps the largest overlap of each contact.
+  subroutine keep_plasticity(self, pairs, state)
+    class(plasticity_effect), intent(inout) :: self  !! plasticity, gets the history
+    type(contact_pairs), intent(in) :: pairs         !! pairs of the position
+    type(contact_state), intent(in) :: state         !! contacts with all effects
     integer :: i
 
     self%before_hold = self%estimate(pairs, state)
@@ -218,6 +217,6 @@ contains
       if (.not. state%penetration(i) > 0.0_real64) cycle
       self%law%largest(i) = max(self%law%largest(i), state%answers(i)%overlap)
     end do
-  end subroutine keep
+  end subroutine keep_plasticity
 
 end module asperity_plasticity
