@@ -26,18 +26,18 @@ module asperity_generated_map
 
   public :: generate_map, try_map
 
-  ! What is summed: heights, slopes along x (1) or along y (2).
+  ! Quantity to sum: 0 the heights, 1 the slopes along x, 2 the slopes along y.
   integer, parameter :: of_heights = 0
-  ! Numbers are below 2**58: the sum of 2**8 of their squares is below 2**124.
+  ! Heights are below 2**58: the sum of 2**8 of their squares is below 2**124.
   integer, parameter :: spare_bits = 8
-  ! Rows that are gathered at once, an even number: they share lines of the cache.
-  integer, parameter :: at_once = 8
+  ! Rows that are copied together, an even number: they share lines of the cache.
+  integer, parameter :: rows_together = 8
 
 contains
 
   !> Makes a map. `failure` is allocated, with the reason, when that cannot be done.
   subroutine generate_map(spec, map, failure)
-    type(map_spec), intent(in) :: spec                      !! checked
+    type(map_spec), intent(in) :: spec                      !! specification, checked for faults
     type(height_map), intent(out) :: map                    !! its heights have the mean 0
     character(len=:), allocatable, intent(out) :: failure   !! why there is no map
     type(map_waves) :: waves
@@ -95,7 +95,7 @@ contains
 
   !> Does a few equal pieces of the work of a map, for an estimate of its cost.
   subroutine try_map(spec, tried, total, begun, bytes)
-    type(map_spec), intent(in) :: spec         !! checked
+    type(map_spec), intent(in) :: spec         !! specification, checked for faults
     integer, intent(inout) :: tried            !! pieces to be done; those that were done
     integer, intent(out) :: total              !! pieces of the whole map
     real(real64), intent(out) :: begun         !! processor time when the first piece begins, s
@@ -115,7 +115,7 @@ contains
     tried = min(tried, waves%most(1) + 1)
     call cpu_time(begun)
     do i = 1, tried
-      ! Columns spread over all of them, and their share of the rows.
+      ! The columns are spread evenly over the map; each has its share of the rows.
       call draw_waves(waves, waves%most(1) * (i - 1) / tried, components)
       call transform_wholes(along(2), components, work)
       do j = 1, spec%pixels(2) / (2 * waves%most(1) + 2)
@@ -126,8 +126,8 @@ contains
     bytes = bytes_of_map(waves, spec)
   end subroutine try_map
 
-  ! Memory that a map takes while it is made, in bytes: components, heights, and what each of many
-  ! threads has for a row.
+  ! Memory that a map takes while it is made, in bytes: components, heights and the rows of many
+  ! threads.
   pure integer(int64) function bytes_of_map(waves, spec)
     type(map_waves), intent(in) :: waves
     type(map_spec), intent(in) :: spec
@@ -161,17 +161,17 @@ contains
     squares = 0_int128
     !$omp parallel private(work, row, block, lines, j, k) reduction(+:numbers, squares)
     allocate (work(2, 0:maxval(waves%period) - 1), row(2, 0:waves%period(1) - 1))
-    allocate (block(2, 0:at_once - 1, 0:waves%most(1)))
+    allocate (block(2, 0:rows_together - 1, 0:waves%most(1)))
     !$omp do schedule(static)
     do i = 0, waves%most(1)
       call draw_waves(waves, i, components(:, :, i))
-      if (which > of_heights) call derive(components(:, :, i), i, which, order)
+      if (which > of_heights) call derive_slope(components(:, :, i), i, which, order)
       call transform_wholes(along(2), components(:, :, i), work)
     end do
     !$omp end do
     !$omp do schedule(static)
-    do first = 0, map%rows - 1, at_once
-      lines = min(at_once, map%rows - first)
+    do first = 0, map%rows - 1, rows_together
+      lines = min(rows_together, map%rows - first)
       block = 0_int64
       block(:, :lines - 1, :) = components(:, first:first + lines - 1, :)
       do j = 0, lines - 1, 2
@@ -199,23 +199,23 @@ contains
     square_of = int(number, int128) * number
   end function square_of
 
-  ! The components of a slope: i k a, over 2**order.
-  pure subroutine derive(components, wave, which, order)
+  ! Turns the components a of heights into those of a slope, i k a, over 2**order.
+  pure subroutine derive_slope(components, wave, which, order)
     integer(int64), intent(inout) :: components(:, 0:)  ! by wave number along y modulo the period
     integer, intent(in) :: wave, which, order           ! wave number along x; slope along x or y
-    integer(int128) :: number, product(2)
+    integer(int128) :: number, derivative(2)
     integer :: j
 
     do j = 0, ubound(components, 2)
       number = wave
       if (which == 2) number = merge(j, j - size(components, 2), 2 * j < size(components, 2))
-      product = number * [-components(imaginary_part, j), components(real_part, j)]
-      components(:, j) = int(shifta(product, order), int64)
+      derivative = number * [-components(imaginary_part, j), components(real_part, j)]
+      components(:, j) = int(shifta(derivative, order), int64)
     end do
-  end subroutine derive
+  end subroutine derive_slope
 
-  ! Two rows of real numbers as one of complex numbers: r_1 + i r_2. Half of the components of a row
-  ! are the conjugates of the other half.
+  ! Combines two rows of real numbers into one of complex numbers, r_1 + i r_2. Half of the
+  ! components of a row are the conjugates of the other half.
   pure subroutine pack_rows(rows, row)
     integer(int64), intent(in) :: rows(:, :, 0:)  ! part, which row, wave number along x
     integer(int64), intent(out) :: row(:, 0:)     ! part, wave number along x modulo the period

@@ -1,9 +1,10 @@
-!> Takes single outliers out of a map: spikes that no summit should stand on.
+!> Replaces single outliers of a map: spikes that are not summits.
 !>
-!> An outlier is further from the median of the 5 x 5 samples around it than eight times the median
-!> of that distance over the map, and than eight times that over these samples, which keeps steep
-!> places. For Gaussian distances eight medians are 5.4 deviations. It becomes the median. The map
-!> is levelled again, and looked at again, until none is left.
+!> The deviation of a pixel is its distance from the median of the 5 x 5 pixels around it. The
+!> deviation of an outlier is more than eight times the median deviation of the map, and more than
+!> eight times the median of that over the 5 x 5 pixels, which keeps steep flanks. For Gaussian
+!> deviations eight medians are 5.4 standard deviations. An outlier is replaced by the median. The
+!> map is levelled and searched again until no outlier is found.
 module asperity_map_despiking
   use asperity_height_map, only: height_map, index_beside, is_measured, no_height
   use asperity_kinds, only: int64, real64
@@ -17,19 +18,19 @@ module asperity_map_despiking
 
   integer, parameter :: reach = 2, window = (2 * reach + 1)**2
   real(real64), parameter :: most_deviations = 8.0_real64
-  ! Each round changes what the next compares with; a map that is not at rest then is all spikes.
+  ! Each round changes the medians of the next; a map that still changes then is all spikes.
   integer, parameter :: most_rounds = 20
 
 contains
 
-  !> Takes outliers out of a levelled map. `failure` is allocated when there is no memory for it.
+  !> Replaces the outliers of a levelled map. `failure` is allocated when memory is short.
   subroutine despike_map(map, level, progress, spikes, failure)
-    type(height_map), intent(inout) :: map                  !! levelled; then again
-    integer, intent(in) :: level                            !! how it is levelled
+    type(height_map), intent(inout) :: map  !! levelled map; on exit without outliers
+    integer, intent(in) :: level  !! rule for levelling of `asperity_height_map`
     logical, intent(in) :: progress                         !! print the progress
-    integer(int64), intent(out) :: spikes                   !! samples that were changed
-    character(len=:), allocatable, intent(out) :: failure   !! why not
-    real(real64), allocatable :: off(:, :)
+    integer(int64), intent(out) :: spikes                   !! number of pixels that were replaced
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when memory is short
+    real(real64), allocatable :: deviation(:, :)
     type(progress_line) :: shown
     real(real64) :: limit
     integer(int64) :: found
@@ -40,69 +41,70 @@ contains
       failure = 'not enough memory to look for spikes'
       return
     end if
-    allocate (off(map%columns, map%rows))
+    allocate (deviation(map%columns, map%rows))
     do round = 1, most_rounds
       call shown%begin(progress, 'profiles looked at for spikes', map%rows, 0)
       do j = 1, map%rows
         do i = 1, map%columns
-          off(i, j) = no_height
+          deviation(i, j) = no_height
           if (is_measured(map%height(i, j))) &
-            off(i, j) = map%height(i, j) - median_near(map, i, j)
+            deviation(i, j) = map%height(i, j) - median_near(map, i, j)
         end do
         call shown%reach(j)
       end do
       call shown%finish()
-      limit = limit_of(off)
+      limit = limit_of(deviation)
       do j = 1, map%rows
         do i = 1, map%columns
-          if (abs(off(i, j)) > limit) call look_near(i, j)
+          if (abs(deviation(i, j)) > limit) call clear_steep_pixel(i, j)
         end do
       end do
-      found = count(is_measured(off) .and. abs(off) > limit, kind=int64)
+      found = count(is_measured(deviation) .and. abs(deviation) > limit, kind=int64)
       if (found == 0_int64) exit
-      where (is_measured(off) .and. abs(off) > limit) map%height = map%height - off
+      where (is_measured(deviation) .and. abs(deviation) > limit) &
+        map%height = map%height - deviation
       spikes = spikes + found
       call level_map(map, level)
     end do
 
   contains
 
-    ! What is not far for its own place is no outlier.
-    subroutine look_near(i, j)
+    ! Clears the deviation of a pixel whose surroundings deviate as much.
+    subroutine clear_steep_pixel(i, j)
       integer, intent(in) :: i, j
       real(real64) :: near
 
-      if (.not. is_measured(off(i, j))) return
-      near = median_near(map, i, j, map%height(i, j) - off(i, j))
-      if (abs(off(i, j)) <= most_deviations * near) off(i, j) = 0.0_real64
-    end subroutine look_near
+      if (.not. is_measured(deviation(i, j))) return
+      near = median_near(map, i, j, map%height(i, j) - deviation(i, j))
+      if (abs(deviation(i, j)) <= most_deviations * near) deviation(i, j) = 0.0_real64
+    end subroutine clear_steep_pixel
 
   end subroutine despike_map
 
-  !> How far a sample of a map must be from the median around it to be an outlier.
+  !> Deviation from the median around it above which a pixel of a map is an outlier.
   real(real64) function limit_of_spikes(map, step) result(limit)
-    type(height_map), intent(in) :: map   !! levelled
-    integer, intent(in) :: step           !! every so manieth sample is looked at, along x and y
-    real(real64), allocatable :: off(:, :)
+    type(height_map), intent(in) :: map   !! levelled height map
+    integer, intent(in) :: step           !! every step-th pixel along x and y is examined
+    real(real64), allocatable :: deviation(:, :)
     integer :: i, j
 
-    allocate (off((map%columns - 1) / step + 1, (map%rows - 1) / step + 1))
-    do j = 1, size(off, 2)
-      do i = 1, size(off, 1)
+    allocate (deviation((map%columns - 1) / step + 1, (map%rows - 1) / step + 1))
+    do j = 1, size(deviation, 2)
+      do i = 1, size(deviation, 1)
         associate (z => map%height(1 + step * (i - 1), 1 + step * (j - 1)))
-          off(i, j) = no_height
-          if (is_measured(z)) off(i, j) = z - median_near(map, 1 + step * (i - 1), &
+          deviation(i, j) = no_height
+          if (is_measured(z)) deviation(i, j) = z - median_near(map, 1 + step * (i - 1), &
                                                           1 + step * (j - 1))
         end associate
       end do
     end do
-    limit = limit_of(off)
+    limit = limit_of(deviation)
   end function limit_of_spikes
 
-  !> Whether a sample is an outlier that stands up.
+  !> Whether a pixel is an outlier above its surroundings.
   pure logical function is_spike(map, i, j, limit)
-    type(height_map), intent(in) :: map   !! levelled
-    integer, intent(in) :: i, j           !! column and row of the sample, which is measured
+    type(height_map), intent(in) :: map   !! levelled height map
+    integer, intent(in) :: i, j           !! column and row of a measured pixel
     real(real64), intent(in) :: limit     !! `limit_of_spikes` of the map
     real(real64) :: median
 
@@ -112,18 +114,19 @@ contains
       is_spike = map%height(i, j) - median > most_deviations * median_near(map, i, j, median)
   end function is_spike
 
-  ! Eight times the median of the distances.
-  pure real(real64) function limit_of(off) result(limit)
-    real(real64), intent(in) :: off(:, :)
+  ! Eight times the median of the absolute deviations.
+  pure real(real64) function limit_of(deviation) result(limit)
+    real(real64), intent(in) :: deviation(:, :)
 
-    limit = median_size(off)
-    ! Most samples of a coarsely quantised map are their own medians.
+    limit = median_size(deviation)
+    ! Most pixels of a coarsely quantised map are their own medians.
     if (.not. limit > 0.0_real64) &
-      limit = sum(abs(off), mask=is_measured(off)) / count(is_measured(off), kind=int64)
+      limit = sum(abs(deviation), mask=is_measured(deviation)) / &
+              count(is_measured(deviation), kind=int64)
     limit = most_deviations * limit
   end function limit_of
 
-  ! The median of the samples around one, itself included, or of their distances from a height.
+  ! The median of the pixels around one, itself included, or of their distances from a height.
   pure real(real64) function median_near(map, column, row, from) result(median)
     type(height_map), intent(in) :: map
     integer, intent(in) :: column, row
@@ -152,8 +155,8 @@ contains
     median = 0.5_real64 * (sorted((number + 1) / 2) + sorted(number / 2 + 1))
   end function median_near
 
-  ! The median of the sizes of all numbers, by halving the bits of the answer: in the order of
-  ! their bits doubles without sign are in their own order.
+  ! The median of the absolute values, by bisection on the bits of the result: positive doubles and
+  ! their bits, read as integers, have the same order.
   pure real(real64) function median_size(values)
     real(real64), intent(in) :: values(:, :)
     integer(int64) :: number

@@ -7,8 +7,8 @@ module asperity_map_levelling
 
   public :: is_flat, level_map
 
-  ! A tilt that raises an edge by less than this part of the range of heights is rounding: left
-  ! out, so that equal samples of a level map stay equal.
+  ! A tilt that raises an edge by less than this part of the range of heights is rounding. It is not
+  ! subtracted, so that equal pixels of a level map stay equal.
   real(real64), parameter :: rounding = 1.0e-13_real64
 
   ! Heights whose range is less than so many units of rounding of the largest height before
@@ -21,7 +21,7 @@ contains
 
   !> Whether all measured heights of a levelled map are equal.
   pure logical function is_flat(map)
-    type(height_map), intent(in) :: map  !! levelled
+    type(height_map), intent(in) :: map  !! levelled height map
 
     associate (measured => is_measured(map%height))
       is_flat = .not. maxval(map%height, mask=measured) > minval(map%height, mask=measured)
@@ -37,8 +37,8 @@ contains
     integer :: pass
 
     largest = maxval(abs(map%height), mask=is_measured(map%height))
-    ! The mean first: near it that is exact, and differences of neighbours keep all their digits.
-    ! The last pass takes away what rounding has left of a large offset or tilt.
+    ! The mean comes first: near it the subtraction is exact, and differences of neighbours keep all
+    ! their digits. The last pass subtracts the rounding of a large offset or tilt.
     do pass = 1, merge(0, 3, how == level_none)
       call take_plane(map, tilted=pass > 1 .and. how == level_plane)
     end do
@@ -51,7 +51,7 @@ contains
     end associate
   end subroutine level_map
 
-  ! One pass.
+  ! Subtracts the mean or the plane of least squares once.
   pure subroutine take_plane(map, tilted)
     type(height_map), intent(inout) :: map
     logical, intent(in) :: tilted

@@ -1,9 +1,9 @@
-!> Statistics of a map and of its summits, and what the theory of random surfaces expects.
+!> Statistics of a map and of its summits, and their expected values for a random surface.
 !>
 !> Spectral moments by differences: m0 the mean square of the heights about their mean, m2 of the
 !> first differences over the spacing, m4 of the second differences over its square, along x and y.
-!> Differences see less than there is: m2 lacks m4 d^2/12, m4 lacks m6 d^2/6 to first order in the
-!> square of the spacing d.
+!> Differences underestimate derivatives: m2 lacks m4 d^2/12, m4 lacks m6 d^2/6 to first order in
+!> the square of the spacing d.
 !>
 !> Theory: P. R. Nayak, Random process model of rough surfaces, J. Lubr. Technol. 93 (1971) 398;
 !> the summits' means as in A. W. Bush, R. D. Gibson, G. P. Keogh, Mech. Res. Commun. 3 (1976) 169
@@ -19,22 +19,22 @@ module asperity_map_statistics
 
   public :: map_statistics, measure_map
 
-  !> What was measured. Lengths in the unit of the map. What needs summits or slopes that are not
-  !> there is NaN once the map is measured.
+  !> Statistics of a map. Lengths are in the unit of the map. Once the map is measured, quantities
+  !> of summits or slopes are NaN where it has none.
   type :: map_statistics
-    integer(int64) :: samples = 0_int64         !! of the grid
-    integer(int64) :: missing = 0_int64         !! of them not measured
-    real(real64) :: rms_height = 0.0_real64     !! about the mean
-    real(real64) :: rms_slope = 0.0_real64      !! of the gradient
+    integer(int64) :: samples = 0_int64         !! number of pixels
+    integer(int64) :: missing = 0_int64         !! pixels that were not measured
+    real(real64) :: rms_height = 0.0_real64     !! root mean square about the mean
+    real(real64) :: rms_slope = 0.0_real64      !! root mean square of the gradient
     real(real64) :: m0 = 0.0_real64             !! spectral moments: length squared
     real(real64) :: m2(2) = 0.0_real64          !! along x and y: of the slope
     real(real64) :: m4(2) = 0.0_real64          !! along x and y: of the curvature, 1/length squared
     real(real64) :: alpha = 0.0_real64          !! Nayak's m0 m4/m2^2, of the means of both
-    real(real64) :: density = 0.0_real64        !! summits over the area of samples that can be one
-    real(real64) :: mean_height = 0.0_real64    !! of summits
-    real(real64) :: height_deviation = 0.0_real64  !! of summits
-    real(real64) :: mean_curvature = 0.0_real64    !! of summits
-    real(real64) :: mean_radius = 0.0_real64       !! of summits
+    real(real64) :: density = 0.0_real64  !! summits over the area of the pixels that can be one
+    real(real64) :: mean_height = 0.0_real64    !! mean height of summits
+    real(real64) :: height_deviation = 0.0_real64  !! standard deviation of summits
+    real(real64) :: mean_curvature = 0.0_real64    !! mean of 1/radius of summits
+    real(real64) :: mean_radius = 0.0_real64    !! mean radius of summits
     real(real64) :: expected_density = 0.0_real64    !! m4/(6 pi sqrt(3) m2)
     real(real64) :: expected_height = 0.0_real64     !! 4 sqrt(m0/(pi alpha))
     real(real64) :: expected_deviation = 0.0_real64  !! sqrt((1 - 0.8968/alpha) m0)
@@ -45,9 +45,9 @@ contains
 
   !> Measures a map and its summits.
   subroutine measure_map(map, summits, found)
-    type(height_map), intent(in) :: map          !! levelled
-    type(map_summits), intent(in) :: summits     !! of this map
-    type(map_statistics), intent(out) :: found   !! the statistics
+    type(height_map), intent(in) :: map          !! levelled height map
+    type(map_summits), intent(in) :: summits     !! summits of this map
+    type(map_statistics), intent(out) :: found   !! statistics of both
     real(real64) :: m2, m4
     integer :: number
 

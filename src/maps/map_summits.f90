@@ -1,32 +1,32 @@
 !> The summits of a height map.
 !>
-!> Rule `eight`: a sample higher than all eight neighbours; a plateau counts once, at its first
-!> sample; on the rim of the map, or beside a missing sample, there is none. This is how the models
-!> of the thesis were taken from profiles (its Table I).
+!> Rule `eight`: a summit is a pixel higher than all eight neighbours. A plateau counts once, at its
+!> first pixel. Pixels on the rim of the map or beside a missing pixel are no summits. The models of
+!> the thesis were taken from profiles in this manner (its Table I).
 !>
-!> Rule `contact`, made to be pressed: the edge of the map, and of what is missing, is a mirror, so
-!> that a hill which it cuts has a summit; ridges are filled with samples of which one neighbour
-!> or two are not lower, the highest first, none nearer than 2.5 samples to a summit or another
-!> one, with the radius by neighbours; the top is the vertex of the parabolas through the
+!> Rule `contact`, for surfaces to be loaded: the edge of the map, and of missing pixels, is a
+!> mirror, so that a hill cut by it has a summit. Ridges are filled with pixels of which one or two
+!> neighbours are not lower, the highest first, none nearer than 2.5 pixels to a summit or to
+!> another one, with the radius by neighbours. The top is the vertex of the parabolas through the
 !> neighbours.
 module asperity_map_summits
   use, intrinsic :: iso_c_binding, only: c_bool
   use asperity_height_map, only: height_map, index_beside, is_measured
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
-  use asperity_map_neighbours, only: neighbourhood
+  use asperity_map_neighbours, only: heights_around
   use asperity_process, only: has_memory
-  use asperity_summit_spheres, only: mean_curvature, radius_geometric, radius_neighbours, top_of
+  use asperity_summit_spheres, only: mean_curvature, radius_geometric, radius_neighbours, find_top
   implicit none
   private
 
   public :: map_summits, find_summits, rule_names, rule_eight, rule_contact, usual_radius
 
-  !> The rules.
+  !> Rules for summits.
   integer, parameter :: rule_eight = 1, rule_contact = 2
-  !> What the user calls them.
+  !> Names of the rules for summits in input.
   character(len=*), parameter :: rule_names(2) = [character(len=7) :: 'eight', 'contact']
-  !> The rule for radii that goes with each.
+  !> Default rule for radii of each rule for summits.
   integer, parameter :: usual_radius(2) = [radius_neighbours, radius_geometric]
 
   !> Summits, from profile to profile, those of ridges behind the others. Lengths as in the map.
@@ -36,35 +36,35 @@ module asperity_map_summits
     real(real64), allocatable :: x(:), y(:)
     real(real64), allocatable :: height(:)    !! above the plane of the map
     real(real64), allocatable :: radius(:)    !! more than 0
-    integer :: on_ridges = 0                  !! of them, the last ones, fill ridges
-    integer(int64) :: possible = 0_int64      !! samples that could be one: none of them too near
-                                              !! to the edge or to a missing sample
+    integer :: on_ridges = 0                  !! number of the last ones, which fill ridges
+    integer(int64) :: possible = 0_int64      !! pixels that can be summits: none too near to the
+                                              !! edge or to a missing pixel
   end type map_summits
 
-  ! Places of samples, counted row by row from 1.
+  ! Places of pixels, counted row by row from 1.
   type :: place_list
     integer(int32), allocatable :: place(:)
     integer :: number = 0
   end type place_list
 
-  ! A ridge is filled no denser; its spheres are no larger than so many median radii of summits, and
-  ! no top is that of a parabola bent so many times more than theirs.
+  ! Least squared distance of two spheres on a ridge [pixels**2]. Limit of the radius of a sphere on
+  ! a ridge, and of the curvature of the parabola of a top, as a multiple of the summits' median.
   real(real64), parameter :: least_squared_distance = 2.5_real64**2, most_radius = 4.0_real64
   integer, parameter :: reach = 2
-  ! A curvature that is so small a part of that by neighbours is rounding, or none: theirs serves.
+  ! A curvature below this part of that by neighbours is rounding: the latter is used instead.
   real(real64), parameter :: rounding = 1.0e-9_real64
-  ! Lengths from 1e-30 to 1e30 have no smaller one, but for heights that are rounding themselves.
+  ! Lower limit of curvatures: lengths from 1e-30 to 1e30 have none below it, except by rounding.
   real(real64), parameter :: no_curvature = 1.0e-90_real64
 
 contains
 
   !> Finds the summits of a levelled map. `failure` is allocated when there is no memory for it.
   subroutine find_summits(map, rule, radius_rule, summits, failure)
-    type(height_map), intent(in) :: map                     !! levelled, 3 x 3 samples at least
+    type(height_map), intent(in) :: map                     !! levelled, 3 x 3 pixels at least
     integer, intent(in) :: rule                             !! `rule_eight` or `rule_contact`
-    integer, intent(in) :: radius_rule                      !! of `asperity_summit_spheres`
-    type(map_summits), intent(out) :: summits               !! what was found
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    integer, intent(in) :: radius_rule  !! rule for radii of `asperity_summit_spheres`
+    type(map_summits), intent(out) :: summits               !! summits, those on ridges last
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when memory is short
     type(place_list) :: places
     integer :: plain
 
@@ -76,7 +76,7 @@ contains
     call make_spheres(map, rule, radius_rule, places, plain, summits, failure)
   end subroutine find_summits
 
-  ! Samples that are not lower than any neighbour.
+  ! Finds the pixels that are not lower than any neighbour.
   subroutine find_places(map, rule, places, possible, failure)
     type(height_map), intent(in) :: map
     integer, intent(in) :: rule
@@ -95,17 +95,17 @@ contains
         if (rule == rule_eight) inner = is_inner(map, i, j)
         if (inner) possible = possible + 1_int64
         if (is_lower(map, i, j)) cycle
-        call compare(map, i, j, higher, equal)
+        call compare_neighbours(map, i, j, higher, equal)
         if (higher > 0) cycle
         good = inner
-        if (equal > 0) call look_at_plateau(map, rule, i, j, seen, good, failure)
+        if (equal > 0) call visit_plateau(map, rule, i, j, seen, good, failure)
         if (good) call add_place(map, i, j, places, failure)
         if (allocated(failure)) return
       end do
     end do
   end subroutine find_places
 
-  ! Whether one of two neighbours is higher: most samples end here.
+  ! Whether one of two neighbours is higher: it excludes most pixels.
   pure logical function is_lower(map, i, j)
     type(height_map), intent(in) :: map
     integer, intent(in) :: i, j
@@ -150,9 +150,9 @@ contains
     end do
   end function is_inner
 
-  ! How many neighbours are higher than a pixel, and how many just as high. What a mirror shows
-  ! is one of them.
-  pure subroutine compare(map, i, j, higher, equal)
+  ! Counts the neighbours that are higher than a pixel, and those just as high. A mirror image is
+  ! one of them.
+  pure subroutine compare_neighbours(map, i, j, higher, equal)
     type(height_map), intent(in) :: map
     integer, intent(in) :: i, j
     integer, intent(out) :: higher, equal
@@ -170,17 +170,17 @@ contains
         end if
       end associate
     end do
-  end subroutine compare
+  end subroutine compare_neighbours
 
-  ! Walks over the plateau of a sample, once. It is a summit when nothing beside it is higher, and,
-  ! by rule eight, all of it is inner.
-  subroutine look_at_plateau(map, rule, column, row, seen, is_summit, failure)
+  ! Visits the plateau of a pixel, once. It is a summit when no pixel beside it is higher and, by
+  ! rule eight, all its pixels are inner.
+  subroutine visit_plateau(map, rule, column, row, seen, is_summit, failure)
     type(height_map), intent(in) :: map
     integer, intent(in) :: rule, column, row
     logical(c_bool), allocatable, intent(inout) :: seen(:, :)
     logical, intent(out) :: is_summit
     character(len=:), allocatable, intent(out) :: failure
-    type(place_list) :: waiting
+    type(place_list) :: pending
     integer :: columns(8), rows(8), equal, higher, i, j, k, number
 
     is_summit = .false.
@@ -195,11 +195,11 @@ contains
     if (seen(column, row)) return
     is_summit = .true.
     seen(column, row) = .true._c_bool
-    call add_place(map, column, row, waiting, failure)
-    do while (waiting%number > 0 .and. .not. allocated(failure))
-      call place_of(map, waiting%place(waiting%number), i, j)
-      waiting%number = waiting%number - 1
-      call compare(map, i, j, higher, equal)
+    call add_place(map, column, row, pending, failure)
+    do while (pending%number > 0 .and. .not. allocated(failure))
+      call place_of(map, pending%place(pending%number), i, j)
+      pending%number = pending%number - 1
+      call compare_neighbours(map, i, j, higher, equal)
       if (higher > 0) is_summit = .false.
       if (rule == rule_eight) is_summit = is_summit .and. is_inner(map, i, j)
       call list_neighbours(map, i, j, columns, rows, number)
@@ -207,13 +207,13 @@ contains
         if (seen(columns(k), rows(k))) cycle
         if (abs(map%height(columns(k), rows(k)) - map%height(i, j)) > 0.0_real64) cycle
         seen(columns(k), rows(k)) = .true._c_bool
-        call add_place(map, columns(k), rows(k), waiting, failure)
+        call add_place(map, columns(k), rows(k), pending, failure)
         if (allocated(failure)) return
       end do
     end do
-  end subroutine look_at_plateau
+  end subroutine visit_plateau
 
-  ! Adds samples of ridges to the summits.
+  ! Adds pixels of ridges to the summits.
   subroutine fill_ridges(map, places, failure)
     type(height_map), intent(in) :: map
     type(place_list), intent(inout) :: places
@@ -228,8 +228,8 @@ contains
     do j = 1, map%rows
       do i = 1, map%columns
         if (.not. is_measured(map%height(i, j))) cycle
-        near = neighbourhood(map, i, j)
-        ! The sample itself, and the ridge on one side or, in a saddle, on both.
+        near = heights_around(map, i, j)
+        ! The pixel itself, and the ridge on one side or, in a saddle, on both.
         number = count(near >= near(0, 0))
         if (number == 2 .or. number == 3) call add_place(map, i, j, ridges, failure)
         if (allocated(failure)) return
@@ -254,7 +254,7 @@ contains
     call sort_keys(depth, order)
     do k = 1, ridges%number
       call place_of(map, ridges%place(order(k)), i, j)
-      if (is_near_one(i, j)) cycle
+      if (has_near_summit(i, j)) cycle
       taken(i, j) = .true._c_bool
       call add_place(map, i, j, places, failure)
       if (allocated(failure)) return
@@ -262,12 +262,12 @@ contains
 
   contains
 
-    ! Whether a summit, or a ridge's sample, is too near.
-    pure logical function is_near_one(column, row)
+    ! Whether a summit, or a pixel of a ridge, is too near.
+    pure logical function has_near_summit(column, row)
       integer, intent(in) :: column, row
       integer :: k, m, other, step
 
-      is_near_one = .true.
+      has_near_summit = .true.
       do step = -reach, reach
         m = index_beside(row + step, map%rows, map%periodic)
         if (m == 0) cycle
@@ -277,12 +277,12 @@ contains
           if (taken(k, m) .and. real(step**2 + other**2, real64) < least_squared_distance) return
         end do
       end do
-      is_near_one = .false.
-    end function is_near_one
+      has_near_summit = .false.
+    end function has_near_summit
 
   end subroutine fill_ridges
 
-  ! Radii and tops. A summit that has no sphere, alone among missing samples, is left out.
+  ! Computes radii and tops. A summit surrounded by missing pixels has no sphere and is left out.
   subroutine make_spheres(map, rule, radius_rule, places, plain, summits, failure)
     type(height_map), intent(in) :: map
     integer, intent(in) :: rule, radius_rule, plain
@@ -302,9 +302,9 @@ contains
     flattest = 0.0_real64
     do k = 1, places%number
       if (k == plain + 1 .and. kept > 0) &
-        flattest = 1.0_real64 / (most_radius * median(summits%radius(:kept)))
+        flattest = 1.0_real64 / (most_radius * median_value(summits%radius(:kept)))
       call place_of(map, places%place(k), i, j)
-      near = neighbourhood(map, i, j)
+      near = heights_around(map, i, j)
       usual = mean_curvature(near, map%spacing, radius_neighbours)
       curvature = mean_curvature(near, map%spacing, radius_rule)
       ! A ridge may rise on one side, and has no geometric mean then.
@@ -320,11 +320,11 @@ contains
     rise = 0.0_real64
     sharpest = sqrt(huge(1.0_real64))
     if (kept > summits%on_ridges) &
-      sharpest = most_radius / median(summits%radius(:kept - summits%on_ridges))
+      sharpest = most_radius / median_value(summits%radius(:kept - summits%on_ridges))
     do k = 1, kept
       call place_of(map, places%place(k), i, j)
       if (rule == rule_contact) &
-        call top_of(neighbourhood(map, i, j), sharpest * map%spacing**2, step, rise)
+        call find_top(heights_around(map, i, j), sharpest * map%spacing**2, step, rise)
       summits%x(k) = (i - 1 + step(1)) * map%spacing(1)
       summits%y(k) = (j - 1 + step(2)) * map%spacing(2)
       if (map%periodic) then
@@ -340,7 +340,7 @@ contains
     summits%radius = summits%radius(:kept)
   end subroutine make_spheres
 
-  pure real(real64) function median(values)
+  pure real(real64) function median_value(values)
     real(real64), intent(in) :: values(:)
     integer(int32), allocatable :: order(:)
     integer :: half
@@ -348,10 +348,10 @@ contains
     allocate (order(size(values)))
     call sort_keys(values, order)
     half = (size(values) + 1) / 2
-    median = 0.5_real64 * (values(order(half)) + values(order(size(values) + 1 - half)))
-  end function median
+    median_value = 0.5_real64 * (values(order(half)) + values(order(size(values) + 1 - half)))
+  end function median_value
 
-  ! Adds a sample to a list.
+  ! Adds a pixel to a list.
   subroutine add_place(map, i, j, list, failure)
     type(height_map), intent(in) :: map
     integer, intent(in) :: i, j
@@ -374,7 +374,7 @@ contains
     list%place(list%number) = int((j - 1) * int(map%columns, int64) + i, int32)
   end subroutine add_place
 
-  ! Column and row of a sample.
+  ! Computes the column and row of a pixel.
   pure subroutine place_of(map, place, i, j)
     type(height_map), intent(in) :: map
     integer(int32), intent(in) :: place

@@ -29,13 +29,13 @@ module asperity_map_waves
 
   public :: map_waves, plan_waves, draw_waves
 
-  !> What all components of a map share.
+  !> Range, spectrum and units of the components of a map.
   type :: map_waves
     integer :: period(2) = 0                 !! pixels of the periodic map along x and y
     integer :: most(2) = 0                   !! largest wave numbers along x and y
-    real(real128) :: side(2) = 0.0_real128   !! of the periodic map
+    real(real128) :: side(2) = 0.0_real128   !! lengths of the periodic map along x and y
     logical :: empty = .true.                !! no component has power
-    integer :: scale = 0                     !! a unit of a component is 2**-scale of its amplitude
+    integer :: unit_bits = 0                 !! a component of 1 is 2**-unit_bits of its amplitude
     type(map_spec), private :: spec
     integer(int128), private :: square(2) = 0_int128  ! (q/q_r)**2 of the wave numbers 1
     integer(int128), private :: lowest = 0_int128     ! (q/q_r)**2 of the first and last component
@@ -56,8 +56,8 @@ module asperity_map_waves
   integer, parameter :: most_decay = 21
   ! A wavelength that differs from the roll-off or the cut-off by rounding alone is in the band.
   real(real128), parameter :: slack = 1.0e-12_real128
-  ! Draws are cut off at so many deviations, beyond which the chance is 1.2e-15; a draw is a whole
-  ! number of 2**-draw_bits.
+  ! Draws are cut off at so many deviations, beyond which the probability is 1.2e-15; a draw is a
+  ! whole number of 2**-draw_bits.
   integer, parameter :: farthest = 8, draw_bits = 37
   ! The sum of all components is below 2**sum_bits: two rows of a map are transformed as one, and a
   ! transform takes 2**60.
@@ -71,8 +71,8 @@ contains
 
   !> Prepares the components of a map.
   pure subroutine plan_waves(spec, waves)
-    type(map_spec), intent(in) :: spec    !! checked
-    type(map_waves), intent(out) :: waves !! ready to draw from
+    type(map_spec), intent(in) :: spec    !! specification, checked for faults
+    type(map_waves), intent(out) :: waves !! tables to draw from
     real(real128) :: roll_off, power, left
     integer(int128) :: total
     integer :: i, k, piece
@@ -83,10 +83,11 @@ contains
     ! A roll-off beyond the longest wave of the map changes no ratio of two components.
     roll_off = min(spec%roll_off, maxval(waves%side))
     waves%most = min(int(waves%side / spec%cut_off * (1 + slack)), (waves%period - 1) / 2)
-    ! Along a side without waves the square is not needed, and may be beyond all whole numbers.
-    where (waves%most > 0) waves%square = units((roll_off / waves%side)**2)
-    waves%highest = units((roll_off / spec%cut_off)**2 * (1 + slack))
-    if (spec%below == below_none) waves%lowest = units((roll_off / spec%roll_off)**2 * (1 - slack))
+    ! Along a side without waves the square is not needed, and may exceed the range of integers.
+    where (waves%most > 0) waves%square = square_units((roll_off / waves%side)**2)
+    waves%highest = square_units((roll_off / spec%cut_off)**2 * (1 + slack))
+    if (spec%below == below_none) &
+      waves%lowest = square_units((roll_off / spec%roll_off)**2 * (1 - slack))
     power = (1 + spec%hurst) / 2
     allocate (waves%series(0:degree, 0:pieces - 1), waves%decay(0:most_decay))
     do piece = 0, pieces - 1
@@ -102,20 +103,20 @@ contains
     total = 0_int128
     do i = 0, waves%most(1)
       do k = merge(1, 0, i == 0), waves%most(2)
-        total = total + merge(4, 2, i > 0 .and. k > 0) * int(amplitude(waves, i, k), int128)
+        total = total + merge(4, 2, i > 0 .and. k > 0) * int(amplitude_of(waves, i, k), int128)
       end do
     end do
     waves%empty = total == 0_int128
-    if (.not. waves%empty) waves%scale = sum_bits - draw_order - &
-                                         max(0, wide_bits - leadz(total) - amplitude_bits)
+    if (.not. waves%empty) waves%unit_bits = sum_bits - draw_order - &
+                                             max(0, wide_bits - leadz(total) - amplitude_bits)
 
   contains
 
-    elemental integer(int128) function units(value)
+    elemental integer(int128) function square_units(value)
       real(real128), intent(in) :: value
 
-      units = int(value * real(unity, real128) + 0.5_real128, int128)
-    end function units
+      square_units = int(value * real(unity, real128) + 0.5_real128, int128)
+    end function square_units
 
     elemental integer(int64) function amplitude_units(value)
       real(real128), intent(in) :: value
@@ -123,7 +124,7 @@ contains
       amplitude_units = nint(value * 2.0_real128**amplitude_bits, int64)
     end function amplitude_units
 
-    ! -power over order.
+    ! Binomial coefficient of -power over order.
     pure real(real128) function binomial(order)
       integer, intent(in) :: order
       integer :: n
@@ -138,44 +139,44 @@ contains
 
   ! Root of C(q)/C_0, in 2**-amplitude_bits: m**(-power) with a series about the left end of a
   ! piece, where (q/q_r)**2 = 4**k m and m is from 1 to 4.
-  pure integer(int64) function amplitude(waves, i, j)
+  pure integer(int64) function amplitude_of(waves, i, j)
     type(map_waves), intent(in) :: waves
     integer, intent(in) :: i, j  ! wave numbers, none negative
     integer(int128) :: square
     integer(int64) :: mantissa, place
     integer :: k, n, piece
 
-    amplitude = 0_int64
+    amplitude_of = 0_int64
     square = waves%square(1) * (int(i, int128) * i) + waves%square(2) * (int(j, int128) * j)
     if (square < waves%lowest .or. square > waves%highest) return
-    amplitude = 2_int64**amplitude_bits
+    amplitude_of = 2_int64**amplitude_bits
     if (square <= unity) return
     k = (wide_bits - 1 - leadz(square) - square_bits) / 2
     mantissa = int(shiftr(square, square_bits - amplitude_bits + 2 * k), int64)
     piece = int(shiftr(mantissa, place_bits)) - 2**piece_bits
     place = iand(mantissa, 2_int64**place_bits - 1_int64)
-    amplitude = waves%series(degree, piece)
+    amplitude_of = waves%series(degree, piece)
     do n = degree - 1, 0, -1
-      amplitude = waves%series(n, piece) + product_of(amplitude, place, place_bits)
+      amplitude_of = waves%series(n, piece) + product_of(amplitude_of, place, place_bits)
     end do
-    amplitude = product_of(amplitude, waves%decay(k), amplitude_bits)
-  end function amplitude
+    amplitude_of = product_of(amplitude_of, waves%decay(k), amplitude_bits)
+  end function amplitude_of
 
   !> The components of one wave number along x.
   pure subroutine draw_waves(waves, i, components)
-    type(map_waves), intent(in) :: waves             !! planned
+    type(map_waves), intent(in) :: waves             !! tables of `plan_waves`
     integer, intent(in) :: i                         !! wave number along x, 0 to `most(1)`
     integer(int64), intent(out) :: components(:, 0:) !! part, wave number along y modulo the period
-    integer(int64) :: size_of, part(2)
+    integer(int64) :: amplitude_here, part(2)
     integer :: j, k
 
     components = 0_int64
     do j = merge(1, -waves%most(2), i == 0), waves%most(2)
-      size_of = amplitude(waves, i, abs(j))
-      if (size_of == 0_int64) cycle
+      amplitude_here = amplitude_of(waves, i, abs(j))
+      if (amplitude_here == 0_int64) cycle
       do k = 1, 2
-        part(k) = product_of(size_of, drawn(waves%gaussian, i, j, k), &
-                             amplitude_bits + draw_bits - waves%scale)
+        part(k) = product_of(amplitude_here, drawn_number(waves%gaussian, i, j, k), &
+                             amplitude_bits + draw_bits - waves%unit_bits)
       end do
       components(:, modulo(j, waves%period(2))) = part
       if (i == 0) components(:, waves%period(2) - j) = [part(1), -part(2)]
@@ -183,8 +184,8 @@ contains
 
   contains
 
-    ! A Gaussian of deviation 1, in 2**-draw_bits.
-    pure integer(int64) function drawn(gaussian, x, y, which)
+    ! A random number of a Gaussian of deviation 1, in 2**-draw_bits.
+    pure integer(int64) function drawn_number(gaussian, x, y, which)
       type(truncated_normal), intent(in) :: gaussian
       integer, intent(in) :: x, y, which
       integer(int64) :: words(4)
@@ -192,8 +193,8 @@ contains
       words = philox_block([int(x, int64), iand(int(y, int64), low_32), int(which, int64), &
                             stream], &
                            [int(waves%spec%seed, int64), 0_int64])
-      drawn = draw_normal(gaussian, words(:3)) - whole_range / 2_int64
-    end function drawn
+      drawn_number = draw_normal(gaussian, words(:3)) - whole_range / 2_int64
+    end function drawn_number
 
   end subroutine draw_waves
 

@@ -1,38 +1,38 @@
-!> The sphere that stands for a summit of a map: its radius and its top, from nine samples.
+!> The sphere that represents a summit of a map: its radius and its top, from nine pixels.
 module asperity_summit_spheres
   use asperity_height_map, only: is_measured
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: mean_curvature, top_of, radius_names, radius_neighbours, radius_geometric, &
+  public :: mean_curvature, find_top, radius_names, radius_neighbours, radius_geometric, &
             radius_paraboloid
 
   !> Rules for the radius: 1 over the mean, or over the geometric mean, of the two central second
   !> differences; 1 over the mean curvature of the paraboloid of least squares over nine samples.
   integer, parameter :: radius_neighbours = 1, radius_geometric = 2, radius_paraboloid = 3
-  !> What the user calls them.
+  !> Names of the rules for the radius in input.
   character(len=*), parameter :: radius_names(3) = [character(len=10) :: 'neighbours', &
     'geometric', 'paraboloid']
 
 contains
 
-  !> The curvature that the radius is 1 over; 0 or less where the samples have no such sphere.
-  !> Where one of both directions has no neighbours the other serves for both.
-  pure real(real64) function mean_curvature(near, spacing, rule) result(curvature)
-    real(real64), intent(in) :: near(-1:1, -1:1)  !! the summit and its neighbours
-    real(real64), intent(in) :: spacing(2)        !! of the samples along x and y
-    integer, intent(in) :: rule                   !! one of the rules
+  !> Curvature of the sphere, 1/radius; 0 or less where the pixels have no such sphere. Where one
+  !> direction has no neighbours the curvature of the other one is used for both.
+  pure real(real64) function mean_curvature(near, distances, rule) result(curvature)
+    real(real64), intent(in) :: near(-1:1, -1:1)  !! heights of the summit and its neighbours
+    real(real64), intent(in) :: distances(2)      !! distances of pixels along x and y
+    integer, intent(in) :: rule                   !! rule for the radius, one of the three
     real(real64) :: along(2)
 
     if (rule == radius_paraboloid) then
       along(1) = mean_of_lines(near)
       along(2) = mean_of_lines(transpose(near))
     else
-      along(1) = bend(near(:, 0))
-      along(2) = bend(near(0, :))
+      along(1) = second_fall(near(:, 0))
+      along(2) = second_fall(near(0, :))
     end if
-    along = along / spacing**2
+    along = along / distances**2
     if (.not. has_line(near(:, 0))) along(1) = along(2)
     if (.not. has_line(near(0, :))) along(2) = along(1)
     if (rule == radius_geometric) then
@@ -44,25 +44,25 @@ contains
     end if
   end function mean_curvature
 
-  !> Where the parabolas through the summit and its neighbours along x and y have their vertex, as
-  !> a step from the summit in samples, and how much higher that is. A vertex more than half a
-  !> sample away is that of something else. Beside a cliff there is no parabola: one that is bent
-  !> more than given rises as one that is bent so much.
-  pure subroutine top_of(near, most, step, rise)
-    real(real64), intent(in) :: near(-1:1, -1:1)  !! the summit and its neighbours
-    real(real64), intent(in) :: most(2)           !! second differences along x and y at most
-    real(real64), intent(out) :: step(2)          !! along x and y, from -1/2 to 1/2
-    real(real64), intent(out) :: rise             !! of the vertex above the sample, 0 or more
+  !> Finds the vertex of the parabolas through the summit and its neighbours along x and y: its
+  !> offset from the summit in pixels and its height above it. A vertex more than half a pixel away
+  !> belongs to another summit and is ignored. Beside a cliff a parabola is meaningless: the rise of
+  !> one with a larger second difference than `most` is that of one with `most`.
+  pure subroutine find_top(near, most, step, rise)
+    real(real64), intent(in) :: near(-1:1, -1:1)  !! heights of the summit and its neighbours
+    real(real64), intent(in) :: most(2)           !! limits of the second differences along x and y
+    real(real64), intent(out) :: step(2)          !! offset along x and y [pixels], -1/2 to 1/2
+    real(real64), intent(out) :: rise             !! height of the vertex above the pixel, 0 or more
 
     real(real64) :: rises(2)
 
-    call vertex(near(:, 0), most(1), step(1), rises(1))
-    call vertex(near(0, :), most(2), step(2), rises(2))
+    call find_vertex(near(:, 0), most(1), step(1), rises(1))
+    call find_vertex(near(0, :), most(2), step(2), rises(2))
     rise = sum(rises)
-  end subroutine top_of
+  end subroutine find_top
 
-  ! The vertex of the parabola through three samples.
-  pure subroutine vertex(line, most, step, rise)
+  ! Finds the vertex of the parabola through three pixels.
+  pure subroutine find_vertex(line, most, step, rise)
     real(real64), intent(in) :: line(-1:1), most
     real(real64), intent(out) :: step, rise
     real(real64) :: difference, down
@@ -71,19 +71,19 @@ contains
     rise = 0.0_real64
     difference = 0.0_real64
     if (has_line(line)) difference = line(1) - line(-1)
-    down = bend(line)
+    down = second_fall(line)
     if (.not. (abs(difference) <= down .and. down > 0.0_real64)) return
     step = 0.5_real64 * difference / down
     rise = 0.125_real64 * difference * (difference / down) * min(1.0_real64, most / down)
-  end subroutine vertex
+  end subroutine find_vertex
 
-  ! Minus the second difference.
-  pure real(real64) function bend(line)
+  ! Minus the second difference of a line of three heights, 0 where one is missing.
+  pure real(real64) function second_fall(line)
     real(real64), intent(in) :: line(-1:1)
 
-    bend = 0.0_real64
-    if (has_line(line)) bend = (line(0) - line(-1)) + (line(0) - line(1))
-  end function bend
+    second_fall = 0.0_real64
+    if (has_line(line)) second_fall = (line(0) - line(-1)) + (line(0) - line(1))
+  end function second_fall
 
   pure logical function has_line(line)
     real(real64), intent(in) :: line(-1:1)
@@ -91,7 +91,8 @@ contains
     has_line = all(is_measured(line))
   end function has_line
 
-  ! Least squares over nine samples is the mean over the lines; a line that lacks one is left out.
+  ! The second difference by least squares over nine pixels: the mean of the three lines. A line
+  ! with a missing pixel is left out.
   pure real(real64) function mean_of_lines(near)
     real(real64), intent(in) :: near(-1:1, -1:1)
     integer :: j, lines
@@ -101,7 +102,7 @@ contains
     do j = -1, 1
       if (.not. has_line(near(:, j))) cycle
       lines = lines + 1
-      mean_of_lines = mean_of_lines + bend(near(:, j))
+      mean_of_lines = mean_of_lines + second_fall(near(:, j))
     end do
     if (lines > 0) mean_of_lines = mean_of_lines / lines
   end function mean_of_lines

@@ -1,4 +1,4 @@
-!> From the file of a height map to its summits: read, put in a unit, levelled, outliers taken out.
+!> From the file of a height map to its summits: reading, unit, levelling, removal of outliers.
 module asperity_summits_of_file
   use asperity_height_map, only: fault_of_spacing, give_spacing, height_map, length_units, &
                                  level_names, level_plane, periodic_edge, put_in_unit, usual_level
@@ -15,14 +15,14 @@ module asperity_summits_of_file
 
   public :: summit_choices, summits_of_file, summits_of_array, summits_of_samples
 
-  !> How it is done.
+  !> Options of the search for summits.
   type :: summit_choices
-    integer :: rule = rule_eight               !! what a summit is
+    integer :: rule = rule_eight               !! rule for summits, one of `rule_names`
     logical :: periodic = .false.              !! the map repeats itself
-    integer :: level = 0                       !! from which heights are measured; 0: the usual one
-    integer :: radius = 0                      !! rule for radii; 0: that of the rule
+    integer :: level = 0                       !! rule for levelling; 0: the default
+    integer :: radius = 0                      !! rule for radii; 0: default of the rule for summits
     integer :: unit = 0                        !! of `length_units`; 0: the file's own
-    logical :: despike = .false.               !! take single outliers out
+    logical :: despike = .false.               !! replace single outliers
     real(real64) :: spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
     logical :: progress = .false.              !! print the progress on a terminal
     character(len=2) :: prefix = ''            !! of a choice's name in messages: `--`, or none
@@ -30,16 +30,16 @@ module asperity_summits_of_file
 
 contains
 
-  !> Reads a map and finds its summits. With problems, or when `failure` is allocated because there
-  !> is no memory for it, neither is to be used.
+  !> Reads a map and finds its summits. Neither is valid with problems, or when `failure` is
+  !> allocated because memory is short.
   subroutine summits_of_file(path, choices, map, summits, spikes, problems, failure)
-    character(len=*), intent(in) :: path                    !! the file
-    type(summit_choices), intent(inout) :: choices          !! learns the rule for radii
-    type(height_map), intent(out) :: map                    !! levelled
-    type(map_summits), intent(out) :: summits               !! of the map
-    integer(int64), intent(out) :: spikes                   !! removed; -1: not searched for
-    type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    character(len=*), intent(in) :: path                    !! path of the file
+    type(summit_choices), intent(inout) :: choices          !! options; defaults are filled in
+    type(height_map), intent(out) :: map                    !! levelled height map
+    type(map_summits), intent(out) :: summits               !! summits of the map
+    integer(int64), intent(out) :: spikes                   !! number removed; -1: not searched for
+    type(problem_list), intent(inout) :: problems           !! faults of the options or the file
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when memory is short
 
     spikes = -1_int64
     call check_choices(choices, problems)
@@ -52,14 +52,14 @@ contains
     if (allocated(failure)) failure = path // ': ' // failure
   end subroutine summits_of_file
 
-  !> The same of a map in memory, which has its own edge.
+  !> Finds the summits of a map in memory, whose edge replaces that of the options.
   subroutine summits_of_array(map, choices, summits, spikes, problems, failure)
     type(height_map), intent(inout) :: map                  !! from take_map; then levelled
-    type(summit_choices), intent(inout) :: choices          !! learns the edge, the rule for radii
-    type(map_summits), intent(out) :: summits               !! of the map
-    integer(int64), intent(out) :: spikes                   !! removed; -1: were not looked for
-    type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why there are none
+    type(summit_choices), intent(inout) :: choices          !! options; defaults are filled in
+    type(map_summits), intent(out) :: summits               !! summits of the map
+    integer(int64), intent(out) :: spikes                   !! number removed; -1: not searched for
+    type(problem_list), intent(inout) :: problems           !! faults of the options or the file
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when memory is short
     character(len=:), allocatable :: fault
 
     spikes = -1_int64
@@ -74,7 +74,7 @@ contains
     call summits_of_samples(map, choices, summits, spikes, failure)
   end subroutine summits_of_array
 
-  ! That every choice is one.
+  ! Reports options that are out of range.
   subroutine check_choices(choices, problems)
     type(summit_choices), intent(inout) :: choices
     type(problem_list), intent(inout) :: problems
@@ -102,13 +102,13 @@ contains
 
   end subroutine check_choices
 
-  !> The same of a map that was read: levels it and takes outliers out as chosen.
+  !> Levels a map, replaces outliers if chosen and finds the summits.
   subroutine summits_of_samples(map, choices, summits, spikes, failure)
     type(height_map), intent(inout) :: map                  !! read, then levelled
-    type(summit_choices), intent(inout) :: choices          !! learns the rule for radii
-    type(map_summits), intent(out) :: summits               !! of the map
-    integer(int64), intent(out) :: spikes                   !! removed; -1: not searched for
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    type(summit_choices), intent(inout) :: choices          !! options; defaults are filled in
+    type(map_summits), intent(out) :: summits               !! summits of the map
+    integer(int64), intent(out) :: spikes                   !! number removed; -1: not searched for
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when memory is short
 
     spikes = -1_int64
     if (choices%level == 0) choices%level = usual_level(choices%periodic)

@@ -43,7 +43,7 @@ module asperity_generated_surface
     type(truncated_normal) :: distribution  !! not used when all are equal
   end type lattice_gaussian
 
-  !> All that the members of an ensemble share on one side.
+  !> Units and draws of one side, common to all members of an ensemble.
   type :: surface_plan
     private
     character(len=:), allocatable :: name
@@ -64,14 +64,14 @@ module asperity_generated_surface
   integer, parameter :: range_digits = 12, number_digits = 15
   integer(int64), parameter :: low_31 = int(z'7FFFFFFF', int64)
   integer(int64), parameter :: pieces = whole_range / (low_31 + 1_int64)
-  ! What rounding in real128 may have added to a number of units.
+  ! Upper bound of the rounding of a number of units in real128 [units].
   real(real128), parameter :: slack = 1.0e-15_real128
 
 contains
 
   !> Chooses the units of one side and prepares its draws.
   pure subroutine plan_surface(spec, side, plan)
-    type(generation_spec), intent(in) :: spec   !! checked
+    type(generation_spec), intent(in) :: spec   !! specification, checked for faults
     integer, intent(in) :: side                 !! 1 upper, 2 lower
     type(surface_plan), intent(out) :: plan     !! serves all members of the ensemble
     real(real128) :: extent(2), least
@@ -82,7 +82,7 @@ contains
     plan%key = [int(spec%seed, int64), 0_int64]
     plan%stream = int(3 * side - 2, int64)
     extent = [exact_value(spec%sides(side)%length), exact_value(spec%sides(side)%width)]
-    ! No two asperities are further apart than this, whatever is asked for.
+    ! No two asperities are further apart than twice the sum of the sides.
     least = min(exact_value(spec%sides(side)%least_distance), 2 * sum(extent))
     plan%decimals = side_digits - order_of(maxval(extent))
     if (least > 0.0_real128) plan%decimals = min(plan%decimals, distance_digits - order_of(least))
@@ -100,10 +100,10 @@ contains
 
   !> Generates one surface. `failure` is allocated, with the reason, when that cannot be done.
   subroutine generate_surface(plan, member, surface, failure)
-    type(surface_plan), intent(in) :: plan           !! of its side
-    integer, intent(in) :: member                    !! number in the ensemble, from 1
-    type(generated_surface), intent(out) :: surface  !! its asperities
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(surface_plan), intent(in) :: plan                 !! of its side
+    integer, intent(in) :: member                          !! number in the ensemble, from 1
+    type(generated_surface), intent(out) :: surface        !! asperities in whole units
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no surface
     integer :: i
 
     if (.not. has_memory((position_bytes + other_bytes) * int(plan%number, int64))) then
@@ -122,34 +122,34 @@ contains
       return
     end if
     do i = 1, plan%number
-      surface%height(i) = drawn(plan%height, 1_int64)
+      surface%height(i) = drawn_value(plan%height, 1_int64)
     end do
     do i = 1, size(surface%radius)
-      surface%radius(i) = drawn(plan%radius, 2_int64)
+      surface%radius(i) = drawn_value(plan%radius, 2_int64)
     end do
 
   contains
 
-    !> A number of asperity `i` from a stream.
-    pure integer(int64) function drawn(gaussian, which)
+    !> Height or radius of asperity `i`, from a stream of the generator.
+    pure integer(int64) function drawn_value(gaussian, which)
       type(lattice_gaussian), intent(in) :: gaussian
       integer(int64), intent(in) :: which
       integer(int64) :: words(4)
 
       words = philox_block([int(i, int64), 1_int64, int(member, int64), plan%stream + which], &
                            plan%key)
-      drawn = draw_gaussian(gaussian, words(1:3))
-    end function drawn
+      drawn_value = draw_gaussian(gaussian, words(1:3))
+    end function drawn_value
 
   end subroutine generate_surface
 
   !> The numbers of the asperities as the nearest doubles.
   pure subroutine reals(self, x, y, height, radius)
-    class(generated_surface), intent(in) :: self          !! the surface
-    real(real64), allocatable, intent(out) :: x(:)        !! along the length
-    real(real64), allocatable, intent(out) :: y(:)        !! along the width
-    real(real64), allocatable, intent(out) :: height(:)   !! of the summits
-    real(real64), allocatable, intent(out) :: radius(:)   !! of every summit
+    class(generated_surface), intent(in) :: self          !! surface in whole units
+    real(real64), allocatable, intent(out) :: x(:)        !! positions along the length, 0 or more
+    real(real64), allocatable, intent(out) :: y(:)        !! positions along the width, 0 or more
+    real(real64), allocatable, intent(out) :: height(:)   !! heights of the summits
+    real(real64), allocatable, intent(out) :: radius(:)   !! radii of the summits, > 0
     integer :: number
 
     number = size(self%x)
@@ -163,7 +163,7 @@ contains
 
   !> Chooses the unit, unless it is given, and prepares the draws.
   pure subroutine set_gaussian(spec, gaussian, decimals)
-    type(gaussian_spec), intent(in) :: spec          !! checked
+    type(gaussian_spec), intent(in) :: spec          !! mean, deviation and cut-offs, checked
     type(lattice_gaussian), intent(out) :: gaussian  !! ready to draw from
     integer, intent(in), optional :: decimals        !! digits behind the point, when given
     real(real128) :: mean, deviation, unit
@@ -176,7 +176,7 @@ contains
       gaussian%decimals = min(range_digits - order_of(spec%highest - spec%lowest), &
            number_digits - order_of(max(abs(spec%lowest), abs(spec%highest))))
     else
-      ! As it stands in the specification; three of at most 18 digits go from a long one.
+      ! The digits of the specification; a number of more than 15 digits loses three.
       gaussian%decimals = -spec%mean%exponent
       if (abs(spec%mean%digits) >= 10_int64**number_digits) &
         gaussian%decimals = gaussian%decimals - 3
@@ -219,7 +219,7 @@ contains
 
   !> The largest number of units that is not above a value.
   pure integer(int64) function units_below(value, decimals)
-    real(real128), intent(in) :: value  !! any length
+    real(real128), intent(in) :: value  !! length in the unit of the specification
     integer, intent(in) :: decimals     !! a unit is 10**(-decimals)
 
     units_below = floor(in_units(value, decimals) + slack, int64)
@@ -227,7 +227,7 @@ contains
 
   !> The smallest number of units that is not below a value.
   pure integer(int64) function units_above(value, decimals)
-    real(real128), intent(in) :: value  !! any length
+    real(real128), intent(in) :: value  !! length in the unit of the specification
     integer, intent(in) :: decimals     !! a unit is 10**(-decimals)
 
     units_above = ceiling(in_units(value, decimals) - slack, int64)
@@ -235,20 +235,20 @@ contains
 
   !> The least n with |value| < 10**n.
   pure integer function order_of(value)
-    real(real128), intent(in) :: value  !! not 0
+    real(real128), intent(in) :: value  !! any number except 0
 
     order_of = floor(log10(abs(value)))
-    ! The logarithm may be off by its last digit.
+    ! The last digit of the logarithm may be wrong.
     do while (10.0_real128**order_of <= abs(value))
       order_of = order_of + 1
     end do
   end function order_of
 
-  !> The nearest doubles of numbers of units: what a reader of their text gets.
+  !> Converts numbers of units to the nearest doubles, as a reader of their text does.
   pure subroutine lattice_reals(units, decimals, values)
     integer(int64), intent(in) :: units(:)  !! less than 2**53 each
     integer, intent(in) :: decimals         !! a unit is 10**(-decimals)
-    real(real64), intent(out) :: values(:)  !! as many
+    real(real64), intent(out) :: values(:)  !! one for each number of units
     integer :: i
 
     do i = 1, size(units)

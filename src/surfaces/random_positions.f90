@@ -23,12 +23,12 @@ module asperity_random_positions
   !> Bytes of memory an asperity takes while positions are sought, the positions included.
   integer(int64), parameter :: position_bytes = 32_int64
 
-  !> Earlier asperities by cell: `first` of a cell, then each one's `next`; 0 ends.
-  type :: cell_grid
+  !> Linked lists of the placed asperities of each cell: `first` of the cell, then `next`; 0 ends.
+  type :: occupied_cells
     integer(int64) :: side = 1_int64  ! units, at least the least distance
     integer :: columns = 1, rows = 1
     integer, allocatable :: first(:), next(:)
-  end type cell_grid
+  end type occupied_cells
 
 contains
 
@@ -38,18 +38,18 @@ contains
     integer(int64), intent(in) :: stream(2)  !! last two words of the counter
     integer(int64), intent(in) :: extent(2)  !! length and width, units; positions from 0 on
     integer(int64), intent(in) :: least      !! least distance, units, below 2**31
-    integer, intent(in) :: tries             !! places tried at most for one asperity
+    integer, intent(in) :: tries             !! largest number of tries for one asperity
     integer(int64), intent(out) :: x(:)      !! units, from 0 to the length
     integer(int64), intent(out) :: y(:)      !! units, from 0 to the width; as many as x
-    character(len=:), allocatable, intent(out) :: failure  !! why not
-    type(cell_grid) :: grid
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when they cannot be packed
+    type(occupied_cells) :: grid
     integer(int64) :: words(4)
     integer :: i, attempt
     logical :: is_free
 
-    if (real(size(x), real64) > most_that_fit(extent, least)) then
+    if (real(size(x), real64) > most_points(extent, least)) then
       failure = 'cannot be packed: found ' // decimal_text(size(x)) // ' asperities, expected ' // &
-                'at most ' // decimal_text(int(most_that_fit(extent, least))) // &
+                'at most ' // decimal_text(int(most_points(extent, least))) // &
                 ', as no arrangement with the least distance holds more'
       return
     end if
@@ -67,19 +67,19 @@ contains
         failure = 'cannot be packed: found room for ' // decimal_text(i - 1) // ' of ' // &
                   decimal_text(size(x)) // ' asperities, and none for the next in ' // &
                   decimal_text(tries) // ' tries, expected a smaller least distance, fewer ' // &
-                  'asperities' // advice(extent, least, size(x))
+                  'asperities' // packing_remedy(extent, least, size(x))
         return
       end if
-      if (least > 0_int64) call add_to(grid, x(i), y(i), i)
+      if (least > 0_int64) call add_position(grid, x(i), y(i), i)
     end do
   end subroutine place_at_random
 
-  !> Cells no smaller than the least distance, and so large that they are about as many as the
+  !> Divides the area into square cells, no smaller than the least distance and about as many as the
   !> asperities.
   pure subroutine make_grid(extent, least, number, grid)
     integer(int64), intent(in) :: extent(2), least
     integer, intent(in) :: number
-    type(cell_grid), intent(out) :: grid
+    type(occupied_cells), intent(out) :: grid
     real(real64) :: mean_side
 
     if (least == 0_int64) then
@@ -96,7 +96,7 @@ contains
 
   !> Whether position `i` keeps the distance to all that are in the grid.
   pure logical function has_room(grid, x, y, i, least)
-    type(cell_grid), intent(in) :: grid
+    type(occupied_cells), intent(in) :: grid
     integer(int64), intent(in) :: x(:), y(:), least
     integer, intent(in) :: i
     integer(int64) :: across, along
@@ -124,8 +124,8 @@ contains
     has_room = .true.
   end function has_room
 
-  pure subroutine add_to(grid, x, y, i)
-    type(cell_grid), intent(inout) :: grid
+  pure subroutine add_position(grid, x, y, i)
+    type(occupied_cells), intent(inout) :: grid
     integer(int64), intent(in) :: x, y
     integer, intent(in) :: i
     integer :: cell
@@ -133,41 +133,42 @@ contains
     cell = 1 + int(x / grid%side) + int(y / grid%side) * grid%columns
     grid%next(i) = grid%first(cell)
     grid%first(cell) = i
-  end subroutine add_to
+  end subroutine add_position
 
-  !> No more points keep the distance d on a convex area A of perimeter P than 2 A/(sqrt(3) d**2) +
-  !> P/(2 d) + 1 (N. Oler, "An inequality in the geometry of numbers", Acta Mathematica 105 (1961)
-  !> 19-48).
-  pure real(real64) function most_that_fit(extent, least)
+  !> Upper bound of the number of points that keep the distance d on a convex area A of perimeter P:
+  !> 2 A/(sqrt(3) d**2) + P/(2 d) + 1 (N. Oler, "An inequality in the geometry of numbers", Acta
+  !> Mathematica 105 (1961) 19-48).
+  pure real(real64) function most_points(extent, least)
     integer(int64), intent(in) :: extent(2), least
     real(real64) :: sides(2)
 
-    most_that_fit = huge(1.0_real64)
+    most_points = huge(1.0_real64)
     if (least == 0_int64) return
     sides = real(extent, real64) / real(least, real64)
-    most_that_fit = 2 / sqrt(3.0_real64) * sides(1) * sides(2) + sides(1) + sides(2) + 1
-    ! What rounding may have taken away.
-    most_that_fit = most_that_fit * (1 + 1.0e-9_real64)
-  end function most_that_fit
+    most_points = 2 / sqrt(3.0_real64) * sides(1) * sides(2) + sides(1) + sides(2) + 1
+    ! Allowance for rounding.
+    most_points = most_points * (1 + 1.0e-9_real64)
+  end function most_points
 
-  !> What a user may want to know of a surface that random placing nearly fills.
-  pure function advice(extent, least, number) result(text)
+  !> Remedy for the message: more tries, or the coverage where random placing nearly fills the
+  !> surface.
+  pure function packing_remedy(extent, least, number) result(text)
     integer(int64), intent(in) :: extent(2), least
     integer, intent(in) :: number
     character(len=:), allocatable :: text
-    character(len=5) :: wanted, possible
+    character(len=5) :: coverage, jammed
     real(real64) :: covered
 
     text = ' or more tries'
-    ! Discs stand out over the edge, so a small area holds more than a large one in proportion.
+    ! Discs extend beyond the edge, so a small area holds more than a large one in proportion.
     covered = pi / 4 * real(number, real64) / &
               ((real(extent(1), real64) / real(least, real64) + 1) * &
                (real(extent(2), real64) / real(least, real64) + 1))
     if (covered <= jamming .or. covered > 10) return
-    write (wanted, '(f5.3)') covered
-    write (possible, '(f5.3)') jamming
-    text = ': their discs would cover ' // wanted // ' of the area, random placing ends near ' // &
-           possible
-  end function advice
+    write (coverage, '(f5.3)') covered
+    write (jammed, '(f5.3)') jamming
+    text = ': their discs would cover ' // coverage // ' of the area, random placing ends ' // &
+           'near ' // jammed
+  end function packing_remedy
 
 end module asperity_random_positions

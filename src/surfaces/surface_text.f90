@@ -26,7 +26,7 @@ contains
 
   !> A surface as CSV: a header, then one line an asperity.
   subroutine surface_as_csv(surface, text, used)
-    type(generated_surface), intent(in) :: surface      !! the surface
+    type(generated_surface), intent(in) :: surface      !! surface in whole units
     character(len=:), allocatable, intent(out) :: text  !! the whole file, and some room behind it
     integer(int64), intent(out) :: used                 !! bytes of the file
     integer :: i, longest
@@ -39,15 +39,16 @@ contains
     text(:len(header)) = header
     used = len(header, int64)
     do i = 1, size(surface%x)
-      call put(surface%x(i), surface%position_decimals, ',')
-      call put(surface%y(i), surface%position_decimals, ',')
-      call put(surface%height(i), surface%height_decimals, ',')
-      call put(surface%radius(min(i, size(surface%radius))), surface%radius_decimals, achar(10))
+      call put_number(surface%x(i), surface%position_decimals, ',')
+      call put_number(surface%y(i), surface%position_decimals, ',')
+      call put_number(surface%height(i), surface%height_decimals, ',')
+      call put_number(surface%radius(min(i, size(surface%radius))), surface%radius_decimals, &
+                      achar(10))
     end do
 
   contains
 
-    subroutine put(value, decimals, separator)
+    subroutine put_number(value, decimals, separator)
       integer(int64), intent(in) :: value
       integer, intent(in) :: decimals
       character(len=1), intent(in) :: separator
@@ -60,7 +61,7 @@ contains
       text(used + 1_int64:last) = field(first:)
       used = last + 1_int64
       text(used:used) = separator
-    end subroutine put
+    end subroutine put_number
 
     !> Characters that the longest number of a column may take.
     pure integer function longest_of(values, decimals)
@@ -69,7 +70,7 @@ contains
       character(len=field_length) :: field
       integer :: first
 
-      ! The sign of a smaller number is the one character more.
+      ! One more character is for the sign of a smaller number.
       call write_decimal(max(maxval(values), -minval(values)), decimals, field, first)
       longest_of = field_length - first + 2
     end function longest_of
@@ -78,20 +79,21 @@ contains
 
   !> Writes `value * 10**(-decimals)`, as `-0.0123`, `12` or `5E3`, at the right of a field.
   pure subroutine write_decimal(value, decimals, field, first)
-    integer(int64), intent(in) :: value                !! units, less than 10**18 in size
-    integer, intent(in) :: decimals                    !! a unit is 10**(-decimals)
-    character(len=field_length), intent(inout) :: field  !! blank before the number when it was
-    integer, intent(out) :: first                      !! where in it the number begins
-    character(len=12) :: exponent
+    integer(int64), intent(in) :: value                  !! units, less than 10**18 in size
+    integer, intent(in) :: decimals                      !! a unit is 10**(-decimals)
+    character(len=field_length), intent(inout) :: field  !! number at its right end, the rest
+                                                         !! unchanged
+    integer, intent(out) :: first  !! first position of the number
+    character(len=12) :: power
     integer(int64) :: rest, above
     integer :: at, behind
 
     at = field_length
     behind = decimals
     if (decimals > most_decimals .or. decimals < 0) then
-      write (exponent, '(i0)') -decimals
-      at = at - len_trim(exponent)
-      field(at + 1:) = exponent
+      write (power, '(i0)') -decimals
+      at = at - len_trim(power)
+      field(at + 1:) = power
       field(at:at) = 'E'
       at = at - 1
       behind = 0
@@ -117,19 +119,20 @@ contains
     end if
   end subroutine write_decimal
 
-  !> The cards. `notes` reports the values that are rounded on them.
+  !> Writes two surfaces as the cards of a deck. `notes` reports the values that are rounded on
+  !> them.
   subroutine surfaces_as_deck(spec, upper, lower, text, notes)
-    type(generation_spec), intent(in) :: spec      !! what stands beside the asperities
-    type(generated_surface), intent(in) :: upper   !! in card units
-    type(generated_surface), intent(in) :: lower   !! in card units
+    type(generation_spec), intent(in) :: spec           !! values of the cards beside the asperities
+    type(generated_surface), intent(in) :: upper        !! in card units
+    type(generated_surface), intent(in) :: lower        !! in card units
     character(len=:), allocatable, intent(out) :: text  !! the whole deck
-    type(problem_list), intent(inout) :: notes     !! what was rounded
+    type(problem_list), intent(inout) :: notes          !! one note for each rounded value
     type(text_buffer) :: cards
 
     call cards%append('NO  YES' // achar(10))
-    call cards%append(model(1, upper) // achar(10))
-    call cards%append(model(2, lower) // real_card(spec%deck%lower_width, 7, 4, 'lower_width') // &
-                      achar(10))
+    call cards%append(model_card(1, upper) // achar(10))
+    call cards%append(model_card(2, lower) // &
+                      real_card(spec%deck%lower_width, 7, 4, 'lower_width') // achar(10))
     call cards%append(real_card(spec%deck%rotation(1), 8, 4, 'rotation') // &
                       real_card(spec%deck%rotation(2), 8, 4, 'rotation') // &
                       real_card(spec%deck%displacement(1), 7, 3, 'x_displacement') // &
@@ -141,7 +144,7 @@ contains
   contains
 
     !> Columns 1 to 40 of a model's card.
-    function model(side, surface) result(columns)
+    function model_card(side, surface) result(columns)
       integer, intent(in) :: side
       type(generated_surface), intent(in) :: surface
       character(len=:), allocatable :: columns
@@ -156,7 +159,7 @@ contains
                 real_card(spec%deck%elastic_modulus(side), 10, 0, 'elastic_modulus') // &
                 real_card(spec%deck%poisson_ratio(side), 5, 3, 'poisson_ratio') // &
                 real_card(spec%deck%allowed_stress(side), 10, 0, 'allowed_stress')
-    end function model
+    end function model_card
 
     !> A number on a card, rounded to its decimals.
     function real_card(value, width, decimals, name) result(columns)
@@ -177,7 +180,7 @@ contains
 
   end subroutine surfaces_as_deck
 
-  !> The cards of one surface's asperities.
+  !> Appends the cards of one surface's asperities.
   subroutine add_asperities(surface, cards)
     type(generated_surface), intent(in) :: surface
     type(text_buffer), intent(inout) :: cards

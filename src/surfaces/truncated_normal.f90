@@ -40,7 +40,7 @@ contains
   pure subroutine prepare_normal(lowest, highest, distribution)
     real(real128), intent(in) :: lowest   !! cut-off below, deviations from the mean
     real(real128), intent(in) :: highest  !! cut-off above, more than `lowest`
-    type(truncated_normal), intent(out) :: distribution  !! the tables
+    type(truncated_normal), intent(out) :: distribution  !! tables of the distribution
     real(real128) :: step, left, total, nodes(0:pieces), outside(0:pieces)
     real(real128) :: q(0:degree)
     integer :: i
@@ -53,15 +53,15 @@ contains
       nodes(i) = lowest + step * real(i, real128)
     end do
     outside = erfc(abs(nodes) / sqrt(2.0_real128)) / 2
-    total = probability(0, pieces)
+    total = probability_between(0, pieces)
     do i = 1, pieces
       left = nodes(i - 1)
       if (i < pieces) &
-        distribution%cumulative(i) = nint(real(certain, real128) * (probability(0, i) / total), &
-                                          int64)
-      ! Where no draw comes from, the series may be beyond all numbers.
+        distribution%cumulative(i) = nint(real(certain, real128) * &
+                                          (probability_between(0, i) / total), int64)
+      ! The series of a piece that is never drawn may exceed the range of numbers.
       if (distribution%cumulative(i) == distribution%cumulative(i - 1) .and. i < pieces) cycle
-      call expand(left, probability(i - 1, i), q)
+      call expand_quantile(left, probability_between(i - 1, i), q)
       distribution%series(:, i) = nint(real(unit, real128) * (q(1:) / step), int64)
     end do
     distribution%cumulative(pieces) = certain
@@ -69,22 +69,23 @@ contains
   contains
 
     !> Probability of the Gaussian between two nodes, without loss in the tails.
-    pure real(real128) function probability(from, to)
+    pure real(real128) function probability_between(from, to)
       integer, intent(in) :: from, to
 
       if (nodes(from) >= 0.0_real128) then
-        probability = outside(from) - outside(to)
+        probability_between = outside(from) - outside(to)
       else if (nodes(to) <= 0.0_real128) then
-        probability = outside(to) - outside(from)
+        probability_between = outside(to) - outside(from)
       else
-        probability = 1.0_real128 - outside(from) - outside(to)
+        probability_between = 1.0_real128 - outside(from) - outside(to)
       end if
-    end function probability
+    end function probability_between
 
   end subroutine prepare_normal
 
-  !> Taylor series of the quantile: q(k) belongs to w**k, with w from 0 to 1 in the piece.
-  pure subroutine expand(left, mass, q)
+  !> Expands the quantile in a Taylor series: q(k) is the coefficient of w**k, with w from 0 to 1 in
+  !> the piece.
+  pure subroutine expand_quantile(left, mass, q)
     real(real128), intent(in) :: left, mass
     real(real128), intent(out) :: q(0:degree)
     real(real128), parameter :: root_two_pi = sqrt(2 * pi_128)
@@ -106,21 +107,21 @@ contains
       end do
       q(k + 2) = total / real((k + 1) * (k + 2), real128)
     end do
-  end subroutine expand
+  end subroutine expand_quantile
 
-  !> A place in the range, from 0 to `whole_range`, by three random words.
+  !> A random place in the range, from 0 to `whole_range`, from three random words.
   pure integer(int64) function draw_normal(distribution, words)
-    type(truncated_normal), intent(in) :: distribution  !! the tables
+    type(truncated_normal), intent(in) :: distribution  !! tables of the distribution
     integer(int64), intent(in) :: words(3)              !! each from 0 to 2**32 - 1
-    integer(int64) :: wanted, share, place
+    integer(int64) :: target, share, place
     integer :: first, last, middle, k
 
-    wanted = ior(shiftl(words(1), 20), shiftr(words(2), 12))
+    target = ior(shiftl(words(1), 20), shiftr(words(2), 12))
     first = 0
     last = pieces
     do while (last - first > 1)
       middle = (first + last) / 2
-      if (distribution%cumulative(middle) > wanted) then
+      if (distribution%cumulative(middle) > target) then
         last = middle
       else
         first = middle
