@@ -1,11 +1,10 @@
-!> A surface in an order in which neighbours are found at once.
+!> A surface sorted for the search of neighbours.
 !>
-!> Asperities are parted by the power of two of their radius, so that a few large ones do not widen
-!> the search for all small ones. Each such layer is cut into strips along x as high as a pair of
-!> its asperities can be apart; inside a strip asperities stand in the order of x. Strips without
-!> asperities do not exist: the cost follows the number of asperities, whatever room lies between
-!> them. The order does not change when the whole surface is displaced: built once, it serves
-!> every position.
+!> Asperities are divided into layers by the power of two of their radius, so that a few large ones
+!> do not widen the search for all small ones. Each layer is cut into strips along x, as high as the
+!> largest distance of a pair of its asperities; a strip is sorted by x. Strips without asperities
+!> do not exist: the cost is proportional to the number of asperities, whatever their distances. The
+!> order does not depend on the displacement of the surface: one grid serves all positions.
 module asperity_cell_grid
   use asperity_cell_layer, only: build_layer, grid_layer, take_high_points
   use asperity_kinds, only: int32, real64
@@ -16,25 +15,25 @@ module asperity_cell_grid
   public :: cell_grid
   public :: build_grid, take_high_part
 
-  !> A surface, ready to be searched.
+  !> A surface in layers and strips.
   type :: cell_grid
-    type(grid_layer), allocatable :: layers(:)  !! ascending radius
+    type(grid_layer), allocatable :: layers(:)  !! in ascending order of the radius
   end type cell_grid
 
 contains
 
-  !> Puts a surface in order. All lengths have one unit, near the radii: squares must not overflow.
+  !> Sorts a surface. All lengths have one unit, near the radii: squares must not overflow.
   subroutine build_grid(grid, x, y, height, radius, reach)
-    type(cell_grid), intent(out) :: grid               !! the surface in order
-    real(real64), contiguous, intent(in) :: x(:)       !! places in plan, finite; one at least
-    real(real64), contiguous, intent(in) :: y(:)       !! as many
-    real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many
-    real(real64), contiguous, intent(in) :: radius(:)  !! as many, each more than 0
-    real(real64), intent(in) :: reach                  !! height of `squared_reach` that will be
-                                                       !! searched; any other is right, but slower
+    type(cell_grid), intent(out) :: grid               !! the sorted surface
+    real(real64), contiguous, intent(in) :: x(:)       !! positions, finite; one at least
+    real(real64), contiguous, intent(in) :: y(:)       !! positions, as many as x
+    real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many as x
+    real(real64), contiguous, intent(in) :: radius(:)  !! radii, as many as x, each > 0
+    real(real64), intent(in) :: reach                  !! height of `squared_reach` of the searches;
+                                                       !! another one is correct, but slower
     integer(int32), allocatable :: members(:), ends(:)
     type(number_span) :: radii
-    integer :: power, i, begin, layers
+    integer :: power, i, previous_end, layers
 
     radii = span_of(radius)
     if (exponent(radii%least) == exponent(radii%largest)) then
@@ -44,28 +43,28 @@ contains
     end if
     call part_by_power(radius, exponent(radii%least), exponent(radii%largest), members, ends)
     layers = 0
-    begin = 0
+    previous_end = 0
     do i = lbound(ends, 1), ubound(ends, 1)
-      if (ends(i) > begin) layers = layers + 1
-      begin = ends(i)
+      if (ends(i) > previous_end) layers = layers + 1
+      previous_end = ends(i)
     end do
     allocate (grid%layers(layers))
     layers = 0
-    begin = 0
+    previous_end = 0
     do power = lbound(ends, 1), ubound(ends, 1)
-      if (ends(power) == begin) cycle
+      if (ends(power) == previous_end) cycle
       layers = layers + 1
-      call build_layer(grid%layers(layers), x, y, height, radius, members(begin + 1:ends(power)), &
-                       reach)
-      begin = ends(power)
+      call build_layer(grid%layers(layers), x, y, height, radius, &
+                       members(previous_end + 1:ends(power)), reach)
+      previous_end = ends(power)
     end do
   end subroutine build_grid
 
-  !> The asperities of a surface in order that are not lower than a level, in order.
+  !> Selects the asperities of a sorted surface that are not lower than a level, in the same order.
   subroutine take_high_part(grid, least, part)
-    type(cell_grid), intent(in) :: grid   !! the surface in order
+    type(cell_grid), intent(in) :: grid   !! the sorted surface
     real(real64), intent(in) :: least     !! level of the lowest summits
-    type(cell_grid), intent(out) :: part  !! with the indices of the surface
+    type(cell_grid), intent(out) :: part  !! asperities with their indices in the surface
     integer :: i, k
 
     allocate (part%layers(count(grid%layers%highest >= least)))
@@ -77,7 +76,7 @@ contains
     end do
   end subroutine take_high_part
 
-  ! Indices by ascending power of two of the radius; each power's end among them.
+  ! Sorts indices by the power of two of the radius. `ends`: the last index of each power.
   subroutine part_by_power(radius, first, last, members, ends)
     real(real64), contiguous, intent(in) :: radius(:)
     integer, intent(in) :: first, last

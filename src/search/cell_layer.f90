@@ -1,4 +1,4 @@
-!> One layer of a surface in order: strips along x, each in the order of x.
+!> One layer of a sorted surface: strips along x, each sorted by x.
 module asperity_cell_layer
   use asperity_cell_reach, only: squared_reach
   use asperity_key_sort, only: sort_keys
@@ -14,18 +14,18 @@ module asperity_cell_layer
 
   !> A summit. Not initialised: a large array of these would be written twice.
   type :: grid_point
-    real(real64) :: x         !! place in plan
-    real(real64) :: y         !! place in plan
-    real(real64) :: height    !! level of the summit
-    integer(int32) :: index   !! number of the asperity in its surface, from 1
+    real(real64) :: x           !! place in plan
+    real(real64) :: y           !! place in plan
+    real(real64) :: height      !! level of the summit
+    integer(int32) :: asperity  !! number of the asperity in its surface, from 1
   end type grid_point
 
   !> Asperities whose radii have one power of two.
   type :: grid_layer
-    type(grid_point), allocatable :: points(:)  !! from 1: strip after strip, by x; the spare ones
-    real(real64), allocatable :: radius(:)      !! of each point; where radii differ
+    type(grid_point), allocatable :: points(:)  !! points of the strips by x; spare ones last
+    real(real64), allocatable :: radius(:)      !! of each point; only where radii differ
     integer :: strips = 0                       !! number of strips, each with an asperity at least
-    integer(int32), allocatable :: first(:)     !! first point of each strip; one more: the end
+    integer(int32), allocatable :: first(:)     !! first point of each strip; then the end
     real(real64), allocatable :: low(:)         !! least y of each strip, ascending
     real(real64), allocatable :: high(:)        !! largest y of each strip, ascending
     real(real64) :: smallest = 0.0_real64       !! least radius
@@ -35,15 +35,15 @@ module asperity_cell_layer
 
 contains
 
-  !> Orders the asperities of one layer.
+  !> Sorts the asperities of one layer.
   subroutine build_layer(layer, x, y, height, radius, members, reach)
-    type(grid_layer), intent(inout) :: layer           !! the layer in order
-    real(real64), contiguous, intent(in) :: x(:)       !! places of all asperities of the surface
-    real(real64), contiguous, intent(in) :: y(:)       !! as many
-    real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many
-    real(real64), contiguous, intent(in) :: radius(:)  !! as many
-    integer(int32), intent(in) :: members(:)           !! indices of the layer's; none: all
-    real(real64), intent(in) :: reach                  !! how near pairs are, see `squared_reach`
+    type(grid_layer), intent(inout) :: layer           !! the sorted layer
+    real(real64), contiguous, intent(in) :: x(:)       !! positions of all asperities of the surface
+    real(real64), contiguous, intent(in) :: y(:)       !! positions, as many as x
+    real(real64), contiguous, intent(in) :: height(:)  !! summit levels, as many as x
+    real(real64), contiguous, intent(in) :: radius(:)  !! radii, as many as x
+    integer(int32), intent(in) :: members(:)           !! asperities of the layer; empty: all
+    real(real64), intent(in) :: reach                  !! height of `squared_reach`
     integer(int32), allocatable :: ends(:)
     real(real64) :: tall, bottom, top
     integer :: n, i, m
@@ -66,10 +66,10 @@ contains
     end do
     allocate (layer%points(n + spare_points))
     tall = strip_height(layer%largest, reach)
-    ! Both surfaces are cut at multiples of one height: undisplaced, a strip then meets three.
+    ! Both surfaces are cut at multiples of one height: undisplaced, a strip meets three others.
     if (abs(bottom) < 1.0e9_real64 * tall) bottom = tall * real(floor(bottom / tall), real64)
     if (top - bottom < tall * (4.0_real64 * real(n, real64) + 1000.0_real64)) then
-      call fill_rows(layer%points(1:n), x, y, height, members, bottom, top, tall, ends)
+      call fill_rows(layer%points(1:n), x, y, height, members, [bottom, top], tall, ends)
     else
       call fill_sorted(layer%points(1:n), x, y, height, members, tall, ends)
     end if
@@ -78,15 +78,15 @@ contains
     if (.not. layer%smallest < layer%largest) return
     allocate (layer%radius(n))
     do i = 1, n
-      layer%radius(i) = radius(layer%points(i)%index)
+      layer%radius(i) = radius(layer%points(i)%asperity)
     end do
   end subroutine build_layer
 
-  !> The points of a layer that are not lower than a level, in the same order.
+  !> Selects the points of a layer that are not lower than a level, in the same order.
   subroutine take_high_points(layer, least, part)
-    type(grid_layer), intent(in) :: layer  !! in order
-    real(real64), intent(in) :: least      !! level, `highest` at most
-    type(grid_layer), intent(out) :: part  !! in order, with the bounds of the whole layer
+    type(grid_layer), intent(in) :: layer  !! the sorted layer
+    real(real64), intent(in) :: least      !! least height, at most `highest`
+    type(grid_layer), intent(out) :: part  !! selected points with the bounds of the whole layer
     integer :: n, i, k, strip
 
     n = layer%first(layer%strips + 1) - 1
@@ -104,7 +104,7 @@ contains
     do strip = 1, layer%strips
       k = n
       do i = layer%first(strip), layer%first(strip + 1) - 1
-        ! No branch, as it would be mispredicted: the next point overwrites a low one.
+        ! Without a branch, which would be mispredicted: the next point overwrites a low one.
         part%points(n + 1) = layer%points(i)
         n = n + merge(1, 0, layer%points(i)%height >= least)
       end do
@@ -117,7 +117,7 @@ contains
     part%points(n + 1:n + spare_points) = part%points(n)
   end subroutine take_high_points
 
-  ! How far apart two asperities of a layer can be, and a little more.
+  ! Largest distance of a pair of asperities of a layer, with a margin.
   pure function strip_height(largest, reach) result(tall)
     real(real64), intent(in) :: largest, reach
     real(real64) :: tall
@@ -126,26 +126,26 @@ contains
     if (.not. tall > 0.0_real64) tall = largest
   end function strip_height
 
-  ! Puts points into rows of one height by counting. `ends`: the last point of each row.
-  subroutine fill_rows(points, x, y, height, members, bottom, top, tall, ends)
+  ! Sorts points into rows of equal height by counting. `ends`: the last point of each row.
+  subroutine fill_rows(points, x, y, height, members, span, tall, ends)
     type(grid_point), contiguous, intent(inout) :: points(:)
     real(real64), contiguous, intent(in) :: x(:), y(:), height(:)
     integer(int32), intent(in) :: members(:)
-    real(real64), intent(in) :: bottom, top, tall
+    real(real64), intent(in) :: span(2), tall
     integer(int32), allocatable, intent(out) :: ends(:)
-    real(real64) :: scale
+    real(real64) :: rows_per_length
     integer :: rows, row, i, m, k, before, own
     logical :: all_members
 
     all_members = size(members) == 0
-    scale = 1.0_real64 / tall
-    rows = int((top - bottom) * scale) + 1
+    rows_per_length = 1.0_real64 / tall
+    rows = int((span(2) - span(1)) * rows_per_length) + 1
     allocate (ends(rows))
     ends(:) = 0_int32
     do i = 1, size(points)
       m = i
       if (.not. all_members) m = members(i)
-      row = int((y(m) - bottom) * scale) + 1
+      row = int((y(m) - span(1)) * rows_per_length) + 1
       ends(row) = ends(row) + 1_int32
     end do
     before = 0
@@ -157,18 +157,18 @@ contains
     do i = 1, size(points)
       m = i
       if (.not. all_members) m = members(i)
-      row = int((y(m) - bottom) * scale) + 1
+      row = int((y(m) - span(1)) * rows_per_length) + 1
       k = ends(row) + 1
       ends(row) = k
       points(k)%x = x(m)
       points(k)%y = y(m)
       points(k)%height = height(m)
-      points(k)%index = int(m, int32)
+      points(k)%asperity = int(m, int32)
     end do
   end subroutine fill_rows
 
-  ! The same where most rows would be empty: points sorted by y, a row begins with a point that
-  ! the one before does not hold.
+  ! Sorts points into rows where rows of equal height would be empty mostly: points are sorted by y;
+  ! a row begins with the first point above the previous row.
   subroutine fill_sorted(points, x, y, height, members, tall, ends)
     type(grid_point), contiguous, intent(inout) :: points(:)
     real(real64), contiguous, intent(in) :: x(:), y(:), height(:)
@@ -195,7 +195,7 @@ contains
       points(i)%x = x(m)
       points(i)%y = y(m)
       points(i)%height = height(m)
-      points(i)%index = int(m, int32)
+      points(i)%asperity = int(m, int32)
     end do
     do pass = 1, 2
       rows = 1
@@ -211,7 +211,7 @@ contains
     ends(rows) = int(n, int32)
   end subroutine fill_sorted
 
-  ! Sorts every row by x and keeps those with points.
+  ! Sorts every row by x and removes empty rows.
   subroutine finish_strips(layer, ends)
     type(grid_layer), intent(inout) :: layer
     integer(int32), intent(in) :: ends(:)

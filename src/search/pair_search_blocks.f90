@@ -1,18 +1,18 @@
-!> The pairs that a search has found, in blocks: nothing is copied when there are more.
+!> The pairs that a search has found, in blocks: nothing is copied when their number grows.
 module asperity_pair_search_blocks
   use asperity_kinds, only: int32, int64
   implicit none
   private
 
   public :: found_pairs
-  public :: room_in_block
+  public :: reserve_room
 
-  ! Pairs a block.
+  ! Number of pairs of a block.
   integer, parameter :: block_size = 65536
 
-  !> Some of the pairs found.
+  !> A block of pairs.
   type :: pair_block
-    integer :: used = 0                      !! pairs in it
+    integer :: used = 0                      !! number of pairs in the block
     integer(int32), allocatable :: upper(:)  !! indices of the upper asperities, from 1
     integer(int32), allocatable :: lower(:)  !! indices of the lower asperities, from 1
   end type pair_block
@@ -21,16 +21,16 @@ module asperity_pair_search_blocks
   type :: found_pairs
     integer(int64) :: number = 0_int64         !! pairs in all blocks
     integer :: blocks = 0                      !! blocks in use
-    type(pair_block), allocatable :: block(:)  !! the first `blocks` of them
+    type(pair_block), allocatable :: block(:)  !! the first `blocks` are in use
   end type found_pairs
 
 contains
 
-  !> Sees to it that the last block in use has room. `failed` when there is no memory.
-  subroutine room_in_block(found, needed, failed)
+  !> Adds a block when the last one has too little room.
+  subroutine reserve_room(found, needed, failed)
     type(found_pairs), intent(inout) :: found  !! pairs so far
-    integer, intent(in) :: needed              !! room for so many, 65536 at most
-    logical, intent(out) :: failed             !! no memory
+    integer, intent(in) :: needed              !! number of pairs to be added, 65536 at most
+    logical, intent(out) :: failed             !! whether memory is short
     type(pair_block), allocatable :: larger(:)
     integer :: i, status
 
@@ -56,6 +56,6 @@ contains
     end associate
     failed = status /= 0
     if (.not. failed) found%blocks = found%blocks + 1
-  end subroutine room_in_block
+  end subroutine reserve_room
 
 end module asperity_pair_search_blocks

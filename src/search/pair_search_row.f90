@@ -1,4 +1,4 @@
-!> One surface in the order of x: enough to find neighbours where there are few asperities.
+!> One surface sorted by x, for the search of neighbours among few asperities.
 module asperity_pair_search_row
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, real64
@@ -10,18 +10,18 @@ module asperity_pair_search_row
 
   !> Asperities in the order of x.
   type :: summit_row
-    real(real64), allocatable :: x(:)        !! ascending
-    real(real64), allocatable :: y(:)        !! the other place in plan
+    real(real64), allocatable :: x(:)        !! positions along x, ascending
+    real(real64), allocatable :: y(:)        !! positions along y
     integer(int32), allocatable :: index(:)  !! number of the asperity in its surface, from 1
   end type summit_row
 
 contains
 
-  !> Puts a surface in the order of x.
+  !> Sorts a surface by x.
   subroutine build_row(row, x, y)
-    type(summit_row), intent(out) :: row          !! in order
-    real(real64), contiguous, intent(in) :: x(:)  !! places in plan, finite
-    real(real64), contiguous, intent(in) :: y(:)  !! as many
+    type(summit_row), intent(out) :: row          !! the sorted surface
+    real(real64), contiguous, intent(in) :: x(:)  !! positions along x, finite
+    real(real64), contiguous, intent(in) :: y(:)  !! positions along y, as many as x
 
     allocate (row%x(size(x)), row%y(size(x)), row%index(size(x)))
     call sort_keys(x, row%index)
@@ -29,10 +29,10 @@ contains
     row%y(:) = y(row%index)
   end subroutine build_row
 
-  !> The first place in the row that is not left of `x`; one behind the last when there is none.
+  !> Index of the first asperity of the row that is not left of `x`; size + 1 when there is none.
   pure integer function first_from(row, x) result(low)
-    type(summit_row), intent(in) :: row  !! in order
-    real(real64), intent(in) :: x        !! place in plan
+    type(summit_row), intent(in) :: row  !! the sorted surface
+    real(real64), intent(in) :: x        !! position along x, length
     integer :: high, middle
 
     low = 1
