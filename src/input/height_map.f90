@@ -48,6 +48,8 @@ module asperity_height_map
   integer, parameter :: fewest = 3
   ! Squares of flatter maps would not fit in a double.
   real(real64), parameter :: least_range = 1.0e-60_real64
+  ! Characters of a height at most: a number has fewer.
+  integer, parameter :: longest_cell = 120
   !> No digit was read yet.
   integer, parameter :: no_power = huge(0)
   !> What a message says of a length.
@@ -259,13 +261,15 @@ contains
     integer, intent(inout) :: power
     type(decimal_value) :: decimal
 
+    height = no_height
+    good = len(word) <= longest_cell
+    if (.not. good) return
     call read_numeral(word, decimal, good)
     if (good) then
       height = decimal_to_real64(decimal)
       if (decimal%digits /= 0_int64) power = min(power, decimal%exponent)
       return
     end if
-    height = no_height
     good = any(lower_case(word) == [character(len=4) :: 'bad', 'nan', '-nan'])
   end subroutine read_height
 

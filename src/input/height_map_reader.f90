@@ -1,5 +1,6 @@
 !> Reads a height map; the content of the file determines its format.
 module asperity_height_map_reader
+  use asperity_delimited_text, only: line_reader
   use asperity_height_map, only: fault_of_map, fault_of_spacing, give_spacing, height_map
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: is_npy, read_npy_map
@@ -10,7 +11,6 @@ module asperity_height_map_reader
   use asperity_text_header, only: head_length, is_numeric_line, is_surface_header, read_header, &
                                   text_header
   use asperity_text_map, only: read_text_map
-  use asperity_token_reader, only: token_reader
   implicit none
   private
 
@@ -56,7 +56,7 @@ contains
     type(problem_list), intent(inout) :: problems           !! all that is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why not
     character(len=*), intent(in), optional :: option        !! that gives the spacing; `spacing`
-    type(token_reader) :: file
+    type(line_reader) :: file
     character(len=:), allocatable :: name
 
     if (path == '-') then
@@ -73,7 +73,7 @@ contains
   !> The same of a file that is open.
   subroutine take_height_map(path, file, spacing, option, shared, progress, map, problems, failure)
     character(len=*), intent(in) :: path                    !! name for the messages
-    type(token_reader), intent(inout) :: file               !! at its first byte
+    type(line_reader), intent(inout) :: file               !! at its first byte
     real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
     character(len=*), intent(in) :: option                  !! that gives it, for the messages
     logical, intent(in) :: shared             !! no spacing for a map that has its own

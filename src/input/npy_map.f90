@@ -4,13 +4,13 @@
 !> array in Fortran order has its columns one behind the other; its indices mean the same. Format:
 !> numpy.org/doc/stable/reference/generated/numpy.lib.format.html.
 module asperity_npy_map
+  use asperity_byte_reader, only: byte_reader
   use asperity_height_map, only: expected_height, height_map, highest, largest_height, make_room, &
                                  most_samples, no_height
   use asperity_input_text, only: blanks, quoted
   use asperity_kinds, only: int32, int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
-  use asperity_token_reader, only: token_reader
   implicit none
   private
 
@@ -44,7 +44,7 @@ contains
 
   !> Reads all pixels. `failure` is allocated when there is no memory for them.
   subroutine read_npy_map(file, magic, progress, map, problems, failure)
-    type(token_reader), intent(inout) :: file               !! behind its first 8 bytes
+    class(byte_reader), intent(inout) :: file               !! behind its first 8 bytes
     character(len=*), intent(in) :: magic                   !! these bytes
     logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
@@ -87,7 +87,7 @@ contains
 
   ! Bytes before the next one.
   pure integer(int64) function here(file)
-    type(token_reader), intent(in) :: file
+    class(byte_reader), intent(in) :: file
 
     here = file%before + int(file%at, int64) - 1_int64
   end function here
@@ -102,7 +102,7 @@ contains
 
   ! The text of the header, whose length is stated in two bytes of version 1, and in four later on.
   subroutine take_header(file, magic, text, problems)
-    type(token_reader), intent(inout) :: file
+    class(byte_reader), intent(inout) :: file
     character(len=*), intent(in) :: magic
     character(len=:), allocatable, intent(out) :: text
     type(problem_list), intent(inout) :: problems
@@ -261,7 +261,7 @@ contains
 
   ! The pixels in the order of the file.
   subroutine read_pixels(file, header, progress, map, problems)
-    type(token_reader), intent(inout) :: file
+    class(byte_reader), intent(inout) :: file
     type(npy_header), intent(in) :: header
     logical, intent(in) :: progress
     type(height_map), intent(inout) :: map

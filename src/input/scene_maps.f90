@@ -2,6 +2,7 @@
 module asperity_scene_maps
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_delimited_text, only: line_reader
   use asperity_effect_names, only: known_effects
   use asperity_height_map, only: change_unit, edge_names, expected_length, give_spacing, &
                                  height_map, is_length, length_units, level_names, level_plane, &
@@ -15,7 +16,6 @@ module asperity_scene_maps
   use asperity_scene_fields, only: scene_fields
   use asperity_scene_values, only: control_limit, effect_auto, effect_boundary, effect_coupled, &
                                    effect_off, effect_words, scene, scene_surface, solves_pixels
-  use asperity_token_reader, only: token_reader
   implicit none
   private
 
@@ -52,7 +52,7 @@ contains
   !> Makes the maps of a scene: those that it names in the place of surfaces, whose files are set
   !> ('' is none), and those that are given as arrays.
   subroutine read_maps(files, fields, checked, other_files)
-    type(token_reader), intent(inout) :: files(2)     !! of both, open
+    type(line_reader), intent(inout) :: files(2)     !! of both, open
     type(scene_fields), intent(inout) :: fields       !! the scene's text
     type(scene), intent(inout) :: checked             !! gets the maps; has those that are given
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files

@@ -1,6 +1,7 @@
 !> Group &surfaces of a scene: a card deck, or two CSV files, of which one may be a plane.
 module asperity_scene_surfaces
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_delimited_text, only: line_reader
   use asperity_files, only: same_name
   use asperity_height_map, only: plain_unit
   use asperity_input_text, only: quoted
@@ -13,7 +14,6 @@ module asperity_scene_surfaces
   use asperity_scene_values, only: scene, scene_motion, scene_surface
   use asperity_surface_csv, only: read_surface_csv, surface_table
   use asperity_system_calls, only: canonical_path
-  use asperity_token_reader, only: token_reader
   implicit none
   private
 
@@ -102,7 +102,7 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
-    type(token_reader) :: files(2)
+    type(line_reader) :: files(2)
     logical :: maps(2)
 
     if (.not. fields%given(1)) checked%upper%is_plane = is_plane(upper)
@@ -134,7 +134,7 @@ contains
     ! Opens the file of a surface, and finds out whether it is a map.
     subroutine look_at(name, file, names_map)
       character(len=:), allocatable, intent(in) :: name
-      type(token_reader), intent(inout) :: file
+      type(line_reader), intent(inout) :: file
       logical, intent(out) :: names_map
 
       names_map = .false.
@@ -151,7 +151,7 @@ contains
   subroutine read_csv_files(path, upper, lower, files, fields, checked, other_files)
     character(len=*), intent(in) :: path
     character(len=:), allocatable, intent(in) :: upper, lower
-    type(token_reader), intent(inout) :: files(2)
+    type(line_reader), intent(inout) :: files(2)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
@@ -210,7 +210,7 @@ contains
   subroutine take_maps(path, upper, lower, files, maps, fields, checked, other_files)
     character(len=*), intent(in) :: path
     character(len=:), allocatable, intent(in) :: upper, lower
-    type(token_reader), intent(inout) :: files(2)
+    type(line_reader), intent(inout) :: files(2)
     logical, intent(in) :: maps(2)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
@@ -228,7 +228,7 @@ contains
     subroutine take(which, name, file, names_map, surface)
       character(len=*), intent(in) :: which
       character(len=:), allocatable, intent(in) :: name
-      type(token_reader), intent(in) :: file
+      type(line_reader), intent(in) :: file
       logical, intent(in) :: names_map
       type(scene_surface), intent(inout) :: surface
       logical :: asperities
@@ -281,7 +281,7 @@ contains
   !> Fills the numbers of one surface from a CSV file; a common radius of 0 is none.
   subroutine surface_from_csv(path, file, common_radius, surface, has_radius, unit, notes, problems)
     character(len=*), intent(in) :: path
-    type(token_reader), intent(inout) :: file  ! open, at its first byte
+    type(line_reader), intent(inout) :: file  ! open, at its first byte
     type(decimal_value), intent(in) :: common_radius
     type(scene_surface), intent(inout) :: surface
     logical, intent(out) :: has_radius

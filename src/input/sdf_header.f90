@@ -5,12 +5,12 @@
 !> of Olympus has 8 more, the whole numbers 5 and 1.
 module asperity_sdf_header
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_delimited_text, only: line_reader
   use asperity_height_map, only: expected_length, is_length
   use asperity_input_text, only: lower_case, quoted
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral, read_whole_number
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_token_reader, only: token_reader
   implicit none
   private
 
@@ -76,7 +76,7 @@ contains
 
   !> Reads the header of a text, up to the line of one asterisk.
   subroutine read_text_header(file, magic, header, problems)
-    type(token_reader), intent(inout) :: file        !! behind the first 8 bytes; left at the data
+    type(line_reader), intent(inout) :: file        !! behind the first 8 bytes; left at the data
     character(len=*), intent(in) :: magic            !! these bytes
     type(sdf_header), intent(out) :: header          !! what it says
     type(problem_list), intent(inout) :: problems    !! what is wrong
@@ -86,7 +86,7 @@ contains
 
     call read_magic(magic, header, problems)
     seen = .false.
-    call file%start('', trim(merge(';', ' ', header%revision == bcr)))
+    call file%begin_lines()
     call file%next_line(text, line, column)
     if (allocated(text)) then
       call cut_comment(header, text)
@@ -213,7 +213,7 @@ contains
 
   !> Reads the header of a binary file.
   subroutine read_binary_header(file, magic, header, problems)
-    type(token_reader), intent(inout) :: file        !! behind the first 8 bytes; left at the data
+    type(line_reader), intent(inout) :: file        !! behind the first 8 bytes; left at the data
     character(len=*), intent(in) :: magic            !! these bytes
     type(sdf_header), intent(out) :: header          !! what it says
     type(problem_list), intent(inout) :: problems    !! what is wrong
@@ -270,7 +270,7 @@ contains
         header%points * header%profiles * type_bytes(header%data_type)) return
     call file%take(more_bytes, bytes)
     if (whole_bits(bytes(:4)) == 5_int64 .and. whole_bits(bytes(5:)) == 1_int64) return
-    call file%again()
+    call file%rewind()
     call file%take(magic_length + at, bytes)
 
   contains

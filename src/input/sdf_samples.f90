@@ -5,6 +5,7 @@
 !> the first profile is that of the largest y, as other programs have it. Bytes behind the pixels
 !> are text of the maker, which is noted, or refused: the header may be longer than it should be.
 module asperity_sdf_samples
+  use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: digit_of, height_map, highest, is_measured, largest_height, &
                                  make_room, most_samples, no_height, no_power, read_height
   use asperity_input_text, only: blanks, lower_case, quoted
@@ -12,7 +13,6 @@ module asperity_sdf_samples
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
   use asperity_sdf_header, only: add_at_record, bcr, sdf_header, type_bytes, type_names, whole_bits
-  use asperity_token_reader, only: token, token_reader
   implicit none
   private
 
@@ -26,7 +26,7 @@ contains
 
   !> Reads all pixels. `failure` is allocated when there is no memory for them.
   subroutine read_sdf_samples(file, header, progress, map, problems, failure)
-    type(token_reader), intent(inout) :: file               !! behind the header
+    type(line_reader), intent(inout) :: file               !! behind the header
     type(sdf_header), intent(in) :: header                  !! what it says
     logical, intent(in) :: progress                         !! print the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
@@ -45,8 +45,13 @@ contains
     end if
     ! A sample of a text takes two bytes at least.
     least = least * merge(int(type_bytes(header%data_type), int64), 2_int64, header%binary)
-    if (file%length >= 0_int64 .and. least > file%length - here(file) + 1_int64) then
-      call too_short(decimal_text(file%length) // ' bytes')
+    if (file%length >= 0_int64 .and. least > file%length - file%next_byte() + 1_int64) then
+      call problems%add_in_file('found ' // decimal_text(file%length) // ' bytes, expected ' // &
+                                decimal_text(header%points) // ' x ' // &
+                                decimal_text(header%profiles) // ' pixels of ' // &
+                                trim(type_names(header%data_type)) // &
+                                ' as in the header, at least ' // decimal_text(least) // &
+                                ' bytes behind it')
       return
     end if
     others = 0_int64
@@ -65,31 +70,9 @@ contains
     if (others > 0_int64) &
       call map%notes%add_in_file('note: ' // decimal_text(others) // ' pixels are ' // &
            decimal_text(other_limit(header)) // ', which other programs take for missing; ' // &
-           'here ' // &
-           'they are heights')
+           'here they are heights')
     map%digit = map%digit * header%scale(3)
-
-  contains
-
-    subroutine too_short(found)
-      character(len=*), intent(in) :: found
-
-      call problems%add_in_file('found ' // found // ', expected ' // &
-                                decimal_text(header%points) // ' x ' // &
-                                decimal_text(header%profiles) // ' pixels of ' // &
-                                trim(type_names(header%data_type)) // &
-                                ' as in the header, at least ' // decimal_text(least) // &
-                                ' bytes behind it')
-    end subroutine too_short
-
   end subroutine read_sdf_samples
-
-  ! The next byte of the file, from 1.
-  pure integer(int64) function here(file)
-    type(token_reader), intent(in) :: file
-
-    here = file%before + int(file%at, int64)
-  end function here
 
   ! The row of a map where a profile of the file goes.
   pure integer function row_of(header, profile)
@@ -102,7 +85,7 @@ contains
 
   ! Samples as bytes.
   subroutine read_bytes(file, header, map, shown, others, problems)
-    type(token_reader), intent(inout) :: file
+    type(line_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
@@ -118,7 +101,7 @@ contains
     do profile = 1, map%rows
       do first = 1, map%columns, 4096
         last = min(map%columns, first + 4095)
-        place = here(file)
+        place = file%next_byte()
         call file%take(wide * (last - first + 1), bytes)
         if (len(bytes) < wide * (last - first + 1)) then
           call add_at_record(problems, place + len(bytes, int64), 2, &
@@ -145,7 +128,7 @@ contains
     if (problems%count() == 0) largest = largest_height(map) / header%scale(3)
     if (header%data_type == binary32) map%digit = real(spacing(real(largest, real32)), real64)
     if (header%data_type == binary64) map%digit = spacing(largest)
-    place = here(file)
+    place = file%next_byte()
     call file%take(longest_text, bytes)
     if (len(bytes) == 0) return
     if (len(bytes) < longest_text .and. is_text(bytes)) then
@@ -282,36 +265,39 @@ contains
 
   ! Samples as words.
   subroutine read_words(file, header, map, shown, others, problems)
-    type(token_reader), intent(inout) :: file
+    type(line_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
     type(height_map), intent(inout) :: map
     type(progress_line), intent(inout) :: shown
     integer(int64), intent(inout) :: others  ! pixels at the other limit of their type
     type(problem_list), intent(inout) :: problems
-    type(token) :: word
-    character(len=:), allocatable :: expected
+    type(line_cells) :: cells
+    character(len=:), allocatable :: expected, grid, word
     real(real64) :: height
-    integer :: i, power, profile
+    integer :: i, k, power, profile
     logical :: good, whole
 
     whole = header%data_type /= binary32 .and. header%data_type /= binary64
     expected = merge('a whole number', 'a number      ', whole)
     expected = trim(expected) // ', at most 1e30 as a height, or BAD'
+    grid = decimal_text(header%points) // ' x ' // decimal_text(header%profiles)
     power = no_power
+    cells%separator = ' '
+    cells%line_comments = ''
+    cells%keep_empty = .false.
+    if (header%revision == bcr) cells%comment = ';'
+    k = 0
     do profile = 1, map%rows
       do i = 1, map%columns
-        call file%next(word)
-        if (word%length == 0 .or. word%text(:max(1, word%length)) == '*') then
-          call problems%add_at(word%line, word%column, 'the pixels end behind ' // &
-                               decimal_text(int(profile - 1, int64) * map%columns + i - 1) // &
-                               ', expected ' // decimal_text(header%points) // ' x ' // &
-                               decimal_text(header%profiles))
+        call take_word()
+        if (word == '' .or. word == '*') then
+          call refuse('the pixels end behind ' // &
+                      decimal_text(int(profile - 1, int64) * map%columns + i - 1) // &
+                      ', expected ' // grid)
           return
         end if
-        call read_height(word%text(:word%length), height, good, power)
-        if (whole .and. is_measured(height)) &
-          good = good .and. verify(word%text(:word%length), '+-0123456789') == 0
-        good = good .and. .not. word%is_cut
+        call read_height(word, height, good, power)
+        if (whole .and. is_measured(height)) good = good .and. verify(word, '+-0123456789') == 0
         if (good .and. is_measured(height)) then
           if (whole .and. nint(height, int64) == other_limit(header)) others = others + 1_int64
           if (is_reserved(header, height)) then
@@ -320,37 +306,56 @@ contains
             call scale(header, height, good)
           end if
         end if
-        if (.not. good) call problems%add_at(word%line, word%column, 'found ' // &
-                                             quoted(word%text(:word%length)) // ', expected ' // &
-                                             expected)
+        if (.not. good) call refuse('found ' // quoted(word) // ', expected ' // expected)
         map%height(i, row_of(header, profile)) = height
       end do
       call shown%reach(profile)
     end do
     map%digit = digit_of(power)
     if (whole) map%digit = 1.0_real64
-    if (word%length > 0 .and. file%at > file%used .and. problems%count() == 0) &
-      call map%notes%add_at(word%line, word%column, 'note: the file ends right behind ' // &
-                            quoted(word%text(:word%length)) // ', without a line end or an ' // &
+    if (cells%last(k) == len(file%lines) .and. problems%count() == 0) &
+      call map%notes%add_at(cells%line, column_of(cells, k), 'note: the file ends right ' // &
+                            'behind ' // quoted(word) // ', without a line end or an ' // &
                             'asterisk: is the number whole?')
-    call file%next(word)
-    if (word%length == 0) return
-    i = 0
+    call take_word()
+    if (word == '') return
+    good = .false.
     ! Behind the asterisk stands text of the maker, no number.
-    do while (i == 0 .and. word%length == 1 .and. word%text(1:1) == '*')
-      call file%next(word)
-      if (word%length == 0) return
-      call read_height(word%text(:word%length), height, good, power)
-      if (good) i = 1
-      if (good .or. word%text(:word%length) == '*') cycle
-      call map%notes%add_at(word%line, word%column, 'note: text behind the pixels is not read')
+    do while (.not. good .and. word == '*')
+      call take_word()
+      if (word == '') return
+      call read_height(word, height, good, power)
+      if (good .or. word == '*') cycle
+      call map%notes%add_at(cells%line, column_of(cells, k), &
+                            'note: text behind the pixels is not read')
       return
     end do
-    call problems%add_at(word%line, word%column, 'found ' // quoted(word%text(:word%length)) // &
-                         ' behind ' // decimal_text(header%points) // ' x ' // &
-                         decimal_text(header%profiles) // ' pixels, expected an asterisk, ' // &
-                         'and ' // &
-                         'no value behind it')
+    call refuse('found ' // quoted(word) // ' behind ' // grid // ' pixels, expected an ' // &
+                'asterisk, and no value behind it')
+
+  contains
+
+    ! The next word of the file; empty at its end.
+    subroutine take_word()
+      k = k + 1
+      if (k > cells%count) then
+        call file%next_cells(cells)
+        k = 1
+      end if
+      if (cells%count > 0) then
+        word = file%cell_text(cells, k)
+      else
+        word = ''
+      end if
+    end subroutine take_word
+
+    ! Reports a problem at the word, or at the end of the file.
+    subroutine refuse(message)
+      character(len=*), intent(in) :: message
+
+      call problems%add_at(cells%line, column_of(cells, k), message)
+    end subroutine refuse
+
   end subroutine read_words
 
 end module asperity_sdf_samples

@@ -4,11 +4,11 @@
 !> columns may stand there; they are not read.
 module asperity_surface_columns
   use asperity_decimal, only: decimal_value
+  use asperity_delimited_text, only: column_of, find_separator, line_cells, read_cells
   use asperity_height_map, only: plain_unit
   use asperity_input_text, only: line_end, lower_case, quoted
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
-  use asperity_separated_cells, only: cut_line, line_cells, separator_of
   use asperity_word_hint, only: nearest_word
   implicit none
   private
@@ -39,8 +39,8 @@ contains
   !> Reads the header at `first`.
   pure subroutine read_header(text, first, line, columns, problems)
     character(len=*), intent(in) :: text            !! the whole file
-    integer, intent(inout) :: first                 !! byte where it begins; left at the next line
-    integer, intent(inout) :: line                  !! its number; left at the next one's
+    integer, intent(inout) :: first                 !! byte where it begins; left at the next line's
+    integer, intent(inout) :: line                  !! its number; left at the next line's
     type(surface_columns), intent(out) :: columns   !! what stands where
     type(problem_list), intent(inout) :: problems   !! what is wrong
     type(line_cells) :: cells
@@ -50,18 +50,18 @@ contains
 
     is_mixed = .false.
     last = line_end(text, first)
-    cells%separator = separator_of(text(first:last))
-    allocate (cells%first(last - first + 2), cells%last(last - first + 2))
     start = first
-    call cut_line(text, first, cells)
+    cells%separator = find_separator(text(first:last))
+    call read_cells(text, first, line, cells)
+    line = cells%line + 1
     columns%count = cells%count
     columns%separator = cells%separator
     columns%unit = ''
     columns%others = ''
     unread = 0
     if (all_numbers(text, cells)) then
-      call problems%add_at(line, 1, 'no header: found numbers in the first line, expected ' // &
-                           'x,y,height,radius')
+      call problems%add_at(cells%line, 1, 'no header: found numbers in the first line, ' // &
+                           'expected x,y,height,radius')
       return
     end if
     do i = 1, cells%count
@@ -72,15 +72,15 @@ contains
         unread = unread + 1
         if (unread <= most_named) columns%others = columns%others // ', ' // name
       else if (columns%cell_of(role) > 0) then
-        call problems%add_at(line, place(i), 'column ' // name // ' occurs twice, expected once')
+        call refuse(i, 'column ' // name // ' occurs twice, expected once', problems)
       else
         columns%cell_of(role) = i
         if (all(columns%cell_of == 0 .or. columns%cell_of == i)) columns%unit = unit
         if (columns%unit == unit .or. is_mixed) cycle
         is_mixed = .true.
-        call problems%add_at(line, place(i), name // ': found ' // unit_in_words(unit) // &
-                             ' beside ' // unit_in_words(columns%unit) // ', expected one ' // &
-                             'unit for all lengths, in each column or in none')
+        call refuse(i, name // ': found ' // unit_in_words(unit) // ' beside ' // &
+                    unit_in_words(columns%unit) // ', expected one unit for all lengths, in ' // &
+                    'each column or in none', problems)
       end if
     end do
     ! A name that is nearly one of those that are missing is no other column.
@@ -91,8 +91,8 @@ contains
       if (role == 0) cycle
       if (columns%cell_of(role) > 0) cycle
       columns%cell_of(role) = i
-      call problems%add_at(line, place(i), 'unknown column: found ' // quoted(name) // &
-                           '; did you mean ''' // trim(column_names(role)) // '''?')
+      call refuse(i, 'unknown column: found ' // quoted(name) // '; did you mean ''' // &
+                  trim(column_names(role)) // '''?', problems)
     end do
     if (unread > 0) columns%others = columns%others(3:)
     if (unread > most_named) &
@@ -102,19 +102,19 @@ contains
       if (columns%cell_of(i) == 0) name = name // ', ' // trim(column_names(i))
     end do
     if (name /= '') &
-      call problems%add_at(line, 1, 'no column ' // name(3:) // ': found ' // &
+      call problems%add_at(cells%line, 1, 'no column ' // name(3:) // ': found ' // &
                            quoted(text(start:last)) // ', expected x, y, height and perhaps ' // &
                            'radius, between commas, semicolons or tabulators')
-    line = line + 1
 
   contains
 
-    ! Column of the line where a cell begins.
-    pure integer function place(cell)
+    pure subroutine refuse(cell, message, problems)
       integer, intent(in) :: cell
+      character(len=*), intent(in) :: message
+      type(problem_list), intent(inout) :: problems
 
-      place = cells%first(cell) - start + 1
-    end function place
+      call problems%add_at(cells%line, column_of(cells, cell), message)
+    end subroutine refuse
 
   end subroutine read_header
 

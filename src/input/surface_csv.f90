@@ -6,13 +6,13 @@
 module asperity_surface_csv
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
+  use asperity_delimited_text, only: column_of, line_cells, read_cells
   use asperity_file_kind, only: a_surface, other_kind
   use asperity_input_text, only: check_text, line_end, quoted, read_text, text_start
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
-  use asperity_separated_cells, only: cut_line, line_cells, skip_to_line
   use asperity_surface_columns, only: column_names, height_column, radius_column, read_header, &
                                       surface_columns
   implicit none
@@ -73,22 +73,25 @@ contains
     type(problem_list), intent(out) :: problems
     real(real64), intent(in), optional :: common_radius
     type(surface_columns) :: columns
+    type(line_cells) :: cells
     character(len=:), allocatable :: other
     integer :: first, line
 
     call problems%start(path)
     line = 1
     first = text_start(text)
-    call skip_to_line(text, first, line)
-    if (first > len(text)) then
+    call read_cells(text, first, line, cells)
+    if (cells%count == 0) then
       call problems%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')
       return
     end if
     other = other_kind(text, [a_surface])
     if (other /= '') then
-      call problems%add_at(line, 1, other // '; expected a surface, x,y,height,radius')
+      call problems%add_at(cells%line, 1, other // '; expected a surface, x,y,height,radius')
       return
     end if
+    first = cells%start
+    line = cells%line
     call read_header(text, first, line, columns, problems)
     table%has_radius = columns%cell_of(radius_column) > 0
     table%unit = columns%unit
@@ -97,126 +100,123 @@ contains
     call read_pieces(path, text(first:), line, columns, table, problems, common_radius)
   end subroutine parse_numbers
 
-  ! Reads all rows, piece by piece. Where a piece has problems all is read again as one, so that
-  ! they are counted as one list.
-  subroutine read_pieces(path, text, line, columns, table, problems, common_radius)
+  ! Reads all rows, piece by piece: each line has its own place in the table. Where a piece has
+  ! problems all is read again as one, so that they are counted as one list.
+  subroutine read_pieces(path, text, first_line, columns, table, problems, common_radius)
     character(len=*), intent(in) :: path, text  ! rows only
-    integer, intent(in) :: line                 ! number of the first one
+    integer, intent(in) :: first_line           ! number of the first one
     type(surface_columns), intent(in) :: columns
     type(surface_table), intent(inout) :: table
     type(problem_list), intent(inout) :: problems
     real(real64), intent(in), optional :: common_radius
-    integer, allocatable :: first(:)   ! byte of each piece, a line's; and one behind the last
-    integer, allocatable :: before(:)  ! places in the table before those of each piece
-    integer, allocatable :: last(:)    ! place of its last row
+    integer, allocatable :: first(:), line(:)   ! byte and line where each piece begins
+    logical, allocatable :: is_row(:)           ! whether a line is one of an asperity
     type(problem_list), allocatable :: found(:)
-    integer :: k, pieces, rows
+    integer :: k, pieces, lines
 
     pieces = 1 + len(text) / piece_length
-    allocate (first(pieces + 1), before(pieces + 1), last(pieces), found(pieces))
+    allocate (first(pieces + 1), line(pieces + 1), found(pieces))
     first(1) = 1
     do k = 2, pieces
       first(k) = max(first(k - 1), min(len(text), line_end(text, (k - 1) * piece_length) + 1) + 1)
     end do
     first(pieces + 1) = len(text) + 1
-    before(1) = 0
+    line(1) = first_line
     !$omp parallel do if(pieces > 1)
     do k = 1, pieces
-      before(k + 1) = count_line_feeds(text(first(k):first(k + 1) - 1))
+      line(k + 1) = count_line_feeds(text(first(k):first(k + 1) - 1))
     end do
     !$omp end parallel do
     do k = 1, pieces
-      before(k + 1) = before(k) + before(k + 1)
+      line(k + 1) = line(k) + line(k + 1)
     end do
-    ! One more than line feeds: never too few.
-    rows = before(pieces + 1) + 1
-    if (.not. has_memory(32_int64 * rows)) then
+    ! The last line may have no line feed.
+    lines = line(pieces + 1) - first_line + 1
+    if (.not. has_memory(36_int64 * lines)) then
       problems%lacks_memory = .true.
-      call problems%add_in_file(not_enough_memory // ' for ' // decimal_text(rows) // ' asperities')
+      call problems%add_in_file(not_enough_memory // ' for ' // decimal_text(lines) // &
+                                ' asperities')
       return
     end if
-    allocate (table%x(rows), table%y(rows), table%height(rows))
-    if (table%has_radius .or. present(common_radius)) allocate (table%radius(rows))
+    allocate (table%x(lines), table%y(lines), table%height(lines), is_row(lines))
+    is_row = .false.
+    if (table%has_radius .or. present(common_radius)) allocate (table%radius(lines))
     if (present(common_radius)) table%radius = common_radius
     !$omp parallel do schedule(dynamic) if(pieces > 1)
     do k = 1, pieces
       call found(k)%start(path)
-      last(k) = before(k)
-      call read_rows(text(first(k):first(k + 1) - 1), line + before(k), columns, table, last(k), &
+      call read_rows(text(first(k):first(k + 1) - 1), line(k), first_line, columns, table, is_row, &
                      found(k))
     end do
     !$omp end parallel do
-    rows = last(1)
-    do k = 2, pieces
-      if (rows < before(k)) call move_rows(table, before(k) + 1, last(k), rows + 1)
-      rows = rows + last(k) - before(k)
-    end do
     if (any([(found(k)%count() > 0, k=1, pieces)])) then
-      rows = 0
-      call read_rows(text, line, columns, table, rows, problems)
-    else if (rows == 0) then
-      call problems%add_at(line + before(pieces + 1), 1, &
-                           'no asperity: found the end of the file, expected a row')
+      call read_rows(text, first_line, first_line, columns, table, is_row, problems)
+    else if (.not. any(is_row)) then
+      call problems%add_at(line(pieces + 1), 1, 'no asperity: found the end of the file, ' // &
+                           'expected a row')
     end if
-    call cut(table, rows)
+    if (all(is_row)) return
+    table%x = pack(table%x, is_row)
+    table%y = pack(table%y, is_row)
+    table%height = pack(table%height, is_row)
+    if (allocated(table%radius)) table%radius = pack(table%radius, is_row)
   end subroutine read_pieces
 
-  !> Reads all rows of a text into places from `rows + 1` on; `rows` becomes the last one taken.
-  pure subroutine read_rows(text, first_line, columns, table, rows, problems)
+  ! Reads all rows of a text that begins with line `own_line` of a table that begins with
+  ! `first_line`.
+  pure subroutine read_rows(text, own_line, first_line, columns, table, is_row, problems)
     character(len=*), intent(in) :: text
-    integer, intent(in) :: first_line
+    integer, intent(in) :: own_line, first_line
     type(surface_columns), intent(in) :: columns
     type(surface_table), intent(inout) :: table
-    integer, intent(inout) :: rows
+    logical, intent(inout) :: is_row(:)
     type(problem_list), intent(inout) :: problems
     type(line_cells) :: cells
     type(decimal_value) :: decimal
     real(real64) :: numbers(4)
-    integer :: i, first, line, start
+    integer :: i, at, line
     logical :: good, all_good
 
-    first = 1
-    line = first_line
+    at = 1
+    line = own_line
     cells%separator = columns%separator
-    allocate (cells%first(columns%count), cells%last(columns%count))
     do
-      call skip_to_line(text, first, line)
-      if (first > len(text)) exit
-      start = first
-      call cut_line(text, first, cells)
+      call read_cells(text, at, line, cells)
+      if (cells%count == 0) exit
       if (cells%count /= columns%count) then
-        call problems%add_at(line, 1, 'found ' // decimal_text(cells%count) // ' cells, ' // &
-                             'expected ' // decimal_text(columns%count) // ' as in the header' // &
+        call problems%add_at(cells%line, 1, 'found ' // decimal_text(cells%count) // &
+                             ' cells, expected ' // decimal_text(columns%count) // &
+                             ' as in the header' // &
                              point_hint(cells%count > columns%count .and. cells%separator == ','))
-      else
-        all_good = .true.
-        if (allocated(table%radius) .and. .not. table%has_radius) &
-          numbers(radius_column) = table%radius(1)
-        do i = 1, size(column_names)
-          if (columns%cell_of(i) == 0) cycle
-          call read_numeral(text(cells%first(columns%cell_of(i)):cells%last(columns%cell_of(i))), &
-                            decimal, good)
-          numbers(i) = decimal_to_real64(decimal)
-          if (good) cycle
-          all_good = .false.
-          call refuse(i, 'a finite number within the range of a double' // &
-                      point_hint(index(cell(i), ',') > 0), problems)
-        end do
-        if (all_good .and. allocated(table%radius)) then
-          if (numbers(radius_column) <= 0.0_real64) then
-            call refuse(radius_column, 'more than 0', problems)
-          else if (numbers(height_column) / 2 >= numbers(radius_column)) then
-            ! A sphere does not stand higher than its diameter.
-            call refuse(height_column, 'less than twice the radius', problems)
-          end if
-        end if
-        rows = rows + 1
-        table%x(rows) = numbers(1)
-        table%y(rows) = numbers(2)
-        table%height(rows) = numbers(height_column)
-        if (table%has_radius) table%radius(rows) = numbers(radius_column)
+        cycle
       end if
-      line = line + 1
+      all_good = .true.
+      if (allocated(table%radius) .and. .not. table%has_radius) &
+        numbers(radius_column) = table%radius(1)
+      do i = 1, size(column_names)
+        if (columns%cell_of(i) == 0) cycle
+        call read_numeral(text(cells%first(columns%cell_of(i)):cells%last(columns%cell_of(i))), &
+                          decimal, good)
+        numbers(i) = decimal_to_real64(decimal)
+        if (good) cycle
+        all_good = .false.
+        call refuse(i, 'a finite number within the range of a double' // &
+                    point_hint(index(cell(i), ',') > 0), problems)
+      end do
+      if (all_good .and. allocated(table%radius)) then
+        if (numbers(radius_column) <= 0.0_real64) then
+          call refuse(radius_column, 'more than 0', problems)
+        else if (numbers(height_column) / 2 >= numbers(radius_column)) then
+          ! A sphere does not stand higher than its diameter.
+          call refuse(height_column, 'less than twice the radius', problems)
+        end if
+      end if
+      i = cells%line - first_line + 1
+      is_row(i) = .true.
+      table%x(i) = numbers(1)
+      table%y(i) = numbers(2)
+      table%height(i) = numbers(height_column)
+      if (table%has_radius) table%radius(i) = numbers(radius_column)
     end do
 
   contains
@@ -235,7 +235,7 @@ contains
       character(len=*), intent(in) :: expected
       type(problem_list), intent(inout) :: problems
 
-      call problems%add_at(line, cells%first(columns%cell_of(column)) - start + 1, &
+      call problems%add_at(cells%line, column_of(cells, columns%cell_of(column)), &
                            trim(column_names(column)) // ': found ' // quoted(cell(column)) // &
                            ', expected ' // expected)
     end subroutine refuse
@@ -251,47 +251,13 @@ contains
     if (is_needed) text = '; a decimal comma? write a point'
   end function point_hint
 
-  ! Rows from one place to another, to lower ones.
-  pure subroutine move_rows(table, first, last, place)
-    type(surface_table), intent(inout) :: table
-    integer, intent(in) :: first, last, place
-    integer :: i, j
-
-    do i = first, last
-      j = place + i - first
-      table%x(j) = table%x(i)
-      table%y(j) = table%y(i)
-      table%height(j) = table%height(i)
-      if (table%has_radius) table%radius(j) = table%radius(i)
-    end do
-  end subroutine move_rows
-
-  !> Shortens the table to its rows.
-  pure subroutine cut(table, rows)
-    type(surface_table), intent(inout) :: table
-    integer, intent(in) :: rows
-
-    if (rows == size(table%x)) return
-    table%x = table%x(:rows)
-    table%y = table%y(:rows)
-    table%height = table%height(:rows)
-    if (allocated(table%radius)) table%radius = table%radius(:rows)
-  end subroutine cut
-
-  ! Piece by piece of a fixed length: such loops work on many bytes at once.
   pure integer function count_line_feeds(text)
     character(len=*), intent(in) :: text
-    integer, parameter :: piece = 64
-    integer :: i, begin
+    integer :: i
 
     count_line_feeds = 0
-    do begin = 0, len(text) - piece, piece
-      do i = begin + 1, begin + piece
-        count_line_feeds = count_line_feeds + merge(1, 0, text(i:i) == achar(10))
-      end do
-    end do
-    do i = begin + 1, len(text)
-      count_line_feeds = count_line_feeds + merge(1, 0, text(i:i) == achar(10))
+    do i = 1, len(text)
+      if (text(i:i) == achar(10)) count_line_feeds = count_line_feeds + 1
     end do
   end function count_line_feeds
 

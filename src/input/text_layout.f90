@@ -3,10 +3,10 @@
 !>
 !> The layout is refused where it can be read in two ways.
 module asperity_text_layout
+  use asperity_delimited_text, only: line_cells, line_reader
   use asperity_kinds, only: int64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_text_header, only: head_length, is_surface_header, read_header, text_header
-  use asperity_token_reader, only: token_reader
   implicit none
   private
 
@@ -18,12 +18,13 @@ module asperity_text_layout
     integer :: columns = 0                      !! cells of the first line of numbers
     integer :: gap_line = 0                     !! empty, or a comment, between numbers; 0: none
     logical :: decimal_comma = .false.          !! a comma stands before decimals
-    character(len=1) :: cell_end = ' '          !! what separates cells
+    !> Signs that separate the cells.
+    type(line_cells) :: cells = line_cells(' ', '#%', '#', .false.)
   end type text_layout
 
   ! What a byte is, and what stands between two cells.
   integer, parameter :: a_blank = 1, a_tab = 2, a_comma = 3, a_semicolon = 4, a_decimal_comma = 5, &
-    a_feed = 6, a_return = 7, a_hash = 8, a_point = 9, a_sign = 10, a_digit = 11, a_letter = 12
+    a_hash = 6, a_point = 7, a_sign = 8, a_digit = 9, a_letter = 10
   character(len=*), parameter :: gap_names(4) = [character(len=11) :: 'a blank', 'a tabulator', &
     'a comma', 'a semicolon']
 
@@ -45,109 +46,82 @@ contains
 
   !> Finds the layout. What is not understood of the header is noted.
   subroutine find_layout(file, layout, problems, notes)
-    type(token_reader), intent(inout) :: file      !! opened
+    type(line_reader), intent(inout) :: file      !! opened
     type(text_layout), intent(out) :: layout       !! what was found
     type(problem_list), intent(inout) :: problems  !! what can be read in two ways
     type(problem_list), intent(inout) :: notes     !! names the same file
     type(cell_counts) :: counts
     character(len=:), allocatable :: head, text
 
-    call file%again()
+    call file%begin_text(1)
     call file%take(head_length, head)
     call read_header(head, layout%text_header, text, problems, notes)
     if (layout%first_line == 0) return
     if (is_surface_header(text)) &
       call problems%add_at(layout%first_line, 1, 'found a surface: name it in &surfaces of a ' // &
                            'scene; expected a height map, with z for height if this is one')
-    call file%start('', '')
-    call file%again()
-    call file%skip_to(layout%first_line)
+    call file%begin_text(layout%first_line)
     call count_cells(file, layout, counts, problems)
     call choose_separator(layout, counts, problems, notes)
   end subroutine find_layout
 
   ! Counts lines and cells, and what stands between them.
   subroutine count_cells(file, layout, counts, problems)
-    type(token_reader), intent(inout) :: file
+    type(line_reader), intent(inout) :: file
     type(text_layout), intent(inout) :: layout
     type(cell_counts), intent(out) :: counts
     type(problem_list), intent(inout) :: problems
-    integer :: class_of(0:255), code, before, line, i
-    integer(int64) :: line_begin
+    integer :: class_of(0:255), code, line, i, at, first, last
     integer :: cells, gap_line, gap_place, digits, digits_before, first_digit, first_before
     integer(int64) :: gap(5)
-    logical :: inside, comment, whole, digit_last, signed, after_comma
+    logical :: inside, whole, digit_last, signed, after_comma
 
     class_of = a_letter
-    class_of([iachar(' '), 9, iachar(','), iachar(';'), 10, 13, iachar('#'), iachar('%'), &
-              iachar('.'), iachar('+'), iachar('-')]) = [a_blank, a_tab, a_comma, a_semicolon, &
-              a_feed, a_return, a_hash, a_hash, a_point, a_sign, a_sign]
+    class_of([iachar(' '), 9, iachar(','), iachar(';'), iachar('#'), iachar('%'), iachar('.'), &
+              iachar('+'), iachar('-')]) = [a_blank, a_tab, a_comma, a_semicolon, a_hash, a_hash, &
+              a_point, a_sign, a_sign]
     class_of(iachar('0'):iachar('9')) = a_digit
-    line = layout%first_line
-    line_begin = file%before + int(file%at, int64) - 1_int64
     gap_line = 0
-    before = a_feed
     digits_before = 0
     first_before = 0
-    call begin_line()
     do
-      if (file%at > file%used) call file%more()
-      if (file%at > file%used) exit
-      i = iachar(file%block(file%at:file%at))
-      file%at = file%at + 1
-      code = class_of(i)
-      if (comment .and. code /= a_feed .and. code /= a_return) cycle
-      ! A per cent sign is one of a comment at the beginning of a line alone.
-      if (code == a_hash .and. i == iachar('%') .and. cells > 0) code = a_letter
-      if (code >= a_point) then
-        if (.not. inside) call begin_cell()
-        digit_last = code == a_digit
-        if (digit_last) then
-          if (digits == 0) first_digit = i - iachar('0')
-          if (whole) digits = digits + 1
-        else if (code == a_sign .and. digits == 0) then
-          signed = .true.
-        else
-          whole = .false.
-          if (code == a_point) counts%point = .true.
-        end if
-      else
-        if (inside) call end_cell()
-        select case (code)
-        case (a_feed, a_return)
-          if (.not. (code == a_feed .and. before == a_return)) then
-            call end_line()
-            line = line + 1
-          end if
-          line_begin = file%before + int(file%at, int64) - 1_int64
-          call begin_line()
-        case (a_hash)
-          comment = .true.
-        case default
-          if (sum(gap) == 0_int64) gap_place = column_now()
-          gap(code) = gap(code) + 1_int64
-        end select
-      end if
-      before = code
-    end do
-    if (inside) call end_cell()
-    call end_line()
-
-  contains
-
-    integer function column_now()
-      column_now = int(file%before + int(file%at, int64) - 1_int64 - line_begin)
-    end function column_now
-
-    subroutine begin_line()
+      call file%find_line(first, last, line)
+      if (first == 0) exit
       cells = 0
       gap = 0_int64
       gap_place = 0
       inside = .false.
-      comment = .false.
       digit_last = .false.
       after_comma = .false.
-    end subroutine begin_line
+      do at = first, last
+        i = iachar(file%lines(at:at))
+        code = class_of(i)
+        ! A per cent sign begins a comment at the beginning of a line alone.
+        if (code == a_hash .and. i == iachar('%') .and. cells > 0) code = a_letter
+        if (code == a_hash) exit
+        if (code >= a_point) then
+          if (.not. inside) call begin_cell()
+          digit_last = code == a_digit
+          if (digit_last) then
+            if (digits == 0) first_digit = i - iachar('0')
+            if (whole) digits = digits + 1
+          else if (code == a_sign .and. digits == 0) then
+            signed = .true.
+          else
+            whole = .false.
+            if (code == a_point) counts%point = .true.
+          end if
+        else
+          if (inside) call end_cell()
+          if (sum(gap) == 0_int64) gap_place = at - first + 1
+          gap(code) = gap(code) + 1_int64
+        end if
+      end do
+      if (inside) call end_cell()
+      call end_line()
+    end do
+
+  contains
 
     ! What stands before the cell.
     subroutine begin_cell()
@@ -235,14 +209,14 @@ contains
     type(problem_list), intent(inout) :: problems, notes
     character(len=*), parameter :: signs = ' ' // achar(9) // ',;'
     logical :: used(5)
-    integer :: i, first, second
+    integer :: i, first, second, separator
 
     used = counts%gaps > 0_int64
     first = findloc(used(:a_semicolon), .true., 1)
     if (used(a_decimal_comma) .and. count(used) == 2 .and. .not. used(a_comma) .and. &
         .not. (counts%point .or. counts%two_commas)) then
       layout%decimal_comma = .true.
-      layout%cell_end = signs(first:first)
+      layout%cells%separator = signs(first:first)
       if (.not. counts%surely_decimal) &
         call refuse([a_decimal_comma], 'found a comma before three digits in every number with ' &
                     // 'one: thousands or decimals')
@@ -251,7 +225,7 @@ contains
       used(a_comma) = used(a_comma) .or. used(a_decimal_comma)
       first = max(1, findloc(used(:a_semicolon), .true., 1))
       second = max(1, findloc(used(:a_semicolon), .true., 1, back=.true.))
-      layout%cell_end = signs(first:first)
+      layout%cells%separator = signs(first:first)
       if (first /= second) then
         call refuse([first, second, a_decimal_comma], 'found ' // trim(gap_names(first)) // &
                     ' and ' // trim(gap_names(second)) // ' between cells')
@@ -270,9 +244,10 @@ contains
         end if
       end if
     end if
+    separator = index(signs, layout%cells%separator)
     do i = a_tab, a_semicolon
-      if (counts%ended(i) == 0_int64 .or. (i == a_tab .and. i /= index(signs, layout%cell_end)) &
-          .or. (i == index(signs, layout%cell_end) .and. counts%ended(i) == layout%lines)) cycle
+      if (counts%ended(i) == 0_int64 .or. (i == a_tab .and. i /= separator) .or. &
+          (i == separator .and. counts%ended(i) == layout%lines)) cycle
       call problems%add_in_file('found ' // decimal_text(counts%ended(i)) // ' of ' // &
                                 decimal_text(layout%lines) // ' lines that end with ' // &
                                 trim(gap_names(i)) // ', expected all, between cells too, or none')

@@ -2,6 +2,7 @@
 !>
 !> `find_layout` finds lines, columns, separator and units before the numbers are read.
 module asperity_text_map
+  use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: change_unit, digit_of, height_map, highest, is_length, &
                                  is_measured, length_units, make_room, most_samples, no_power, &
                                  read_height, unit_number, unit_ratio
@@ -11,7 +12,6 @@ module asperity_text_map
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
   use asperity_text_layout, only: find_layout, text_layout
-  use asperity_token_reader, only: token, token_reader
   implicit none
   private
 
@@ -34,7 +34,7 @@ contains
 
   !> Reads a map. `failure` is allocated when there is no memory for it.
   subroutine read_text_map(file, spacing, option, shared, progress, map, problems, failure)
-    type(token_reader), intent(inout) :: file               !! opened
+    type(line_reader), intent(inout) :: file               !! opened
     real(real64), intent(in) :: spacing(2)                  !! of a matrix; 0 when not given
     character(len=*), intent(in) :: option                  !! that gives it, for messages
     logical, intent(in) :: shared                           !! not for a map that has its own
@@ -51,7 +51,6 @@ contains
       call problems%add_at(1, 1, 'found no pixel, expected a matrix of heights')
       return
     end if
-    call file%start(trim(layout%cell_end), '#%')
     given = all(spacing > 0.0_real64) .and. .not. (shared .and. has_own(layout))
     if (given .and. layout%names_line > 0) then
       call problems%add_at(layout%names_line, 1, option // ' given, but x,y,z lines have ' // &
@@ -214,15 +213,15 @@ contains
 
   ! Reads a matrix, a profile a line.
   subroutine read_matrix(file, layout, progress, map, problems, failure)
-    type(token_reader), intent(inout) :: file
+    type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
     logical, intent(in) :: progress
     type(height_map), intent(inout) :: map
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable, intent(out) :: failure
-    type(token) :: word
+    type(line_cells) :: cells
     type(progress_line) :: shown
-    integer :: i, row, line, end_line, power
+    integer :: i, row, power
     logical :: good
 
     if (layout%columns * layout%lines > most_samples .or. layout%lines > most_samples) then
@@ -241,28 +240,22 @@ contains
     call make_room(map, failure)
     if (allocated(failure)) return
     call shown%begin(progress, 'profiles read', map%rows, 0)
-    call file%again()
-    call file%skip_to(layout%first_line)
-    call file%next(word)
-    power = no_power
+    call file%begin_text(layout%first_line)
+    cells = layout%cells
     do row = 1, map%rows
-      line = word%line
-      i = 0
-      do while (word%length > 0 .and. word%line == line)
-        i = i + 1
-        if (word%cell_missing) &
-          call problems%add_at(line, word%column, 'an empty cell before this one, expected ' // &
-                               expected_cell)
-        if (i <= map%columns) then
-          call read_cell(word, layout, map%height(i, row), good, power)
-          if (.not. good) call refuse(word, problems)
-        end if
-        end_line = word%column + word%length
-        call file%next(word)
+      call file%next_cells(cells)
+      if (cells%missing > 0) &
+        call problems%add_at(cells%line, column_of(cells, min(cells%missing, cells%count)), &
+                             'an empty cell ' // merge('before', 'behind', &
+                             cells%missing <= cells%count) // ' this one, expected ' // &
+                             expected_cell)
+      do i = 1, min(cells%count, map%columns)
+        call read_cell(file, layout, cells, i, .false., map%height(i, row), good, power, problems)
       end do
-      if (i /= map%columns) &
-        call problems%add_at(line, end_line, 'found ' // decimal_text(i) // ' pixels, ' // &
-                             'expected ' // decimal_text(map%columns) // ' as in the first profile')
+      if (cells%count /= map%columns) &
+        call problems%add_at(cells%line, cells%last(cells%count) - cells%start + 2, 'found ' // &
+                             decimal_text(cells%count) // ' pixels, expected ' // &
+                             decimal_text(map%columns) // ' as in the first profile')
       call shown%reach(row)
     end do
     call shown%finish()
@@ -271,30 +264,30 @@ contains
 
   ! Reads `x,y,z` lines, in any order.
   subroutine read_points(file, layout, option, progress, map, problems, failure)
-    type(token_reader), intent(inout) :: file
+    type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
     character(len=*), intent(in) :: option
     logical, intent(in) :: progress
     type(height_map), intent(inout) :: map
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable, intent(out) :: failure
-    type(token) :: words(3), ahead
+    type(line_cells) :: cells
     type(extent) :: along(2)
     type(progress_line) :: shown
     real(real64) :: values(3)
     integer(int64) :: lines, done
-    integer :: place(2), i, cells, power
+    integer :: place(2), i, power
     logical :: good, grid
 
     lines = 0_int64
     power = no_power
-    call file%again()
-    call file%skip_to(layout%first_line)
-    call file%next(ahead)
-    do while (ahead%length > 0)
-      call next_point(file, layout, option, ahead, words, cells, values, good, power, problems)
+    call file%begin_text(layout%first_line)
+    cells = layout%cells
+    do
+      call next_point(file, layout, option, cells, values, good, power, problems)
+      if (cells%count == 0) exit
       ! Where the first line is none the file is of another kind: that is one mistake, not many.
-      if (cells /= 3 .and. lines == 0_int64) return
+      if (cells%count /= 3 .and. lines == 0_int64) return
       if (.not. good) cycle
       lines = lines + 1_int64
       do i = 1, 2
@@ -311,7 +304,7 @@ contains
       grid = all(is_length(map%spacing)) .and. lines <= most_samples
     end if
     if (.not. grid) then
-      call problems%add_at(ahead%line, ahead%column, 'found ' // decimal_text(lines) // &
+      call problems%add_at(cells%line, column_of(cells, 1), 'found ' // decimal_text(lines) // &
                            ' lines x,y,z, of them ' // decimal_text(along(2)%sharing) // &
                            ' with the least y and ' // decimal_text(along(1)%sharing) // &
                            ' with the least x, expected a full regular grid')
@@ -322,25 +315,23 @@ contains
     ! Every sample is there once when none is there twice. So high no height is.
     map%height(:, :) = huge(1.0_real64)
     call shown%begin(progress, 'lines read', int(lines), 0)
-    call file%again()
-    call file%skip_to(layout%first_line)
-    call file%next(ahead)
+    call file%begin_text(layout%first_line)
     do done = 1_int64, lines
-      call next_point(file, layout, option, ahead, words, cells, values, good, power, problems)
+      call next_point(file, layout, option, cells, values, good, power, problems)
       do i = 1, 2
         place(i) = 1 + nint((values(i) - along(i)%first) / map%spacing(i))
         if (abs(values(i) - along(i)%first - (place(i) - 1) * map%spacing(i)) > &
             most_off * map%spacing(i)) good = .false.
         if (good) cycle
-        call problems%add_at(words(i)%line, words(i)%column, 'found ' // &
-                             quoted(words(i)%text(:words(i)%length)) // ', expected a ' // &
+        call problems%add_at(cells%line, column_of(cells, i), 'found ' // &
+                             quoted(file%cell_text(cells, i)) // ', expected a ' // &
                              merge('column', 'row   ', i == 1) // ' of a regular grid of ' // &
                              decimal_text(map%columns) // ' x ' // decimal_text(map%rows))
         exit
       end do
       if (.not. good) cycle
       if (map%height(place(1), place(2)) < 0.5_real64 * huge(1.0_real64)) &
-        call problems%add_at(words(1)%line, words(1)%column, 'found a pixel of column ' // &
+        call problems%add_at(cells%line, column_of(cells, 1), 'found a pixel of column ' // &
                              decimal_text(place(1)) // ', row ' // decimal_text(place(2)) // &
                              ' for the second time, expected it once')
       map%height(place(1), place(2)) = values(3)
@@ -350,45 +341,34 @@ contains
     map%digit = digit_of(power)
   end subroutine read_points
 
-  ! The line that begins with the word ahead, which becomes the first of the next line.
-  subroutine next_point(file, layout, option, ahead, words, cells, values, good, power, problems)
-    type(token_reader), intent(inout) :: file
+  ! Reads the next line of three cells; there is none at the end of the file.
+  subroutine next_point(file, layout, option, cells, values, good, power, problems)
+    type(line_reader), intent(inout) :: file
     type(text_layout), intent(in) :: layout
     character(len=*), intent(in) :: option
-    type(token), intent(inout) :: ahead
-    type(token), intent(out) :: words(3)
-    integer, intent(out) :: cells
+    type(line_cells), intent(inout) :: cells
     real(real64), intent(out) :: values(3)
     logical, intent(out) :: good
     integer, intent(inout) :: power  ! of the last digit of the heights
     type(problem_list), intent(inout) :: problems
-    integer :: i, line, any_power
+    integer :: i, any_power
 
     values = 0.0_real64
-    line = ahead%line
-    cells = 0
     good = .true.
-    do while (ahead%length > 0 .and. ahead%line == line)
-      cells = cells + 1
-      if (ahead%cell_missing) good = .false.
-      if (cells <= 3) words(cells) = ahead
-      call file%next(ahead)
-    end do
-    if (cells /= 3 .or. .not. good) then
+    call file%next_cells(cells)
+    if (cells%count == 0) return
+    if (cells%count /= 3 .or. cells%missing > 0) then
       good = .false.
-      call problems%add_at(line, words(1)%column, 'found ' // decimal_text(cells) // &
-                           ' cells or an empty one, expected x,y,z; a matrix of heights needs ' // &
-                           'its ' // option // ' along x and y')
+      call problems%add_at(cells%line, column_of(cells, 1), 'found ' // &
+                           decimal_text(cells%count) // ' cells or an empty one, expected ' // &
+                           'x,y,z; a matrix of heights needs its ' // option // ' along x and y')
       return
     end if
     do i = 1, 3
       any_power = no_power
-      call read_cell(words(i), layout, values(i), good, any_power)
+      call read_cell(file, layout, cells, i, i < 3, values(i), good, any_power, problems)
       if (i == 3) power = min(power, any_power)
-      if (i < 3 .and. .not. is_measured(values(i))) good = .false.
-      if (good) cycle
-      call refuse(words(i), problems)
-      return
+      if (.not. good) return
     end do
   end subroutine next_point
 
@@ -408,35 +388,36 @@ contains
     end if
   end subroutine take_coordinate
 
-  ! A cell as a height.
-  subroutine read_cell(word, layout, height, good, power)
-    type(token), intent(in) :: word
+  ! Reads a cell of a line as a height, which is no missing one where it must be measured.
+  subroutine read_cell(file, layout, cells, i, must_be_measured, height, good, power, problems)
+    type(line_reader), intent(in) :: file
     type(text_layout), intent(in) :: layout
+    type(line_cells), intent(in) :: cells
+    integer, intent(in) :: i
+    logical, intent(in) :: must_be_measured
     real(real64), intent(out) :: height
     logical, intent(out) :: good
     integer, intent(inout) :: power
-    character(len=len(word%text)) :: text
+    type(problem_list), intent(inout) :: problems
+    character(len=:), allocatable :: text
     integer :: comma
 
-    comma = 0
-    if (layout%decimal_comma) comma = index(word%text(:word%length), ',')
-    if (comma == 0) then
-      call read_height(word%text(:word%length), height, good, power)
+    if (layout%decimal_comma) then
+      text = file%cell_text(cells, i)
+      comma = index(text, ',')
+      if (comma > 0) text(comma:comma) = '.'
+      call read_height(text, height, good, power)
     else
-      text = word%text
-      text(comma:comma) = '.'
-      call read_height(text(:word%length), height, good, power)
+      call read_height(file%lines(cells%first(i):cells%last(i)), height, good, power)
     end if
-    good = good .and. .not. word%is_cut
-    if (is_measured(height)) good = good .and. abs(height) <= highest
+    if (is_measured(height)) then
+      good = good .and. abs(height) <= highest
+    else
+      good = good .and. .not. must_be_measured
+    end if
+    if (.not. good) call problems%add_at(cells%line, column_of(cells, i), 'found ' // &
+                                         quoted(file%cell_text(cells, i)) // ', expected ' // &
+                                         expected_cell)
   end subroutine read_cell
-
-  subroutine refuse(word, problems)
-    type(token), intent(in) :: word
-    type(problem_list), intent(inout) :: problems
-
-    call problems%add_at(word%line, word%column, 'found ' // quoted(word%text(:word%length)) // &
-                         ', expected ' // expected_cell)
-  end subroutine refuse
 
 end module asperity_text_map

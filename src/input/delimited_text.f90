@@ -1,0 +1,287 @@
+!> Delimited text: lines and the cells between their separators, of a text in memory or of a file.
+!>
+!> A line ends with a line feed; in a file a carriage return alone ends one as well. Blank lines and
+!> comments have no cells. Blanks around a cell do not belong to it.
+module asperity_delimited_text
+  use asperity_byte_reader, only: byte_reader
+  use asperity_input_text, only: blanks, line_end, text_start
+  use asperity_kinds, only: int64
+  implicit none
+  private
+
+  public :: line_cells, line_reader, find_separator, read_cells, column_of
+
+  ! Bytes that are read at once, as many as a block of a file; a longer line needs more.
+  integer, parameter :: block_length = 65536
+  ! Bytes of a line that `next_line` returns (chosen): no line of a header is as long.
+  integer, parameter :: longest_line = 200
+  character(len=1), parameter :: feed = achar(10), return_sign = achar(13), tabulator = achar(9)
+
+  !> The cells of one line, and the signs that separate them.
+  type :: line_cells
+    character(len=1) :: separator = ','        !! one sign; a blank: blanks and tabulators
+    character(len=2) :: line_comments = '#'    !! a line that begins with one of them is a comment
+    character(len=1) :: comment = feed         !! begins a comment within a line; a line feed: none
+    logical :: keep_empty = .true.             !! empty cells are counted
+    integer :: missing = 0                     !! number of the cell behind an empty one; 0: none
+    integer :: count = 0                       !! number of cells; 0 behind the last line
+    integer :: line = 0                        !! number of the line
+    integer :: start = 1                       !! place of column 1 of the line in the text
+    integer, allocatable :: first(:), last(:)  !! places of each cell; last < first: an empty cell
+  end type line_cells
+
+  !> A file that is read by lines.
+  type, extends(byte_reader) :: line_reader
+    character(len=:), allocatable :: lines     !! whole lines at hand
+    integer, private :: place = 1              ! in `lines`, of the next line
+    integer, private :: line = 1               ! its number
+    integer, private :: margin = 0             ! bytes of line 1 before the first one of `lines`
+    character(len=:), allocatable, private :: rest  ! bytes behind `lines`
+  contains
+    procedure :: begin_lines  !! starts line 1 at the next byte
+    procedure :: begin_text   !! starts at a line of the whole text
+    procedure :: find_line    !! places of the next line in `lines`
+    procedure :: next_line    !! a copy of the next line
+    procedure :: next_cells   !! cells of the next line that has some
+    procedure :: cell_text    !! a copy of a cell
+    procedure :: next_byte    !! place of the next byte in the file
+    procedure, private :: find_end, read_block
+  end type line_reader
+
+contains
+
+  !> The sign that separates the cells of a header: semicolons, else tabulators, else commas.
+  pure character(len=1) function find_separator(line) result(separator)
+    character(len=*), intent(in) :: line  !! names of columns, without a decimal comma
+
+    separator = ','
+    if (index(line, tabulator) > 0 .and. index(line, ',') == 0) separator = tabulator
+    if (index(line, ';') > 0) separator = ';'
+  end function find_separator
+
+  !> Finds the cells of the next line that has some.
+  pure subroutine read_cells(text, at, line, cells)
+    character(len=*), intent(in) :: text       !! whole lines
+    integer, intent(inout) :: at               !! place where a line begins; left at the next line
+    integer, intent(inout) :: line             !! number of that line; left at the next one's
+    type(line_cells), intent(inout) :: cells   !! signs of the text; gets the places
+    integer :: first
+
+    if (.not. allocated(cells%first)) allocate (cells%first(8), cells%last(8))
+    cells%count = 0
+    cells%missing = 0
+    do while (at <= len(text) .and. cells%count == 0)
+      cells%line = line
+      cells%start = at
+      first = at
+      if (iachar(text(at:at)) <= iachar(' ')) &
+        first = at - 1 + verify(text(at:line_end(text, at)), blanks)
+      if (first < at) then
+        at = line_end(text, at) + 2
+      else if (scan(text(first:first), cells%line_comments) > 0) then
+        at = line_end(text, at) + 2
+      else
+        call cut_line(text, at, cells)
+      end if
+      if (at <= len(text) + 1) line = line + 1
+    end do
+  end subroutine read_cells
+
+  ! Cuts the line that begins at `at` into cells; `at` is left at the next line.
+  pure subroutine cut_line(text, at, cells)
+    character(len=*), intent(in) :: text
+    integer, intent(inout) :: at
+    type(line_cells), intent(inout) :: cells
+    character(len=1) :: other
+    integer :: i, from
+
+    other = merge(tabulator, cells%separator, cells%separator == ' ')
+    from = at
+    do i = at, len(text)
+      if (text(i:i) == feed .or. text(i:i) == cells%comment) exit
+      if (text(i:i) /= cells%separator .and. text(i:i) /= other) cycle
+      call add_cell(text, from, i - 1, .false., cells)
+      from = i + 1
+    end do
+    call add_cell(text, from, i - 1, .true., cells)
+    at = i + 1
+    if (i <= len(text) .and. cells%comment /= feed) at = line_end(text, i) + 2
+  end subroutine cut_line
+
+  ! Adds the cell `from:to` without the blanks around it; between blanks there is no empty cell.
+  pure subroutine add_cell(text, from, to, is_last, cells)
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: from, to
+    logical, intent(in) :: is_last
+    type(line_cells), intent(inout) :: cells
+    integer :: first, last
+
+    first = from
+    last = to
+    if (to >= from) then
+      if (iachar(text(from:from)) <= iachar(' ')) &
+        first = from + max(0, verify(text(from:to), blanks) - 1)
+      if (iachar(text(to:to)) <= iachar(' ')) &
+        last = from + verify(text(from:to), blanks, back=.true.) - 1
+    end if
+    if (last < first .and. .not. cells%keep_empty) then
+      if (.not. is_last .and. cells%missing == 0 .and. cells%separator /= ' ') &
+        cells%missing = cells%count + 1
+      return
+    end if
+    if (cells%count == size(cells%first)) then
+      cells%first = [cells%first, cells%first]
+      cells%last = [cells%last, cells%last]
+    end if
+    cells%count = cells%count + 1
+    cells%first(cells%count) = first
+    cells%last(cells%count) = last
+  end subroutine add_cell
+
+  !> Column of the line where a cell begins.
+  pure integer function column_of(cells, i)
+    type(line_cells), intent(in) :: cells  !! the cells of a line
+    integer, intent(in) :: i               !! number of one of them
+
+    column_of = cells%first(i) - cells%start + 1
+  end function column_of
+
+  !> Starts line 1 at the next byte.
+  subroutine begin_lines(self)
+    class(line_reader), intent(inout) :: self  !! the file
+
+    self%lines = ''
+    self%rest = ''
+    self%place = 1
+    self%line = 1
+    self%margin = int(self%before) + self%at - 1
+  end subroutine begin_lines
+
+  !> Starts at a line of the whole text, which begins behind a mark of byte order.
+  subroutine begin_text(self, line)
+    class(line_reader), intent(inout) :: self  !! the file
+    integer, intent(in) :: line                !! number of the line
+    integer :: first, last, number
+
+    call self%rewind()
+    if (self%at > self%used) call self%more()
+    if (self%used >= 3) self%at = text_start(self%block(:self%used))
+    call self%begin_lines()
+    first = 1
+    do while (self%line < line .and. first > 0)
+      call self%find_line(first, last, number)
+    end do
+  end subroutine begin_text
+
+  ! Reads whole lines into `lines`, which stay as they are at the end of the file. A carriage return
+  ! alone becomes a line feed.
+  subroutine read_block(self)
+    class(line_reader), intent(inout) :: self
+    character(len=:), allocatable :: bytes
+    integer :: length, before, last, i
+
+    length = block_length
+    do
+      before = len(self%rest)
+      call self%take(length, bytes)
+      if (.not. allocated(bytes)) return
+      self%rest = self%rest // bytes
+      last = len(self%rest)
+      if (len(bytes) == length) last = last - 1
+      do i = max(1, before), last
+        if (self%rest(i:i) /= return_sign) cycle
+        if (self%rest(i + 1:min(i + 1, len(self%rest))) /= feed) self%rest(i:i) = feed
+      end do
+      if (len(bytes) < length) exit
+      last = index(self%rest, feed, back=.true.)
+      if (last > 0) exit
+      length = len(self%rest)
+    end do
+    if (last == 0) return
+    self%lines = self%rest(:last)
+    self%rest = self%rest(last + 1:)
+    self%place = 1
+  end subroutine read_block
+
+  !> Finds the next line.
+  subroutine find_line(self, first, last, line)
+    class(line_reader), intent(inout) :: self  !! the file
+    integer, intent(out) :: first              !! place of its first byte; 0: no line is left
+    integer, intent(out) :: last               !! place of its last byte, line end left out
+    integer, intent(out) :: line               !! its number; at the end of the file the last one's
+
+    first = 0
+    last = -1
+    line = self%line
+    if (self%place > len(self%lines)) call self%read_block()
+    if (self%place > len(self%lines)) return
+    first = self%place
+    last = line_end(self%lines, first)
+    self%place = last + 2
+    if (last < len(self%lines)) self%line = self%line + 1
+    if (last >= first) then
+      if (self%lines(last:last) == return_sign) last = last - 1
+    end if
+  end subroutine find_line
+
+  !> Copies the next line, its end left out.
+  subroutine next_line(self, text, line, column)
+    class(line_reader), intent(inout) :: self            !! the file
+    character(len=:), allocatable, intent(out) :: text   !! 200 bytes at most; not allocated: none
+    integer, intent(out) :: line                         !! its number, or the last one's
+    integer, intent(out) :: column                       !! 1, or behind the end of the file
+    integer :: first, last
+
+    call self%find_line(first, last, line)
+    column = 1
+    if (first > 0) text = self%lines(first:min(last, first + longest_line - 1))
+    if (first == 0) call self%find_end(line, column)
+  end subroutine next_line
+
+  !> Finds the cells of the next line that has some; their places are those in `lines`. Behind the
+  !> last one the first cell stands at the end of the file.
+  subroutine next_cells(self, cells)
+    class(line_reader), intent(inout) :: self  !! the file
+    type(line_cells), intent(inout) :: cells   !! signs of the text; gets the places
+
+    do
+      call read_cells(self%lines, self%place, self%line, cells)
+      if (cells%line == 1) cells%start = cells%start - self%margin
+      if (cells%count > 0) return
+      call self%read_block()
+      if (self%place > len(self%lines)) exit
+    end do
+    cells%start = 1
+    call self%find_end(cells%line, cells%first(1))
+  end subroutine next_cells
+
+  !> The text of a cell of the line at hand.
+  pure function cell_text(self, cells, i) result(text)
+    class(line_reader), intent(in) :: self  !! the file
+    type(line_cells), intent(in) :: cells   !! from `next_cells`
+    integer, intent(in) :: i                !! number of the cell
+    character(len=:), allocatable :: text   !! as it is written
+
+    text = self%lines(cells%first(i):cells%last(i))
+  end function cell_text
+
+  !> Place in the file of the first byte that no line had, from 1.
+  pure integer(int64) function next_byte(self)
+    class(line_reader), intent(in) :: self  !! the file, read by lines or not
+
+    next_byte = self%before + int(self%at, int64)
+    if (allocated(self%lines)) &
+      next_byte = next_byte - max(0, len(self%lines) - self%place + 1) - len(self%rest)
+  end function next_byte
+
+  ! Finds line and column behind the last byte of the file, when no line is left.
+  pure subroutine find_end(self, line, column)
+    class(line_reader), intent(in) :: self
+    integer, intent(out) :: line, column
+
+    line = self%line
+    column = len(self%lines) - index(self%lines, feed, back=.true.) + 1
+    if (line == 1) column = column + self%margin
+  end subroutine find_end
+
+end module asperity_delimited_text
