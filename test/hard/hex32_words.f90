@@ -4,13 +4,15 @@
 !>
 !> INPUT: pairs of integers of 4 bytes, the operands' words. OUTPUT: for each pair the word of the
 !> result and the condition code that the machine would set: 0 for zero or equal, 1 for below zero
-!> or low, 2 for above zero or high. test/hard/hex32_against_machine.py has the kinds.
+!> or low, 2 for above zero or high. test/hard/hex32_against_machine.py has the kinds; POWER is
+!> x**1.5, DECIMAL the first word times 10 to the power of the second.
 program hex32_words
   use, intrinsic :: iso_fortran_env, only: error_unit
   use asperity_hex32, only: hex32, hex32_from_integer, hex32_from_word, hex32_to_integer, &
                             hex32_word, operator(*), operator(+), operator(-), operator(/), &
-                            operator(<), operator(>), sqrt
-  use asperity_kinds, only: int32
+                            operator(<), operator(>), sqrt, three_halves_power, &
+                            hex32_from_decimal
+  use asperity_kinds, only: int32, int64
   implicit none
 
   character(len=4096) :: kind, names(2)
@@ -27,7 +29,7 @@ program hex32_words
   do
     read (input, iostat=status) words
     if (status /= 0) exit
-    results = operation(hex32_from_word(words(1)), hex32_from_word(words(2)), words(1))
+    results = operation(hex32_from_word(words(1)), hex32_from_word(words(2)), words)
     write (output) results
   end do
   close (input)
@@ -35,10 +37,10 @@ program hex32_words
 
 contains
 
-  !> Word and condition code. `whole` is the first operand where it is no short number.
+  !> Word and condition code. `whole` are the operands where they are no short numbers.
   function operation(x, y, whole) result(answer)
     type(hex32), intent(in) :: x, y
-    integer(int32), intent(in) :: whole
+    integer(int32), intent(in) :: whole(2)
     integer(int32) :: answer(2)
     type(hex32) :: z
 
@@ -61,12 +63,16 @@ contains
     case ('HER')
       z = hex32_from_word(1082130432_int32) * x
     case ('FLOAT')
-      z = hex32_from_integer(int(whole))
+      z = hex32_from_integer(int(whole(1)))
     case ('FIX')
       answer = [int(hex32_to_integer(x), int32), 0_int32]
       return
     case ('SQRT')
       z = sqrt(x)
+    case ('POWER')
+      z = three_halves_power(x)
+    case ('DECIMAL')
+      z = hex32_from_decimal(int(whole(1), int64), int(whole(2)))
     case default
       write (error_unit, '(a)') 'unknown kind ' // trim(kind)
       error stop
