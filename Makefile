@@ -76,14 +76,14 @@ figures: ## draw the pictures in docs/figures anew
 
 fuzz: ## random decks, scenes and command lines (MINUTES=10); faults are kept in build/fuzz
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/fuzz.py --exe "$$exe" \
+	@exe=$$(bash .ci/build release) && .venv/bin/python tools/fuzz.py --exe "$$exe" \
 	  --minutes $(or $(MINUTES),10) --keep build/fuzz
 
 laws: ## random scenes with effects, each under one law (RUNS=20000); misses in build/laws
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/metamorphic.py --exe "$$exe" \
+	@exe=$$(bash .ci/build release) && .venv/bin/python tools/metamorphic.py --exe "$$exe" \
 	  --runs $(or $(RUNS),20000) --keep build/laws && \
-	  .venv/bin/python test/hard/map_laws.py --exe "$$exe" --runs $(or $(RUNS),1500)
+	  .venv/bin/python test/support/map_laws.py --exe "$$exe" --runs $(or $(RUNS),1500)
 
 mutants: ## changed lines that no test notices (SEED=1 NUMBER=25), continued where it was cut short
 	@bash .ci/setup build test
@@ -97,7 +97,7 @@ maps: ## how good summits are, on maps pressed against their truth; docs/accurac
 
 pages: ## pictures of --html pages in Chromium, to be looked at, in build/pages
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/look_at_pages.py "$$exe"
+	@exe=$$(bash .ci/build release) && .venv/bin/python tools/look_at_pages.py "$$exe"
 
 setup: ## set up everything for building and testing
 	@bash .ci/setup build test lint
@@ -108,17 +108,17 @@ clean: ## remove what was built (.venv stays)
 
 hard-table: ## make reference_output/bench/hard_cases.md anew
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/make_table.py "$$exe"
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/make_table.py "$$exe"
 
 fault-table: ## make the tables of the pages on faults and on the listing anew
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/fault_effects.py "$$exe" && \
-	  .venv/bin/python test/regression/listing_page.py "$$exe"
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/fault_effects.py "$$exe" && \
+	  .venv/bin/python test/support/listing_page.py "$$exe"
 
 tables: ## make the tables of docs/reference from the tables of the source
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/regression/reference_tables.py "$$exe"
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/reference_tables.py "$$exe"
 
 machine: ## the historic arithmetic against a System/370 (needs hercules), kept in reference_output
 	@bash .ci/setup build test
-	@exe=$$(bash .ci/build release) && .venv/bin/python test/hard/hex32_against_machine.py "$$exe"
+	@exe=$$(bash .ci/build release) && .venv/bin/python test/support/hex32_against_machine.py "$$exe"

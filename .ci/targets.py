@@ -13,7 +13,8 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = [ROOT / "test" / name for name in ("", "regression", "hard", "bench")]
+FOLDERS = [ROOT / "test" / name
+           for name in ("", "support", "truth", "regression", "hard", "bench")]
 LISTS = {"test": "test/requirements.txt", "bench": "test/bench/requirements.txt",
          "build": ".ci/requirements/build.txt", "lint": ".ci/requirements/lint.txt",
          "docs": ".ci/requirements/docs.txt", "wheel": ".ci/requirements/wheel.txt"}

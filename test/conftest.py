@@ -11,8 +11,13 @@ import time
 from pathlib import Path
 
 import pytest
-from builds import ROOT, build
-from hypothesis import settings
+
+# What the tests import stands in these folders (.ci/setup gives them to scripts, too).
+sys.path[:0] = [str(Path(__file__).resolve().parent / name) for name in
+                ("support", "truth", "bench", "regression")]
+
+from builds import ROOT, build  # noqa: E402
+from hypothesis import settings  # noqa: E402
 
 # The same examples in every run: a failure on one machine is a failure on all.
 settings.register_profile("fixed", derandomize=True, deadline=None, database=None)

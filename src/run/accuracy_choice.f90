@@ -29,7 +29,7 @@ module asperity_accuracy_choice
   real(real64), parameter :: finest_of_effects = 1.0e-9_real64
 
   ! The truth was at most 1.41 times what is estimated of loads and areas, in 83 runs of 59 dense
-  ! scenes (test/regression/promise_judge.py).
+  ! scenes (test/support/promise_judge.py).
   real(real64), parameter :: over_estimate = 1.5_real64
 
   ! A tolerance is aimed so much below what would just do; below this share of the accuracy it is

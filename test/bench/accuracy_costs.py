@@ -12,9 +12,11 @@ import csv
 import datetime
 import io
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
+
+from builds import build
+from run_bench import machine
 
 ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "reference_output/bench/accuracy_costs.csv"
@@ -80,10 +82,6 @@ def table(text):
 
 
 def main():
-    sys.path[:0] = [str(ROOT / "test"), str(ROOT / "test/bench")]
-    from builds import build
-    from run_bench import machine
-
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--save", action="store_true")

@@ -11,7 +11,6 @@ import argparse
 import os
 import random
 import subprocess
-import sys
 import tempfile
 import time
 from ctypes import byref
@@ -21,9 +20,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from run_bench import ROOT, machine, release_build, save
 
-sys.path[:0] = [str(ROOT / "test/regression"), str(ROOT / "test")]
-
-import test_solve_again as again  # noqa: E402
+import test_solve_again as again
 
 # Of .ci/common.sh: objects that a shared library can be made of.
 FLAGS = "-fPIC -fno-semantic-interposition"

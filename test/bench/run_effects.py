@@ -8,7 +8,6 @@ that starting, reading and writing do not count. One core; the least time of the
 
 import argparse
 import os
-import sys
 import tempfile
 from pathlib import Path
 
@@ -18,9 +17,8 @@ from run_bench import machine, release_build, save
 from whole_runs import Work, take_turns
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "test/regression"))
 
-from effect_runs import random_caps, write_caps  # noqa: E402
+from effect_runs import random_caps, write_caps
 
 THESIS = "&surfaces deck = '{deck}' /\n&motion x_first = {first}, x_step = {step}, " \
     "positions = {number} /\n&effects {effects} /\n"

@@ -3,14 +3,11 @@
 import shutil
 import signal
 import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
 from outside_runs import DECK, is_asleep, parts, wait_for
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "regression"))
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@
 !>
 !> INPUT: pairs of integers of 4 bytes, the operands' words. OUTPUT: for each pair the word of the
 !> result and the condition code that the machine would set: 0 for zero or equal, 1 for below zero
-!> or low, 2 for above zero or high. test/hard/hex32_against_machine.py has the kinds; POWER is
+!> or low, 2 for above zero or high. test/support/hex32_against_machine.py has the kinds; POWER is
 !> x**1.5, DECIMAL the first word times 10 to the power of the second.
 program hex32_words
   use, intrinsic :: iso_fortran_env, only: error_unit

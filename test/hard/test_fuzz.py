@@ -43,7 +43,7 @@ def test_found_case(path, asperity):
 def fuzz(asperity, folder, *words):
     """Runs of the fuzzer in a process of its own, whose limits they inherit: number by status."""
     done = subprocess.run(
-        [sys.executable, ROOT / "test/hard/fuzz.py", "--exe", asperity, "--processes", "1",
+        [sys.executable, ROOT / "tools/fuzz.py", "--exe", asperity, "--processes", "1",
          "--seconds", "inf", *map(str, words)],
         cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""Mutated height maps, a few in every run; more: test/hard/fuzz_maps.py."""
+"""Mutated height maps, a few in every run; more: test/support/fuzz_maps.py."""
 
 import fuzz_maps
 

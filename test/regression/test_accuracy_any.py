@@ -2,8 +2,6 @@
 
 import re
 import subprocess
-import sys
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -19,7 +17,6 @@ from plastic_truth import STEEL
 from promise_judge import KINDS as PROMISED, judge
 from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
 from accuracy_peers import with_peers
 
 SECONDS = 10

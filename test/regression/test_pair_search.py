@@ -8,13 +8,9 @@ must be the same, pair for pair, in the same order; penetrations are computed an
 
 import csv
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
 
 from search_files import Surface, read_pairs, run_search, search_program, write_input
 

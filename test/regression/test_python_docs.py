@@ -117,7 +117,7 @@ def test_notebook(venv, name, monkeypatch):
     path = ROOT / f"python/notebooks/{name}.ipynb"
     kept, made = notebooks.nbformat.read(path, 4), notebooks.executed(path)
     assert notebooks.printed(made) == notebooks.printed(kept), \
-        f"after pip install ./python: python test/regression/notebooks.py {path}"
+        f"after pip install ./python: python test/support/notebooks.py {path}"
     assert notebooks.pictures(made) == notebooks.pictures(kept) >= 1
 
 

@@ -1,12 +1,9 @@
 """The tables of docs/reference that are made from the source: current, and complete."""
 
-import sys
-
 import pytest
 from builds import ROOT
 from reference_tables import MADE, Reader, begin, inside, made, options
-sys.path.insert(0, str(ROOT / "test/bench"))
-import accuracy_costs  # noqa: E402
+import accuracy_costs
 
 pytestmark = pytest.mark.once
 @pytest.mark.parametrize("name", MADE)

@@ -1,6 +1,6 @@
 !> Tests of the curves of one adhering contact: JKR, Maugis and DMT.
 !>
-!> The truth of the curves is test/regression/adhesion_truth.py, evaluated by mpmath with 40 digits
+!> The truth of the curves is test/truth/adhesion_truth.py, evaluated by mpmath with 40 digits
 !> from the equations as the papers print them. Run that file to print the values again. The other
 !> truths are closed forms, named where they stand.
 module asperity_adhesion_curves_suite

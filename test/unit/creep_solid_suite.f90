@@ -1,6 +1,6 @@
 !> Tests of the solid that creeps, its steps in time, and the times of a hold.
 !>
-!> Truths are closed forms and what test/regression/creep_truth.py prints: mpmath integrals and
+!> Truths are closed forms and what test/truth/creep_truth.py prints: mpmath integrals and
 !> Laplace inversion. They share no code with src.
 module asperity_creep_solid_suite
   use asperity_creep_holds, only: half

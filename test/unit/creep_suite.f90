@@ -1,6 +1,6 @@
 !> Tests of creep on contacts that are held.
 !>
-!> Truths are closed forms and what test/regression/creep_truth.py prints: mpmath integrals, and a
+!> Truths are closed forms and what test/truth/creep_truth.py prints: mpmath integrals, and a
 !> march of its own for several spheres. They share no code with src.
 module asperity_creep_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome

@@ -1,6 +1,6 @@
 !> Tests of friction on inclined contacts, one contact at a time.
 !>
-!> The truth of the cases is `closed_form` of test/regression/friction_truth.py, evaluated by mpmath
+!> The truth of the cases is `closed_form` of test/truth/friction_truth.py, evaluated by mpmath
 !> with 40 digits: quadrature and a root search of plain differences. The same file's step-by-step
 !> integration agrees with it to 2e-8 with 4000 steps. Run that file to print the values again.
 module asperity_friction_suite

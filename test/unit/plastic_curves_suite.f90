@@ -1,6 +1,6 @@
 !> Tests of the curves of plastic flow, one contact at a time: loading, unloading, onset, index.
 !>
-!> The truth of the published curves is test/regression/plastic_truth.py, evaluated by mpmath with
+!> The truth of the published curves is test/truth/plastic_truth.py, evaluated by mpmath with
 !> 40 digits. Run that file to print the values again.
 module asperity_plastic_curves_suite
   use asperity_contact_law, only: contact_response

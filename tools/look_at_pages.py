@@ -1,16 +1,15 @@
 """Pictures of pages (`--html`) as a browser shows them, to be looked at: on a phone and on a desk,
 light and dark. What a machine can check of them is in test/regression/test_browser.py.
 
-    python test/hard/look_at_pages.py EXE [SCENE ...]    # writes build/pages/NAME-WIDTH-MODE.png
+    python tools/look_at_pages.py EXE [SCENE ...]    # writes build/pages/NAME-WIDTH-MODE.png
 """
 
 import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "test/regression"))
-from browser import browser  # noqa: E402
+ROOT = Path(__file__).resolve().parents[1]
+from browser import browser
 SCENES = ("data/examples/thesis.scene", "data/examples/position_56.scene",
           "data/examples/effects/ten_minutes.scene", "data/examples/effects/cycle.scene",
           "data/examples/summits/press.scene", "data/examples/summits/press_samples.scene")

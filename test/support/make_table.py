@@ -1,6 +1,6 @@
 """The tables of reference_output/bench/hard_cases.md, between their markers.
 
-    python test/hard/make_table.py EXECUTABLE
+    python test/support/make_table.py EXECUTABLE
 """
 
 import sys
@@ -8,16 +8,15 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "test" / part) for part in ("regression", "hard")]
 
-from cases import ARITHMETICS, scenes  # noqa: E402
-from deck_cases import decks  # noqa: E402
-from exact_contact import read_deck  # noqa: E402
-from measure import (condition, measure, measure_deck, positions_of,  # noqa: E402
+from cases import ARITHMETICS, scenes
+from deck_cases import decks
+from exact_contact import read_deck
+from measure import (condition, measure, measure_deck, positions_of,
                      positions_of_deck, scene_of)
 
 DOCUMENT = "reference_output/bench/hard_cases.md"
-BEGIN, END = "<!-- begin: made by test/hard/make_table.py -->", "<!-- end -->"
+BEGIN, END = "<!-- begin: made by test/support/make_table.py -->", "<!-- end -->"
 
 
 def verdict(refused, arithmetics):

@@ -1,17 +1,15 @@
 """Write the catalogue of hard cases.
 
-    python test/hard/make_cases.py [FOLDER]      (default: data/hard)
+    python test/support/make_cases.py [FOLDER]      (default: data/hard)
 """
 
 import sys
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / part) for part in ("regression", "hard")]
-
-from cases import scenes  # noqa: E402
-from deck_cases import decks  # noqa: E402
-from effect_cases import effect_cases  # noqa: E402
-from surfaces_csv import write_csv_scene, write_scene, write_surface  # noqa: E402
+from cases import scenes
+from deck_cases import decks
+from effect_cases import effect_cases
+from surfaces_csv import write_csv_scene, write_scene, write_surface
 
 
 def comment(label, text):

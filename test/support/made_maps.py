@@ -1,7 +1,7 @@
 """Height maps made for tests: random self-affine surfaces of given spectrum and seed, and what is
 archived of them.
 
-    python test/regression/made_maps.py        writes the maps of data/examples/summits anew
+    python test/support/made_maps.py        writes the maps of data/examples/summits anew
 
 A surface is periodic over twice its side and a quarter of that is cut out, so its edges are like
 those of a measured map.

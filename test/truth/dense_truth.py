@@ -12,7 +12,7 @@ and most of the error of squares cancels. The same for areas, after the rim is c
 under pressure count too much, in proportion to the length of their edge (Yastrebov, Anciaux and
 Molinari 2017). `settled` makes one number of three grids and states its error.
 
-    python test/regression/dense_truth.py reference_output/interaction/dense.csv [PROCESSES]
+    python test/truth/dense_truth.py reference_output/interaction/dense.csv [PROCESSES]
 
 Rows that are there are kept; remove the file to make it anew. `--rim` prints what RIM is made of.
 """

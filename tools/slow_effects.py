@@ -1,6 +1,6 @@
 """Run the large cases with effects, which the tests leave out, and say how each ended.
 
-    python test/hard/slow_effects.py EXECUTABLE [NAME ...]
+    python tools/slow_effects.py EXECUTABLE [NAME ...]
 """
 
 import subprocess
@@ -9,11 +9,9 @@ import tempfile
 import time
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / part) for part in ("regression", "hard")]
-
-from effect_cases import effect_cases  # noqa: E402
-from effect_laws import keeps_laws, run  # noqa: E402
-from make_cases import surface_writer, write_effect_case  # noqa: E402
+from effect_cases import effect_cases
+from effect_laws import keeps_laws, run
+from make_cases import surface_writer, write_effect_case
 
 
 def ending(executable, case, folder):

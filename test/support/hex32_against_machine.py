@@ -1,6 +1,6 @@
 """The short hexadecimal arithmetic of the historic wing against a System/370, bit for bit.
 
-    python test/hard/hex32_against_machine.py EXECUTABLE [PAIRS]
+    python test/support/hex32_against_machine.py EXECUTABLE [PAIRS]
 
 draws pairs of operands for every kind of operation (100000, or PAIRS), runs them on the machine
 (s370_machine.py) under both program masks and through `hex32_words`, the arithmetic of the build

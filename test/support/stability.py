@@ -1,6 +1,6 @@
 """Condition number against error over the hard cases: four arithmetics, both ways to the overlap.
 
-    python test/hard/stability.py EXECUTABLE FILE
+    python test/support/stability.py EXECUTABLE FILE
 
 writes a CSV for docs/figures/stability.gp: case, condition, arithmetic, formula, the largest
 relative error of the totals of all positions compared. The truth is that of the decimal numbers of

@@ -1,14 +1,11 @@
 """Scenes that `coupled` must solve: random and packed ones by seeds, loads of a table, summits."""
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "regression"))
-
-from surfaces_csv import records, write_csv_scene  # noqa: E402
+from surfaces_csv import records, write_csv_scene
 
 MODULUS, RATIO = 275760.0, 0.42
 COMBINED = MODULUS / (2 * (1 - RATIO ** 2))

@@ -17,8 +17,8 @@ the last two levels is the uncertainty.
 `lattice` solves the same contacts on squares with Love's coefficients: slower, coarser, but simple
 enough to check the above.
 
-    python3 test/regression/boundary_truth.py > reference_output/boundary/factors.csv
-    python3 test/regression/boundary_truth.py --check
+    python3 test/truth/boundary_truth.py > reference_output/boundary/factors.csv
+    python3 test/truth/boundary_truth.py --check
 """
 
 import sys

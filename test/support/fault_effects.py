@@ -1,6 +1,6 @@
 """What each fault of the original does to each printed number of the thesis' deck.
 
-    python test/regression/fault_effects.py EXECUTABLE
+    python test/support/fault_effects.py EXECUTABLE
 
 writes the tables of reference_output/faults/effects.md between their markers, and
 reference_output/faults/table_vi.csv. All numbers are those of the executable, which mends one
@@ -168,7 +168,7 @@ MADE = {"effects": table_of_effects, "prints": table_of_prints}
 
 
 def begin(name):
-    return f"<!-- {name}: made by test/regression/fault_effects.py -->"
+    return f"<!-- {name}: made by test/support/fault_effects.py -->"
 
 
 def inside(text, first):

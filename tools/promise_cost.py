@@ -1,7 +1,7 @@
 """What it costs `solve --accuracy E` that the truth is not known: its processor time over that of
 the cheapest rung that the truth shows to be good enough.
 
-    python test/regression/promise_cost.py EXECUTABLE [--scenes 12] [--kinds dense,map,...]
+    python tools/promise_cost.py EXECUTABLE [--scenes 12] [--kinds dense,map,...]
         [--asked 1e-2,1e-4,1e-8] [--each]
 
 The scenes are those of promise_judge.py. A rung is the same scene solved in one way that a user

@@ -7,7 +7,7 @@ files are whole and hold finite numbers. The same seed gives the same cases on e
 With --tight each run has little memory and every second one a stack that is too small for it; with
 --sanitized, for a build with sanitizers, neither is limited.
 
-Longer run: python test/hard/fuzz.py --exe PATH --minutes 30 --keep FOLDER (or make fuzz).
+Longer run: python tools/fuzz.py --exe PATH --minutes 30 --keep FOLDER (or make fuzz).
 """
 
 import argparse

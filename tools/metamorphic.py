@@ -1,6 +1,6 @@
 """Random scenes with effects, each under one law (metamorphic_laws.py).
 
-    python test/hard/metamorphic.py --exe PATH --runs 20000 [--seed 0] [--processes 1] [--keep DIR]
+    python tools/metamorphic.py --exe PATH --runs 20000 [--seed 0] [--processes 1] [--keep DIR]
 
 Prints every law that was broken, with its seed, and a line for each law.
 """

@@ -1,6 +1,6 @@
 """Judges `solve --accuracy E`: promise against truth over random scenes of all kinds.
 
-    python test/regression/promise_judge.py EXECUTABLE [--scenes 500] [--seconds 1800]
+    python test/support/promise_judge.py EXECUTABLE [--scenes 500] [--seconds 1800]
 
 Kinds: contacts without effects (50 digits), dense neighbours, up to 100 contacts or more (the
 archived solutions on grids), flow, adhesion, cycles of adhesion, friction and creep on one pair

@@ -1,6 +1,6 @@
 """Judges interaction by dense scenes: runs the program, compares with the archived truth.
 
-    python test/regression/dense_judge.py EXECUTABLE [--modes auto,coupled,boundary]
+    python test/support/dense_judge.py EXECUTABLE [--modes auto,coupled,boundary]
         [--tolerances 0.01,0.003,0.001] [--controls approach,load] [--only NAME] [--every N]
         [--processes 2] [--timeout 300] [--worst 10] [--out results.csv]
 

@@ -5,7 +5,7 @@ flank of a large one, lattices, clumps, two clusters that see each other, steep 
 contacts. All but the steep ones are caps under one huge sphere. Places and heights are rounded to
 12 decimals, so that a last digit of a library's sine does not matter.
 
-    python test/regression/dense_scenes.py FOLDER      writes them all
+    python test/support/dense_scenes.py FOLDER      writes them all
 """
 
 import sys

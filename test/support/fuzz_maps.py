@@ -4,7 +4,7 @@ Status is 0 or 2, within seconds; with 2 every line on standard error names the 
 and no file is left behind; with 0 the numbers are finite. The same seed gives the same map
 everywhere.
 
-    python test/hard/fuzz_maps.py --exe PATH --runs 5000
+    python test/support/fuzz_maps.py --exe PATH --runs 5000
 """
 
 import argparse

@@ -3,7 +3,7 @@
 Solved is: status 0, sums that are those of the contacts, and contacts that bear what they
 penetrate, or nothing where they do not.
 
-    python test/hard/everything_solved.py EXECUTABLE [--parts random,packed,stepped,loads,rough]
+    python test/support/everything_solved.py EXECUTABLE [--parts random,packed,stepped,loads,rough]
         [--count 10000] [--first 1] [--processes 2] [--timeout 300] [--mode coupled]
         [--out results.csv] [--surface SUMMITS.csv ...]
 
@@ -32,10 +32,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "regression"))
-
-from solved_cases import COMBINED, OF_SEEDS, SPHERE, load_cases, rough_parts  # noqa: E402
-from surfaces_csv import records, write_records  # noqa: E402
+from solved_cases import COMBINED, OF_SEEDS, SPHERE, load_cases, rough_parts
+from surfaces_csv import records, write_records
 
 
 @dataclass

@@ -1,6 +1,6 @@
 """The tables of reference_output/faults/listing_port_scan.md, between its markers.
 
-    python test/regression/listing_page.py EXECUTABLE
+    python test/support/listing_page.py EXECUTABLE
 
 What a mended fault changes in print is the executable's; what was corrected in the scan, and why,
 is that of reference_output/thesis.
@@ -20,7 +20,7 @@ PLACES = ("displacement", "approach", "x", "y")
 
 
 def begin(name):
-    return f"<!-- {name}: made by test/regression/listing_page.py -->"
+    return f"<!-- {name}: made by test/support/listing_page.py -->"
 
 
 def numbered():

@@ -1,6 +1,6 @@
 """Laws of scenes whose surface is a height map: the same laws as of asperities, and two of its own.
 
-    python test/hard/map_laws.py --exe PATH --runs 500 [--seed 0]
+    python test/support/map_laws.py --exe PATH --runs 500 [--seed 0]
 
 A scene is drawn by its seed: a made map of 144 to 6400 samples (or two of them), rough at the pixel
 or smooth, with or without samples that are missing; a load, a pressure or a level of the flat, one
@@ -27,7 +27,6 @@ import numpy as np
 import metamorphic_laws as laws
 import metamorphic_scenes as scenes
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "regression"))
 import made_maps
 
 # Gaps of samples are closed to 1e-9 of the range of heights: of the load that is, by how stiff the

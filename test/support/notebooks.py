@@ -1,6 +1,6 @@
 """Executes notebooks with nbclient.
 
-    python test/regression/notebooks.py NOTEBOOK...   puts what the cells print and draw into them
+    python test/support/notebooks.py NOTEBOOK...   puts what the cells print and draw into them
 
 To be run by a Python that has the package `asperity`. Paths are relative to the notebook.
 """

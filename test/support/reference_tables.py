@@ -1,6 +1,6 @@
 """The tables of docs/reference that are made from the tables of the source, between their markers.
 
-    python test/regression/reference_tables.py EXECUTABLE
+    python test/support/reference_tables.py EXECUTABLE
 
 The help of the program prints its tables of options and of the names of &effects; this script
 writes them as tables of commands.md and scene.md. The other groups of a scene have no table in the
