@@ -2,10 +2,10 @@
 module asperity_run_summits
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
+  use asperity_field_picture, only: draw_map
   use asperity_height_map, only: height_map
   use asperity_height_map_reader, only: read_height_map
   use asperity_kinds, only: int64, real64
-  use asperity_map_picture, only: draw_map
   use asperity_map_spectrum, only: measure_spectra, power_spectrum
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: map_summits

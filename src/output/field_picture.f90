@@ -1,17 +1,22 @@
-!> Plans of a contact field: pressure or gap as colours, with axes, colour bar and scale bar.
+!> Plans of a contact field, pressure or gap, and of a height map with its summits: values as
+!> colours, with axes, colour bar and scale bar.
 module asperity_field_picture
   use asperity_contact_field, only: contact_field
+  use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: not_computed, real64
-  use asperity_plan_drawing, only: add_frame, add_image, add_line, add_text, at_begin, at_end, &
-                                   at_middle, colour_blank, colour_missing, first_colour, &
-                                   last_colour, plan_drawing
-  use asperity_position_lists, only: readable
+  use asperity_map_summits, only: map_summits
+  use asperity_plan_drawing, only: add_dots, add_frame, add_image, add_line, add_text, at_begin, &
+                                   at_end, at_middle, colour_blank, colour_missing, first_colour, &
+                                   last_colour, plan_drawing, write_svg
+  use asperity_position_lists, only: counted, readable
+  use asperity_problems, only: decimal_text
   use asperity_svg_plot, only: round_step
+  use asperity_text_buffer, only: text_buffer
   use asperity_unit_names, only: with_unit
   implicit none
   private
 
-  public :: draw_plan
+  public :: draw_map, draw_plan
   public :: plan_of_gap, plan_of_pressure
   public :: width_of_page, width_of_picture
 
@@ -32,10 +37,26 @@ module asperity_field_picture
   integer, parameter :: distance(2) = [100, 40]
   ! Significant digits of the numbers along an axis.
   integer, parameter :: digits = 4
+  ! The first and the last colour of heights are so many deviations from the mean.
+  real(real64), parameter :: most_deviations = 3.0_real64
+  ! More dots make the file large: the highest summits are drawn.
+  integer, parameter :: most_dots = 20000
+
+  ! What a plan shows, and where.
+  type :: plan_frame
+    real(real64) :: low(2) = 0.0_real64        ! coordinates of the lower left corner [length]
+    real(real64) :: side(2) = 0.0_real64       ! sides along x and y [length]
+    real(real64) :: range(2) = 0.0_real64      ! values of the first and of the last colour
+    character(len=:), allocatable :: name      ! of the values, with their unit
+    character(len=:), allocatable :: unit      ! of length; empty: not known
+    character(len=:), allocatable :: blank     ! what a value of 0 is; not allocated: a value
+    logical :: is_missing = .false.            ! some pixels were not measured
+    integer :: points(2) = 0                   ! sides in the drawing, points
+  end type plan_frame
 
 contains
 
-  !> Draws a plan: x to the right, y upwards, in the coordinates of the field.
+  !> Draws the pressure or the gap of a field in plan, in the coordinates of the field.
   subroutine draw_plan(field, quantity, title, units, longest, most_pixels, drawing)
     type(contact_field), intent(in) :: field      !! of one state
     integer, intent(in) :: quantity               !! `plan_of_pressure` or `plan_of_gap`
@@ -44,33 +65,125 @@ contains
     integer, intent(in) :: longest                !! longer side of the map, points
     integer, intent(in) :: most_pixels            !! of the image along its longer side
     type(plan_drawing), intent(out) :: drawing    !! the drawing
-    integer, allocatable :: colour(:, :)
-    real(real64) :: highest, low(2), side(2)
-    integer :: i, points(2), room
-    character(len=:), allocatable :: name
+    real(real64), allocatable :: mean(:, :)
+    type(plan_frame) :: frame
 
-    side = field%spacing * [field%columns, field%rows]
-    points = max(least, nint(longest * side / maxval(side)))
+    frame%low = field%origin - 0.5_real64 * field%spacing
+    frame%side = field%spacing * [field%columns, field%rows]
+    frame%unit = units(1)
+    if (quantity == plan_of_pressure) then
+      call average_squares(field%pressure, most_pixels, mean)
+      frame%name = with_unit('pressure', trim(units(2)))
+      frame%blank = 'no contact'
+    else
+      call average_squares(field%gap, most_pixels, mean)
+      frame%name = with_unit('gap', trim(units(1)))
+      frame%blank = 'contact'
+    end if
+    frame%range(2) = maxval([0.0_real64, maxval(mean)])
+    frame%is_missing = .not. all(field%pressure > not_computed)
+    call draw_pixels(mean, frame, title, longest, drawing)
+  end subroutine draw_plan
+
+  !> Draws the heights of a map and its summits in plan, from the centre of the first pixel on.
+  subroutine draw_map(title, map, summits, buffer)
+    character(len=*), intent(in) :: title       !! first line; a long one is cut
+    type(height_map), intent(in) :: map         !! levelled
+    type(map_summits), intent(in) :: summits    !! of this map
+    type(text_buffer), intent(inout) :: buffer  !! gets the drawing, an SVG
+    type(plan_drawing) :: drawing
+    type(plan_frame) :: frame
+    real(real64), allocatable :: mean(:, :)
+    logical, allocatable :: drawn(:)
+    real(real64) :: middle, deviation
+    character(len=:), allocatable :: text
+    integer :: number
+
+    call average_squares(map%height, width_of_picture, mean)
+    associate (is_known => mean > not_computed)
+      middle = sum(mean, is_known) / count(is_known)
+      deviation = sqrt(sum((mean - middle)**2, is_known) / count(is_known))
+      frame%range = [max(middle - most_deviations * deviation, minval(mean, is_known)), &
+                     min(middle + most_deviations * deviation, maxval(mean, is_known))]
+    end associate
+    frame%low = -0.5_real64 * map%spacing
+    frame%side = map%spacing * [map%columns, map%rows]
+    frame%unit = map%unit
+    frame%name = with_unit('height', map%unit)
+    frame%is_missing = .not. all(is_measured(map%height))
+    call draw_pixels(mean, frame, title, width_of_picture, drawing)
+    number = size(summits%x)
+    drawn = highest_of(summits%height)
+    call add_dots(drawing, place_across(frame, 1, pack(summits%x, drawn)), &
+                  place_across(frame, 2, pack(summits%y, drawn)), merge(2, 4, number > 2000))
+    text = counted(number, 'summit') // ' (dots)'
+    if (number > most_dots) text = text // ', the highest ' // decimal_text(most_dots) // ' drawn'
+    call add_text(drawing, [left, top + frame%points(2) + fourth_line], at_begin, text)
+    call write_svg(drawing, title, .false., buffer)
+  end subroutine draw_map
+
+  ! Which heights are the highest, at most so many as are drawn; the least one by bisection.
+  pure function highest_of(height) result(chosen)
+    real(real64), intent(in) :: height(:)
+    logical :: chosen(size(height))
+    real(real64) :: above, below, middle
+    integer :: round
+
+    chosen = .true.
+    if (size(height) <= most_dots) return
+    below = minval(height)
+    above = maxval(height)
+    do round = 1, 40
+      middle = 0.5_real64 * (below + above)
+      if (count(height > middle) > most_dots) then
+        below = middle
+      else
+        above = middle
+      end if
+    end do
+    chosen = height > above
+  end function highest_of
+
+  ! Points from the left, or from the top, of the drawing to a coordinate.
+  elemental real(real64) function place_across(frame, axis, value) result(place)
+    type(plan_frame), intent(in) :: frame
+    integer, intent(in) :: axis
+    real(real64), intent(in) :: value
+
+    place = (value - frame%low(axis)) / frame%side(axis) * frame%points(axis)
+    if (axis == 2) place = frame%points(axis) - place
+    place = merge(left, top, axis == 1) + place
+  end function place_across
+
+  ! Draws values as colours, with axes, colour bar and scale bar.
+  subroutine draw_pixels(mean, frame, title, longest, drawing)
+    real(real64), intent(in) :: mean(:, :)
+    type(plan_frame), intent(inout) :: frame
+    character(len=*), intent(in) :: title
+    integer, intent(in) :: longest
+    type(plan_drawing), intent(out) :: drawing
+    integer :: i, points(2), room
+
+    points = max(least, nint(longest * frame%side / maxval(frame%side)))
+    frame%points = points
     room = max(points(2), 2 * least)
     drawing%width = left + points(1) + beside + bar + numbers
     drawing%height = top + max(points(2) + below, room + third_line)
-    call colour_pixels(field, quantity, most_pixels, colour, highest)
     if (title /= '') call add_text(drawing, [8, 18], at_begin, cut(title, drawing%width), &
                                    is_bold=.true.)
-    call add_image(drawing, left, top, points(1), points(2), colour)
+    call add_image(drawing, left, top, points(1), points(2), colours_of(mean, frame))
     call add_frame(drawing, left, top, points(1), points(2))
-    low = field%origin - 0.5_real64 * field%spacing
-    call put_axis(1, low(1), low(1) + side(1))
-    call put_axis(2, low(2), low(2) + side(2))
+    call put_axis(1, frame%low(1), frame%low(1) + frame%side(1))
+    call put_axis(2, frame%low(2), frame%low(2) + frame%side(2))
     call add_text(drawing, [left + points(1), top + points(2) + second_line], at_end, &
-                  with_unit('x', trim(units(1))))
-    call add_text(drawing, [left - 8, top - 12], at_end, with_unit('y', trim(units(1))))
+                  with_unit('x', frame%unit))
+    call add_text(drawing, [left - 8, top - 12], at_end, with_unit('y', frame%unit))
     call put_colour_bar()
     call put_scale_bar()
-    call put_swatch(left, colour_blank, trim(merge('contact   ', 'no contact', &
-                                                   quantity == plan_of_gap)))
-    if (.not. all(field%pressure > not_computed)) &
-      call put_swatch(left + 120, colour_missing, 'not measured')
+    if (allocated(frame%blank)) call put_swatch(left, colour_blank, frame%blank)
+    if (frame%is_missing) &
+      call put_swatch(left + merge(120, 240, allocated(frame%blank)), colour_missing, &
+                      'not measured')
 
   contains
 
@@ -97,30 +210,31 @@ contains
       end do
     end subroutine put_axis
 
-    ! The colours from 0 to the highest value, beside the map.
+    ! The colours of the range, beside the map.
     subroutine put_colour_bar()
       integer :: at, from, k
       real(real64) :: step
 
       from = left + points(1) + beside
-      name = with_unit('pressure', trim(units(2)))
-      if (quantity == plan_of_gap) name = with_unit('gap', trim(units(1)))
-      call add_text(drawing, [drawing%width - 8, top - 12], at_end, name)
+      call add_text(drawing, [drawing%width - 8, top - 12], at_end, frame%name)
       call add_image(drawing, from, top, bar, room, &
                      reshape([(i, i = last_colour, first_colour, -1)], &
                              [1, last_colour - first_colour + 1]))
       call add_frame(drawing, from, top, bar, room)
-      if (.not. highest > 0.0_real64) then
-        call add_text(drawing, [from + bar + mark + 4, top + room + 4], at_begin, '0')
-        return
-      end if
-      step = round_step(highest / max(1, min(6, room / distance(2))))
-      do k = 0, floor(highest / step)
-        at = top + room - nint(k * step / highest * room)
-        call add_line(drawing, [from + bar, at], [from + bar + mark, at])
-        call add_text(drawing, [from + bar + mark + 4, at + 4], at_begin, &
-                      readable(k * step, digits))
-      end do
+      associate (low => frame%range(1), high => frame%range(2))
+        if (.not. high > low) then
+          call add_text(drawing, [from + bar + mark + 4, top + room + 4], at_begin, &
+                        readable(low, digits))
+          return
+        end if
+        step = round_step((high - low) / max(1, min(6, room / distance(2))))
+        do k = ceiling(low / step), floor(high / step)
+          at = top + room - nint((k * step - low) / (high - low) * room)
+          call add_line(drawing, [from + bar, at], [from + bar + mark, at])
+          call add_text(drawing, [from + bar + mark + 4, at + 4], at_begin, &
+                        readable(k * step, digits))
+        end do
+      end associate
     end subroutine put_colour_bar
 
     ! A length below the map: a sixth of its width, or somewhat more.
@@ -128,14 +242,14 @@ contains
       real(real64) :: length
       integer :: foot, to
 
-      length = round_step(side(1) / 6)
-      to = left + min(points(1), nint(length / side(1) * points(1)))
+      length = round_step(frame%side(1) / 6)
+      to = left + min(points(1), nint(length / frame%side(1) * points(1)))
       foot = top + points(2) + third_line - 10
       call add_line(drawing, [left, foot - 4], [left, foot + 4])
       call add_line(drawing, [to, foot - 4], [to, foot + 4])
       call add_line(drawing, [left, foot], [to, foot])
       call add_text(drawing, [to + 8, foot + 4], at_begin, &
-                    trim(readable(length, 1) // ' ' // units(1)))
+                    trim(readable(length, 1) // ' ' // frame%unit))
     end subroutine put_scale_bar
 
     ! A colour that stands beside the colour bar, and what it means.
@@ -150,7 +264,7 @@ contains
       call add_text(drawing, [from + swatch + 6, top + points(2) + fourth_line], at_begin, meaning)
     end subroutine put_swatch
 
-  end subroutine draw_plan
+  end subroutine draw_pixels
 
   ! A text in a room of so many points.
   pure function cut(text, room) result(line)
@@ -163,44 +277,47 @@ contains
     if (len(line) > room / widest_letter) line = line(:room / widest_letter - 3) // '...'
   end function cut
 
-  ! Mean values of squares of measured pixels as colours, the last row at the top.
-  subroutine colour_pixels(field, quantity, most_pixels, colour, highest)
-    type(contact_field), intent(in) :: field
-    integer, intent(in) :: quantity, most_pixels
-    integer, allocatable, intent(out) :: colour(:, :)
-    real(real64), intent(out) :: highest     ! value of the last colour
-    real(real64), allocatable :: mean(:, :)
-    real(real64) :: total
-    integer :: i, j, k, m, measured, pressed, step
+  ! Mean values of squares of measured pixels; `not_computed` where none was measured.
+  pure subroutine average_squares(values, most_pixels, mean)
+    real(real64), intent(in) :: values(:, :)
+    integer, intent(in) :: most_pixels
+    real(real64), allocatable, intent(out) :: mean(:, :)
+    integer :: i, j, step
 
-    step = (max(field%columns, field%rows) + most_pixels - 1) / most_pixels
-    allocate (mean((field%columns + step - 1) / step, (field%rows + step - 1) / step))
-    allocate (colour(size(mean, 1), size(mean, 2)))
+    step = (maxval(shape(values)) + most_pixels - 1) / most_pixels
+    allocate (mean((size(values, 1) + step - 1) / step, (size(values, 2) + step - 1) / step))
     do j = 1, size(mean, 2)
       do i = 1, size(mean, 1)
-        total = 0.0_real64
-        measured = 0
-        pressed = 0
-        do m = (j - 1) * step + 1, min(j * step, field%rows)
-          do k = (i - 1) * step + 1, min(i * step, field%columns)
-            if (.not. field%pressure(k, m) > not_computed) cycle
-            measured = measured + 1
-            if (field%pressure(k, m) > 0.0_real64) pressed = pressed + 1
-            if (quantity == plan_of_pressure) total = total + field%pressure(k, m)
-            if (quantity == plan_of_gap) total = total + field%gap(k, m)
-          end do
-        end do
-        mean(i, j) = total / max(1, measured)
-        colour(i, j) = first_colour
-        if (quantity == plan_of_pressure .and. pressed == 0) colour(i, j) = colour_blank
-        if (quantity == plan_of_gap .and. pressed == measured) colour(i, j) = colour_blank
-        if (measured == 0) colour(i, j) = colour_missing
+        associate (square => values((i - 1) * step + 1:min(i * step, size(values, 1)), &
+                                    (j - 1) * step + 1:min(j * step, size(values, 2))))
+          mean(i, j) = not_computed
+          if (any(is_measured(square))) &
+            mean(i, j) = sum(square, is_measured(square)) / count(is_measured(square))
+        end associate
       end do
     end do
-    highest = maxval([0.0_real64, maxval(mean)])
-    if (highest > 0.0_real64) where (colour == first_colour) &
-      colour = first_colour + nint((last_colour - first_colour) * (mean / highest))
-    colour = colour(:, size(colour, 2):1:-1)
-  end subroutine colour_pixels
+  end subroutine average_squares
+
+  ! Values as colours of the range, the last row at the top; a 0 is blank where that has a meaning.
+  pure function colours_of(mean, frame) result(colour)
+    real(real64), intent(in) :: mean(:, :)
+    type(plan_frame), intent(in) :: frame
+    integer :: colour(size(mean, 1), size(mean, 2))
+    integer :: i, j
+
+    do j = 1, size(mean, 2)
+      do i = 1, size(mean, 1)
+        associate (at => colour(i, size(mean, 2) + 1 - j), value => mean(i, j))
+          at = first_colour
+          if (frame%range(2) > frame%range(1)) &
+            at = first_colour + nint((last_colour - first_colour) * &
+                                     ((min(max(value, frame%range(1)), frame%range(2)) - &
+                                       frame%range(1)) / (frame%range(2) - frame%range(1))))
+          if (allocated(frame%blank) .and. .not. abs(value) > 0.0_real64) at = colour_blank
+          if (.not. value > not_computed) at = colour_missing
+        end associate
+      end do
+    end do
+  end function colours_of
 
 end module asperity_field_picture

@@ -12,7 +12,7 @@ module asperity_plan_drawing
   implicit none
   private
 
-  public :: plan_drawing, add_image, add_line, add_frame, add_text, write_svg, png_of
+  public :: plan_drawing, add_dots, add_frame, add_image, add_line, add_text, write_svg, png_of
   public :: at_begin, at_middle, at_end
   public :: colour_paper, colour_ink, colour_blank, colour_missing, first_colour, last_colour
 
@@ -54,6 +54,8 @@ module asperity_plan_drawing
     type(drawn_image), allocatable, private :: images(:)
     type(drawn_line), allocatable, private :: lines(:)
     type(drawn_text), allocatable, private :: texts(:)
+    real(real64), allocatable, private :: dots(:, :)   ! places of the dots
+    integer, private :: diameter = 0                   ! of the dots
   end type plan_drawing
 
 contains
@@ -88,6 +90,17 @@ contains
     if (.not. allocated(drawing%lines)) allocate (drawing%lines(0))
     drawing%lines = [drawing%lines, drawn_line(from, to)]
   end subroutine add_line
+
+  !> Adds dots, once for a drawing. A PNG has none.
+  subroutine add_dots(drawing, across, down, diameter)
+    type(plan_drawing), intent(inout) :: drawing  !! gets them
+    real(real64), intent(in) :: across(:)         !! distance from the left, points
+    real(real64), intent(in) :: down(:)           !! distance from the top, points; as many
+    integer, intent(in) :: diameter               !! of a dot, points
+
+    drawing%dots = reshape([across, down], [size(across), 2])
+    drawing%diameter = diameter
+  end subroutine add_dots
 
   !> Adds the four sides of a rectangle.
   subroutine add_frame(drawing, left, top, width, height)
@@ -133,6 +146,7 @@ contains
     character(len=*), intent(in) :: label        !! what it shows, for screen readers
     logical, intent(in) :: in_page               !! whether the text is a part of a page
     type(text_buffer), intent(inout) :: buffer   !! gets the text
+    character(len=24) :: dot
     integer :: i
 
     call buffer%append('<svg viewBox="0 0 ' // decimal_text(drawing%width) // ' ' // &
@@ -165,6 +179,15 @@ contains
       end associate
     end do
     call buffer%line('"/>')
+    if (allocated(drawing%dots)) then
+      call buffer%append('<path fill="none" stroke="#d02020" stroke-linecap="round" ' // &
+                         'stroke-width="' // decimal_text(drawing%diameter) // '" d="')
+      do i = 1, size(drawing%dots, 1)
+        write (dot, '("M", f0.1, " ", f0.1, "h0")') drawing%dots(i, :)
+        call buffer%append(trim(dot))
+      end do
+      call buffer%line('"/>')
+    end if
     do i = 1, size(drawing%texts)
       associate (text => drawing%texts(i))
         call buffer%append('<text' // number('x', text%at(1)) // number('y', text%at(2)) // &

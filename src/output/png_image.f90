@@ -17,12 +17,10 @@ module asperity_png_image
 
 contains
 
-  !> An image of one byte a pixel: shades of grey, of which 0 is transparent, or colours of a
-  !> palette.
+  !> An image of one byte a pixel, a place in a palette.
   pure function png_bytes(shade, palette) result(png)
     integer, intent(in) :: shade(:, :)     !! from 0 to 255; by column and row, the top row first
-    !> Red, green and blue from 0 to 255 of each shade from 0 on; absent: grey.
-    integer, intent(in), optional :: palette(:, :)
+    integer, intent(in) :: palette(:, :)   !! red, green and blue of each shade, from 0 to 255
     character(len=:), allocatable :: png   !! the file
     type(text_buffer) :: bytes, colours, rows
     integer :: i, j
@@ -34,17 +32,13 @@ contains
       end do
     end do
     call bytes%append(signature)
-    ! Eight bits a pixel of grey (type 0) or of a palette (type 3), neither filtered nor interlaced.
+    ! Eight bits a pixel of a palette (type 3), neither filtered nor interlaced.
     call add_chunk('IHDR', word(int(size(shade, 1), int64)) // word(int(size(shade, 2), int64)) // &
-                   achar(8) // achar(merge(3, 0, present(palette))) // repeat(achar(0), 3), bytes)
-    if (present(palette)) then
-      do i = 1, size(palette, 2)
-        call colours%append(char(palette(1, i)) // char(palette(2, i)) // char(palette(3, i)))
-      end do
-      call add_chunk('PLTE', colours%text(), bytes)
-    else
-      call add_chunk('tRNS', repeat(achar(0), 2), bytes)
-    end if
+                   achar(8) // achar(3) // repeat(achar(0), 3), bytes)
+    do i = 1, size(palette, 2)
+      call colours%append(char(palette(1, i)) // char(palette(2, i)) // char(palette(3, i)))
+    end do
+    call add_chunk('PLTE', colours%text(), bytes)
     call add_chunk('IDAT', stored(rows%text()), bytes)
     call add_chunk('IEND', '', bytes)
     png = bytes%text()

@@ -63,12 +63,6 @@ module asperity_error_budget
   ! one position, or 5 in each of 10000, take some minutes.
   real(real64), parameter :: squares_allowed = 250000.0_real64
 
-  !> The last state of every position.
-  type :: model_run
-    type(state_row), allocatable :: last(:)   !! its totals
-    real(real64), allocatable :: factor(:)    !! load together over load alone, vertical
-  end type model_run
-
 contains
 
   !> Compares results with exact events in real128, and the model with contacts on cells. Effects
@@ -149,16 +143,14 @@ contains
     end if
     if (allocated(model%why_not)) return
     if (model%interaction == effect_boundary) then
-      call cells_themselves(scene_in, results, model)
-    else if (is_load(scene_in%loading%control)) then
-      call compare_at_load(scene_in, doubles, results, model)
+      call use_tolerance(scene_in, results, model)
     else
-      call compare_at_approach(scene_in, doubles, results, model)
+      call compare_models(scene_in, doubles, results, model)
     end if
   end subroutine measure_model
 
-  ! The scene's way is the reference: what is left is how far its cells have settled.
-  subroutine cells_themselves(scene_in, results, model)
+  ! Boundary elements are the reference: their error is their tolerance.
+  subroutine use_tolerance(scene_in, results, model)
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
     type(model_budget), intent(inout) :: model
@@ -166,58 +158,28 @@ contains
 
     do m = 1, size(results%positions)
       associate (last => last_state(results%positions(m)))
-        model%error(of_load) = max(model%error(of_load), model%cells_are_good_to * last%load)
-        model%error(of_vertical_load) = max(model%error(of_vertical_load), &
-                                            model%cells_are_good_to * last%vertical_load)
+        model%error(of_load:of_vertical_load) = max(model%error(of_load:of_vertical_load), &
+          model%cells_are_good_to * [last%load, last%vertical_load])
       end associate
     end do
-    model%known([of_load, of_vertical_load]) = share_measured
+    model%known(of_load:of_vertical_load) = share_measured
     model%known(of_approach) = share_given
     if (is_load(scene_in%loading%control)) model%known(of_approach) = share_unknown
-  end subroutine cells_themselves
+  end subroutine use_tolerance
 
-  ! Where the approach is the same in both ways.
-  subroutine compare_at_approach(scene_in, options, results, model)
-    type(scene), intent(in) :: scene_in
-    type(run_options), intent(in) :: options
-    type(scene_results), intent(in) :: results
-    type(model_budget), intent(inout) :: model
-    type(model_run) :: used, cells
-    real(real64) :: share
-    integer :: m
-
-    call run_both(scene_in, options, used, cells, model%why_not)
-    if (allocated(model%why_not)) return
-    do m = 1, size(results%positions)
-      associate (last => last_state(results%positions(m)))
-        share = abs(used%factor(m) - cells%factor(m))
-        if (used%factor(m) > 0.0_real64) share = share / used%factor(m)
-        model%error(of_load) = max(model%error(of_load), share * last%load)
-        model%error(of_vertical_load) = max(model%error(of_vertical_load), &
-                                            share * last%vertical_load)
-        if (.not. used%last(m)%projected_area > 0.0_real64) cycle
-        share = abs(used%last(m)%projected_area - cells%last(m)%projected_area) / &
-                used%last(m)%projected_area
-        model%error(of_area) = max(model%error(of_area), share * last%area)
-      end associate
-    end do
-    model%known = share_measured
-    model%known(of_approach) = share_given
-  end subroutine compare_at_approach
-
-  ! The load is the same in both ways. At the approach found, position by position, cells carry
-  ! less or more; the largest such share is made up for by closing on.
-  subroutine compare_at_load(scene_in, options, results, model)
+  ! Compares the interaction of the scene with boundary elements at the separation of every
+  ! position. Under load control these carry another load there; the largest such share is made up
+  ! for by more load.
+  subroutine compare_models(scene_in, options, results, model)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(in) :: results
     type(model_budget), intent(inout) :: model
     type(scene) :: one
-    type(model_run) :: used, cells
-    real(real64) :: share
+    type(scene_results) :: used, cells
+    real(real64) :: factor(2), area(2), share
     integer :: m
 
-    model%known([of_load, of_vertical_load]) = share_given
     share = 0.0_real64
     do m = 1, size(results%positions)
       associate (position => results%positions(m), last => last_state(results%positions(m)))
@@ -227,53 +189,54 @@ contains
         one%motion%y_first = rounded_decimal(position%y_displacement, 17)
         one%loading%control = control_separation
         one%loading%value = rounded_decimal(last%approach, 17)
+        call run_model(one, model%interaction, options, used, model%why_not)
+        if (.not. allocated(model%why_not)) &
+          call run_model(one, effect_boundary, options, cells, model%why_not)
+        if (allocated(model%why_not)) return
+        factor = [factor_of(used), factor_of(cells)]
+        area = [projected_area_of(used), projected_area_of(cells)]
+        if (is_load(scene_in%loading%control)) then
+          if (factor(2) > 0.0_real64) share = max(share, abs(factor(1) / factor(2) - 1.0_real64))
+        else
+          if (factor(1) > 0.0_real64) factor = factor / factor(1)
+          model%error(of_load:of_vertical_load) = max(model%error(of_load:of_vertical_load), &
+            abs(factor(1) - factor(2)) * [last%load, last%vertical_load])
+          if (area(1) > 0.0_real64) model%error(of_area) = &
+            max(model%error(of_area), abs(1.0_real64 - area(2) / area(1)) * last%area)
+        end if
       end associate
-      call run_both(one, options, used, cells, model%why_not)
-      if (allocated(model%why_not)) return
-      if (cells%factor(1) > 0.0_real64) &
-        share = max(share, abs(used%factor(1) - cells%factor(1)) / cells%factor(1))
     end do
+    if (.not. is_load(scene_in%loading%control)) then
+      model%known = share_measured
+      model%known(of_approach) = share_given
+      return
+    end if
     one = scene_in
     one%loading%value = rounded_decimal(decimal_to_real64(one%loading%value) * &
                                         (1.0_real64 + share), 17)
     call run_model(one, model%interaction, options, used, model%why_not)
     if (allocated(model%why_not)) return
     do m = 1, size(results%positions)
-      associate (last => last_state(results%positions(m)))
-        model%error(of_approach) = max(model%error(of_approach), &
-                                       abs(used%last(m)%approach - last%approach))
+      associate (more => last_state(used%positions(m)), last => last_state(results%positions(m)))
+        model%error(of_approach) = max(model%error(of_approach), abs(more%approach - last%approach))
       end associate
     end do
-    model%known(of_approach) = share_measured
-  end subroutine compare_at_load
-
-  ! A scene in its own way and on cells.
-  subroutine run_both(scene_in, options, used, cells, failure)
-    type(scene), intent(in) :: scene_in
-    type(run_options), intent(in) :: options
-    type(model_run), intent(out) :: used, cells
-    character(len=:), allocatable, intent(out) :: failure
-
-    call run_model(scene_in, scene_in%effects%mode('interaction'), options, used, failure)
-    if (.not. allocated(failure)) &
-      call run_model(scene_in, effect_boundary, options, cells, failure)
-  end subroutine run_both
+    model%known = [share_given, share_given, share_unknown, share_measured]
+  end subroutine compare_models
 
   !> Runs a scene with `interaction` set, all its other effects as they are, to the last state only.
-  subroutine run_model(scene_in, interaction, options, run, failure)
+  subroutine run_model(scene_in, interaction, options, results, failure)
     type(scene), intent(in) :: scene_in                    !! checked values
     integer, intent(in) :: interaction                     !! one of the `effect_` numbers
     type(run_options), intent(in) :: options               !! in doubles
-    type(model_run), intent(out) :: run                    !! all positions
+    type(scene_results), intent(out) :: results            !! all positions
     character(len=:), allocatable, intent(out) :: failure  !! why not
     type(scene) :: copy
-    type(scene_results) :: results
 
     copy = scene_in
     call copy%effects%call_for('interaction', interaction)
     copy%loading%points = 0
     call solve(copy, results, failure, options)
-    if (.not. allocated(failure)) call take_last_states(results, run)
   end subroutine run_model
 
   !> Why the contacts of a solved scene are too many for cells; empty when they are not.
@@ -297,35 +260,31 @@ contains
           'boundary elements'
   end function too_many_for_cells
 
-  !> The last state of every position, and its factor.
-  subroutine take_last_states(results, run)
-    type(scene_results), intent(in) :: results  !! solved
-    type(model_run), intent(inout) :: run       !! gets them
-    integer :: m
-
-    allocate (run%last(size(results%positions)), run%factor(size(results%positions)))
-    do m = 1, size(results%positions)
-      run%last(m) = last_state(results%positions(m))
-      run%factor(m) = factor_of(results, m)
-    end do
-  end subroutine take_last_states
-
-  ! Load together over load alone; 1 where interaction is off or was left out.
-  pure real(real64) function factor_of(results, m) result(factor)
+  ! Load with interaction over that of the same contacts isolated, at the only position; 1 where
+  ! interaction is off or was left out.
+  pure real(real64) function factor_of(results) result(factor)
     type(scene_results), intent(in) :: results
-    integer, intent(in) :: m
     integer :: column, e
 
     factor = 1.0_real64
     if (.not. allocated(results%effects)) return
-    do e = 1, size(results%effects%names)
-      if (results%effects%names(e) /= 'interaction') cycle
-      if (results%positions(m)%effects(e)%simulated == 'off') return
-    end do
-    do column = 1, size(results%effects%state_columns)
-      if (results%effects%state_columns(column) == 'factor') &
-        factor = results%positions(m)%state_values(column)
-    end do
+    associate (position => results%positions(1))
+      e = findloc(results%effects%names == 'interaction', .true., 1)
+      if (e > 0) then
+        if (position%effects(e)%simulated == 'off') return
+      end if
+      column = findloc(results%effects%state_columns == 'factor', .true., 1)
+      if (column > 0) factor = position%state_values(column)
+    end associate
   end function factor_of
+
+  ! Projected contact area of the last state at the only position.
+  pure real(real64) function projected_area_of(results) result(area)
+    type(scene_results), intent(in) :: results
+
+    associate (last => last_state(results%positions(1)))
+      area = last%projected_area
+    end associate
+  end function projected_area_of
 
 end module asperity_error_budget
