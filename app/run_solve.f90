@@ -7,10 +7,10 @@ module asperity_run_solve
                                     room_of_fields
   use asperity_corrected_table, only: correct_table
   use asperity_corrected_table_text, only: write_corrected_table
+  use asperity_csv_tables, only: write_histogram, write_results
   use asperity_error_budget, only: error_budget, measure_budget
   use asperity_field_picture, only: draw_plan, plan_of_pressure, width_of_picture
   use asperity_files, only: same_name, write_standard_error
-  use asperity_histogram_csv, only: write_histogram
   use asperity_input_text, only: lower_case
   use asperity_images, only: image_number
   use asperity_kinds, only: int64, real64
@@ -21,7 +21,6 @@ module asperity_run_solve
   use asperity_printable, only: printable
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: of_contacts, of_positions, of_states
-  use asperity_results_csv, only: write_results
   use asperity_results_html, only: write_html
   use asperity_results_json, only: write_json
   use asperity_results_vti, only: write_vti

@@ -2,6 +2,7 @@
 module asperity_run_summits
   use asperity_command_line, only: command_line
   use asperity_command_outcome, only: command_outcome
+  use asperity_csv_tables, only: write_spectrum_csv, write_summits_csv
   use asperity_field_picture, only: draw_map
   use asperity_height_map, only: height_map
   use asperity_height_map_reader, only: read_height_map
@@ -11,9 +12,8 @@ module asperity_run_summits
   use asperity_map_summits, only: map_summits
   use asperity_printable, only: printable
   use asperity_problems, only: decimal_text
-  use asperity_spectrum_table, only: write_spectrum_csv
   use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
-  use asperity_summits_table, only: write_summits_csv, write_summits_table
+  use asperity_summits_table, only: write_summits_table
   use asperity_text_buffer, only: text_buffer
   use asperity_work_cost, only: tell_cost, work_cost
   implicit none

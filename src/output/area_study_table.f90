@@ -4,6 +4,7 @@ module asperity_area_study_table
   use asperity_csv, only: csv_line
   use asperity_greenwood_integrals, only: quantities
   use asperity_kinds, only: real64
+  use asperity_position_lists, only: readable
   use asperity_problems, only: decimal_text, real_text
   use asperity_study_spec, only: against_plane, reference_integral, study_spec
   use asperity_text_buffer, only: text_buffer
@@ -35,12 +36,14 @@ contains
       integral = 'Greenwood-Williamson'
     end if
     call buffer%line(decimal_text(study%surfaces) // ' ' // against // ', separation ' // &
-                     plain(study%separation))
-    call buffer%line('studied: x from ' // plain(study%corner(1)) // ' to ' // &
-                     plain(study%corner(1) + study%extent(1)) // ', y from ' // &
-                     plain(study%corner(2)) // ' to ' // plain(study%corner(2) + study%extent(2)))
-    call buffer%line('asperities per area, found (design): upper ' // short(study%density(1)) // &
-                     ' (' // short(study%design_density(1)) // ')' // lower_density())
+                     readable(study%separation))
+    call buffer%line('studied: x from ' // readable(study%corner(1)) // ' to ' // &
+                     readable(study%corner(1) + study%extent(1)) // ', y from ' // &
+                     readable(study%corner(2)) // ' to ' // &
+                     readable(study%corner(2) + study%extent(2)))
+    call buffer%line('asperities per area, found (design): upper ' // &
+                     readable(study%density(1)) // ' (' // readable(study%design_density(1)) // &
+                     ')' // lower_density())
     do q = 1, quantities
       call buffer%line('')
       call buffer%line(trim(headings(q)) // ' per area')
@@ -48,17 +51,17 @@ contains
                        '   std deviation  within ' // percent(spec%tolerance))
       do i = 1, size(study%sizes)
         associate (row => study%sizes(i))
-          write (line, '(a11, i10, a13, a11, a16, a16, a12)') plain(row%side), row%sections, &
-            short(row%mean(q)), percent(row%error(q) / row%mean(q)), &
+          write (line, '(a11, i10, a13, a11, a16, a16, a12)') readable(row%side), row%sections, &
+            readable(row%mean(q)), percent(row%error(q) / row%mean(q)), &
             from_integral(study, row, q), percent(row%deviation(q) / row%mean(q)), &
             percent(row%within(q))
         end associate
         call buffer%line(line)
       end do
-      write (line, '(a21, a13)') integral, short(study%integral(q))
+      write (line, '(a21, a13)') integral, readable(study%integral(q))
       call buffer%line(line)
       if (spec%against /= against_plane) then
-        write (line, '(a21, a13)') 'shallow contacts only', short(study%shallow(q))
+        write (line, '(a21, a13)') 'shallow contacts only', readable(study%shallow(q))
         call buffer%line(line)
       end if
     end do
@@ -72,7 +75,8 @@ contains
 
       text = ''
       if (spec%against == against_plane) return
-      text = ', lower ' // short(study%density(2)) // ' (' // short(study%design_density(2)) // ')'
+      text = ', lower ' // readable(study%density(2)) // ' (' // &
+             readable(study%design_density(2)) // ')'
     end function lower_density
 
   end subroutine write_area_table
@@ -90,14 +94,14 @@ contains
     call buffer%line('sections within ' // percent(spec%tolerance) // ' of ' // reference // &
                      ' in everything:')
     do i = 1, size(study%sizes)
-      call buffer%line('  size ' // plain(study%sizes(i)%side) // '  ' // &
+      call buffer%line('  size ' // readable(study%sizes(i)%side) // '  ' // &
                        percent(study%sizes(i)%all_within))
     end do
     least = 'none of these sizes'
-    if (study%representative > 0) least = plain(study%sizes(study%representative)%side)
+    if (study%representative > 0) least = readable(study%sizes(study%representative)%side)
     call buffer%line('representative size (' // percent(spec%confidence) // ' of the sections): ' &
                      // least)
-    call buffer%line('estimate by the spread: ' // short(study%estimated_side))
+    call buffer%line('estimate by the spread: ' // readable(study%estimated_side))
   end subroutine write_verdict
 
   !> How far a mean is from the integral, in percent and in standard errors.
@@ -147,30 +151,6 @@ contains
       end do
     end do
   end subroutine write_area_csv
-
-  !> A number with six digits.
-  pure function short(number) result(text)
-    real(real64), intent(in) :: number
-    character(len=:), allocatable :: text
-
-    text = '0'
-    if (abs(number) > 0.0_real64) text = real_text(number, 'es14.5e3')
-    if (abs(number) > 1.0e-99_real64 .and. abs(number) < 1.0e99_real64) &
-      text = real_text(number, 'es12.5')
-    if (abs(number) >= 0.1_real64 .and. abs(number) < 1.0e5_real64) &
-      text = real_text(number, 'g14.6')
-  end function short
-
-  !> The same without zeros at the end.
-  pure function plain(number) result(text)
-    real(real64), intent(in) :: number
-    character(len=:), allocatable :: text
-
-    text = short(number)
-    if (index(text, '.') == 0 .or. index(text, 'E') > 0) return
-    text = text(:verify(text, '0', back=.true.))
-    if (text(len(text):) == '.') text = text(:len(text) - 1)
-  end function plain
 
   !> A share in percent.
   pure function percent(share) result(text)

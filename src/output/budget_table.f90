@@ -2,7 +2,7 @@
 module asperity_budget_table
   use asperity_error_budget, only: budget_line, error_budget, model_budget, of_approach, of_area, &
                                    of_load, share_given, share_measured, share_unknown
-  use asperity_kinds, only: real64
+  use asperity_problems, only: real_text
   use asperity_scene_values, only: effect_boundary, effect_words
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -54,7 +54,7 @@ contains
 
     select case (model%known(i))
     case (share_measured)
-      text = short(model%error(i))
+      text = ' ' // real_text(model%error(i), 'es9.1e3')
     case (share_given)
       text = 'given'
     case default
@@ -78,8 +78,8 @@ contains
                        'include the inclination.')
     end if
     if (.not. allocated(model%why_not)) &
-      call buffer%line('Load by boundary elements: relative error' // &
-                       short(model%cells_are_good_to) // ' (boundary_tolerance).')
+      call buffer%line('Load by boundary elements: relative error ' // &
+                       real_text(model%cells_are_good_to, 'es9.1e3') // ' (boundary_tolerance).')
     if (model%known(of_area) == share_measured) &
       call buffer%line('Area: compared in plan; boundary elements with a rim correction, ' // &
                        'relative error about 0.3 %.')
@@ -102,13 +102,5 @@ contains
       text = 'at a given load the areas of the two models belong to different separations.'
     end if
   end function unknown_because
-
-  ! Two digits.
-  pure function short(value) result(text)
-    real(real64), intent(in) :: value
-    character(len=9) :: text
-
-    write (text, '(es9.1e3)') value
-  end function short
 
 end module asperity_budget_table

@@ -26,8 +26,6 @@ module asperity_html_plans
   real(real64), parameter :: least_width = 10.0_real64
   ! Least width and height of the frame, shares of its longer side: numbers need room.
   real(real64), parameter :: least_side(2) = [0.67_real64, 0.25_real64]
-  ! Significant digits of the tables.
-  integer, parameter :: digits = 6
 
   !> All plans.
   type :: plan_frame
@@ -263,7 +261,7 @@ contains
     if (reached) frame%stops = frame%stops - (last%last_row - last%first_row + 1)
     frame%plans = frame%plans + 1
     title = counted(last%last_row - last%first_row + 1, 'contact') // ', load ' // &
-            readable(last%load, digits)
+            readable(last%load)
     if (step < size(results%positions(m)%states)) &
       title = 'step ' // decimal_text(step) // ': ' // title
     if (size(results%positions) > 1) title = 'position ' // decimal_text(m) // ': ' // title
@@ -319,7 +317,7 @@ contains
       cells(1) = decimal_text(row%area_no)
       do k = 1, size(values)
         cells(k + 1) = ''
-        if (values(k) > not_computed) cells(k + 1) = readable(values(k), digits)
+        if (values(k) > not_computed) cells(k + 1) = readable(values(k))
       end do
       call put_row(cells, buffer)
     end subroutine put_contact

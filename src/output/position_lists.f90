@@ -10,6 +10,9 @@ module asperity_position_lists
   ! A longer list is in the CSV file.
   integer, parameter :: most_characters = 400
 
+  ! Significant digits of a number in tables and sentences.
+  integer, parameter :: usual_digits = 6
+
 contains
 
   !> `1 position`, `2 positions`.
@@ -74,13 +77,15 @@ contains
   end function percent
 
   !> A number for reading: so many significant digits at most, no zeros behind the last.
-  pure function readable(value, digits) result(text)
+  pure function readable(value, most_digits) result(text)
     real(real64), intent(in) :: value       !! finite
-    integer, intent(in) :: digits           !! from 1 to 15
+    integer, intent(in), optional :: most_digits  !! from 1 to 15; absent: 6
     character(len=:), allocatable :: text   !! without blanks
     character(len=32) :: cell, format
-    integer :: last, power
+    integer :: digits, last, power
 
+    digits = usual_digits
+    if (present(most_digits)) digits = most_digits
     ! The exponent after rounding.
     write (format, '("(es32.", i0, "e3)")') digits - 1
     write (cell, format) value

@@ -34,8 +34,6 @@ module asperity_results_html
   integer, parameter :: most_dots = 200
   ! Pixels of a plan along its longer side.
   integer, parameter :: most_pixels = 256
-  ! Significant digits of the tables.
-  integer, parameter :: digits = 6
 
 contains
 
@@ -147,7 +145,7 @@ contains
       cells(1) = lines(i)%name
       if (lines(i)%remark /= '') cells(1) = trim(lines(i)%name) // ', ' // lines(i)%remark
       do k = 1, lines(i)%known
-        cells(k + 1) = readable(lines(i)%numbers(k), digits)
+        cells(k + 1) = readable(lines(i)%numbers(k))
       end do
       call put_row(cells(:lines(i)%known + 1), buffer)
     end do
@@ -225,13 +223,13 @@ contains
       call begin_table('states', names(:columns), buffer)
       do i = 1, min(size(states), most_rows)
         cells(1) = decimal_text(i)
-        cells(2) = readable(states(i)%approach, digits)
-        cells(3) = readable(states(i)%closing, digits)
+        cells(2) = readable(states(i)%approach)
+        cells(3) = readable(states(i)%closing)
         cells(4) = decimal_text(states(i)%contacts)
-        cells(5) = readable(states(i)%load, digits)
-        cells(6) = readable(states(i)%vertical_load, digits)
-        cells(7) = readable(states(i)%area, digits)
-        if (columns > 7) cells(8) = readable(states(i)%mean_gap, digits)
+        cells(5) = readable(states(i)%load)
+        cells(6) = readable(states(i)%vertical_load)
+        cells(7) = readable(states(i)%area)
+        if (columns > 7) cells(8) = readable(states(i)%mean_gap)
         call put_row(cells(:columns), buffer)
       end do
       call end_table(buffer)
@@ -258,8 +256,8 @@ contains
     end associate
     if (size(x) <= most_dots) then
       do i = 1, size(x)
-        call plot%dot(x(i), y(i), name_x // ' ' // readable(x(i), digits) // ', ' // name_y // &
-                      ' ' // readable(y(i), digits), buffer)
+        call plot%dot(x(i), y(i), name_x // ' ' // readable(x(i)) // ', ' // name_y // &
+                      ' ' // readable(y(i)), buffer)
       end do
     end if
     call plot%finish(buffer)
@@ -308,13 +306,13 @@ contains
     do m = 1, min(size(results%positions), most_rows)
       associate (position => results%positions(m), last => ends(m))
         cells(1) = decimal_text(m)
-        cells(2) = readable(position%x_displacement, digits)
-        cells(3) = readable(position%y_displacement, digits)
-        cells(4) = readable(last%approach, digits)
+        cells(2) = readable(position%x_displacement)
+        cells(3) = readable(position%y_displacement)
+        cells(4) = readable(last%approach)
         cells(5) = decimal_text(last%contacts)
-        cells(6) = readable(last%load, digits)
-        cells(7) = readable(last%vertical_load, digits)
-        cells(8) = readable(last%area, digits)
+        cells(6) = readable(last%load)
+        cells(7) = readable(last%vertical_load)
+        cells(8) = readable(last%area)
         cells(9) = merge('yes', 'no ', position%limit_reached)
         cells(10) = decimal_text(kinds_of_warnings(position))
         do i = 1, columns - own

@@ -13,7 +13,7 @@ module asperity_summary
                                    control_pressure, control_vertical_load, control_words, &
                                    criterion_none, criterion_words, effect_off, scene, scene_map
   use asperity_text_buffer, only: text_buffer
-  use asperity_totals_table, only: load_is_met, summary_digits, write_totals
+  use asperity_totals_table, only: load_is_met, write_totals
   use asperity_unit_names, only: is_area, is_force, is_length, is_moment, is_number, unit_of, &
                                  with_unit
   use asperity_warning_lines, only: list_warnings
@@ -140,7 +140,7 @@ contains
       if (parts_in_words(field) /= '') &
         call buffer%line('fields on ' // decimal_text(field%columns) // ' x ' // &
                          decimal_text(field%rows) // ' pixels of ' // &
-                         trim(readable(field%spacing(1), summary_digits) // ' ' // &
+                         trim(readable(field%spacing(1)) // ' ' // &
                               unit_of(scene_in, is_length)) // &
                          '; pressures of contacts: ' // parts_in_words(field))
     end associate
@@ -195,7 +195,7 @@ contains
     text = with_unit('energy lost in each cycle', unit_of(scene_in, is_moment)) // ': '
     do i = 1, size(lost)
       if (i > 1) text = text // ', '
-      text = text // readable(lost(i), summary_digits)
+      text = text // readable(lost(i))
     end do
     call buffer%line(text)
 
@@ -227,7 +227,7 @@ contains
                 real(state%contacts, real64)]
       line = name
       do k = 1, size(values)
-        cell = readable(values(k), summary_digits)
+        cell = readable(values(k))
         line(20 * k - 7:) = adjustr(cell)
       end do
       call buffer%line(trim(line))

@@ -1,7 +1,6 @@
-!> What `asperity summits` prints, and the surface that it writes.
+!> What `asperity summits` prints.
 module asperity_summits_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use asperity_csv, only: csv_line
   use asperity_height_map, only: height_map, level_names
   use asperity_problems, only: decimal_text
   use asperity_kinds, only: int64, real64
@@ -15,7 +14,7 @@ module asperity_summits_table
   implicit none
   private
 
-  public :: write_summits_table, write_summits_csv
+  public :: write_summits_table
 
   ! Where the columns begin.
   integer, parameter :: value_column = 25, unit_column = 50, theory_column = 58
@@ -106,19 +105,5 @@ contains
     end subroutine put
 
   end subroutine write_summits_table
-
-  !> The summits as a surface: what a scene reads.
-  subroutine write_summits_csv(summits, buffer)
-    type(map_summits), intent(in) :: summits    !! of a map
-    type(text_buffer), intent(inout) :: buffer  !! the text
-    type(csv_line) :: line
-    integer :: i
-
-    call buffer%line('x,y,height,radius')
-    do i = 1, size(summits%x)
-      call line%put([summits%x(i), summits%y(i), summits%height(i), summits%radius(i)])
-      call line%finish(buffer)
-    end do
-  end subroutine write_summits_csv
 
 end module asperity_summits_table

@@ -13,13 +13,10 @@ module asperity_totals_table
   implicit none
   private
 
-  public :: load_is_met, summary_digits, total_line, list_totals, write_totals
+  public :: load_is_met, total_line, list_totals, write_totals
 
   !> A prescribed load is met to this relative error.
   real(real64), parameter :: load_is_met = 1.0e-6_real64
-
-  !> Significant digits of a number in the summary.
-  integer, parameter :: summary_digits = 6
 
   !> One quantity over all positions.
   type :: total_line
@@ -83,8 +80,8 @@ contains
       line = lines(i)%name
       do k = 1, lines(i)%known
         line(widest + 14 * (k - 1) + 1:) = &
-          repeat(' ', 14 - len(readable(lines(i)%numbers(k), summary_digits))) // &
-          readable(lines(i)%numbers(k), summary_digits)
+          repeat(' ', 14 - len(readable(lines(i)%numbers(k)))) // &
+          readable(lines(i)%numbers(k))
       end do
       if (lines(i)%remark /= '') line = trim(line) // '   ' // lines(i)%remark
       call buffer%line(trim(line))

@@ -1,0 +1,107 @@
+!> Tables as CSV: results of a run, distribution of the pressure, summits and spectra of a map.
+module asperity_csv_tables
+  use asperity_contact_field, only: contact_field, pressure_histogram
+  use asperity_csv, only: csv_line
+  use asperity_kinds, only: not_computed, real64
+  use asperity_map_spectrum, only: power_spectrum, spectrum_names
+  use asperity_map_summits, only: map_summits
+  use asperity_result_table, only: cell_real, cell_word, result_table
+  use asperity_scene_results, only: scene_results
+  use asperity_text_buffer, only: text_buffer
+  implicit none
+  private
+
+  public :: write_histogram, write_results, write_spectrum_csv, write_summits_csv
+
+  ! Bins of the pressure between 0 and the greatest one.
+  integer, parameter :: bins = 100
+
+contains
+
+  !> Writes one line a row, under the names of the columns.
+  subroutine write_results(which, results, buffer, comment)
+    integer, intent(in) :: which                !! table, of `asperity_result_table`
+    type(scene_results), intent(in) :: results  !! solved; contacts need them kept
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
+    character(len=*), intent(in), optional :: comment  !! a line before the names
+    type(result_table) :: table
+    type(csv_line) :: line
+    integer :: column
+    logical :: found
+
+    if (present(comment)) call buffer%line('# ' // comment)
+    call table%begin(which, results)
+    do column = 1, size(table%names)
+      call line%put(table%names(column))
+    end do
+    do
+      call line%finish(buffer)
+      call table%next(results, found)
+      if (.not. found) exit
+      do column = 1, size(table%names)
+        associate (number => table%numbers(column))
+          if (table%kinds(column) == cell_word) then
+            call line%put(table%words(column))
+          else if (table%kinds(column) == cell_real .or. .not. number > not_computed) then
+            call line%put(number)
+          else
+            call line%put(nint(number))
+          end if
+        end associate
+      end do
+    end do
+  end subroutine write_results
+
+  !> Writes one line a bin: the pressure in its middle, and the density of the area over the
+  !> pressure. The integral of the density is the contact area fraction of the pixels.
+  subroutine write_histogram(field, buffer, comment)
+    type(contact_field), intent(in) :: field    !! of one state
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
+    character(len=*), intent(in), optional :: comment  !! a line before the names
+    type(csv_line) :: line
+    real(real64) :: centre(bins), density(bins)
+    integer :: i
+
+    if (present(comment)) call buffer%line('# ' // comment)
+    call pressure_histogram(field, centre, density)
+    call buffer%line('pressure,density')
+    do i = 1, bins
+      call line%put([centre(i), density(i)])
+      call line%finish(buffer)
+    end do
+  end subroutine write_histogram
+
+  !> Writes one line a wave number: of the area, then of lines along x, then along y.
+  subroutine write_spectrum_csv(spectra, buffer)
+    type(power_spectrum), intent(in) :: spectra(3)  !! of a map
+    type(text_buffer), intent(inout) :: buffer      !! gets the text
+    type(csv_line) :: line
+    integer :: i, k
+
+    call buffer%line('spectrum,q,c_iso,c_1d,number')
+    do k = 1, size(spectra)
+      do i = 1, size(spectra(k)%q)
+        call line%put(trim(spectrum_names(k)))
+        call line%put([spectra(k)%q(i), merge(spectra(k)%c(i), not_computed, k == 1), &
+                       merge(not_computed, spectra(k)%c(i), k == 1)])
+        call line%put(spectra(k)%number(i))
+        call line%finish(buffer)
+      end do
+    end do
+  end subroutine write_spectrum_csv
+
+  !> Writes the summits as a surface: what a scene reads.
+  subroutine write_summits_csv(summits, buffer)
+    type(map_summits), intent(in) :: summits    !! of a map
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
+    type(csv_line) :: line
+    integer :: i
+
+    call buffer%line('x,y,height,radius')
+    do i = 1, size(summits%x)
+      call line%put([summits%x(i), summits%y(i), summits%height(i), summits%radius(i)])
+      call line%finish(buffer)
+    end do
+  end subroutine write_summits_csv
+
+end module asperity_csv_tables
