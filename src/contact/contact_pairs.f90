@@ -1,7 +1,7 @@
-!> The pairs of one position that touch or may touch, as the effects see them.
+!> The pairs of one position that touch or may touch, for the effects.
 !>
 !> Numbers are doubles in the solver's own units: lengths in 16**length_power of the scene's unit,
-!> near the largest radius, and the combined modulus in 16**modulus_power. So all are near one.
+!> near the largest radius, and the combined modulus in 16**modulus_power. So all are near 1.
 module asperity_contact_pairs
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_element_pressures, only: element_pressures
@@ -15,7 +15,7 @@ module asperity_contact_pairs
 
   public :: contact_pair, contact_pairs, in_scene_units, least_exponent
 
-  !> A result with a lesser exponent becomes 0 in a double, and is none.
+  !> Least exponent of a result: below it a double is 0.
   integer, parameter :: least_exponent = minexponent(1.0_real64) - digits(1.0_real64)
 
   !> One upper and one lower asperity, or one asperity and a plane.
@@ -26,18 +26,18 @@ module asperity_contact_pairs
     real(real64) :: y = 0.0_real64                  !! point in plan where they touch first
     real(real64) :: upper_x = 0.0_real64            !! centre of the upper sphere, displaced
     real(real64) :: upper_y = 0.0_real64            !! centre of the upper sphere, displaced
-    real(real64) :: upper_radius = 0.0_real64       !! 0: a plane
-    real(real64) :: upper_height = 0.0_real64       !! of its summit above its plane
+    real(real64) :: upper_radius = 0.0_real64       !! radius of the sphere; 0: a plane
+    real(real64) :: upper_height = 0.0_real64       !! height of its summit above its plane
     real(real64) :: lower_x = 0.0_real64            !! centre of the lower sphere
     real(real64) :: lower_y = 0.0_real64            !! centre of the lower sphere
-    real(real64) :: lower_radius = 0.0_real64       !! 0: a plane
-    real(real64) :: lower_height = 0.0_real64       !! of its summit above its plane
-    real(real64) :: gap = 0.0_real64                !! closing at which they touch, 0 for the first
+    real(real64) :: lower_radius = 0.0_real64       !! radius of the sphere; 0: a plane
+    real(real64) :: lower_height = 0.0_real64       !! height of its summit above its plane
+    real(real64) :: gap = 0.0_real64                !! compression at first touch, 0 for the first
     real(real64) :: limit = huge(1.0_real64)        !! penetration at the limit; huge: none
     real(real64) :: d = 0.0_real64                  !! distance of the centres in plan
     real(real64) :: s = 0.0_real64                  !! sum of the radii
     real(real64) :: zc = 0.0_real64                 !! height between the centres at first touch
-    real(real64) :: rest = 0.0_real64               !! what its rounding left out
+    real(real64) :: rest = 0.0_real64               !! rounding error of zc
     real(real64) :: radius = 0.0_real64             !! combined, 1/R = 1/RU + 1/RL
   end type contact_pair
 
@@ -47,28 +47,28 @@ module asperity_contact_pairs
     integer :: modulus_power = 0                    !! unit of the modulus is 16**modulus_power
     integer :: length_power = 0                     !! unit of length is 16**length_power
     type(contact_pair), allocatable :: list(:)      !! ascending gap
-    real(real64) :: first_touch = 0.0_real64        !! approach at which the first pair touches
-    real(real64) :: complete_to = huge(1.0_real64)  !! largest closing for which no pair is missing
-    real(real64) :: closing = 0.0_real64            !! where independent elastic contacts end
-    type(theory_limits) :: limits                   !! what contacts are held against
-    real(real64) :: target = 0.0_real64             !! load to reach, in modulus times length**2
-    logical :: vertical = .false.                   !! loads asked for are of the vertical parts
+    real(real64) :: first_touch = 0.0_real64        !! separation at which the first pair touches
+    real(real64) :: complete_to = huge(1.0_real64)  !! largest compression with all pairs listed
+    real(real64) :: closing = 0.0_real64            !! compression without interaction
+    type(theory_limits) :: limits                   !! limits of the theories
+    real(real64) :: target = 0.0_real64             !! prescribed load, modulus times length**2
+    logical :: vertical = .false.                   !! prescribed loads are vertical loads
     real(real64) :: x_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
     real(real64) :: y_displacement = 0.0_real64     !! of the upper surface, in the scene's unit
-    type(interruption) :: interrupt                 !! may end the solve of the position
-    type(work_count) :: count                       !! states that are done are counted there
-    type(solution_start), pointer :: start => null() !! earlier solutions; or none
-    logical :: keeps_solution = .false.             !! the result has the last one, too
-    !> Gets the pressures of each solve on boundary elements; not associated: they are not kept.
+    type(interruption) :: interrupt                 !! ends the solve of the position when set
+    type(work_count) :: count                       !! counts the states that are done
+    type(solution_start), pointer :: start => null() !! earlier solutions, or null
+    logical :: keeps_solution = .false.             !! keep the last solution in the result
+    !> Gets the pressures of each solve by boundary elements; not associated: they are not kept.
     type(element_pressures), pointer :: pressures => null()
   end type contact_pairs
 
 contains
 
-  !> A number in the units of the scene, whose unit here holds the modulus and the length to some
-  !> powers: a load has 1 and 2.
+  !> A number in the unit of the scene, given the powers of modulus and length in its unit: 1 and 2
+  !> for a load. A result that would underflow to 0 is infinite, as one that overflows.
   elemental function in_scene_units(pairs, number, modulus_power, length_power) result(value)
-    type(contact_pairs), intent(in) :: pairs  !! whose units they are
+    type(contact_pairs), intent(in) :: pairs  !! pairs with the solver's units
     real(real64), intent(in) :: number        !! in the solver's units
     integer, intent(in) :: modulus_power      !! power of the modulus in the unit
     integer, intent(in) :: length_power       !! power of the length in the unit
@@ -77,7 +77,6 @@ contains
 
     power = 4 * (modulus_power * pairs%modulus_power + length_power * pairs%length_power)
     value = scale(number, power)
-    ! What becomes 0 is as far beyond the range as what overflows.
     if (abs(number) > 0.0_real64 .and. exponent(number) + power < least_exponent) &
       value = ieee_value(value, ieee_positive_inf)
   end function in_scene_units

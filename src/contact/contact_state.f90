@@ -1,4 +1,4 @@
-!> The contacts of one position at one closing, as effects find and change them.
+!> The contacts of one position at one compression, which effects change.
 module asperity_contact_state
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -10,21 +10,21 @@ module asperity_contact_state
   public :: apart, move_x, move_y
   public :: total_load, total_vertical_load, load_asked_for
 
-  !> Columns of `found`: shifts of coupled contacts; in the first row 1 where the solution does not
-  !> depend on its start.
+  !> Columns of `found`: shifts of coupled contacts; in the first row 1 where the solution is
+  !> independent of its start.
   integer, parameter :: move_x = 5, move_y = 6, apart = 7
 
-  ! Fewest pairs for which threads are started.
-  integer, parameter :: many = 1000
+  ! Number of pairs from which threads are started.
+  integer, parameter :: thread_threshold = 1000
 
-  !> All contacts at one closing, in the units of their pairs.
+  !> All contacts at one compression, in the units of their pairs.
   type :: contact_state
-    real(real64) :: closing = 0.0_real64             !! past the first touch of the position
-    real(real64) :: time = 0.0_real64                !! since the end of loading
-    real(real64) :: left = 1.0_real64                !! of the tolerance, for what is simulated
-    class(contact_law), allocatable :: law           !! what a contact answers
+    real(real64) :: closing = 0.0_real64             !! compression of the position
+    real(real64) :: time = 0.0_real64                !! time since the end of loading
+    real(real64) :: left = 1.0_real64                !! relative tolerance of a simulated effect
+    class(contact_law), allocatable :: law           !! law of each contact
     real(real64), allocatable :: penetration(:)      !! of each pair; not positive where open
-    type(contact_response), allocatable :: answers(:)  !! of each pair
+    type(contact_response), allocatable :: answers(:)  !! response of each pair
     !> results of the search for the compression (pair, quantity), for the effect that searched; not
     !> allocated: no effect searched
     real(real64), allocatable :: found(:, :)
@@ -32,12 +32,12 @@ module asperity_contact_state
 
 contains
 
-  !> Contacts that know nothing of each other: each penetrates by the closing less its gap.
+  !> Starts with non-interacting contacts, whose penetration is the compression less the gap.
   subroutine start_state(pairs, law, closing, state)
-    type(contact_pairs), intent(in) :: pairs  !! the position
-    class(contact_law), intent(in) :: law     !! of every contact
-    real(real64), intent(in) :: closing       !! past first touch
-    type(contact_state), intent(out) :: state !! the contacts
+    type(contact_pairs), intent(in) :: pairs  !! pairs of the position
+    class(contact_law), intent(in) :: law     !! law of each contact
+    real(real64), intent(in) :: closing       !! compression, length, 0 or more
+    type(contact_state), intent(out) :: state !! contacts at this compression
 
     state%closing = closing
     allocate (state%law, source=law)
@@ -46,23 +46,23 @@ contains
     call answer_all(pairs, state)
   end subroutine start_state
 
-  !> What every contact answers to its penetration.
+  !> Evaluates the law of each contact at its penetration.
   subroutine answer_all(pairs, state)
-    type(contact_pairs), intent(in) :: pairs     !! the position
-    type(contact_state), intent(inout) :: state  !! gets the answers
+    type(contact_pairs), intent(in) :: pairs     !! pairs of the position
+    type(contact_state), intent(inout) :: state  !! gets the responses
     integer :: i
 
-    !$omp parallel do schedule(static) if(size(pairs%list) > many)
+    !$omp parallel do schedule(static) if(size(pairs%list) > thread_threshold)
     do i = 1, size(pairs%list)
       call state%law%respond(pairs%list(i), i, state%penetration(i), state%answers(i))
     end do
     !$omp end parallel do
   end subroutine answer_all
 
-  !> Whether a pair counts: it has a contact circle or a load, or is just at first touch.
+  !> Whether a pair is in contact: it has a contact circle or a load, or is at first touch.
   elemental logical function in_contact(state, i)
-    type(contact_state), intent(in) :: state  !! the contacts
-    integer, intent(in) :: i                  !! the pair
+    type(contact_state), intent(in) :: state  !! contacts of the position
+    integer, intent(in) :: i                  !! place of the pair
 
     in_contact = state%answers(i)%contact_radius > 0.0_real64 .or. &
                  abs(state%answers(i)%load) > 0.0_real64 .or. &
@@ -71,22 +71,22 @@ contains
 
   !> Sum of the forces normal to the contacts.
   pure real(real64) function total_load(state)
-    type(contact_state), intent(in) :: state  !! the contacts
+    type(contact_state), intent(in) :: state  !! contacts of the position
 
     total_load = sum(state%answers%load)
   end function total_load
 
-  !> Sum of their vertical parts.
+  !> Sum of the vertical loads.
   pure real(real64) function total_vertical_load(state)
-    type(contact_state), intent(in) :: state  !! the contacts
+    type(contact_state), intent(in) :: state  !! contacts of the position
 
     total_vertical_load = sum(state%answers%vertical_load)
   end function total_vertical_load
 
-  !> The total that a load asked for is of.
+  !> The total load that is prescribed: vertical loads or normal forces.
   pure real(real64) function load_asked_for(pairs, state)
-    type(contact_pairs), intent(in) :: pairs  !! the position
-    type(contact_state), intent(in) :: state  !! the contacts
+    type(contact_pairs), intent(in) :: pairs  !! pairs of the position
+    type(contact_state), intent(in) :: state  !! contacts of the position
 
     if (pairs%vertical) then
       load_asked_for = total_vertical_load(state)

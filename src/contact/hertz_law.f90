@@ -1,6 +1,6 @@
-!> Hertz contact of two spheres, inclined as the pair's offset in plan makes it.
+!> Hertz contact of two spheres, inclined by the offset of the pair in plan.
 !>
-!> The overlap W of the spheres is taken along the line of their centres, as the thesis takes it:
+!> The overlap W of the spheres is that along the line of their centres, as in the thesis:
 !> load = 4/3 E sqrt(R) W**1.5, contact radius = sqrt(R W), maximum pressure = 2 E sqrt(W/R)/pi
 !> (Hertz 1882; Johnson, Contact Mechanics, 1985, section 4.2).
 module asperity_hertz_law
@@ -18,18 +18,18 @@ module asperity_hertz_law
   type, extends(contact_law) :: hertz_law
     real(real64) :: modulus = 0.0_real64  !! combined modulus, in the unit of the pairs
   contains
-    procedure :: respond
+    procedure :: respond => respond_elastic
   end type hertz_law
 
 contains
 
-  !> The answer of an elastic contact.
-  pure subroutine respond(self, pair, number, penetration, response)
-    class(hertz_law), intent(in) :: self            !! the law
-    type(contact_pair), intent(in) :: pair          !! who touches
+  !> Response of an elastic contact.
+  pure subroutine respond_elastic(self, pair, number, penetration, response)
+    class(hertz_law), intent(in) :: self            !! law with its modulus
+    type(contact_pair), intent(in) :: pair          !! geometry of the contact
     integer, intent(in) :: number                   !! place of the pair in its list; not used
     real(real64), intent(in) :: penetration         !! vertical, past first touch; less than zc
-    type(contact_response), intent(out) :: response !! the answer
+    type(contact_response), intent(out) :: response !! loads, radius, pressure, stiffness
     real(real64) :: centres, root, sine_squared
 
     if (number < 0 .or. .not. penetration > 0.0_real64) return
@@ -40,12 +40,12 @@ contains
     root = self%modulus * response%contact_radius
     response%load = root * response%overlap * (4.0_real64 / 3.0_real64)
     response%vertical_load = response%load * response%cosine
-    ! dW/dp is the cosine; d(cosine)/dp is minus the squared sine over the distance of the centres.
+    ! Derivatives: dW/dp = cosine, d(cosine)/dp = -sine**2 over the distance of the centres.
     sine_squared = (pair%d / centres)**2
     response%stiffness = 2.0_real64 * root * response%cosine**2 - &
                          response%load * sine_squared / centres
     response%maximum_pressure = (2.0_real64 / pi) * self%modulus * &
                                 sqrt(response%overlap / pair%radius)
-  end subroutine respond
+  end subroutine respond_elastic
 
 end module asperity_hertz_law

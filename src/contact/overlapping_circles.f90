@@ -1,4 +1,4 @@
-!> Contact circles that overlap: where they do, contacts are not independent.
+!> Contact circles that overlap, whose contacts are not independent.
 module asperity_overlapping_circles
   use asperity_cell_grid, only: build_grid, cell_grid
   use asperity_cell_reach, only: any_height, margin_of_arithmetic
@@ -10,18 +10,18 @@ module asperity_overlapping_circles
 
   public :: count_overlapping, circles_overlap
 
-  ! So many are compared each with each.
+  ! Number of circles up to which all pairs are compared.
   integer, parameter :: few = 64
 
 contains
 
-  !> Number of pairs of circles that overlap. Circles without radius are left out. Many are searched
-  !> for as pairs of asperities are: the cost follows their number and that of the pairs found. Few,
-  !> or when there is no memory for the pairs, are compared each with each.
+  !> Number of pairs of circles that overlap. Circles without radius are left out. In large sets
+  !> they are found by the search for pairs of asperities, at a cost proportional to the numbers of
+  !> circles and of pairs; in small sets, or without memory for the search, all pairs are compared.
   integer function count_overlapping(x, y, radius) result(number)
-    real(real64), intent(in) :: x(:), y(:)   !! centres
-    real(real64), intent(in) :: radius(:)    !! 0 or more
-    type(found_pairs) :: near                ! as upper and lower, each pair both ways
+    real(real64), intent(in) :: x(:), y(:)   !! centres of the circles
+    real(real64), intent(in) :: radius(:)    !! radius of each circle, 0 or more
+    type(found_pairs) :: near                ! each pair twice, as upper and lower
     integer, allocatable :: members(:)
     type(cell_grid) :: grid
     real(real64) :: unit, margin
@@ -45,7 +45,7 @@ contains
     if (each_with_each) then
       do i = 2, size(members)
         do j = 1, i - 1
-          if (overlap(members(i), members(j))) number = number + 1
+          if (do_overlap(members(i), members(j))) number = number + 1
         end do
       end do
       return
@@ -54,25 +54,25 @@ contains
       associate (block => near%block(k))
         do i = 1, block%used
           if (block%upper(i) >= block%lower(i)) cycle
-          if (overlap(members(block%upper(i)), members(block%lower(i)))) number = number + 1
+          if (do_overlap(members(block%upper(i)), members(block%lower(i)))) number = number + 1
         end do
       end associate
     end do
 
   contains
 
-    pure logical function overlap(one, other)
+    pure logical function do_overlap(one, other)
       integer, intent(in) :: one, other
 
-      overlap = circles_overlap(x(one) - x(other), y(one) - y(other), radius(one), radius(other))
-    end function overlap
+      do_overlap = circles_overlap(x(one) - x(other), y(one) - y(other), radius(one), radius(other))
+    end function do_overlap
 
   end function count_overlapping
 
   !> Whether two circles overlap.
   pure logical function circles_overlap(dx, dy, first, second)
-    real(real64), intent(in) :: dx, dy           !! from centre to centre
-    real(real64), intent(in) :: first, second    !! radii
+    real(real64), intent(in) :: dx, dy           !! distance of the centres along x and y
+    real(real64), intent(in) :: first, second    !! radii of the circles
 
     circles_overlap = abs(dx) < first + second
     if (.not. circles_overlap) return

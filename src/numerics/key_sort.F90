@@ -70,7 +70,7 @@ contains
       moving = list(i)
       k = i - 1
       do while (k >= 1)
-        if (.not. before(moving, list(k))) exit
+        if (.not. comes_before(moving, list(k))) exit
         list(k + 1) = list(k)
         k = k - 1
       end do
@@ -79,11 +79,11 @@ contains
     order(:) = list%place
   end subroutine sort_keys
 
-  pure logical function before(a, b)
+  pure logical function comes_before(a, b)
     type(keyed), intent(in) :: a, b
 
-    before = a%key < b%key
-  end function before
+    comes_before = a%key < b%key
+  end function comes_before
 
 #include "merge_sort.inc"
 

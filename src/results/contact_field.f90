@@ -13,14 +13,14 @@ module asperity_contact_field
   integer, parameter :: fields_none = 0, fields_last = 1, fields_all = 2
 
   !> The fields of one state, by column and row of the map or grid. A pixel that was not measured,
-  !> or of a grid one without a surface, has `not_computed` in all three.
+  !> or has no surface, has `not_computed` in all three.
   type :: contact_field
-    integer :: position = 1                          !! from 1
+    integer :: position = 1                          !! number of the position, from 1
     integer :: state = 1                             !! number of the state in its position, from 1
     integer :: columns = 0                           !! pixels along x
     integer :: rows = 0                              !! pixels along y
     real(real64) :: spacing(2) = 0.0_real64          !! of the pixels along x and y [length]
-    character(len=:), allocatable :: unit            !! of length; empty: not known
+    character(len=:), allocatable :: unit            !! unit of length; empty: not known
     real(real64) :: origin(2) = 0.0_real64           !! centre of the first pixel in plan [length]
     !> Contacts whose pressure on a grid is that of boundary elements, and of Hertz; less than 0:
     !> the pixels are those of a height map.
@@ -37,10 +37,10 @@ module asperity_contact_field
 
 contains
 
-  !> Where the pressure on a grid comes from; empty for the pixels of a map.
+  !> Sources of the pressure on a grid; empty for the pixels of a map.
   pure function parts_in_words(field) result(text)
-    type(contact_field), intent(in) :: field  !! of one state
-    character(len=:), allocatable :: text     !! one line
+    type(contact_field), intent(in) :: field  !! fields of one state
+    character(len=:), allocatable :: text     !! text of one line
 
     text = ''
     if (field%hertz_contacts < 0) return
@@ -48,10 +48,10 @@ contains
            decimal_text(field%hertz_contacts) // ' from Hertz'' law'
   end function parts_in_words
 
-  !> Memory that the fields of some states take, bytes.
+  !> Memory of the fields of some states, bytes.
   pure integer(int64) function room_of_fields(pixels, states) result(bytes)
-    integer(int64), intent(in) :: pixels  !! of the map
-    integer, intent(in) :: states         !! that are kept
+    integer(int64), intent(in) :: pixels  !! pixels of the map
+    integer, intent(in) :: states         !! number of states kept
 
     bytes = 24_int64 * pixels * states
   end function room_of_fields
@@ -60,9 +60,9 @@ contains
   !> pressure. The density is area per pressure over the measured area. Its integral, the sum times
   !> the width, is the contact area fraction of the pixels. Without contact all bins are empty.
   pure subroutine pressure_histogram(field, centre, density)
-    type(contact_field), intent(in) :: field   !! of one state
+    type(contact_field), intent(in) :: field   !! fields of one state
     real(real64), intent(out) :: centre(:)     !! pressure in the middle of each bin
-    real(real64), intent(out) :: density(:)    !! as many, 1/pressure
+    real(real64), intent(out) :: density(:)    !! density of each bin, 1/pressure
     real(real64) :: width
     integer(int64) :: measured
     integer :: bin, i, j

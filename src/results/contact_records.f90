@@ -1,6 +1,6 @@
-!> What the present-day solver computes, as records: the kernels fill them, the writers read them.
+!> Records of the results of the present-day solver, which the kernels fill and the writers read.
 !>
-!> Numbers are doubles in the units of the scene, whatever arithmetic computed them.
+!> Numbers are doubles in the units of the scene, for any arithmetic of the solver.
 module asperity_contact_records
   use asperity_constants, only: pi
   use asperity_contact_field, only: contact_field
@@ -18,35 +18,29 @@ module asperity_contact_records
   public :: by_events, by_marching, overlap_stable, overlap_original
   public :: add_rows, are_finite, contact_radius, cut_rows, most_rows, room_of_a_state
 
-  !> So many contacts can be kept: their list in a file has up to 400 bytes each.
+  !> Largest number of contacts that is kept: a list in a file has up to 400 bytes a contact.
   integer, parameter :: most_rows = 5000000
 
-  !> Memory that a state of a position takes, with its share of the position, bytes.
+  !> Memory of a state of a position, with its share of the position, bytes.
   integer, parameter :: room_of_a_state = 440
 
-  !> Each position is solved at the closings at which something happens: no marching.
-  integer, parameter :: by_events = 1
-  !> Each position is closed in equal steps until a limit is passed, as the original does it.
-  integer, parameter :: by_marching = 2
+  !> Path to the end of a position: solved at first touches and at the end; or marching in equal
+  !> steps until a limit is passed, as in the original.
+  integer, parameter :: by_events = 1, by_marching = 2
 
-  !> Overlap from the penetration, without cancellation.
-  integer, parameter :: overlap_stable = 1
-  !> Overlap as RU + RL - SQRT(d**2 + z**2), as the original computes it.
-  integer, parameter :: overlap_original = 2
+  !> Overlap from the penetration, without cancellation; or RU + RL - SQRT(d**2 + z**2), as in the
+  !> original.
+  integer, parameter :: overlap_stable = 1, overlap_original = 2
 
-  !> A state ends at no load.
-  integer, parameter :: asked_nothing = 0
-  !> A state ends at a sum of the normal forces.
-  integer, parameter :: asked_normal = 1
-  !> A state ends at a sum of their vertical parts.
-  integer, parameter :: asked_vertical = 2
+  !> Load prescribed for a state: none, a sum of the normal forces, a sum of their vertical parts.
+  integer, parameter :: asked_nothing = 0, asked_normal = 1, asked_vertical = 2
 
-  !> How to compute: the solver proper is `solve_method()`; the rest serves the accuracy study.
+  !> Method of the solver. The default is that of every solve; others are for the accuracy study.
   type :: solve_method
     integer :: path = by_events               !! `by_events` or `by_marching`
     integer :: overlap = overlap_stable       !! `overlap_stable` or `overlap_original`
     real(real64) :: step = 0.0_real64         !! marching step, in the scene's unit of length
-    logical :: past_the_end = .false.         !! all pairs that may touch under a larger load, too
+    logical :: past_the_end = .false.         !! find all pairs that may touch under a larger load
   end type solve_method
 
   !> One contact in one state of one position.
@@ -71,8 +65,8 @@ module asperity_contact_records
   !> One state of one position: totals over its contacts.
   type :: state_row
     real(real64) :: approach = 0.0_real64        !! separation of the reference planes
-    real(real64) :: closing = 0.0_real64         !! how far past first touch
-    real(real64) :: time = 0.0_real64            !! since the end of loading
+    real(real64) :: closing = 0.0_real64         !! compression since first touch
+    real(real64) :: time = 0.0_real64            !! time since the end of loading
     integer :: contacts = 0                      !! touching ones included
     real(real64) :: load = 0.0_real64            !! sum of the normal forces
     real(real64) :: vertical_load = 0.0_real64   !! sum of their vertical parts
@@ -81,8 +75,8 @@ module asperity_contact_records
     real(real64) :: greatest_pressure = 0.0_real64  !! at any point of a contact
     !> Work dissipated by plasticity since first contact [force length]; `not_computed` without it.
     real(real64) :: dissipated_work = not_computed
-    integer :: asked = asked_nothing             !! which load was asked for
-    real(real64) :: load_asked = 0.0_real64      !! how much of it
+    integer :: asked = asked_nothing             !! prescribed load: an `asked_` number
+    real(real64) :: load_asked = 0.0_real64      !! value of the prescribed load
     integer :: first_row = 1                     !! its contacts are rows(first_row ...
     integer :: last_row = 0                      !! ... last_row) of the position
     !> Mean gap and root mean square of the gap [length], length of the rims of the contact patches
@@ -93,40 +87,40 @@ module asperity_contact_records
     real(real64) :: plastic_area = not_computed
   end type state_row
 
-  !> What one effect did to one state. Words are in whole multiples of 8 letters: a record travels
-  !> as words of 64 bits.
+  !> Outcome of one effect in one state. Lengths of texts are multiples of 8, as a record is sent in
+  !> words of 64 bits.
   type :: effect_record
-    character(len=16) :: simulated = 'off'    !! how: coupled, boundary, on; `off`: left out
-    character(len=40) :: why = ''             !! in a few words, where the effect had a choice
+    character(len=16) :: simulated = 'off'    !! coupled, boundary, on; `off`: left out
+    character(len=40) :: why = ''             !! reason, where the effect had a choice
     real(real64) :: estimate = not_computed   !! estimated share of the total vertical load
     real(real64) :: influence = not_computed  !! measured share, where simulated; with its sign
     real(real64) :: error = not_computed      !! estimated relative error of its own solve
-    !> Measured change of the closing at the load asked for, as a share of it; and of the area.
+    !> Measured relative change of the compression at the prescribed load, and of the area.
     real(real64) :: closing_change = not_computed, area_change = not_computed
     type(solve_ending) :: ending              !! how its solve ended
-    logical :: influence_known = .false.      !! the effect measured it like with like
+    logical :: influence_known = .false.      !! the influence was measured by the effect
   end type effect_record
 
-  !> One position: its states in the order of closing; the last one is the end.
+  !> One position: its states in the order of compression; the last one is the end.
   type :: position_result
-    real(real64) :: x_displacement = 0.0_real64        !! of the upper surface
-    real(real64) :: y_displacement = 0.0_real64        !! of the upper surface
+    real(real64) :: x_displacement = 0.0_real64        !! displacement of the upper surface
+    real(real64) :: y_displacement = 0.0_real64        !! displacement of the upper surface
     logical :: limit_reached = .false.                 !! a contact is at its limit at the end
     integer :: counted = 0                             !! states that progress has counted
     integer :: overlapping_circles = 0                 !! pairs of contact circles, at the end
     real(real64) :: first_step_pressure = 0.0_real64   !! of the first contact one step past touch
-    !> Estimated relative error of the load or, under load control, of the approach over the
-    !> closing; `not_computed`: nothing is known.
+    !> Estimated error of the load over the load or, under load control, of the separation over the
+    !> compression; `not_computed`: unknown.
     real(real64) :: error_estimate = not_computed
     !> Estimated influence on the load of each known effect that is off, as a share of it.
     real(real64) :: left_out(size(known_effects)) = not_computed
-    !> What lies outside a theory, at any state, by kind; not allocated: nothing.
+    !> Warnings of all states, by kind; not allocated: none.
     type(theory_warning), allocatable :: warnings(:)
     type(state_row), allocatable :: states(:)          !! at least one
     type(contact_row), allocatable :: rows(:)          !! contacts of all states kept
-    integer :: rows_used = 0                           !! so many of them are filled
-    logical :: lacks_memory = .false.                  !! there was none for all contacts
-    !> What each effect of the scene did to the last state; not allocated: the scene has none.
+    integer :: rows_used = 0                           !! number of rows in use
+    logical :: lacks_memory = .false.                  !! not all contacts could be kept
+    !> Outcome of each effect in the last state; not allocated: the scene has no effects.
     type(effect_record), allocatable :: effects(:)
     real(real64), allocatable :: contact_values(:, :)  !! of their columns (row, column)
     real(real64), allocatable :: state_values(:)       !! of the last state (column)
@@ -142,9 +136,9 @@ contains
 
   !> Adds the contacts of one state to those of its position.
   pure subroutine add_rows(result, rows, state)
-    type(position_result), intent(inout) :: result  !! the position
-    type(contact_row), intent(in) :: rows(:)        !! its contacts in this state
-    type(state_row), intent(inout) :: state         !! learns where they are
+    type(position_result), intent(inout) :: result  !! results of the position
+    type(contact_row), intent(in) :: rows(:)        !! contacts in this state
+    type(state_row), intent(inout) :: state         !! gets the places of its contacts
     type(contact_row), allocatable :: larger(:)
     integer :: needed, status
 
@@ -165,31 +159,32 @@ contains
 
   !> Radius of the circle that has the area of a contact.
   pure real(real64) function contact_radius(row)
-    type(contact_row), intent(in) :: row  !! the contact
+    type(contact_row), intent(in) :: row  !! contact in a state
 
     contact_radius = sqrt(row%area / pi)
   end function contact_radius
 
-  !> Gives back the room beyond the last contact.
+  !> Frees the memory beyond the last contact.
   pure subroutine cut_rows(result)
-    type(position_result), intent(inout) :: result  !! the position
+    type(position_result), intent(inout) :: result  !! results of the position
 
     if (result%rows_used < size(result%rows)) result%rows = result%rows(:result%rows_used)
   end subroutine cut_rows
 
-  !> Whether all results of a position are numbers: a slope of 1E308 asks for more than a double.
+  !> Whether all results of a position are finite.
   pure logical function are_finite(result)
-    type(position_result), intent(in) :: result  !! the position
+    type(position_result), intent(in) :: result  !! results of the position
     integer :: i
 
-    are_finite = finite([result%x_displacement, result%y_displacement])
-    if (allocated(result%state_values)) are_finite = are_finite .and. finite(result%state_values)
+    are_finite = all_finite([result%x_displacement, result%y_displacement])
+    if (allocated(result%state_values)) &
+      are_finite = are_finite .and. all_finite(result%state_values)
     if (allocated(result%contact_values)) &
       are_finite = are_finite .and. all(abs(result%contact_values) <= huge(1.0_real64))
     do i = 1, size(result%states)
       associate (state => result%states(i))
         are_finite = are_finite .and. &
-                     finite([state%approach, state%closing, state%load, state%vertical_load, &
+                     all_finite([state%approach, state%closing, state%load, state%vertical_load, &
                              state%area, state%projected_area, state%greatest_pressure, &
                              state%mean_gap, state%rms_gap, state%contact_perimeter, &
                              state%elastic_energy])
@@ -198,17 +193,17 @@ contains
     do i = 1, result%rows_used
       associate (row => result%rows(i))
         are_finite = are_finite .and. &
-                     finite([row%x, row%y, row%penetration, row%overlap, row%area, &
+                     all_finite([row%x, row%y, row%penetration, row%overlap, row%area, &
                              row%projected_area, row%slope, row%load, row%vertical_load, &
                              row%average_pressure, row%maximum_pressure])
       end associate
     end do
   end function are_finite
 
-  pure logical function finite(numbers)
+  pure logical function all_finite(numbers)
     real(real64), intent(in) :: numbers(:)
 
-    finite = all(abs(numbers) <= huge(numbers))
-  end function finite
+    all_finite = all(abs(numbers) <= huge(numbers))
+  end function all_finite
 
 end module asperity_contact_records

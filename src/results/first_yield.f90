@@ -1,4 +1,4 @@
-!> The pressure at which the material of a scene first yields, from what the scene gives.
+!> The pressure at which the material of a scene first yields.
 module asperity_first_yield
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
@@ -8,23 +8,24 @@ module asperity_first_yield
 
   public :: constraint_factor, yield_pressure, yielding_body, yielding_factor
 
-  ! Greatest over average pressure of Hertz.
+  ! Greatest over average pressure of a Hertzian contact.
   real(real64), parameter :: peak = 1.5_real64
 
 contains
 
-  !> C of Jackson and Green (2005): greatest pressure of Hertz over the yield stress in tension when
-  !> the material first yields. Below 0 the value for 0: the fit was made for 0 to 0.5.
+  !> Factor C of Jackson and Green (2005): greatest pressure of Hertz over the yield stress in
+  !> tension at first yield. The fit is for 0 to 0.5; below 0 it is the value for 0.
   pure real(real64) function constraint_factor(poisson_ratio)
-    real(real64), intent(in) :: poisson_ratio  !! of the body that yields, -1 to 0.5
+    real(real64), intent(in) :: poisson_ratio  !! Poisson's ratio of the body that yields, -1 to 0.5
 
     constraint_factor = 1.295_real64 * exp(0.736_real64 * max(poisson_ratio, 0.0_real64))
   end function constraint_factor
 
-  !> The body that yields: as `plastic_body` names it, else the one of smaller elastic modulus; of
-  !> equal moduli the one of smaller Poisson's ratio, whose C is smaller.
+  !> The body that yields, 1: upper, 2: lower. That of `plastic_body`, else the one with the smaller
+  !> elastic modulus; with equal moduli the one with the smaller Poisson's ratio, whose C is
+  !> smaller.
   pure integer function yielding_body(scene_in) result(body)
-    type(scene), intent(in) :: scene_in  !! checked values; result 1: upper, 2: lower
+    type(scene), intent(in) :: scene_in  !! scene with checked values
     real(real64) :: modulus(2), ratio(2)
 
     body = nint(scene_in%effects%number('plastic_body'))
@@ -37,20 +38,20 @@ contains
     if (.not. abs(modulus(1) - modulus(2)) > 0.0_real64) body = minloc(ratio, 1)
   end function yielding_body
 
-  !> C of the body that yields.
+  !> Factor C of the body that yields.
   pure real(real64) function yielding_factor(scene_in) result(factor)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene with checked values
 
     factor = constraint_factor(decimal_to_real64(merge(scene_in%upper%poisson_ratio, &
                                scene_in%lower%poisson_ratio, yielding_body(scene_in) == 1)))
   end function yielding_factor
 
-  !> Average pressure of a contact at which the scene's material yields; huge: it gives neither a
-  !> yield stress nor a hardness. A yield stress in tension counts first, of the body that
-  !> yields; a hardness is the pressure itself; Hardy and others (1971): the
-  !> greatest pressure is 2.76 times the yield stress in shear.
+  !> Average pressure of a contact at which the material of a scene yields; huge: the scene has
+  !> neither a yield stress nor a hardness. It is from the yield stress in tension of the body that
+  !> yields; else it is the hardness; else the greatest pressure is 2.76 times the yield stress in
+  !> shear (Hardy and others 1971).
   pure real(real64) function yield_pressure(scene_in) result(pressure)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene with checked values
     real(real64) :: stress
 
     pressure = huge(pressure)

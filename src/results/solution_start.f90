@@ -1,4 +1,4 @@
-!> Solutions of coupled contacts that were found before, as starts of further ones.
+!> Earlier solutions of coupled contacts, as starts of further ones.
 module asperity_solution_start
   use asperity_kinds, only: real64
   implicit none
@@ -10,8 +10,8 @@ module asperity_solution_start
   type :: contact_solution
     real(real64) :: closing = 0.0_real64           !! compression
     real(real64) :: load(2) = 0.0_real64           !! sum of the normal and of the vertical loads
-    !> Pairs that may touch at this compression, in the order of their gaps: indices of asperities,
-    !> gaps, penetrations, shifts (2, pair).
+    !> Pairs that may touch at this compression, in order of gap: indices of asperities, gaps,
+    !> penetrations, shifts (2, pair).
     integer, allocatable :: upper(:), lower(:)
     real(real64), allocatable :: gap(:), penetration(:), move(:, :)
   end type contact_solution
@@ -19,12 +19,12 @@ module asperity_solution_start
   !> Solutions of one position.
   type :: solution_start
     type(contact_solution), allocatable :: of(:)   !! not allocated: none
-    !> Least compression, and its load over the modulus, at which a contact was inside the circle of
-    !> another one: from there on solutions depend on their start.
+    !> Least compression, and its load over the modulus, at which a contact was inside the contact
+    !> circle of another: from there on solutions depend on their start.
     real(real64) :: crowded_from = huge(1.0_real64), crowded_load = huge(1.0_real64)
   end type solution_start
 
-  !> Which solutions a run begins with, and whether it keeps its own.
+  !> Solutions with which a run starts, and whether it keeps its own.
   type :: solution_reuse
     logical :: keeps = .false.                               !! the results have solutions
     type(solution_start), pointer :: earlier(:) => null()    !! by position; or none

@@ -1,9 +1,7 @@
-!> What a contact is held against: the limits of the theories that every run uses, in the units in
-!> which the run computes.
+!> The limits of the theories, in the units of the solver, and their check for a contact or a state.
 !>
-!> One place for all solvers: they hand over what they found, in doubles.
-!> docs/reference/warnings.md has the
-!> source of every limit.
+!> All solvers use them, with their results in doubles. Sources of the limits:
+!> docs/reference/warnings.md.
 module asperity_theory_limits
   use asperity_constants, only: pi
   use asperity_decimal, only: decimal_to_real64
@@ -21,24 +19,23 @@ module asperity_theory_limits
   public :: theory_limits, seen_contact, set_theory_limits, look_at_contact, look_at_state, &
             look_at_pressure
 
-  ! A contact at its limit is at it but for rounding.
+  ! Tolerance for rounding of a contact at its limit.
   real(real64), parameter :: rounding = 1.0e-9_real64
 
   !> The limits of one scene.
   type :: theory_limits
-    !> Average pressure at which the scene's material yields; huge: not known, or plasticity is not
-    !> off.
+    !> Average pressure at which the material yields; huge: unknown, or plasticity is not off.
     real(real64) :: yield_pressure = huge(1.0_real64)
     real(real64) :: load = huge(1.0_real64)       !! limit of a contact, plasticity off; huge: none
     real(real64) :: pressure = huge(1.0_real64)   !! limit of the average pressure, likewise
     real(real64) :: slope = 0.0_real64            !! of the steeper reference plane
     logical :: independent = .false.              !! interaction is off
-    !> The effect, or the name, that forbids plasticity = 'auto'.
+    !> The effect or the name that excludes plasticity = 'auto'.
     character(len=32) :: forbids_plasticity = ''
-    real(real64) :: area = 0.0_real64             !! nominal; 0: not known
+    real(real64) :: area = 0.0_real64             !! nominal area; 0: unknown
   end type theory_limits
 
-  !> One contact as it was found.
+  !> One contact of a solution.
   type :: seen_contact
     real(real64) :: upper_radius = 0.0_real64     !! of the sphere; 0: a plane
     real(real64) :: lower_radius = 0.0_real64     !! of the sphere; 0: a plane
@@ -48,17 +45,17 @@ module asperity_theory_limits
     real(real64) :: overlap = 0.0_real64          !! decrease of the distance of the centres
     real(real64) :: d = 0.0_real64                !! distance of the centres in plan
     real(real64) :: z = 0.0_real64                !! height between the centres
-    real(real64) :: pressure = 0.0_real64         !! average
+    real(real64) :: pressure = 0.0_real64         !! average pressure
   end type seen_contact
 
 contains
 
-  !> The limits of a scene in units of 16**length_power and 16**modulus_power of its own.
+  !> Sets the limits of a scene in units of 16**length_power and 16**modulus_power of its own.
   pure subroutine set_theory_limits(scene_in, length_power, modulus_power, limits)
-    type(scene), intent(in) :: scene_in          !! checked values
-    integer, intent(in) :: length_power          !! of the unit of length
-    integer, intent(in) :: modulus_power         !! of the unit of the modulus
-    type(theory_limits), intent(out) :: limits   !! in these units
+    type(scene), intent(in) :: scene_in          !! scene with checked values
+    integer, intent(in) :: length_power          !! power of the unit of length
+    integer, intent(in) :: modulus_power         !! power of the unit of the modulus
+    type(theory_limits), intent(out) :: limits   !! limits in these units
 
     limits%independent = scene_in%effects%mode('interaction') == effect_off
     limits%area = scale(scale(decimal_to_real64(scene_in%nominal_area), -4 * length_power), &
@@ -81,7 +78,7 @@ contains
       limits%yield_pressure = scale(limits%yield_pressure, -4 * modulus_power)
   end subroutine set_theory_limits
 
-  ! The effect, or the name, that rules out plasticity = 'auto'; '': nothing does.
+  ! The effect or the name that excludes plasticity = 'auto'; empty: none.
   pure function ruling_out_plasticity(scene_in) result(name)
     type(scene), intent(in) :: scene_in
     character(len=32) :: name
@@ -100,11 +97,11 @@ contains
     if (scene_in%contact_modulus%digits > 0) name = 'not with contact_modulus'
   end function ruling_out_plasticity
 
-  !> Adds what is outside at one contact to the warnings of a state.
+  !> Adds a contact outside of the theories to the warnings of a state.
   pure subroutine look_at_contact(limits, contact, warnings)
-    type(theory_limits), intent(in) :: limits            !! of the scene
-    type(seen_contact), intent(in) :: contact            !! as it was found
-    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+    type(theory_limits), intent(in) :: limits            !! limits of the scene
+    type(seen_contact), intent(in) :: contact            !! contact of the state
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of a state
     real(real64) :: beyond, smaller
 
     smaller = min(contact%upper_radius, contact%lower_radius)
@@ -121,12 +118,12 @@ contains
 
   !> Adds a contact beyond yield or beyond the limit of the scene to the warnings of a state.
   pure subroutine look_at_pressure(limits, average, greatest, load, warnings)
-    type(theory_limits), intent(in) :: limits  !! of the scene
+    type(theory_limits), intent(in) :: limits  !! limits of the scene
     real(real64), intent(in) :: average        !! average pressure of the contact
     real(real64), intent(in) :: greatest       !! average pressure of the Hertzian contact with
                                                !! its greatest pressure
-    real(real64), intent(in) :: load           !! of the contact
-    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+    real(real64), intent(in) :: load           !! load of the contact
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of a state
 
     call hold_against(warnings, of_yield, max(average, greatest) / limits%yield_pressure, &
                       limits%forbids_plasticity)
@@ -134,23 +131,23 @@ contains
                       limits%forbids_plasticity)
   end subroutine look_at_pressure
 
-  ! One contact against the limit of a kind.
-  pure subroutine hold_against(warnings, kind, found, whose)
+  ! Warns of a contact beyond the limit of a warning.
+  pure subroutine hold_against(warnings, warning, found, whose)
     type(theory_warning), allocatable, intent(inout) :: warnings(:)
-    integer, intent(in) :: kind
+    integer, intent(in) :: warning
     real(real64), intent(in) :: found
     character(len=*), intent(in), optional :: whose
 
-    if (found > warning_kinds(kind)%limit + rounding) &
-      call warn(warnings, kind, found, contacts=1, whose=whose)
+    if (found > warning_kinds(warning)%limit + rounding) &
+      call warn(warnings, warning, found, contacts=1, whose=whose)
   end subroutine hold_against
 
-  !> Adds what is outside of a state as a whole.
+  !> Adds crowded or overlapping contacts of a state to its warnings.
   pure subroutine look_at_state(limits, projected_area, overlapping, warnings)
-    type(theory_limits), intent(in) :: limits            !! of the scene
-    real(real64), intent(in) :: projected_area           !! of all contacts
-    integer, intent(in) :: overlapping                   !! pairs of circles; 0: not looked for
-    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+    type(theory_limits), intent(in) :: limits            !! limits of the scene
+    real(real64), intent(in) :: projected_area           !! sum over all contacts
+    integer, intent(in) :: overlapping                   !! pairs of overlapping circles, or 0
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of a state
 
     if (.not. limits%independent) return
     if (overlapping > 0) call warn(warnings, of_overlapping, real(overlapping, real64))
@@ -159,9 +156,9 @@ contains
       call warn(warnings, of_crowding, projected_area / limits%area)
   end subroutine look_at_state
 
-  ! How far the lowest point of the edge of a contact circle lies below the plane from which a cap
-  ! rises; not positive: it is on the cap. On the sphere the edge is turned by the inclination and
-  ! by the angle of the circle.
+  ! Distance of the lowest point of the edge of a contact circle below the base plane of a cap; not
+  ! positive: the edge is on the cap. The polar angle of this point is the sum of the inclination
+  ! and of the half angle of the circle.
   pure real(real64) function beyond_cap(contact, radius, height) result(beyond)
     type(seen_contact), intent(in) :: contact
     real(real64), intent(in) :: radius, height
@@ -176,20 +173,21 @@ contains
                        (contact%d / centres) * sine) - height
   end function beyond_cap
 
-  ! Area in plan that the summits of the smaller surface stand for: their box, grown by half of
-  ! their mean distance all round. 0: they stand in a row, and nothing is known.
+  ! Area in plan of the summits of the smaller surface: their bounding box, extended by half of
+  ! their mean distance on each side. 0: the box has no area.
   pure real(real64) function area_of_boxes(scene_in, length_power) result(area)
     type(scene), intent(in) :: scene_in
     integer, intent(in) :: length_power
     real(real64) :: boxes(2)
 
-    boxes = [box(scene_in%upper%x, scene_in%upper%y), box(scene_in%lower%x, scene_in%lower%y)]
+    boxes = [extended_box(scene_in%upper%x, scene_in%upper%y), &
+             extended_box(scene_in%lower%x, scene_in%lower%y)]
     area = minval(boxes)
     if (.not. area > 0.0_real64) area = maxval(boxes)
 
   contains
 
-    pure real(real64) function box(x, y)
+    pure real(real64) function extended_box(x, y) result(box)
       real(real64), intent(in) :: x(:), y(:)
       real(real64) :: sides(2), distance
 
@@ -199,7 +197,7 @@ contains
                maxval(scale(y, -4 * length_power)) - minval(scale(y, -4 * length_power))]
       distance = sqrt(sides(1)) * sqrt(sides(2)) / sqrt(real(size(x), real64))
       if (distance > 0.0_real64) box = product(min(sides, 1.0e100_real64) + distance)
-    end function box
+    end function extended_box
 
   end function area_of_boxes
 

@@ -1,7 +1,7 @@
-!> Warnings: results outside the range of a theory, or that a user would misread. They are values
-!> that travel with the results of a position; the program prints them.
+!> Warnings: results outside the range of a theory, or in error by the model, the data or the grid.
+!> They are part of the results of a position; the program prints them.
 !>
-!> docs/reference/warnings.md has the source of every limit.
+!> Sources of the limits: docs/reference/warnings.md.
 module asperity_theory_warnings
   use asperity_kinds, only: real64
   implicit none
@@ -27,19 +27,19 @@ module asperity_theory_warnings
   !> Classes of kinds: a result outside the range of a theory; a result whose numbers are in error,
   !> by what the model, the data or the grid leave out.
   integer, parameter :: in_theory = 1, in_accuracy = 2
-  !> What they are called.
+  !> Names of the classes.
   character(len=*), parameter :: class_names(2) = [character(len=8) :: 'theory', 'accuracy']
 
   !> A kind of warning in words: `WHAT, SIZE MEASURE, ADVICE`. A star stands for the effect.
   type :: warning_kind
-    character(len=16) :: name = ''             !! in one word
+    character(len=16) :: name = ''             !! name, one word
     integer :: class = in_theory               !! `in_theory` or `in_accuracy`
-    real(real64) :: limit = 0.0_real64         !! no warning up to it; 0: see where it is given
+    real(real64) :: limit = 0.0_real64         !! no warning up to it; 0: set by the caller
     logical :: is_share = .false.              !! the size is printed in percent
     character(len=64) :: what = ''             !! what is outside the theory
     character(len=72) :: measure = ''          !! the quantity of the size
     character(len=120) :: advice = ''          !! what a user can do
-    !> In its place where another effect, `whose`, forbids the one that the advice names.
+    !> advice where another effect, `whose`, excludes the one of `advice`
     character(len=72) :: other_advice = ''
   end type warning_kind
 
@@ -155,25 +155,24 @@ module asperity_theory_warnings
   !> One kind of warning at one position.
   type :: theory_warning
     integer :: kind = 0                  !! one of the `of_` numbers
-    integer :: state = 0                 !! state of the position at which it is worst
-    integer :: contacts = 0              !! for how many contacts it holds there; 0: for the state
-    real(real64) :: size = 0.0_real64    !! in the measure of the kind
-    character(len=32) :: whose = ''      !! which effects, where that is not known by the kind
+    integer :: state = 0                 !! state of the position with the largest size
+    integer :: contacts = 0              !! number of contacts; 0: of the whole state
+    real(real64) :: size = 0.0_real64    !! size in the measure of the kind
+    character(len=32) :: whose = ''      !! effects of the warning, unless set by the kind
   end type theory_warning
 
 contains
 
-  !> Adds a finding of one state to those of that state: the worst size of each kind stands, and
-  !> contacts are counted.
-  pure subroutine warn(list, kind, size_found, contacts, whose)
-    type(theory_warning), allocatable, intent(inout) :: list(:)  !! of one state, by kind
-    integer, intent(in) :: kind                                  !! one of the `of_` numbers
-    real(real64), intent(in) :: size_found                       !! in the measure of the kind
-    integer, intent(in), optional :: contacts                    !! how many; absent: of the state
-    character(len=*), intent(in), optional :: whose              !! which effects
+  !> Adds a warning to those of a state, with the largest size and the sum of contacts of each kind.
+  pure subroutine warn(list, number, size_found, contacts, whose)
+    type(theory_warning), allocatable, intent(inout) :: list(:)  !! warnings of a state, by kind
+    integer, intent(in) :: number                                !! one of the `of_` numbers
+    real(real64), intent(in) :: size_found                       !! size in the measure of the kind
+    integer, intent(in), optional :: contacts                    !! number; absent: of the state
+    character(len=*), intent(in), optional :: whose              !! effects of the warning
     integer :: at
 
-    call find_place(list, kind, at)
+    call find_place(list, number, at)
     if (present(contacts)) list(at)%contacts = list(at)%contacts + contacts
     if (list(at)%size >= size_found) return
     ! A size beyond the range of a double is reported as the largest double.
@@ -181,12 +180,12 @@ contains
     if (present(whose)) list(at)%whose = whose
   end subroutine warn
 
-  !> Adds the findings of a state to those of its position: the worst state of each kind stands, the
-  !> first of equals.
+  !> Adds the warnings of a state to those of its position: of each kind that with the largest size,
+  !> the first of equal ones.
   pure subroutine take_worse(list, found, state)
-    type(theory_warning), allocatable, intent(inout) :: list(:)  !! of the position, by kind
-    type(theory_warning), allocatable, intent(in) :: found(:)    !! of the state; or none
-    integer, intent(in) :: state                                 !! which one, from 1
+    type(theory_warning), allocatable, intent(inout) :: list(:)  !! warnings of a position
+    type(theory_warning), allocatable, intent(in) :: found(:)    !! warnings of the state, or none
+    integer, intent(in) :: state                                 !! number of the state, from 1
     integer :: at, i
 
     if (.not. allocated(found)) return
@@ -198,16 +197,16 @@ contains
     end do
   end subroutine take_worse
 
-  ! Finds the place of a kind in a list, which gets it when it has none.
-  pure subroutine find_place(list, kind, at)
+  ! Finds the place of a kind in a list; adds the kind if it is not in the list.
+  pure subroutine find_place(list, number, at)
     type(theory_warning), allocatable, intent(inout) :: list(:)
-    integer, intent(in) :: kind
+    integer, intent(in) :: number
     integer, intent(out) :: at
 
     if (.not. allocated(list)) allocate (list(0))
-    at = count(list%kind < kind) + 1
-    if (any(list%kind == kind)) return
-    list = [list(:at - 1), theory_warning(kind=kind, size=-1.0_real64), list(at:)]
+    at = count(list%kind < number) + 1
+    if (any(list%kind == number)) return
+    list = [list(:at - 1), theory_warning(kind=number, size=-1.0_real64), list(at:)]
   end subroutine find_place
 
 end module asperity_theory_warnings
