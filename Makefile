@@ -1,7 +1,7 @@
 # Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help report test images trouble lint strict archive docs bench figures fuzz hard-table
+.PHONY: help report test test-all images trouble lint strict archive docs bench figures fuzz hard-table
 .PHONY: setup clean tables laws maps fault-table pages machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
@@ -13,7 +13,11 @@ report: ## print the report of the original program (DECK=other.deck for another
 	@bash .ci/setup build
 	@exe=$$(bash .ci/build release) && "$$exe" "$(DECK)"
 
-test: ## unit tests in the strict build, then the harness against the thesis
+test: ## unit tests in the strict build, then the harness against the thesis: 3 minutes
+	@bash .ci/setup build test
+	@bash .ci/test -m "not slow"
+
+test-all: ## the same with the tests of test/slow_tests.txt
 	@bash .ci/setup build test
 	@bash .ci/test
 

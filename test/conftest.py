@@ -62,7 +62,30 @@ def pytest_configure(config):
         "markers", "once: says nothing about the build under test; left out of builds that look "
         "for trouble")
     config.addinivalue_line(
+        "markers", "slow: left to `make test-all`; listed in test/slow_tests.txt")
+    config.addinivalue_line(
         "markers", "long: runs the statements of shorter tests more often; left out there, too")
+
+
+def pytest_collection_modifyitems(items):
+    """Mark the tests that test/slow_tests.txt lists."""
+    listed = set((ROOT / "test/slow_tests.txt").read_text(encoding="ascii").split())
+    for item in items:
+        name = item.path.relative_to(ROOT).as_posix() + "::" + item.originalname
+        if name in listed:
+            item.add_marker(pytest.mark.slow)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item):
+    """Processor time of each test and of its programs, appended to ASPERITY_TEST_TIMES."""
+    before = sum(os.times()[:4])
+    result = yield
+    if path := os.environ.get("ASPERITY_TEST_TIMES"):
+        name = item.path.relative_to(ROOT).as_posix() + "::" + item.name.replace(",", ";")
+        with open(path, "a", encoding="utf-8") as file:
+            file.write(f"{name},{sum(os.times()[:4]) - before:.2f}\n")
+    return result
 
 
 @pytest.hookimpl(optionalhook=True)
