@@ -298,3 +298,21 @@ def test_names_of_a_specification(page, command, groups, asperity, tmp_path):
         named.setdefault(group, set()).update(re.findall(r"`(\w+)`", cell))
     for group in groups:
         assert named[group] == names_known(asperity, tmp_path, command, group, "spec")
+
+
+def test_rooms_and_their_tests():
+    """The table of rooms in CONTRIBUTING.md names every folder of src, modules in it, and tests
+    that exist."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)/` \| [^|]+ \| ([^|]+) \| ([^|]+) \|$", text, re.MULTILINE)
+    assert {row[0] for row in rows} == {path.name for path in (ROOT / "src").iterdir()
+                                        if path.is_dir()}
+    for room, modules, tests in rows:
+        found = {path.stem for path in (ROOT / "src" / room).rglob("*.[fF]90")}
+        assert set(re.findall(r"`(\w+)`", modules)) <= found, room
+        for name in re.findall(r"`([\w.]+)`", tests):
+            if name.endswith(".py"):
+                assert any((ROOT / "test" / folder / name).exists()
+                           for folder in ("regression", "hard")), name
+            else:
+                assert (ROOT / f"test/unit/{name}_suite.f90").exists(), name

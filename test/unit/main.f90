@@ -21,15 +21,15 @@ program unit_tests
   use asperity_plastic_curves_suite, only: collect_plastic_curves
   use asperity_plasticity_suite, only: collect_plasticity
   use asperity_potential_suite, only: collect_potential
-  use asperity_test_pair_search, only: collect_pair_search
+  use asperity_pair_search_suite, only: collect_pair_search
   use asperity_study_suite, only: collect_study
   use asperity_summation_suite, only: collect_summation
-  use asperity_test_cards, only: collect_cards
-  use asperity_test_hex32, only: collect_hex32
-  use asperity_test_overlap, only: collect_overlap
-  use asperity_test_printable, only: collect_printable
-  use asperity_test_report_fields, only: collect_report_fields
-  use asperity_test_scene, only: collect_scene
+  use asperity_cards_suite, only: collect_cards
+  use asperity_hex32_suite, only: collect_hex32
+  use asperity_overlap_suite, only: collect_overlap
+  use asperity_printable_suite, only: collect_printable
+  use asperity_report_fields_suite, only: collect_report_fields
+  use asperity_scene_suite, only: collect_scene
   implicit none
 
   type(tally_type) :: tally

@@ -1,5 +1,5 @@
 !> Tests of the pair search against a search that compares all with all.
-module asperity_test_pair_search
+module asperity_pair_search_suite
   use asperity_cell_reach, only: any_height, margin_of_arithmetic, squared_reach
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, int64, real64
@@ -314,4 +314,4 @@ contains
     draw = real(ishft(seed, -11), real64) * 2.0_real64**(-53)
   end function draw
 
-end module asperity_test_pair_search
+end module asperity_pair_search_suite

@@ -1,7 +1,7 @@
 !> Tests of the report's number field: `Fw.d` as the line printer showed it.
 !>
 !> Every expected field is worked out by hand. Ties are numbers that a double holds exactly.
-module asperity_test_report_fields
+module asperity_report_fields_suite
   use asperity_kinds, only: real64
   use asperity_line_printer, only: fixed_field
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
@@ -109,4 +109,4 @@ contains
     end do
   end subroutine test_width
 
-end module asperity_test_report_fields
+end module asperity_report_fields_suite

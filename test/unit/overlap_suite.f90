@@ -3,7 +3,7 @@
 !> The truth has no conjugate, no rest and no common line with the kernel: real128 has 34 digits,
 !> so the plain difference s - sqrt(d**2 + z**2) serves down to overlaps of 1e-6 of s, and its
 !> series from there on.
-module asperity_test_overlap
+module asperity_overlap_suite
   use asperity_kernel_real32, only: overlap_32 => stable_overlap, height_32 => touching_height
   use asperity_kernel_real64, only: overlap_64 => stable_overlap, height_64 => touching_height
   use asperity_kinds, only: int64, real128, real32, real64
@@ -192,4 +192,4 @@ contains
     call check(error, off < 1.0e-4_real128, 'difference and series do not meet')
   end subroutine truth_is_right
 
-end module asperity_test_overlap
+end module asperity_overlap_suite

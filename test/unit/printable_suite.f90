@@ -1,5 +1,5 @@
 !> Tests of text that is shown on a terminal: which bytes of UTF-8 (RFC 3629) are kept.
-module asperity_test_printable
+module asperity_printable_suite
   use asperity_printable, only: printable
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
@@ -84,4 +84,4 @@ contains
     text(1:1) = achar(marks(bytes) + rest)
   end function encoded
 
-end module asperity_test_printable
+end module asperity_printable_suite

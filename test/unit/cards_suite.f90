@@ -3,7 +3,7 @@
 !> Expected values are worked out by hand from the rules: blanks are zeros, a missing point is
 !> implied, an exponent has a letter or only its sign. A number is given as digits and a power of
 !> ten, so nothing is rounded here.
-module asperity_test_cards
+module asperity_cards_suite
   use asperity_card_deck, only: card_deck, parse_card_deck
   use asperity_card_fields, only: read_f_field, read_i_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
@@ -313,4 +313,4 @@ contains
     call check(error, bad_at, column, 'wrong column of "'//field//'"')
   end subroutine check_bad_i
 
-end module asperity_test_cards
+end module asperity_cards_suite

@@ -1,7 +1,7 @@
 !> Tests of the scene reader: what is read, what is the default, what is refused and where.
 !>
 !> In the texts of these tests a `|` stands for a line end.
-module asperity_test_scene
+module asperity_scene_suite
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_numeral, decimal_order, decimal_to_real64, decimal_value, &
                               exact_double
@@ -937,4 +937,4 @@ contains
     call check(error, found, expected, 0.0_real64, what)
   end subroutine check_double
 
-end module asperity_test_scene
+end module asperity_scene_suite

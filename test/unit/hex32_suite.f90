@@ -3,7 +3,7 @@
 !> Numbers are written as machine words in hexadecimal: `C276A000` is -118.625. Random operands are
 !> compared with a System/370 and with exact whole numbers in test/hard/test_hex32_machine.py. Sine
 !> and cosine are compared with 128-bit reals.
-module asperity_test_hex32
+module asperity_hex32_suite
   use asperity_hex32, only: hex32, hex32_huge, hex32_tiny, hex32_from_binary, hex32_from_decimal
   use asperity_hex32, only: hex32_from_integer, hex32_from_real64, hex32_from_word
   use asperity_hex32, only: hex32_to_integer, hex32_to_real64, hex32_word
@@ -673,4 +673,4 @@ contains
     word = word_of(value < 0.0_real128, characteristic, fraction)
   end function nearest_word
 
-end module asperity_test_hex32
+end module asperity_hex32_suite
