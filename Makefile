@@ -1,7 +1,8 @@
 # Every target sets up by itself what it lacks (.ci/setup). Without make: bash .ci/setup.
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help report test test-all images trouble lint strict archive docs bench figures fuzz hard-table
+.PHONY: help report test test-all images trouble lint strict archive docs bench figures fuzz
+.PHONY: hard-table
 .PHONY: setup clean tables laws maps fault-table pages machine mutants wheel wheel-test
 
 DECK ?= data/thesis.deck
