@@ -112,7 +112,7 @@ contains
     if (associated(before)) then
       if (allocated(before%solutions)) chosen%reuse%earlier => before%solutions
     end if
-    if (c_associated(progress)) call c_f_pointer(progress, chosen%count%numbers, [2])
+    if (c_associated(progress)) call c_f_pointer(progress, chosen%counted_work%numbers, [2])
     handle = solve_chosen(of_scene, options, chosen)
   end function c_solve_with_fields
 

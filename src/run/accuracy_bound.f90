@@ -1,9 +1,9 @@
-!> How accurate a way of computing is on a scene.
+!> Error bounds of the arithmetics for a scene.
 !>
-!> The ways are the front of the accuracy study, cheapest first: exact events with the stable
-!> overlap, in real64 and in real128. Shorter arithmetics and marching are not on it: they are no
-!> cheaper, or not clearly. Each way's error is bounded from what was solved, not from a table, so
-!> that the promise holds on scenes the study has never seen.
+!> The arithmetics are the Pareto front of the accuracy study, fastest first: exact events with the
+!> stable overlap, in real64 and in real128. Shorter arithmetics and marching are not on it, as they
+!> are not clearly faster. The bound is computed from the results of the scene, not from a table, so
+!> that it also holds for scenes that are not part of the study.
 module asperity_accuracy_bound
   use asperity_constants, only: pi
   use asperity_contact_records, only: position_result, state_row
@@ -17,10 +17,10 @@ module asperity_accuracy_bound
 
   public :: front_arithmetics, error_bound
 
-  !> The front of the accuracy study, cheapest first.
+  !> Pareto front of the accuracy study, fastest first.
   character(len=7), parameter :: front_arithmetics(2) = [character(len=7) :: 'real64', 'real128']
 
-  ! Results are handed over as doubles: nothing finer can be promised.
+  ! Smallest error bound: results are stored as doubles.
   real(real64), parameter :: finest_accuracy = 4 * epsilon(1.0_real64)
 
   ! Rounding errors of a position's coordinates and separations, in units of roundoff: placing (3),
@@ -35,12 +35,12 @@ contains
   !> Rounded heights e_z and plan coordinates e_d move an overlap by e_z + e_d sin(theta) and the
   !> separation of first touch by e_z + e_d tan(theta), tan(theta) the slope of the contact. The
   !> stiffness of N contacts of Hertz of total area A is 2 E sum(a) <= 2 E sqrt(N A/pi), and an area
-  !> grows by pi R per overlap. The slope of every contact is below the least that is warned of, or
-  !> the one of the warning.
+  !> grows by pi R per overlap. The slope of every contact is below the limit of its warning, or
+  !> that of the warning.
   function error_bound(arithmetic, scene_in, positions) result(bound)
-    character(len=*), intent(in) :: arithmetic      !! a name of `front_arithmetics`
-    type(scene), intent(in) :: scene_in             !! what was solved
-    type(position_result), intent(in) :: positions(:)  !! solved
+    character(len=*), intent(in) :: arithmetic         !! name, one of `front_arithmetics`
+    type(scene), intent(in) :: scene_in                !! scene that was solved
+    type(position_result), intent(in) :: positions(:)  !! results of all positions
     real(real64) :: bound
     real(real64) :: roundoff, in_plan, in_height, tilt, least, widest, slope, of_overlap, of_touch
     real(real64) :: per_overlap, modulus
@@ -65,7 +65,7 @@ contains
     do m = 1, size(positions)
       last = last_state(positions(m))
       if (.not. (last%closing > 0.0_real64 .and. last%load > 0.0_real64)) cycle
-      ! A pair that touches loses no more to its offset in plan than the summits exceed.
+      ! The offset in plan of a contact reduces its height by less than the summits exceed.
       slope = min(warning_kinds(of_slope)%limit, &
                   sqrt(4 * max(2 * in_height - last%approach, last%closing) / least))
       if (allocated(positions(m)%warnings)) &
@@ -76,7 +76,7 @@ contains
       of_touch = roundings * roundoff * (in_height + slope * (in_plan + 2 * widest))
       per_overlap = max(2 * modulus * sqrt(last%contacts / pi) * sqrt(last%area) / last%load, &
                         pi * last%contacts * widest / last%area)
-      ! Under a load the separation moves with the overlaps.
+      ! Under a load the error of the overlaps is added to the separation.
       if (is_load(scene_in%loading%control)) per_overlap = 2 * per_overlap
       bound = max(bound, finest_accuracy + of_overlap * per_overlap + of_touch * &
                          max(1.0_real64 / last%closing, 2 * hypot(1.0_real64, slope) / least))

@@ -1,4 +1,4 @@
-!> The present-day solver in the arithmetic asked for.
+!> The solver without effects in each arithmetic.
 module asperity_arithmetics
   use asperity_contact_records, only: solve_method
   use asperity_kernel_ibm370, only: place_ibm370 => make_solver
@@ -14,14 +14,14 @@ module asperity_arithmetics
 
 contains
 
-  !> Makes a scene ready to be solved. `failure` is allocated when a number is out of the range of
-  !> the arithmetic, or the arithmetic is not known.
+  !> Makes the solver of a scene. `failure` is allocated when a number is out of the range of the
+  !> arithmetic, or the arithmetic does not exist.
   subroutine solver_in(arithmetic, scene_in, method, solver, failure)
     character(len=*), intent(in) :: arithmetic             !! ibm370, real32, real64 or real128
-    type(scene), intent(in) :: scene_in                    !! checked values
-    type(solve_method), intent(in) :: method               !! how to compute
+    type(scene), intent(in) :: scene_in                    !! scene, checked for faults
+    type(solve_method), intent(in) :: method               !! method of the solver
     class(position_solver), allocatable, intent(out) :: solver
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no solver
 
     select case (arithmetic)
     case ('ibm370')

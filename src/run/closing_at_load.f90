@@ -1,11 +1,11 @@
-!> The closing at which the contacts with their effects carry a load.
+!> The compression at which the contacts with their effects carry a load.
 module asperity_closing_at_load
-  use asperity_closing_at_pull, only: close_to_pull, pulls
+  use asperity_closing_at_pull, only: close_to_pull, has_attraction
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_contact_state, only: contact_state, load_asked_for, start_state
   use asperity_effect_choice, only: choose_effects
-  use asperity_effect_sequence, only: first_failure, simulate
+  use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_problems, only: real_text
@@ -18,131 +18,114 @@ module asperity_closing_at_load
 
   integer, parameter :: most_tries = 300
   real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
-  ! A closing below this share of the largest is none.
+  ! A compression below this share of the largest is rounding.
   real(real64), parameter :: least_closing = 1.0e-18_real64
-  ! No load is met worse than this: the driver would refuse the state.
-  real(real64), parameter :: precision = 1.0e-7_real64
+  ! Largest relative error of a load: the driver refuses a state with a larger one.
+  real(real64), parameter :: largest_error = 1.0e-7_real64
 
 contains
 
-  !> Finds the closing at which the load asked for is borne at a time. Load grows with closing: a
-  !> bracket of load**(2/3), until the load is met as closely as the effects can meet it. For no
-  !> load at all: the largest closing without. Where contacts attract each other a load that is
-  !> less than that of the state before, or 0 or less, is looked for on the way back.
+  !> Finds the compression at which the contacts carry a load at a time.
   !>
-  !> Where `auto` begins or ends to simulate an effect the load jumps; a load within the jump is
-  !> carried with the effect, whose estimate equals its tolerance there; `called_for` is then true.
-  subroutine close_to_load(pairs, effects, target, time, closing, state, outcomes, called_for, &
-                           found, failure)
-    type(contact_pairs), intent(in) :: pairs                !! the position
-    type(effect_box), intent(in) :: effects(:)              !! those that act in time only in it
-    real(real64), intent(in) :: target                      !! below 0: a pull
-    real(real64), intent(in) :: time                        !! since the end of loading
-    real(real64), intent(inout) :: closing                  !! a guess, then the closing
-    type(contact_state), intent(out) :: state               !! the last one that was simulated
-    type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did in it
-    logical, allocatable, intent(out) :: called_for(:)      !! by effect; or not allocated
-    !> What an effect that knows a way to a load found there, for who simulates the state again; not
-    !> allocated: nothing.
-    real(real64), allocatable, intent(out) :: found(:, :)
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+  !> The load grows with the compression: bracketed root search for load**(2/3), to the tolerance of
+  !> the effects. Without a load: the largest compression without one. Where contacts attract each
+  !> other, a load of 0 or less, or below that of the last state, is found on unloading.
+  !>
+  !> Where `auto` begins or ends to simulate an effect the load jumps. A load within the jump is
+  !> carried with the effect, whose estimate equals its tolerance there; `called_for` is then set.
+  subroutine close_to_load(pairs, effects, target, time, there, failure)
+    type(contact_pairs), intent(in) :: pairs       !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
+    real(real64), intent(in) :: target             !! load, < 0 for tension
+    real(real64), intent(in) :: time               !! time since the end of loading, 0 or more
+    type(found_state), intent(inout) :: there      !! a guess of the compression; the state found
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     logical :: jumps
     integer :: i
 
-    if (pulls(pairs, effects)) then
-      if (goes_back()) then
-        call close_to_pull(pairs, effects, target, closing, state, outcomes, failure)
+    if (allocated(there%called_for)) deallocate (there%called_for)
+    if (allocated(there%found)) deallocate (there%found)
+    if (has_attraction(pairs, effects)) then
+      if (is_unloading()) then
+        call close_to_pull(pairs, effects, target, there, failure)
         return
       end if
     end if
-    call search_load(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, &
-                     found, failure)
+    call search_load(pairs, effects, target, time, there, jumps, failure)
     if (.not. jumps) return
     ! The last state is just past the jump.
-    allocate (called_for(size(outcomes)))
-    do i = 1, size(outcomes)
-      called_for(i) = outcomes(i)%simulated /= 'off'
+    allocate (there%called_for(size(there%outcomes)))
+    do i = 1, size(there%outcomes)
+      there%called_for(i) = there%outcomes(i)%simulated /= 'off'
     end do
     deallocate (failure)
-    call search_load(pairs, effects, target, time, closing, state, outcomes, called_for, jumps, &
-                     found, failure)
+    call search_load(pairs, effects, target, time, there, jumps, failure)
 
   contains
 
-    ! Whether the load is reached by opening.
-    logical function goes_back()
-      goes_back = .true.
+    ! Whether the compression decreases to reach the load.
+    logical function is_unloading()
+      is_unloading = .true.
       if (.not. target > 0.0_real64) return
-      call simulate(pairs, effects, closing, time, state, outcomes, .true.)
-      goes_back = load_asked_for(pairs, state) > target
-    end function goes_back
+      call simulate_effects(pairs, effects, time, there, .true.)
+      is_unloading = load_asked_for(pairs, there%state) > target
+    end function is_unloading
 
   end subroutine close_to_load
 
-  !> The same for a load that presses, reached by closing.
-  subroutine search_load(pairs, effects, target, time, closing, state, outcomes, called_for, &
-                         jumps, found, failure)
-    type(contact_pairs), intent(in) :: pairs                !! the position
-    type(effect_box), intent(in) :: effects(:)              !! those that act in time only in it
-    real(real64), intent(in) :: target                      !! load asked for
-    real(real64), intent(in) :: time                        !! since the end of loading
-    real(real64), intent(inout) :: closing                  !! a guess, then the closing
-    type(contact_state), intent(out) :: state               !! the last one that was simulated
-    type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did in it
-    !> of `auto`, which to simulate; not allocated: those that it calls for
-    logical, allocatable, intent(in) :: called_for(:)
-    logical, intent(out) :: jumps                           !! simulated effects change at the load
-    real(real64), allocatable, intent(out) :: found(:, :)   !! as of `close_to_load`
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+  !> Finds the compression at which the contacts carry a compressive load on loading, by a bracketed
+  !> root search. It ends when the load is met to the tolerance of the effects; when no number is
+  !> left within the bracket the upper end is used, if its load is accurate enough.
+  subroutine search_load(pairs, effects, target, time, there, jumps, failure)
+    type(contact_pairs), intent(in) :: pairs       !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)     !! effects; those in time act in `there` only
+    real(real64), intent(in) :: target             !! load, 0 or more
+    real(real64), intent(in) :: time               !! time since the end of loading, 0 or more
+    type(found_state), intent(inout) :: there      !! a guess, `called_for`; the state found
+    logical, intent(out) :: jumps                  !! whether the load jumps past the target
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     type(root_bracket) :: bracket
-    real(real64) :: load, miss, nothing, asked, greatest
+    real(real64) :: load, miss, nothing, greatest
     logical :: enough, inside
-    integer :: try
+    integer :: i, try
 
     jumps = .false.
     bracket = root_bracket(low=0.0_real64, high=minval(pairs%list%gap + pairs%list%zc), &
                            low_miss=-1.0_real64, high_miss=-1.0_real64, halving=4)
     enough = .false.
     greatest = 0.0_real64
-    if (target > 0.0_real64) &
-      call ask_effects(pairs, effects, target / share_held(effects, time), time, called_for, &
-                       closing, found, failure)
+    call guess_closing(pairs, effects, target, time, bracket%high, there, failure)
     if (allocated(failure)) return
-    asked = closing
-    if (target > 0.0_real64 .and. pairs%target > 0.0_real64) &
-      closing = max(closing, 1.0e-3_real64 * pairs%closing * (target / pairs%target)**two_thirds)
-    closing = min(max(closing, 0.0_real64), bracket%high * (1.0_real64 - epsilon(1.0_real64)))
     nothing = least_closing * minval(pairs%list%gap + pairs%list%radius)
-    if (abs(closing - asked) > 0.0_real64 .and. allocated(found)) deallocate (found)
     do try = 1, most_tries
-      call simulate_at(closing, found)
-      load = load_asked_for(pairs, state)
-      call first_failure(effects, outcomes, failure)
+      call simulate_effects(pairs, effects, time, there, .not. time > 0.0_real64)
+      load = load_asked_for(pairs, there%state)
+      call first_failure(effects, there%outcomes, failure)
       if (allocated(failure)) then
-        ! Less closing than a hold has had is not covered by its theory, but is not the end either.
+        ! The theory of a hold does not cover a smaller compression: the search goes on above it.
         if (.not. (time > 0.0_real64 .and. load < target)) return
-        if (load >= target * (1.0_real64 - precision)) return
+        if (load >= target * (1.0_real64 - largest_error)) return
         deallocate (failure)
       end if
       if (target > 0.0_real64) then
-        if (abs(load - target) <= load_tolerance(effects, outcomes) * target) return
+        if (abs(load - target) <= load_tolerance(effects, there%outcomes) * target) return
       end if
-      ! It was found at that closing alone.
-      if (allocated(found)) deallocate (found)
+      ! Results of the search of an effect are valid at its compression only.
+      if (allocated(there%found)) deallocate (there%found)
       greatest = max(greatest, load)
       miss = merge(1.0_real64, -1.0_real64, load > 0.0_real64)
       if (target > 0.0_real64) miss = (max(load, 0.0_real64) / target)**two_thirds - 1.0_real64
-      call narrow_bracket(bracket, closing, miss, miss < 0.0_real64)
+      call narrow_bracket(bracket, there%closing, miss, miss < 0.0_real64)
       enough = enough .or. .not. miss < 0.0_real64
       if (.not. target > 0.0_real64 .and. bracket%high < nothing) exit
-      call guess_root(bracket, closing, inside)
+      call guess_root(bracket, there%closing, inside)
       if (.not. inside) exit
-      ! Not high enough yet: up to twice the closing.
-      if (.not. enough .and. bracket%low > 0.0_real64) &
-        closing = min(closing, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * miss)))
+      ! Without an upper end yet the compression is doubled at most.
+      if (.not. enough .and. bracket%low > 0.0_real64) there%closing = &
+        min(there%closing, bracket%low * (1.0_real64 + min(1.0_real64, -2.0_real64 * miss)))
     end do
-    closing = bracket%low
-    if (bracket%high < nothing) closing = 0.0_real64
+    there%closing = bracket%low
+    if (bracket%high < nothing) there%closing = 0.0_real64
     if (.not. target > 0.0_real64) return
     if (.not. enough) then
       failure = 'the load is larger than the surfaces carry before the centres of two ' // &
@@ -150,40 +133,42 @@ contains
                 ' at most'
       return
     end if
-    closing = bracket%high
-    call simulate_at(closing, found)
-    if (abs(load_asked_for(pairs, state) - target) <= precision * target) return
+    there%closing = bracket%high
+    call simulate_effects(pairs, effects, time, there, .not. time > 0.0_real64)
+    if (abs(load_asked_for(pairs, there%state) - target) <= largest_error * target) return
     failure = 'the load is not reached: with the effects it jumps past it'
-    jumps = .not. allocated(called_for) .and. any(effect_modes() == effect_auto)
-
-  contains
-
-    subroutine simulate_at(at, found_there)
-      real(real64), intent(in) :: at
-      real(real64), allocatable, intent(in) :: found_there(:, :)
-
-      ! What is not allocated is not there.
-      call simulate(pairs, effects, at, time, state, outcomes, .not. time > 0.0_real64, &
-                    found_there, called_for)
-    end subroutine simulate_at
-
-    function effect_modes() result(modes)
-      integer :: modes(size(effects))
-      integer :: i
-
-      modes = [(effects(i)%effect%mode, i=1, size(effects))]
-    end function effect_modes
-
+    jumps = .not. allocated(there%called_for) .and. &
+            any([(effects(i)%effect%mode == effect_auto, i=1, size(effects))])
   end subroutine search_load
 
-  ! Where the effects that know it say that the load is reached.
-  subroutine ask_effects(pairs, effects, target, time, called_for, closing, found, failure)
+  ! First compression of a search: that of the effects that can estimate it, else the given one, but
+  ! no less than a thousandth of that of Hertz.
+  subroutine guess_closing(pairs, effects, target, time, most, there, failure)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(in) :: effects(:)
+    real(real64), intent(in) :: target, time, most  ! most: largest compression
+    type(found_state), intent(inout) :: there
+    character(len=:), allocatable, intent(inout) :: failure
+    real(real64) :: asked
+
+    if (allocated(there%found)) deallocate (there%found)
+    if (target > 0.0_real64) &
+      call ask_effects(pairs, effects, target / share_held(effects, time), time, there, failure)
+    if (allocated(failure)) return
+    asked = there%closing
+    if (target > 0.0_real64 .and. pairs%target > 0.0_real64) there%closing = &
+      max(there%closing, 1.0e-3_real64 * pairs%closing * (target / pairs%target)**two_thirds)
+    there%closing = min(max(there%closing, 0.0_real64), most * (1.0_real64 - epsilon(1.0_real64)))
+    if (abs(there%closing - asked) > 0.0_real64 .and. allocated(there%found)) &
+      deallocate (there%found)
+  end subroutine guess_closing
+
+  ! Sets the compression to that of the effects that can estimate it for a load.
+  subroutine ask_effects(pairs, effects, target, time, there, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: target, time
-    logical, allocatable, intent(in) :: called_for(:)
-    real(real64), intent(inout) :: closing
-    real(real64), allocatable, intent(inout) :: found(:, :)
+    type(found_state), intent(inout) :: there
     character(len=:), allocatable, intent(inout) :: failure
     type(contact_state) :: state
     type(effect_outcome) :: outcomes(size(effects))
@@ -191,20 +176,20 @@ contains
     real(real64) :: left
     integer :: i
 
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), there%closing, state)
     state%time = time
     call choose_effects(pairs, effects, state, outcomes, called, left)
     do i = 1, size(effects)
-      if (allocated(called_for) .and. effects(i)%effect%mode == effect_auto) &
-        called(i) = called_for(i)
+      if (allocated(there%called_for) .and. effects(i)%effect%mode == effect_auto) &
+        called(i) = there%called_for(i)
       if (.not. called(i)) cycle
       call effects(i)%effect%closing_at_load(pairs, hertz_law(modulus=pairs%modulus), target, &
-                                             left, closing, found, failure)
+                                             left, there%closing, there%found, failure)
       if (allocated(failure)) return
     end do
   end subroutine ask_effects
 
-  ! How near a load can be met by the effects that are simulated.
+  ! Relative error to which the simulated effects can meet a load.
   pure real(real64) function load_tolerance(effects, outcomes) result(tolerance)
     type(effect_box), intent(in) :: effects(:)
     type(effect_outcome), intent(in) :: outcomes(:)
@@ -215,10 +200,10 @@ contains
       if (outcomes(i)%simulated /= 'off') &
         tolerance = max(tolerance, effects(i)%effect%load_tolerance)
     end do
-    tolerance = min(tolerance, precision)
+    tolerance = min(tolerance, largest_error)
   end function load_tolerance
 
-  ! What is left of a load at a time, over that of the same closing while loading.
+  ! Ratio of the load at a time to that at the same compression on loading.
   real(real64) function share_held(effects, time) result(share)
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: time

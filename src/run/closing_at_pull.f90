@@ -1,15 +1,15 @@
-!> The closing at which contacts that attract each other bear a load, on the way back.
+!> The compression at which contacts that attract each other carry a load, on unloading.
 !>
-!> Coming back from where they press, the load falls, and jumps up wherever a contact lets go.
-!> Between two such closings it is convex: the curve of a contact that adheres rises ever steeper
-!> from where it lets go. So the first place at which the load has fallen to what is asked for is
-!> found interval by interval, with the least load of each by golden section; it is also where a
-!> dead weight that pulls would hang.
+!> On unloading the load decreases, and increases abruptly where a contact parts. Between two such
+!> compressions the load is a convex function of the compression, as that of each adhering contact
+!> is. The first compression at which the load has decreased to the target is found interval by
+!> interval, from the highest; the least load of an interval is found by golden-section search. It
+!> is also the equilibrium of a dead weight.
 module asperity_closing_at_pull
-  use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_state, only: contact_state, load_asked_for
-  use asperity_effect_sequence, only: first_failure, simulate
+  use asperity_contact_state, only: load_asked_for
+  use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int32, real64
   use asperity_problems, only: real_text
@@ -17,46 +17,45 @@ module asperity_closing_at_pull
   implicit none
   private
 
-  public :: close_to_pull, pulls
+  public :: close_to_pull, has_attraction
 
   real(real64), parameter :: golden = 0.61803398874989485_real64
-  ! Golden sections until an interval is 1e-9 of what it was: a minimum is flat to 1e-18 there.
+  ! Number of golden sections: they reduce an interval to 1e-9, in which a minimum is flat to 1e-18.
   integer, parameter :: cuts = 43
   integer, parameter :: most_tries = 300, most_raises = 200
-  ! How near a load is met, of the load; of no load, of the greatest pull.
-  real(real64), parameter :: precision = 1.0e-11_real64
+  ! Tolerance of a load, relative to a tensile target, else to the largest of the loads.
+  real(real64), parameter :: load_tolerance = 1.0e-11_real64
 
 contains
 
-  !> Whether an effect attracts.
-  logical function pulls(pairs, effects)
-    type(contact_pairs), intent(in) :: pairs    !! the position
-    type(effect_box), intent(in) :: effects(:)  !! of the scene
+  !> Whether an effect makes contacts attract each other.
+  logical function has_attraction(pairs, effects)
+    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)  !! effects of the scene
     real(real64), allocatable :: ends(:)
     integer :: i
 
-    pulls = .false.
+    has_attraction = .false.
     do i = 1, size(effects)
       call effects(i)%effect%letting_go(pairs, ends)
-      pulls = pulls .or. size(ends) > 0
+      has_attraction = has_attraction .or. size(ends) > 0
     end do
-  end function pulls
+  end function has_attraction
 
-  !> Finds the compression, from that of the former state or from first contact. `failure` reports
-  !> the largest tensile load when the target exceeds it.
-  subroutine close_to_pull(pairs, effects, target, closing, state, outcomes, failure)
-    type(contact_pairs), intent(in) :: pairs                !! the position
-    type(effect_box), intent(in) :: effects(:)              !! of the scene
-    real(real64), intent(in) :: target                      !! less than that of the state before
-    real(real64), intent(inout) :: closing                  !! of the state before; then there
-    type(contact_state), intent(out) :: state               !! there
-    type(effect_outcome), allocatable, intent(out) :: outcomes(:)  !! what the effects did
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+  !> Finds the compression, from that of the last state or from first contact. `failure` reports the
+  !> largest tensile load when the target exceeds it.
+  subroutine close_to_pull(pairs, effects, target, there, failure)
+    ! Long: the stages are internal procedures, which share the state of the search.
+    type(contact_pairs), intent(in) :: pairs                !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)              !! effects of the scene
+    real(real64), intent(in) :: target                      !! load, below that of the last state
+    type(found_state), intent(inout) :: there               !! last compression; the state found
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
     real(real64), allocatable :: ends(:)
     real(real64) :: top, bottom, best, least, lowest
     integer :: k
 
-    call go_above(top)
+    call raise_load(top)
     if (allocated(failure)) return
     call find_ends(pairs, effects, top, ends)
     least = min(0.0_real64, load_at(top))
@@ -76,13 +75,13 @@ contains
 
   contains
 
-    ! A closing at which the load is more than asked for.
-    subroutine go_above(above)
+    ! Finds a compression with a load above the target.
+    subroutine raise_load(above)
       real(real64), intent(out) :: above
       real(real64) :: step
       integer :: try
 
-      above = max(closing, 0.0_real64)
+      above = max(there%closing, 0.0_real64)
       step = 1.0e-6_real64 * minval(pairs%list%radius)
       do try = 1, most_raises
         if (load_at(above) > target .or. allocated(failure)) return
@@ -90,9 +89,9 @@ contains
         step = 2.0_real64 * step
       end do
       failure = 'the load is larger than the surfaces carry'
-    end subroutine go_above
+    end subroutine raise_load
 
-    ! The least load between two closings at which contacts let go.
+    ! Finds the least load between two compressions at which contacts part.
     subroutine find_least(low_end, high_end, place, value)
       real(real64), intent(in) :: low_end, high_end
       real(real64), intent(out) :: place, value
@@ -105,7 +104,7 @@ contains
       loads = [load_at(at(1)), load_at(at(2))]
       do cut = 1, cuts
         if (allocated(failure)) return
-        ! Far enough, or no more numbers between.
+        ! The target is reached, or the interval has no further numbers.
         if (minval(loads) <= target .or. .not. at(1) < at(2)) exit
         if (loads(1) < loads(2)) then
           high = at(2)
@@ -121,30 +120,30 @@ contains
       value = minval(loads)
     end subroutine find_least
 
-    ! Between a closing with too little load and one with too much.
+    ! Finds the target between a compression with a smaller load and one with a larger load.
     subroutine find_crossing(low, low_load, high)
       real(real64), intent(in) :: low, low_load, high
       type(root_bracket) :: bracket
-      real(real64) :: above, load, scale
+      real(real64) :: above, load, largest
       logical :: inside
       integer :: try
 
-      scale = max(abs(target), abs(low_load))
+      largest = max(abs(target), abs(low_load))
       bracket = root_bracket(low=0.0_real64, high=high - low, &
-                             low_miss=(low_load - target) / scale, &
-                             high_miss=(load_at(high) - target) / scale, halving=4)
+                             low_miss=(low_load - target) / largest, &
+                             high_miss=(load_at(high) - target) / largest, halving=4)
       above = 0.0_real64
       load = low_load
       do try = 1, most_tries
-        if (abs(load - target) <= precision * merge(abs(target), scale, target < 0.0_real64)) exit
+        if (abs(load - target) <= &
+            load_tolerance * merge(abs(target), largest, target < 0.0_real64)) exit
         call guess_root(bracket, above, inside)
         if (.not. inside) exit
         load = load_at(low + above)
-        call narrow_bracket(bracket, above, (load - target) / scale, load < target)
+        call narrow_bracket(bracket, above, (load - target) / largest, load < target)
       end do
-      closing = low + above
-      ! The last one simulated, whatever the search looked at last.
-      load = load_at(closing)
+      ! The state returned is that of the last simulation.
+      load = load_at(low + above)
     end subroutine find_crossing
 
     real(real64) function load_at(place) result(load)
@@ -152,14 +151,15 @@ contains
 
       load = 0.0_real64
       if (allocated(failure)) return
-      call simulate(pairs, effects, place, 0.0_real64, state, outcomes, .true.)
-      call first_failure(effects, outcomes, failure)
-      load = load_asked_for(pairs, state)
+      there%closing = place
+      call simulate_effects(pairs, effects, 0.0_real64, there, .true.)
+      call first_failure(effects, there%outcomes, failure)
+      load = load_asked_for(pairs, there%state)
     end function load_at
 
   end subroutine close_to_pull
 
-  ! Where contacts let go below a closing, the highest first.
+  ! Finds the compressions below `top` at which contacts part, in descending order.
   subroutine find_ends(pairs, effects, top, ends)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)

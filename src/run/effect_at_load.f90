@@ -1,35 +1,33 @@
-!> What the effects change at a load that is asked for: there the load is the same with and without
-!> them, and closing and area are not.
+!> Changes of compression and area by each effect at a requested load: the load is the same with and
+!> without it.
 module asperity_effect_at_load
   use asperity_closing_at_load, only: search_load
-  use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: effect_record
   use asperity_contact_state, only: contact_state
+  use asperity_effect_sequence, only: found_state
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: weigh_at_load
+  public :: compare_at_load
 
 contains
 
-  !> Compares the last state with those of fewer effects under the same load: of Hertz alone, then
-  !> with the first effect that was simulated, with the first two and so on. The influence of an
-  !> effect is its addition to those before it. It is not computed where the contacts cannot carry
-  !> the load without the other effects.
-  subroutine weigh_at_load(pairs, effects, load, state, records, failure)
-    type(contact_pairs), intent(in) :: pairs            !! the position
-    type(effect_box), intent(inout) :: effects(:)       !! not needed any more: they are forgotten
-    real(real64), intent(in) :: load                    !! asked for, more than 0
-    type(contact_state), intent(in) :: state            !! that bears it with all effects
-    type(effect_record), intent(inout) :: records(:)    !! of each effect in it
-    character(len=:), allocatable, intent(out) :: failure  !! why not all are compared
+  !> Compares the last state with those of fewer effects under the same load: of Hertz, then with
+  !> the first effect that was simulated, with the first two and so on. The change by an effect is
+  !> that of its addition to those before it. It is not computed where the contacts cannot carry the
+  !> load without the other effects.
+  subroutine compare_at_load(pairs, effects, load, state, records, failure)
+    type(contact_pairs), intent(in) :: pairs            !! pairs of the position
+    type(effect_box), intent(inout) :: effects(:)       !! effects of the scene; undefined on exit
+    real(real64), intent(in) :: load                    !! requested load, > 0
+    type(contact_state), intent(in) :: state            !! state with all effects at this load
+    type(effect_record), intent(inout) :: records(:)    !! results of each effect in it
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when not all are compared
     type(effect_box) :: those(size(effects))
-    type(contact_state) :: fewer
-    type(effect_outcome), allocatable :: outcomes(:)
-    logical, allocatable :: called_for(:)
-    real(real64), allocatable :: found(:, :)
+    type(found_state) :: fewer
     real(real64) :: area, area_before, closing, closing_before
     logical :: jumps
     integer :: i, number, simulated
@@ -37,11 +35,11 @@ contains
     simulated = count(records%simulated /= 'off')
     if (simulated == 0) return
     number = 0
-    closing = pairs%closing
-    call search_load(pairs, those(:0), load, 0.0_real64, closing, fewer, outcomes, called_for, &
-                     jumps, found, failure)
+    fewer%closing = pairs%closing
+    call search_load(pairs, those(:0), load, 0.0_real64, fewer, jumps, failure)
     if (allocated(failure)) return
-    area = area_of(fewer)
+    closing = fewer%closing
+    area = area_of(fewer%state)
     do i = 1, size(effects)
       if (records(i)%simulated == 'off') cycle
       number = number + 1
@@ -52,23 +50,23 @@ contains
         closing = state%closing
         area = area_of(state)
       else
-        call begin_anew(pairs, those(:number))
-        allocate (called_for(number))
-        called_for = .true.
-        call search_load(pairs, those(:number), load, state%time, closing, fewer, outcomes, &
-                         called_for, jumps, found, failure)
-        deallocate (called_for)
+        call begin_effects(pairs, those(:number))
+        allocate (fewer%called_for(number))
+        fewer%called_for = .true.
+        call search_load(pairs, those(:number), load, state%time, fewer, jumps, failure)
+        deallocate (fewer%called_for)
         if (allocated(failure)) return
-        area = area_of(fewer)
+        closing = fewer%closing
+        area = area_of(fewer%state)
       end if
       if (closing_before > 0.0_real64) &
         records(i)%closing_change = closing / closing_before - 1.0_real64
       if (area_before > 0.0_real64) records(i)%area_change = area / area_before - 1.0_real64
     end do
-  end subroutine weigh_at_load
+  end subroutine compare_at_load
 
-  ! What effects remember is that of all of them together.
-  subroutine begin_anew(pairs, effects)
+  ! Resets the memory of effects, which is that of all effects together.
+  subroutine begin_effects(pairs, effects)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(inout) :: effects(:)
     integer :: i
@@ -76,9 +74,9 @@ contains
     do i = 1, size(effects)
       call effects(i)%effect%begin(pairs)
     end do
-  end subroutine begin_anew
+  end subroutine begin_effects
 
-  ! In squares of a length, over pi.
+  ! Contact area over pi, length squared.
   pure real(real64) function area_of(state)
     type(contact_state), intent(in) :: state
 

@@ -1,5 +1,4 @@
-!> Which of the effects of a state `auto` calls for, so that all it leaves out together stays within
-!> one tolerance.
+!> The effects of a state that `auto` simulates: the others together are within a tolerance.
 module asperity_effect_choice
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
@@ -15,18 +14,20 @@ module asperity_effect_choice
 
 contains
 
-  !> Chooses from the estimates of a state without effects. What is smallest is left out first, as
-  !> long as the sum of all that is left out stays within the tolerance, or within half of it where
-  !> an effect is simulated that leaves something out itself: it gets the rest, at least the other
-  !> half. Of two effects without a common theory the one with the larger estimate is simulated and
-  !> the other one warned of; one that is `on` comes first. The outcomes get the estimates.
+  !> Chooses effects by their estimates for a state without effects.
+  !>
+  !> The effects with the smallest estimates are left out as long as their sum is within the
+  !> tolerance, or within half of it where an effect is simulated that approximates: the rest, at
+  !> least the other half, is for its own error. Of two effects without a common theory the one with
+  !> the larger estimate is simulated, with a warning for the other; an effect that is `on` has
+  !> precedence.
   subroutine choose_effects(pairs, effects, state, outcomes, called, left)
-    type(contact_pairs), intent(in) :: pairs               !! the position
-    type(effect_box), intent(in) :: effects(:)             !! of the scene
-    type(contact_state), intent(in) :: state               !! contacts without effects
-    type(effect_outcome), intent(inout) :: outcomes(:)     !! of each effect
-    logical, allocatable, intent(out) :: called(:)         !! which of them to simulate
-    real(real64), intent(out) :: left                      !! of the tolerance, for those simulated
+    type(contact_pairs), intent(in) :: pairs             !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)           !! effects of the scene
+    type(contact_state), intent(in) :: state             !! contacts without effects
+    type(effect_outcome), intent(inout) :: outcomes(:)   !! results of each effect: its estimate
+    logical, allocatable, intent(out) :: called(:)       !! whether each effect is simulated
+    real(real64), intent(out) :: left                    !! tolerance of the simulated effects
     integer :: order(size(effects)), i, number
     real(real64) :: tolerance
 
@@ -40,30 +41,25 @@ contains
         if (called(i)) cycle
         tolerance = min(tolerance, effect%tolerance)
         outcomes(i)%estimate = effect%estimate(pairs, state)
-        call put_in_order(i)
+        call insert_effect(i)
       end associate
     end do
     if (number == 0) return
-    call share_out(tolerance)
+    call drop_smallest(tolerance)
     do i = 1, number
       if (called(order(i)) .and. effects(order(i))%effect%approximates) then
-        call share_out(0.5_real64 * tolerance)
+        call drop_smallest(0.5_real64 * tolerance)
         exit
       end if
     end do
-    ! Never less than that half: what is simulated for another reason needs it, too.
+    ! At least half of the tolerance: effects that are `on` may approximate, too.
     left = max(0.5_real64 * tolerance, tolerance - sum(outcomes%estimate, .not. called))
-    do i = 1, number
-      if (called(order(i)) .and. is_asked_for(order(i))) call keep_together(order(i))
-    end do
-    do i = 1, number
-      if (called(order(i)) .and. .not. is_asked_for(order(i))) call keep_together(order(i))
-    end do
+    call exclude_conflicts(effects, order(:number), outcomes, called)
 
   contains
 
-    ! Takes an effect into the order of falling estimates; equals stay in the order of the list.
-    subroutine put_in_order(effect)
+    ! Inserts an effect into the order of descending estimates; equal ones keep their order.
+    subroutine insert_effect(effect)
       integer, intent(in) :: effect
       integer :: at
 
@@ -75,68 +71,82 @@ contains
       end do
       order(at + 1) = effect
       number = number + 1
-    end subroutine put_in_order
+    end subroutine insert_effect
 
-    ! Leaves out the smallest ones while their sum is within a share.
-    subroutine share_out(share)
+    ! Leaves out the effects with the smallest estimates while their sum is within a share.
+    subroutine drop_smallest(share)
       real(real64), intent(in) :: share
       real(real64) :: total
       integer :: k
 
       total = 0.0_real64
       do k = number, 1, -1
-        ! An estimate may be huge.
+        ! An estimate may be huge: it is not added before the comparison.
         called(order(k)) = outcomes(order(k))%estimate > share - total
         if (.not. called(order(k))) total = total + outcomes(order(k))%estimate
       end do
-    end subroutine share_out
+    end subroutine drop_smallest
 
-    ! Leaves an effect out when one that comes before it has no common theory with it.
-    subroutine keep_together(effect)
+  end subroutine choose_effects
+
+  ! Leaves out, with a warning, effects of `auto` without a common theory with one of precedence:
+  ! one that is `on`, then explicit ones of `auto`, then the others by descending estimate.
+  subroutine exclude_conflicts(effects, order, outcomes, called)
+    type(effect_box), intent(in) :: effects(:)
+    integer, intent(in) :: order(:)  ! effects of `auto` by descending estimate
+    type(effect_outcome), intent(inout) :: outcomes(:)
+    logical, intent(inout) :: called(:)
+    integer :: i
+
+    do i = 1, size(order)
+      if (called(order(i)) .and. is_explicit(order(i))) call exclude_conflict(order(i))
+    end do
+    do i = 1, size(order)
+      if (called(order(i)) .and. .not. is_explicit(order(i))) call exclude_conflict(order(i))
+    end do
+
+  contains
+
+    ! Leaves an effect out when one of precedence has no common theory with it.
+    subroutine exclude_conflict(effect)
       integer, intent(in) :: effect
       integer :: other
 
       do other = 1, size(effects)
         if (other == effect .or. .not. called(other)) cycle
         if (effects(other)%effect%mode == effect_auto) then
-          if (is_asked_for(other) .neqv. is_asked_for(effect)) then
-            if (is_asked_for(effect)) cycle
-          else if (place_of(other) > place_of(effect)) then
+          if (is_explicit(other) .neqv. is_explicit(effect)) then
+            if (is_explicit(effect)) cycle
+          else if (findloc(order, other, 1) > findloc(order, effect, 1)) then
             cycle
           end if
         end if
-        if (why_not_together(trim(effects(effect)%effect%name), way_of(effect), &
-                             trim(effects(other)%effect%name), way_of(other)) == '') cycle
+        if (why_not_together(trim(effects(effect)%effect%name), mode_word(effect), &
+                             trim(effects(other)%effect%name), mode_word(other)) == '') cycle
         called(effect) = .false.
         call warn(outcomes(effect)%warnings, of_together, outcomes(effect)%estimate, &
                   whose=trim(effects(effect)%effect%name) // ' beside ' // &
                         effects(other)%effect%name)
         return
       end do
-    end subroutine keep_together
+    end subroutine exclude_conflict
 
-    ! Whether the scene writes an effect or gives its numbers.
-    logical function is_asked_for(effect)
+    ! Whether the scene sets an effect or its parameters.
+    logical function is_explicit(effect)
       integer, intent(in) :: effect
 
-      is_asked_for = effects(effect)%effect%given > by_default
-    end function is_asked_for
+      is_explicit = effects(effect)%effect%given > by_default
+    end function is_explicit
 
-    integer function place_of(effect)
+    ! The mode in which an effect would be simulated, as far as other effects depend on it.
+    function mode_word(effect) result(word)
       integer, intent(in) :: effect
+      character(len=:), allocatable :: word
 
-      place_of = findloc(order(:number), effect, 1)
-    end function place_of
+      word = 'on'
+      if (effects(effect)%effect%mode == effect_boundary) word = 'boundary'
+    end function mode_word
 
-    ! How an effect would be simulated, as far as that matters to others.
-    function way_of(effect) result(way)
-      integer, intent(in) :: effect
-      character(len=:), allocatable :: way
-
-      way = 'on'
-      if (effects(effect)%effect%mode == effect_boundary) way = 'boundary'
-    end function way_of
-
-  end subroutine choose_effects
+  end subroutine exclude_conflicts
 
 end module asperity_effect_choice

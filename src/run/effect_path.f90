@@ -1,11 +1,10 @@
-!> The states of a position, one after the other: on the way to its end, along a path of loads or
-!> approaches, and through a hold.
+!> The sequence of states of a position: loading, a path of loads or separations, and a hold.
 module asperity_effect_path
-  use asperity_contact_effect, only: effect_box, effect_outcome
+  use asperity_contact_effect, only: effect_box
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_state, only: contact_state, in_contact
+  use asperity_contact_state, only: in_contact
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_effect_sequence, only: first_failure, simulate
+  use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_kernel_real64, only: closings_on_the_way
   use asperity_kinds, only: real64
   use asperity_scene_values, only: control_compression, control_pressure, effect_off, hold_load, &
@@ -17,30 +16,30 @@ module asperity_effect_path
   public :: path_step, plan_states, plan_hold
   public :: to_closing, to_load, stay, as_before
 
-  integer, parameter :: to_closing = 1  !! the step ends at a closing
-  integer, parameter :: to_load = 2     !! the step ends at a load
-  integer, parameter :: stay = 3        !! the step keeps the closing of the last state
-  integer, parameter :: as_before = 4   !! the step keeps the load of the last state of loading
+  integer, parameter :: to_closing = 1  !! the state has a given compression
+  integer, parameter :: to_load = 2     !! the state has a given load
+  integer, parameter :: stay = 3        !! the state has the compression of the last one
+  integer, parameter :: as_before = 4   !! the state has the load of the last state of loading
 
-  !> The way to one state.
+  !> Control of one state.
   type :: path_step
-    integer :: kind = to_closing       !! `to_closing`, `to_load`, `stay` or `as_before`
-    real(real64) :: value = 0.0_real64 !! the closing or the load, in the unit of the pairs
-    real(real64) :: time = 0.0_real64  !! since the end of loading
-    !> The load asked for, in the unit of the pairs; huge: none. Of `as_before` it is the one held.
+    integer :: control = to_closing    !! `to_closing`, `to_load`, `stay` or `as_before`
+    real(real64) :: value = 0.0_real64 !! compression or load, in the unit of the pairs
+    real(real64) :: time = 0.0_real64  !! time since the end of loading
+    !> requested load, in the unit of the pairs; huge: none, or that of `as_before`
     real(real64) :: load = huge(1.0_real64)
   end type path_step
 
 contains
 
-  !> The states of loading. `points` equal parts lie between one value of a path and the next.
+  !> Plans the states of loading. `points` equal parts lie between two values of a path.
   subroutine plan_states(scene_in, pairs, effects, closing, steps, failure)
-    type(scene), intent(in) :: scene_in                       !! checked values
-    type(contact_pairs), intent(in) :: pairs                  !! the position
-    type(effect_box), intent(in) :: effects(:)                !! of the scene
-    real(real64), intent(in) :: closing                       !! the end, without a path
-    type(path_step), allocatable, intent(out) :: steps(:)     !! at least one
-    !> a load of the path becomes 0 in the unit of the pairs, or why a beginning is not found
+    type(scene), intent(in) :: scene_in                       !! scene, checked for faults
+    type(contact_pairs), intent(in) :: pairs                  !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)                !! effects of the scene
+    real(real64), intent(in) :: closing                       !! last compression without a path
+    type(path_step), allocatable, intent(out) :: steps(:)     !! states, at least one
+    !> a load of the path is 0 in the unit of the pairs, or a first contact is not found
     character(len=:), allocatable, intent(out) :: failure
     real(real64), allocatable :: closings(:), gaps(:)
     real(real64) :: from, to
@@ -51,7 +50,7 @@ contains
       if (scene_in%loading%events) then
         gaps = pairs%list%gap
         if (scene_in%effects%mode('interaction') /= effect_off) &
-          call find_beginnings(pairs, effects, closing, gaps, failure)
+          call find_first_contacts(pairs, effects, closing, gaps, failure)
         if (allocated(failure)) return
       end if
       call closings_on_the_way(scene_in%loading%points, gaps, closing, closings)
@@ -60,14 +59,14 @@ contains
       if (.not. is_load(scene_in%loading%control)) return
       associate (last => steps(size(steps)))
         last%load = pairs%target
-        ! Behind others the state of the load is found once more: those may be remembered.
-        if (size(steps) > 1) last%kind = to_load
+        ! After other states that of the load is searched again, as effects may have a memory.
+        if (size(steps) > 1) last%control = to_load
       end associate
       return
     end if
     parts = max(1, scene_in%loading%points)
     allocate (steps(1 + parts * size(scene_in%loading%path)))
-    if (is_load(scene_in%loading%control)) steps%kind = to_load
+    if (is_load(scene_in%loading%control)) steps%control = to_load
     used = 1
     from = 0.0_real64
     do i = 1, size(scene_in%loading%path)
@@ -85,24 +84,23 @@ contains
       from = to
     end do
     if (is_load(scene_in%loading%control)) steps%load = steps%value
-    ! The curve begins at first touch.
+    ! The curve begins at first contact.
     if (parts == 1) steps = steps(2:)
   end subroutine plan_states
 
-  ! The closings, up to the last, at which contacts begin that are lowered by others. A contact
-  ! penetrates by less than the closing since it began: the closing less the deepest penetration of
-  ! the contacts that are new leads down to the first beginning, never past it. A contact that
-  ! begins with a jump is found by halving.
-  subroutine find_beginnings(pairs, effects, last, closings, failure)
+  ! Finds the compressions, up to the last, of the first contact of each pair, with displacements by
+  ! neighbours. The penetration of a contact is less than the compression since its first contact:
+  ! the compression less the largest penetration of the new contacts is an upper bound of the next
+  ! one, to which it converges. A contact that begins with a jump is found by bisection.
+  subroutine find_first_contacts(pairs, effects, last, closings, failure)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)
     real(real64), intent(in) :: last
-    real(real64), allocatable, intent(out) :: closings(:)          ! ascending, from first touch on
+    real(real64), allocatable, intent(out) :: closings(:)          ! ascending, from first contact
     character(len=:), allocatable, intent(inout) :: failure
-    ! Error of a beginning over the last closing (chosen: the accuracy of a solve at a closing).
-    real(real64), parameter :: precision = 1.0e-10_real64
-    type(contact_state) :: state
-    type(effect_outcome), allocatable :: outcomes(:)
+    ! Tolerance relative to the last compression (chosen: the accuracy of the solution at one).
+    real(real64), parameter :: tolerance = 1.0e-10_real64
+    type(found_state) :: there
     logical, dimension(size(pairs%list)) :: begun, fresh, first
     real(real64) :: at, low, high
     integer :: i
@@ -114,33 +112,34 @@ contains
       low = closings(size(closings))
       high = last
       do
-        call simulate(pairs, effects, at, 0.0_real64, state, outcomes, .true.)
-        call first_failure(effects, outcomes, failure)
+        there%closing = at
+        call simulate_effects(pairs, effects, 0.0_real64, there, .true.)
+        call first_failure(effects, there%outcomes, failure)
         if (allocated(failure)) return
-        fresh = in_contact(state, [(i, i=1, size(fresh))]) .and. .not. begun
+        fresh = in_contact(there%state, [(i, i=1, size(fresh))]) .and. .not. begun
         if (any(fresh)) then
           high = at
           first = fresh
-          at = max(low, high - maxval(state%penetration, fresh))
-          if (high - at <= precision * last) exit
+          at = max(low, high - maxval(there%state%penetration, fresh))
+          if (high - at <= tolerance * last) exit
         else if (.not. at < last) then
           return
         else
           low = at
         end if
-        if (high - low <= precision * last) exit
+        if (high - low <= tolerance * last) exit
         if (.not. at > low) at = 0.5_real64 * (low + high)
       end do
       closings = [closings, high]
       begun = begun .or. first
       at = last
     end do
-  end subroutine find_beginnings
+  end subroutine find_first_contacts
 
-  !> The states of a hold after the last state of loading.
+  !> Plans the states of a hold after the last state of loading.
   subroutine plan_hold(scene_in, steps)
-    type(scene), intent(in) :: scene_in                     !! checked values
-    type(path_step), allocatable, intent(out) :: steps(:)   !! none without a hold
+    type(scene), intent(in) :: scene_in                     !! scene, checked for faults
+    type(path_step), allocatable, intent(out) :: steps(:)   !! states; without a hold none
     real(real64), allocatable :: times(:)
 
     associate (effects => scene_in%effects)
@@ -148,11 +147,11 @@ contains
                       nint(effects%number('hold_points')), times)
       allocate (steps(size(times) - 1))
       steps%time = times(2:)
-      steps%kind = merge(as_before, stay, nint(effects%number('hold')) == hold_load)
+      steps%control = merge(as_before, stay, nint(effects%number('hold')) == hold_load)
     end associate
   end subroutine plan_hold
 
-  ! A value of the path in the unit of the pairs: a load, or the closing of an approach.
+  ! A value of the path in the unit of the pairs: a load, or the compression of a separation.
   real(real64) function value_of(scene_in, pairs, value)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs

@@ -9,12 +9,12 @@ module asperity_effect_position
   use asperity_contact_state, only: apart, contact_state, load_asked_for, move_x, move_y, &
                                     start_state, total_load, total_vertical_load
   use asperity_earlier_solutions, only: keep_solution, mark_crowded
-  use asperity_effect_at_load, only: weigh_at_load
+  use asperity_effect_at_load, only: compare_at_load
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, stay, to_closing, &
                                    to_load
   use asperity_effect_rows, only: add_state
-  use asperity_effect_sequence, only: first_failure, simulate
+  use asperity_effect_sequence, only: first_failure, found_state, simulate_effects
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: real64
   use asperity_problems, only: not_enough_memory
@@ -22,182 +22,172 @@ module asperity_effect_position
   implicit none
   private
 
-  public :: run_position
+  public :: position_run, run_position
+
+  !> Options and outcome of the computation of one position.
+  type :: position_run
+    logical :: keep_rows = .true.   !! whether the contacts of every state are kept
+    !> whether there was a path or a simulated effect; else the solver without effects suffices
+    logical :: simulated = .false.
+    logical :: too_far = .false.    !! pairs that are not listed may touch: repeat with all pairs
+    !> contact law in the state of the largest compression; not allocated: one with attraction
+    class(contact_law), allocatable :: law
+  end type position_run
 
 contains
 
-  !> Computes all states of a position that has pairs. `simulated` is false when `auto` left all
-  !> effects out and the position has nothing that the solver without effects does not know;
-  !> `too_far` is true when pairs that were not listed may touch.
-  subroutine run_position(scene_in, pairs, effects, keep_rows, result, law, simulated, too_far, &
-                          failure)
-    type(scene), intent(in) :: scene_in                    !! checked values
-    type(contact_pairs), intent(in) :: pairs               !! at least one
-    type(effect_box), intent(inout) :: effects(:)          !! of the scene; they remember
-    logical, intent(in) :: keep_rows                       !! keep the contacts of every state
-    type(position_result), intent(out) :: result           !! the states, what the effects did
-    !> of the contacts in the state of the largest compression; not allocated: it attracts
-    class(contact_law), allocatable, intent(out) :: law
-    logical, intent(out) :: simulated                      !! an effect was
-    logical, intent(out) :: too_far                        !! to be done again with all pairs
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+  !> Computes all states of a position that has pairs.
+  subroutine run_position(scene_in, pairs, effects, result, run, failure)
+    type(scene), intent(in) :: scene_in                    !! scene, checked for faults
+    type(contact_pairs), intent(in) :: pairs               !! pairs of the position, at least one
+    type(effect_box), intent(inout) :: effects(:)          !! effects of the scene with their memory
+    type(position_result), intent(out) :: result           !! states, results of the effects
+    type(position_run), intent(inout) :: run               !! options; the outcome
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when a state is not solved
     type(path_step), allocatable :: steps(:), hold(:)
-    type(contact_state) :: state
-    type(effect_outcome), allocatable :: outcomes(:)
-    logical, allocatable :: called_for(:)
-    real(real64), allocatable :: found(:, :)
-    real(real64) :: closing, held
+    type(found_state) :: there
     integer :: i
 
     result%x_displacement = pairs%x_displacement
     result%y_displacement = pairs%y_displacement
-    simulated = allocated(scene_in%loading%path)
-    too_far = .false.
+    run%simulated = allocated(scene_in%loading%path)
+    run%too_far = .false.
+    if (allocated(run%law)) deallocate (run%law)
     do i = 1, size(effects)
       call effects(i)%effect%begin(pairs)
     end do
-    closing = pairs%closing
-    if (is_load(scene_in%loading%control) .and. .not. simulated) then
-      call close_to_load(pairs, effects, pairs%target, 0.0_real64, closing, state, outcomes, &
-                         called_for, found, failure)
+    there%closing = pairs%closing
+    if (is_load(scene_in%loading%control) .and. .not. run%simulated) then
+      call close_to_load(pairs, effects, pairs%target, 0.0_real64, there, failure)
       if (allocated(failure)) return
     end if
-    call plan_states(scene_in, pairs, effects, closing, steps, failure)
+    call plan_states(scene_in, pairs, effects, there%closing, steps, failure)
     if (allocated(failure)) return
     allocate (hold(0))
-    if (acts_in_time(pairs, effects, closing)) call plan_hold(scene_in, hold)
+    if (acts_in_time(pairs, effects, there%closing)) call plan_hold(scene_in, hold)
     steps = [steps, hold]
     allocate (result%states(size(steps)), result%rows(0))
-    call walk(scene_in, pairs, effects, steps, keep_rows, result, law, state, outcomes, &
-              called_for, found, held, simulated, too_far, failure)
-    ! More contacts than can be kept end the walk early.
-    if (too_far .or. allocated(failure) .or. .not. allocated(result%effects)) return
-    if (pairs%keeps_solution .and. allocated(state%found)) then
-      if (state%found(1, apart) > 0.0_real64) then
-        call keep_solution(pairs, state%closing, [total_load(state), total_vertical_load(state)], &
-                           state%penetration, transpose(state%found(2:, move_x:move_y)), &
-                           result%start)
-      else
-        call mark_crowded(pairs, state%closing, load_asked_for(pairs, state), result%start)
+    call run_steps(scene_in, pairs, effects, steps, there, result, run, failure)
+    ! The states end early when there are more contacts than can be kept.
+    if (run%too_far .or. allocated(failure) .or. .not. allocated(result%effects)) return
+    associate (state => there%state)
+      if (pairs%keeps_solution .and. allocated(state%found)) then
+        if (state%found(1, apart) > 0.0_real64) then
+          call keep_solution(pairs, state%closing, &
+                             [total_load(state), total_vertical_load(state)], &
+                             state%penetration, transpose(state%found(2:, move_x:move_y)), &
+                             result%start)
+        else
+          call mark_crowded(pairs, state%closing, load_asked_for(pairs, state), result%start)
+        end if
       end if
-    end if
-    if (only_grows(steps)) &
-      call weigh_at_load(pairs, effects, held, state, result%effects, failure)
-    ! A load that is not borne with fewer effects cannot be compared.
+      if (only_grows(steps)) &
+        call compare_at_load(pairs, effects, there%load_asked, state, result%effects, failure)
+    end associate
+    ! Without a state of fewer effects under the load there is no comparison.
     if (allocated(failure)) then
       if (index(failure, not_enough_memory) == 0) deallocate (failure)
     end if
   end subroutine run_position
 
-  ! Goes from state to state. A state that is known already, from the search for a load, is not
-  ! simulated again.
-  subroutine walk(scene_in, pairs, effects, steps, keep_rows, result, law, state, outcomes, &
-                  called_for, found, asked, simulated, too_far, failure)
+  ! Computes state after state. A state that the search for a load has left is not simulated again.
+  subroutine run_steps(scene_in, pairs, effects, steps, there, result, run, failure)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(inout) :: effects(:)
     type(path_step), intent(in) :: steps(:)
-    logical, intent(in) :: keep_rows
+    type(found_state), intent(inout) :: there   ! last state
     type(position_result), intent(inout) :: result
-    class(contact_law), allocatable, intent(inout) :: law
-    type(contact_state), intent(inout) :: state
-    type(effect_outcome), allocatable, intent(inout) :: outcomes(:)
-    logical, allocatable, intent(inout) :: called_for(:)
-    real(real64), allocatable, intent(inout) :: found(:, :)
-    real(real64), intent(out) :: asked
-    logical, intent(inout) :: simulated
-    logical, intent(out) :: too_far
+    type(position_run), intent(inout) :: run
     character(len=:), allocatable, intent(out) :: failure
-    real(real64) :: closing, deepest, held
+    real(real64) :: deepest, held
     integer :: e, i
 
-    closing = 0.0_real64
+    there%closing = 0.0_real64
     deepest = -1.0_real64
     held = 0.0_real64
-    too_far = .false.
     do i = 1, size(steps)
-      asked = steps(i)%load
-      select case (steps(i)%kind)
+      there%load_asked = steps(i)%load
+      select case (steps(i)%control)
       case (to_closing)
-        closing = steps(i)%value
+        there%closing = steps(i)%value
       case (to_load)
-        call close_to_load(pairs, effects, asked, 0.0_real64, closing, state, outcomes, &
-                           called_for, found, failure)
+        call close_to_load(pairs, effects, steps(i)%load, 0.0_real64, there, failure)
       case (as_before)
-        asked = held
-        call close_to_load(pairs, effects, held, steps(i)%time, closing, state, outcomes, &
-                           called_for, found, failure)
+        there%load_asked = held
+        call close_to_load(pairs, effects, held, steps(i)%time, there, failure)
       case default  ! stay
       end select
-      too_far = closing > pairs%complete_to
-      if (allocated(failure) .or. too_far) return
-      if (.not. is_known(state, outcomes, effects, closing, steps(i)%time)) then
-        if (asked < huge(asked)) then
-          call simulate(pairs, effects, closing, steps(i)%time, state, outcomes, found=found, &
-                        called_for=called_for)
-        else
-          call simulate(pairs, effects, closing, steps(i)%time, state, outcomes)
+      run%too_far = there%closing > pairs%complete_to
+      if (allocated(failure) .or. run%too_far) return
+      if (.not. is_known(there, effects, steps(i)%time)) then
+        ! Results of a search belong to its load.
+        if (.not. there%load_asked < huge(held)) then
+          if (allocated(there%called_for)) deallocate (there%called_for)
+          if (allocated(there%found)) deallocate (there%found)
         end if
+        call simulate_effects(pairs, effects, steps(i)%time, there)
       end if
-      call first_failure(effects, outcomes, failure)
+      call first_failure(effects, there%outcomes, failure)
       if (allocated(failure)) return
-      simulated = simulated .or. any(outcomes%simulated /= 'off')
+      run%simulated = run%simulated .or. any(there%outcomes%simulated /= 'off')
       do e = 1, size(effects)
-        call effects(e)%effect%keep(pairs, state)
+        call effects(e)%effect%keep(pairs, there%state)
       end do
-      call add_state(scene_in, pairs, effects, state, outcomes, i, keep_rows, result)
-      if (closing > deepest) then
-        deepest = closing
-        if (allocated(law)) deallocate (law)
-        if (all(state%answers%load >= 0.0_real64)) allocate (law, source=state%law)
+      call add_state(scene_in, pairs, effects, there%state, there%outcomes, i, run%keep_rows, &
+                     result)
+      if (there%closing > deepest) then
+        deepest = there%closing
+        if (allocated(run%law)) deallocate (run%law)
+        if (all(there%state%answers%load >= 0.0_real64)) allocate (run%law, source=there%state%law)
       end if
-      if (asked < huge(asked)) then
+      if (there%load_asked < huge(held)) then
         result%states(i)%asked = merge(asked_vertical, asked_normal, pairs%vertical)
-        result%states(i)%load_asked = in_scene_units(pairs, asked, 1, 2)
+        result%states(i)%load_asked = in_scene_units(pairs, there%load_asked, 1, 2)
       end if
-      call pairs%count%step(result%counted)
-      ! What follows may remember this state and answer otherwise.
-      if (allocated(outcomes)) deallocate (outcomes)
-      if (steps(i)%kind /= as_before) held = load_asked_for(pairs, state)
+      call pairs%count%count_state(result%counted)
+      ! Effects keep this state and may answer otherwise in the next one.
+      if (allocated(there%outcomes)) deallocate (there%outcomes)
+      if (steps(i)%control /= as_before) held = load_asked_for(pairs, there%state)
       if (result%rows_used > most_rows) exit
     end do
-  end subroutine walk
+  end subroutine run_steps
 
-  ! Whether the last state is under a load that was asked for and comes from no larger one: what is
-  ! remembered of a way back is not what fewer effects would remember.
+  ! Whether the last state is under a requested load and follows no larger one: the memory of
+  ! effects on unloading is not that of fewer effects.
   pure logical function only_grows(steps)
     type(path_step), intent(in) :: steps(:)
     integer :: last
 
     last = size(steps)
-    do while (last > 1 .and. steps(last)%kind == as_before)
+    do while (last > 1 .and. steps(last)%control == as_before)
       last = last - 1
     end do
     only_grows = steps(last)%load > 0.0_real64 .and. steps(last)%load < huge(1.0_real64) .and. &
-                 steps(size(steps))%kind /= stay
+                 steps(size(steps))%control /= stay
     if (only_grows) only_grows = all(steps(:last)%load <= steps(last)%load .or. &
                                      steps(:last)%load >= huge(1.0_real64))
   end function only_grows
 
-  ! Whether a state is that of a closing and time, with all effects. The search for a load while
-  ! loading leaves out those that act in time.
-  pure logical function is_known(state, outcomes, effects, closing, time)
-    type(contact_state), intent(in) :: state
-    type(effect_outcome), allocatable, intent(in) :: outcomes(:)
+  ! Whether the state is that of its compression and a time, with all effects. The search for a load
+  ! on loading leaves out effects that act in time.
+  pure logical function is_known(there, effects, time)
+    type(found_state), intent(in) :: there
     type(effect_box), intent(in) :: effects(:)
-    real(real64), intent(in) :: closing, time
+    real(real64), intent(in) :: time
     integer :: i
 
-    is_known = allocated(outcomes)
-    if (is_known .and. time > 0.0_real64) is_known = .not. abs(state%time - time) > 0.0_real64
+    is_known = allocated(there%outcomes)
+    if (is_known .and. time > 0.0_real64) &
+      is_known = .not. abs(there%state%time - time) > 0.0_real64
     do i = 1, size(effects)
       if (.not. time > 0.0_real64) &
         is_known = is_known .and. .not. effects(i)%effect%acts_in_time
     end do
-    if (is_known) is_known = .not. abs(state%closing - closing) > 0.0_real64
+    if (is_known) is_known = .not. abs(there%state%closing - there%closing) > 0.0_real64
   end function is_known
 
-  ! Whether an effect that acts in time is called for.
+  ! Whether an effect that acts in time is simulated.
   logical function acts_in_time(pairs, effects, closing)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)

@@ -1,4 +1,4 @@
-!> Turns the contacts of a state with effects into records, in the units of the scene.
+!> Records of the states and contacts of a position with effects, in the units of the scene.
 module asperity_effect_rows
   use asperity_constants, only: pi
   use asperity_contact_effect, only: column_name, effect_box, effect_outcome
@@ -24,10 +24,10 @@ module asperity_effect_rows
 
 contains
 
-  !> The header of the columns of the effects.
+  !> Sets the names of the effects and of their columns.
   subroutine name_columns(effects, header)
-    type(effect_box), intent(in) :: effects(:)     !! of the scene
-    type(effect_header), intent(inout) :: header   !! gets names and columns
+    type(effect_box), intent(in) :: effects(:)     !! effects of the scene
+    type(effect_header), intent(inout) :: header   !! header with names and columns
     integer :: i
 
     allocate (header%names(size(effects)), header%modes(size(effects)), &
@@ -49,7 +49,7 @@ contains
 
   contains
 
-    ! The powers of more columns.
+    ! Appends the powers of columns.
     pure function with_powers(before, columns) result(powers)
       integer, intent(in) :: before(:, :)
       type(column_name), intent(in) :: columns(:)
@@ -62,16 +62,16 @@ contains
 
   end subroutine name_columns
 
-  !> Adds a state to its position: totals, and the rows of its contacts when they are kept.
+  !> Adds a state to its position: totals, and the rows of contacts when they are kept.
   subroutine add_state(scene_in, pairs, effects, state, outcomes, number, keep_rows, result)
-    type(scene), intent(in) :: scene_in                !! what is solved
-    type(contact_pairs), intent(in) :: pairs           !! the position
-    type(effect_box), intent(in) :: effects(:)         !! of the scene
-    type(contact_state), intent(in) :: state           !! its contacts, effects applied
-    type(effect_outcome), intent(in) :: outcomes(:)    !! of each effect
-    integer, intent(in) :: number                      !! place among the states
-    logical, intent(in) :: keep_rows                   !! keep the contacts
-    type(position_result), intent(inout) :: result     !! gets the state
+    type(scene), intent(in) :: scene_in                !! scene that is solved
+    type(contact_pairs), intent(in) :: pairs           !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)         !! effects of the scene
+    type(contact_state), intent(in) :: state           !! contacts with the effects
+    type(effect_outcome), intent(in) :: outcomes(:)    !! results of each effect
+    integer, intent(in) :: number                      !! number of the state, from 1
+    logical, intent(in) :: keep_rows                   !! whether contacts are kept
+    type(position_result), intent(inout) :: result     !! result of the position
     type(contact_row), allocatable :: rows(:)
     type(contact_response) :: answer
     type(state_row) :: totals
@@ -93,8 +93,8 @@ contains
       totals%area = totals%area + area
       totals%projected_area = totals%projected_area + area * answer%cosine
       totals%greatest_pressure = max(totals%greatest_pressure, answer%maximum_pressure)
-      call look_at_contact(pairs%limits, seen(pairs%list(i), state%penetration(i), answer), &
-                           warnings)
+      call look_at_contact(pairs%limits, contact_for_limits(pairs%list(i), state%penetration(i), &
+                                                            answer), warnings)
       if (keep_rows) call fill_row(pairs, state, i, at_limit, rows(totals%contacts))
     end do
     projected_area = totals%projected_area
@@ -125,7 +125,7 @@ contains
       call close_position(scene_in, pairs, effects, outcomes, result)
   end subroutine add_state
 
-  ! Keeps pressures on boundary elements, those of this closing alone, and shifts of contacts.
+  ! Keeps the pressures on boundary elements at this compression and the shifts of contacts.
   subroutine keep_pressures(pairs, state, number, result)
     type(contact_pairs), intent(in) :: pairs
     type(contact_state), intent(in) :: state
@@ -146,17 +146,17 @@ contains
     end associate
   end subroutine keep_pressures
 
-  !> Adds what the effects report of a state at which all of them are left out.
+  !> Adds the results of the effects for a state at which all of them are left out.
   subroutine add_without_effects(scene_in, pairs, effects, state, outcomes, number, keep_rows, &
                                  result)
-    type(scene), intent(in) :: scene_in                  !! what is solved
-    type(contact_pairs), intent(in) :: pairs             !! the position
-    type(effect_box), intent(in) :: effects(:)           !! of the scene
+    type(scene), intent(in) :: scene_in                  !! scene that is solved
+    type(contact_pairs), intent(in) :: pairs             !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)           !! effects of the scene
     type(contact_state), intent(in) :: state             !! contacts without effects
-    type(effect_outcome), intent(inout) :: outcomes(:)   !! with the estimates
-    integer, intent(in) :: number                        !! place among the states
-    logical, intent(in) :: keep_rows                     !! the contacts are kept
-    type(position_result), intent(inout) :: result       !! states allocated; gets values, no states
+    type(effect_outcome), intent(inout) :: outcomes(:)   !! results with the estimates
+    integer, intent(in) :: number                        !! number of the state, from 1
+    logical, intent(in) :: keep_rows                     !! whether contacts are kept
+    type(position_result), intent(inout) :: result       !! with allocated states; gets values only
     integer :: i
 
     do i = 1, size(effects)
@@ -172,7 +172,7 @@ contains
       call close_position(scene_in, pairs, effects, outcomes, result)
   end subroutine add_without_effects
 
-  ! Results of the effects for a position, from its last state.
+  ! Sets the results of the effects for a position, from its last state.
   subroutine close_position(scene_in, pairs, effects, outcomes, result)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
@@ -193,11 +193,11 @@ contains
     call take_worse(result%warnings, warnings, size(result%states))
   end subroutine close_position
 
-  !> Results of the effects at a position at which no pair can touch.
+  !> Sets the results of the effects at a position at which no pair can touch.
   subroutine add_nothing(pairs, effects, result)
-    type(contact_pairs), intent(in) :: pairs         !! the position, without pairs
-    type(effect_box), intent(inout) :: effects(:)    !! of the scene
-    type(position_result), intent(inout) :: result   !! gets it
+    type(contact_pairs), intent(in) :: pairs         !! position without pairs
+    type(effect_box), intent(inout) :: effects(:)    !! effects of the scene
+    type(position_result), intent(inout) :: result   !! result of the position
     type(contact_state) :: state
     type(effect_outcome) :: outcomes(size(effects))
     integer :: columns, i
@@ -216,8 +216,8 @@ contains
     allocate (result%effects(size(effects)), result%contact_values(0, columns))
   end subroutine add_nothing
 
-  ! Estimated relative error of a state: what `auto` left out and what the effects that were
-  ! simulated say of themselves.
+  ! Estimated relative error of a state: estimates of the effects that `auto` left out, and errors
+  ! of the simulated ones.
   pure real(real64) function total_error(scene_in, outcomes) result(total)
     type(scene), intent(in) :: scene_in
     type(effect_outcome), intent(in) :: outcomes(:)
@@ -238,8 +238,8 @@ contains
     end do
   end function total_error
 
-  ! The largest share, over the states, of an effect that has no common theory with another one and
-  ! is left out for it; `not_computed` where there is none.
+  ! Largest estimate, over the states, of an effect that is left out because it has no common theory
+  ! with another one; `not_computed` without such an effect.
   pure real(real64) function left_out_beside(scene_in, result) result(share)
     type(scene), intent(in) :: scene_in
     type(position_result), intent(in) :: result
@@ -253,21 +253,22 @@ contains
     end do
   end function left_out_beside
 
-  ! One contact as it is held against the limits.
-  pure type(seen_contact) function seen(pair, penetration, answer)
+  ! Quantities of one contact for the comparison with the limits of theories.
+  pure type(seen_contact) function contact_for_limits(pair, penetration, answer)
     type(contact_pair), intent(in) :: pair
     real(real64), intent(in) :: penetration
     type(contact_response), intent(in) :: answer
 
-    seen = seen_contact(upper_radius=pair%upper_radius, lower_radius=pair%lower_radius, &
-                        upper_height=pair%upper_height, lower_height=pair%lower_height, &
-                        contact_radius=answer%contact_radius, overlap=answer%overlap, d=pair%d, &
-                        z=pair%zc - penetration)
+    contact_for_limits = seen_contact( &
+      upper_radius=pair%upper_radius, lower_radius=pair%lower_radius, &
+      upper_height=pair%upper_height, lower_height=pair%lower_height, &
+      contact_radius=answer%contact_radius, overlap=answer%overlap, d=pair%d, &
+      z=pair%zc - penetration)
     if (answer%contact_radius > 0.0_real64) &
-      seen%pressure = answer%load / (pi * answer%contact_radius**2)
-  end function seen
+      contact_for_limits%pressure = answer%load / (pi * answer%contact_radius**2)
+  end function contact_for_limits
 
-  ! One contact as a record.
+  ! Fills the record of one contact.
   subroutine fill_row(pairs, state, i, at_limit, row)
     type(contact_pairs), intent(in) :: pairs
     type(contact_state), intent(in) :: state
@@ -297,8 +298,8 @@ contains
     end associate
   end subroutine fill_row
 
-  ! Whether a contact is at its limit: by its load or by its greatest pressure, against those of the
-  ! law at the limit's penetration.
+  ! Whether a contact is at its limit: its load or greatest pressure is that of the contact law at
+  ! the penetration of the limit.
   logical function is_at_limit(scene_in, pairs, state, i)
     type(scene), intent(in) :: scene_in
     type(contact_pairs), intent(in) :: pairs
@@ -375,7 +376,7 @@ contains
     end do
   end function state_value
 
-  ! The columns of the effects in the last state.
+  ! Sets the columns of the effects in the last state.
   subroutine set_state_values(pairs, effects, outcomes, result)
     type(contact_pairs), intent(in) :: pairs
     type(effect_box), intent(in) :: effects(:)

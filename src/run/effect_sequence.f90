@@ -10,25 +10,32 @@ module asperity_effect_sequence
   implicit none
   private
 
-  public :: simulate, first_failure
+  public :: found_state, simulate_effects, first_failure
+
+  !> A compression, the contacts there and the results of the search for it.
+  type :: found_state
+    real(real64) :: closing = 0.0_real64               !! compression, length, 0 or more
+    real(real64) :: load_asked = huge(1.0_real64)      !! requested load; huge: none
+    type(contact_state) :: state                       !! contacts with the effects
+    type(effect_outcome), allocatable :: outcomes(:)   !! results of the effects
+    !> By effect, for those of `auto`: whether it is simulated, regardless of its estimate; not
+    !> allocated: its estimate decides.
+    logical, allocatable :: called_for(:)
+    !> Results of the search for the compression (pair, quantity), for the effect that searched; not
+    !> allocated: no effect searched.
+    real(real64), allocatable :: found(:, :)
+  end type found_state
 
 contains
 
-  !> The contacts at a closing with the effects called for.
-  subroutine simulate(pairs, effects, closing, time, state, outcomes, loading_only, found, &
-                      called_for)
-    type(contact_pairs), intent(in) :: pairs                        !! the position
-    type(effect_box), intent(in) :: effects(:)                      !! in the order they act
-    real(real64), intent(in) :: closing                             !! past first touch
-    real(real64), intent(in) :: time                                !! since the end of loading
-    type(contact_state), intent(out) :: state                       !! with the effects
-    type(effect_outcome), allocatable, intent(out) :: outcomes(:)   !! what each did
-    !> leave out what acts in time; without it nothing is left out
+  !> Computes the contacts at a compression with the effects that are called for.
+  subroutine simulate_effects(pairs, effects, time, there, loading_only)
+    type(contact_pairs), intent(in) :: pairs     !! pairs of the position
+    type(effect_box), intent(in) :: effects(:)   !! effects of the scene, in their order of action
+    real(real64), intent(in) :: time             !! time since the end of loading, 0 or more
+    type(found_state), intent(inout) :: there    !! compression and search; gets the state
+    !> whether effects that act in time are left out; absent: .false.
     logical, intent(in), optional :: loading_only
-    !> what a search for the closing has found (pair, quantity)
-    real(real64), intent(in), optional :: found(:, :)
-    !> of `auto`, what is simulated whatever its estimate is, and what is not
-    logical, intent(in), optional :: called_for(:)
     real(real64) :: before
     logical, allocatable :: called(:)
     character(len=:), allocatable :: why
@@ -37,53 +44,54 @@ contains
 
     without_time = .false.
     if (present(loading_only)) without_time = loading_only
-    allocate (outcomes(size(effects)))
-    call start_state(pairs, hertz_law(modulus=pairs%modulus), closing, state)
-    state%time = time
+    if (allocated(there%outcomes)) deallocate (there%outcomes)
+    allocate (there%outcomes(size(effects)))
+    call start_state(pairs, hertz_law(modulus=pairs%modulus), there%closing, there%state)
+    there%state%time = time
     if (pairs%interrupt%is_asked() .and. size(effects) > 0) then
-      outcomes(1)%failure = 'interrupted'
+      there%outcomes(1)%failure = 'interrupted'
       return
     end if
-    if (present(found)) state%found = found
-    call choose_effects(pairs, effects, state, outcomes, called, state%left)
+    if (allocated(there%found)) there%state%found = there%found
+    call choose_effects(pairs, effects, there%state, there%outcomes, called, there%state%left)
     why = 'estimate above tolerance'
-    if (present(called_for)) then
+    if (allocated(there%called_for)) then
       why = 'estimate at tolerance'
       do i = 1, size(effects)
-        if (effects(i)%effect%mode == effect_auto) called(i) = called_for(i)
+        if (effects(i)%effect%mode == effect_auto) called(i) = there%called_for(i)
       end do
     end if
     do i = 1, size(effects)
-      associate (effect => effects(i)%effect, outcome => outcomes(i))
+      associate (effect => effects(i)%effect, outcome => there%outcomes(i))
         if (without_time .and. effect%acts_in_time) cycle
         if (called(i) .and. effect%approximates .and. effect%mode == effect_auto .and. &
-            .not. present(called_for)) then
-          ! The laws of contact may have changed what it would do.
-          outcome%estimate = effect%estimate(pairs, state)
-          called(i) = outcome%estimate > state%left
+            .not. allocated(there%called_for)) then
+          ! Effects before this one may have changed the contact law and so its estimate.
+          outcome%estimate = effect%estimate(pairs, there%state)
+          called(i) = outcome%estimate > there%state%left
         end if
         if (.not. called(i)) then
-          call effect%leave_out(pairs, state, outcome)
+          call effect%leave_out(pairs, there%state, outcome)
           cycle
         end if
         if (effect%mode == effect_auto) outcome%why = why
-        before = total_vertical_load(state)
-        call effect%apply(pairs, state, outcome)
+        before = total_vertical_load(there%state)
+        call effect%apply(pairs, there%state, outcome)
         if (allocated(outcome%failure)) return
         if (before > 0.0_real64 .and. .not. outcome%influence_known) &
-          outcome%influence = total_vertical_load(state) / before - 1.0_real64
+          outcome%influence = total_vertical_load(there%state) / before - 1.0_real64
       end associate
     end do
     do i = 1, size(effects)
-      call effects(i)%effect%finish(pairs, state, outcomes(i))
+      call effects(i)%effect%finish(pairs, there%state, there%outcomes(i))
     end do
-  end subroutine simulate
+  end subroutine simulate_effects
 
-  !> Why the first of the effects that failed could not be simulated.
+  !> Message of the first effect that failed. It is unchanged when no effect failed.
   subroutine first_failure(effects, outcomes, failure)
-    type(effect_box), intent(in) :: effects(:)                 !! of the scene
-    type(effect_outcome), intent(in) :: outcomes(:)            !! of one state
-    character(len=:), allocatable, intent(inout) :: failure    !! stays as it is when none failed
+    type(effect_box), intent(in) :: effects(:)                 !! effects of the scene
+    type(effect_outcome), intent(in) :: outcomes(:)            !! their results in one state
+    character(len=:), allocatable, intent(inout) :: failure    !! name of the effect and reason
     integer :: i
 
     do i = size(effects), 1, -1

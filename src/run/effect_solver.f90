@@ -1,8 +1,8 @@
-!> Solves the positions of a scene with its effects: its contacts, then the effects called for.
+!> Solves the positions of a scene with its effects.
 !>
-!> Effects are computed in doubles. A position at which `auto` leaves all effects out is that of the
-!> solver without effects, byte for byte. Of every effect that is off the influence on the load is
-!> estimated.
+!> Effects are computed in doubles. A position at which `auto` leaves out all effects has the result
+!> of the solver without effects, byte for byte. The influence on the load is estimated for every
+!> effect that is off.
 module asperity_effect_solver
   use asperity_arithmetics, only: solver_in
   use asperity_contact_effect, only: effect_box, effect_outcome
@@ -15,7 +15,7 @@ module asperity_effect_solver
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_list, only: list_effects, list_left_out
   use asperity_effect_names, only: effect_on, effect_words, known_effects, why_not_together
-  use asperity_effect_position, only: run_position
+  use asperity_effect_position, only: position_run, run_position
   use asperity_effect_rows, only: add_nothing, add_without_effects, name_columns, of_compression
   use asperity_element_pressures, only: element_pressures
   use asperity_first_yield, only: yielding_body
@@ -33,33 +33,33 @@ module asperity_effect_solver
 
   public :: make_effect_solver
 
-  !> A scene with effects, made ready.
+  !> Solver of a scene with effects.
   type, extends(position_solver) :: effect_solver
     private
     type(scene), pointer :: scene_in => null()
     type(placed_scene) :: placed
-    ! Solver in another arithmetic, without effects; not allocated: doubles.
+    ! Solver in another arithmetic, without effects; not allocated: real64.
     class(position_solver), allocatable :: other
     logical :: has_doubles = .true.              ! the scene can be placed in doubles
     logical :: by_estimate = .false.             ! all effects may turn out to be negligible
     integer :: fields = fields_none              ! states whose pressures are kept
     logical :: remembers = .true.                ! a path, or effects other than interaction
-    type(effect_box), allocatable :: effects(:)  ! as they are before a position
-    type(effect_box), allocatable :: left_out(:) ! those that are off, to be estimated
+    type(effect_box), allocatable :: effects(:)  ! initial state for a position
+    type(effect_box), allocatable :: left_out(:) ! effects that are off, to be estimated
   contains
-    procedure :: solve => solve_with_effects  !! one position
+    procedure :: solve => solve_with_effects  !! solves one position
   end type effect_solver
 
 contains
 
-  !> Makes a scene ready to be solved with its effects. `failure` is allocated when a number is out
-  !> of range.
+  !> Makes the solver of a scene with its effects. `failure` is allocated when a number is out of
+  !> range.
   subroutine make_effect_solver(scene_in, arithmetic, solver, header, failure, fields)
-    type(scene), intent(in), target :: scene_in            !! checked; must outlive the solver
-    character(len=*), intent(in) :: arithmetic             !! real64 where there are effects
+    type(scene), intent(in), target :: scene_in  !! scene, checked; must outlive the solver
+    character(len=*), intent(in) :: arithmetic   !! name; real64 where there are effects
     class(position_solver), allocatable, intent(out) :: solver
     type(effect_header), intent(out) :: header             !! columns of the effects
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no solver
     !> States whose pressures on boundary elements are kept: `fields_last` ...; absent: none.
     integer, intent(in), optional :: fields
     type(effect_solver), allocatable :: new
@@ -87,7 +87,7 @@ contains
     new%by_estimate = .not. allocated(scene_in%loading%path) .and. &
                       all(header%names == 'interaction') .and. all(header%modes == effect_auto)
     new%remembers = allocated(scene_in%loading%path) .or. any(header%names /= 'interaction')
-    ! Effects take long: a few positions are worth a thread each.
+    ! Effects take long: threads are started for a few positions.
     if (size(new%effects) > 0) new%work = huge(new%work)
     call move_alloc(new, solver)
 
@@ -105,7 +105,7 @@ contains
 
   end subroutine make_effect_solver
 
-  ! One position: without effects where none is called for, else its pairs and its states.
+  ! Solves one position, without effects where none is simulated.
   subroutine solve_with_effects(self, m, keep_rows, result, failure)
     class(effect_solver), intent(in) :: self
     integer, intent(in) :: m
@@ -115,13 +115,12 @@ contains
     type(contact_pairs) :: pairs
     type(position_result) :: columns
     type(effect_box), allocatable :: effects(:)
-    class(contact_law), allocatable :: law
+    type(position_run) :: run
     type(element_pressures), target :: pressures
-    logical :: simulated, too_far
 
     if (self%by_estimate) then
-      call solve_without(self, m, keep_rows, result, simulated, failure)
-      if (allocated(failure) .or. .not. simulated) return
+      call solve_without(self, m, keep_rows, result, run%simulated, failure)
+      if (allocated(failure) .or. .not. run%simulated) return
     end if
     call list_pairs(self%placed, m, .false., pairs, failure)
     if (allocated(failure)) return
@@ -137,28 +136,28 @@ contains
       result%x_displacement = pairs%x_displacement
       result%y_displacement = pairs%y_displacement
       call empty_state(self%placed, result, failure)
-      if (.not. allocated(failure)) call estimate_left_out(self, pairs, law, result)
+      if (.not. allocated(failure)) call estimate_left_out(self, pairs, run%law, result)
       return
     end if
-    call try(too_far)
-    if (too_far) then
-      call self%count%add(-result%counted)
-      ! Pairs outside the candidate distance can matter: take all that can touch at all.
+    call run_effects()
+    if (run%too_far) then
+      call self%count%add_work(-result%counted)
+      ! Pairs beyond the candidate distance may touch: all that can touch are listed.
       call list_pairs(self%placed, m, .true., pairs, failure)
-      if (.not. allocated(failure)) call try(too_far)
+      if (.not. allocated(failure)) call run_effects()
     end if
     if (allocated(failure)) return
-    if (.not. simulated) then
+    if (.not. run%simulated) then
       columns = result
       call solve_position(self%placed, m, solve_method(), keep_rows, result, failure)
       if (allocated(failure)) return
       call move_values(columns, result)
     end if
-    call estimate_left_out(self, pairs, law, result)
+    call estimate_left_out(self, pairs, run%law, result)
 
   contains
 
-    ! Solutions of an earlier run, where the contacts remember nothing.
+    ! Takes the solution of an earlier run, where effects have no memory.
     subroutine take_start()
       if (self%remembers) return
       pairs%keeps_solution = self%reuse%keeps
@@ -166,10 +165,8 @@ contains
       if (m <= size(self%reuse%earlier)) pairs%start => self%reuse%earlier(m)
     end subroutine take_start
 
-    ! With effects of its own.
-    subroutine try(too_far)
-      logical, intent(out) :: too_far
-
+    ! Computes the position with a copy of the effects.
+    subroutine run_effects()
       call copy_effects(self%effects, effects)
       pairs%interrupt = self%interrupt
       pairs%count = self%count
@@ -178,13 +175,13 @@ contains
         pairs%pressures => pressures
       end if
       call take_start()
-      call run_position(self%scene_in, pairs, effects, keep_rows, result, law, simulated, too_far, &
-                        failure)
-    end subroutine try
+      run%keep_rows = keep_rows
+      call run_position(self%scene_in, pairs, effects, result, run, failure)
+    end subroutine run_effects
 
   end subroutine solve_with_effects
 
-  ! One position without effects, unless one is called for in one of its states.
+  ! Solves one position without effects, unless one is to be simulated in one of its states.
   subroutine solve_without(self, m, keep_rows, result, called_for, failure)
     class(effect_solver), intent(in) :: self
     integer, intent(in) :: m
@@ -217,7 +214,7 @@ contains
       call copy_effects(self%effects, effects)
       allocate (columns%states(size(result%states)))
       if (size(pairs%list) == 0) call add_nothing(pairs, effects, columns)
-      ! The end comes first: most is called for there.
+      ! The last state comes first: most effects are simulated there.
       do i = size(result%states), 1, -1
         if (size(pairs%list) == 0) exit
         call choose_in(i)
@@ -272,7 +269,7 @@ contains
   subroutine estimate_left_out(self, pairs, law, result)
     class(effect_solver), intent(in) :: self
     type(contact_pairs), intent(in) :: pairs
-    class(contact_law), allocatable, intent(inout) :: law  ! of the contacts there; or Hertz
+    class(contact_law), allocatable, intent(inout) :: law  ! contact law there; not allocated: Hertz
     type(position_result), intent(inout) :: result
     type(effect_box), allocatable :: effects(:)
     type(contact_state) :: state
@@ -318,7 +315,7 @@ contains
     end do
   end function is_ruled_out
 
-  ! Effects of one position: they remember.
+  ! Copies effects, which keep a memory during a position.
   subroutine copy_effects(from, effects)
     type(effect_box), intent(in) :: from(:)
     type(effect_box), allocatable, intent(out) :: effects(:)

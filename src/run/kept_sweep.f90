@@ -1,4 +1,4 @@
-!> A sweep with the file in which its positions are kept.
+!> Sweep over the positions of a scene with the file in which they are kept.
 module asperity_kept_sweep
   use asperity_decimal, only: decimal_to_real64
   use asperity_kept_records, only: kept_work
@@ -17,18 +17,18 @@ module asperity_kept_sweep
 
 contains
 
-  !> Solves the positions of a scene, with the file in which they are kept.
+  !> Solves the positions of a scene and keeps them in the file of the options.
   subroutine sweep_scene(scene_in, options, solver, results, failure)
-    type(scene), intent(in) :: scene_in                    !! checked values
-    type(run_options), intent(in) :: options               !! how
-    class(position_solver), intent(inout) :: solver        !! ready; learns how to be interrupted
-    type(scene_results), intent(inout) :: results          !! get the positions
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(scene), intent(in) :: scene_in                    !! scene, checked for faults
+    type(run_options), intent(in) :: options               !! options of the run
+    class(position_solver), intent(inout) :: solver        !! solver; gets the options
+    type(scene_results), intent(inout) :: results          !! results with all positions
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when a position is not solved
     type(kept_work) :: kept
 
     solver%interrupt = options%interrupt
     solver%reuse = options%reuse
-    solver%count = options%count
+    solver%count = options%counted_work
     solver%count%of_position = max(1, solver%states)
     solver%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
     call name_work(scene_in, options, kept, failure)

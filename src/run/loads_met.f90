@@ -14,13 +14,13 @@ module asperity_loads_met
 
 contains
 
-  !> `failure` is allocated when a load is missed by more than a share of it. No load at all is met
-  !> to that share of the largest load asked for.
-  pure subroutine check_loads(position, precision, failure)
-    type(position_result), intent(in) :: position             !! solved
-    real(real64), intent(in) :: precision                     !! share of the load
-    character(len=:), allocatable, intent(inout) :: failure   !! which load is missed
-    real(real64) :: found, largest, scale
+  !> Checks the relative error of requested loads. That of a load of 0 is relative to the largest
+  !> requested load.
+  pure subroutine check_loads(position, tolerance, failure)
+    type(position_result), intent(in) :: position             !! result of the position
+    real(real64), intent(in) :: tolerance                     !! largest relative error
+    character(len=:), allocatable, intent(inout) :: failure   !! state, requested and found load
+    real(real64) :: found, largest, reference
     integer :: i
 
     largest = 0.0_real64
@@ -32,11 +32,11 @@ contains
       associate (state => position%states(i))
         if (state%asked == asked_nothing) cycle
         found = merge(state%vertical_load, state%load, state%asked == asked_vertical)
-        scale = abs(state%load_asked)
-        if (.not. scale > 0.0_real64) scale = largest
-        if (abs(found - state%load_asked) <= precision * scale) cycle
-        ! Nothing but no load was asked for.
-        if (.not. scale > 0.0_real64) cycle
+        reference = abs(state%load_asked)
+        if (.not. reference > 0.0_real64) reference = largest
+        if (abs(found - state%load_asked) <= tolerance * reference) cycle
+        ! All requested loads are 0.
+        if (.not. reference > 0.0_real64) cycle
         failure = 'the load of state ' // decimal_text(i) // ' is missed: asked for ' // &
                   real_text(state%load_asked) // ', found ' // real_text(found)
         return
@@ -44,18 +44,19 @@ contains
     end do
   end subroutine check_loads
 
-  !> `failure` is allocated when a state has no meaning: contacts on more than the nominal area, or
+  !> Checks that states are possible: `failure` reports contacts on more than the nominal area, or
   !> a plane below the bottom of a sphere: the overlap W exceeds its diameter 2 R, and the radius
   !> sqrt(R W) of the contact is more than sqrt(2) R.
   pure subroutine check_meaning(position, nominal_area, failure)
-    type(position_result), intent(in) :: position             !! solved
-    real(real64), intent(in) :: nominal_area                  !! in plan; 0: not known
-    character(len=:), allocatable, intent(inout) :: failure   !! which state, and why
+    type(position_result), intent(in) :: position             !! result of the position
+    real(real64), intent(in) :: nominal_area                  !! nominal area; 0: not given
+    character(len=:), allocatable, intent(inout) :: failure  !! state and reason, unchanged when
+                                                             !! possible
     real(real64), parameter :: rounding = 1.0e-9_real64
     real(real64) :: ratio
     integer :: i
 
-    ! Only the ratio is needed, and a tiny area must not overflow it.
+    ! The numerator is limited so that a tiny area does not overflow the ratio.
     do i = 1, merge(size(position%states), 0, nominal_area > 0.0_real64)
       ratio = min(position%states(i)%projected_area, huge(ratio) * min(nominal_area, 1.0_real64)) &
               / nominal_area
@@ -78,8 +79,8 @@ contains
 
   !> Warns where the sum of the normal forces and the vertical load differ by more than a share.
   pure subroutine compare_loads(position, share)
-    type(position_result), intent(inout) :: position  !! solved; gets the warning
-    real(real64), intent(in) :: share                 !! of the sum of the normal forces
+    type(position_result), intent(inout) :: position  !! result of the position; gets the warning
+    real(real64), intent(in) :: share  !! limit, relative to the sum of the normal forces
     type(theory_warning), allocatable :: found(:)
     real(real64) :: difference
     integer :: i

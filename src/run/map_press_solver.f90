@@ -1,4 +1,4 @@
-!> Solves a scene on the samples of its map themselves: state by state, with the spots as contacts.
+!> Solves a scene on the pixels of its map, state by state; contact patches are its contacts.
 module asperity_map_press_solver
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
   use asperity_contact_records, only: add_rows, contact_row, position_result, state_row
@@ -24,10 +24,10 @@ module asperity_map_press_solver
 
   public :: make_map_solver, name_map_columns
 
-  ! A load is the largest one that the hardness bears, but for rounding.
+  ! Tolerance of the largest load at the hardness, for rounding.
   real(real64), parameter :: load_rounding = 1.0e-12_real64
 
-  !> A map made ready.
+  !> Solver of a map.
   type, extends(position_solver) :: map_press_solver
     private
     type(height_map), pointer :: map => null()
@@ -39,16 +39,16 @@ module asperity_map_press_solver
     integer :: fields = fields_none              ! which states keep pressure and gap
     character(len=:), allocatable :: unit        ! of length; empty: not known
   contains
-    procedure :: solve => press_to_states  !! its one position
+    procedure :: solve => press_to_states  !! solves the one position
   end type map_press_solver
 
 contains
 
-  !> Makes a map ready to be pressed.
+  !> Makes the solver of a map.
   subroutine make_map_solver(scene_in, map, loading, fields, solver)
-    type(scene), intent(in) :: scene_in               !! checked values, with a map
-    type(height_map), intent(in), target :: map       !! levelled; must outlive the solver
-    type(map_loading), intent(in) :: loading          !! how far it is pressed
+    type(scene), intent(in) :: scene_in               !! scene with a map, checked
+    type(height_map), intent(in), target :: map       !! levelled map; must outlive the solver
+    type(map_loading), intent(in) :: loading          !! loads or levels of the map
     integer, intent(in) :: fields                     !! `fields_none`, `fields_last`, `fields_all`
     class(position_solver), allocatable, intent(out) :: solver
     type(map_press_solver), allocatable :: new
@@ -89,9 +89,9 @@ contains
     header%state_powers = reshape([0, 0, 0, 2, 0, 2, 1, 3], [2, 4])
   end subroutine name_map_columns
 
-  ! Presses to one state after the other, each the start of the next. With a hardness each state
-  ! deforms the map: pixels at the hardness sink by the overlap that is left there, and bear no
-  ! other pressure for it.
+  ! Solves state after state, each the start of the next. With a hardness each state deforms the
+  ! map:
+  ! pixels at the hardness are lowered by the remaining overlap, at the same pressure.
   subroutine press_to_states(self, m, keep_rows, result, failure)
     class(map_press_solver), intent(in) :: self
     integer, intent(in) :: m
@@ -141,13 +141,13 @@ contains
       if (is_flat(self%map)) call warn(warnings, of_flat_map, 0.0_real64)
       call warn_of_patches(self, patches, i == self%states, warnings)
       call take_worse(result%warnings, warnings, i)
-      call tell_state(self, pressed, answer, patches, work, keep_rows, result, i)
+      call fill_state(self, pressed, answer, patches, work, keep_rows, result, i)
       if (self%fields == fields_all .or. (self%fields /= fields_none .and. i == self%states)) &
         call take_field(pressed, answer, i, &
                         result%fields(i - self%states + size(result%fields)))
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])
-      call self%count%step(result%counted)
+      call self%count%count_state(result%counted)
     end do
     result%state_values = count(answer%pressure > 0.0_real64) * &
                           [1.0_real64, product(self%map%spacing)]
@@ -164,7 +164,7 @@ contains
     result%error_estimate = answer%ending%residual
   end subroutine press_to_states
 
-  ! A load that the hardness on all measured pixels does not bear.
+  ! Checks that the load is within the hardness times the measured area.
   subroutine check_load(self, failure)
     class(map_press_solver), intent(in) :: self
     character(len=:), allocatable, intent(out) :: failure
@@ -197,7 +197,7 @@ contains
     end do
   end subroutine deform_map
 
-  ! Looks for the memory of all fields that are kept, beside what the solver takes.
+  ! Allocates the fields, if there is memory for them beside that of the solver.
   subroutine make_room_for_fields(self, result, failure)
     class(map_press_solver), intent(in) :: self
     type(position_result), intent(inout) :: result
@@ -241,8 +241,8 @@ contains
       call warn(warnings, of_resolution, rim)
   end subroutine warn_of_patches
 
-  ! One state and its spots.
-  subroutine tell_state(self, deformed, answer, patches, work, keep_rows, result, number)
+  ! Sets the results of one state and its contact patches.
+  subroutine fill_state(self, deformed, answer, patches, work, keep_rows, result, number)
     class(map_press_solver), intent(in) :: self
     type(height_map), intent(in) :: deformed  ! with the residual shape
     type(map_answer), intent(in) :: answer
@@ -287,6 +287,6 @@ contains
       call add_rows(result, rows, state)
     end if
     result%states(number) = state
-  end subroutine tell_state
+  end subroutine fill_state
 
 end module asperity_map_press_solver

@@ -1,4 +1,4 @@
-!> A scene with a map, made ready: one levelled map, its summits as a surface, its loading.
+!> Preparation of a scene with a map: one levelled map, its summits as a surface, its loading.
 module asperity_map_scene
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: height_map, is_measured, no_height
@@ -12,23 +12,23 @@ module asperity_map_scene
   implicit none
   private
 
-  public :: area_of_map, join_maps, load_the_map, map_loading, summits_of_scene
+  public :: area_of_map, join_maps, list_map_loads, map_loading, summits_of_scene
 
-  !> How far a map is pressed.
+  !> Loads or levels of a map.
   type :: map_loading
-    real(real64) :: modulus = 0.0_real64          !! combined
-    logical :: by_load = .true.                   !! values are loads; else levels of the flat
-    real(real64), allocatable :: values(:)        !! at least one
+    real(real64) :: modulus = 0.0_real64          !! combined modulus, > 0
+    logical :: by_load = .true.                   !! whether values are loads, else levels
+    real(real64), allocatable :: values(:)        !! loads or levels, at least one
   end type map_loading
 
 contains
 
-  !> The one map that a flat presses: levelled, without outliers where that is asked for; of two,
-  !> their sum.
+  !> Makes the map that is in contact with a rigid plane: levelled, without outliers when chosen;
+  !> the sum of two maps.
   subroutine join_maps(scene_in, map, failure)
-    type(scene), intent(in) :: scene_in    !! with a map, or two on the same grid
-    type(height_map), intent(out) :: map   !! what is missing in one of them is missing
-    character(len=:), allocatable, intent(out) :: failure  !! why there is none
+    type(scene), intent(in) :: scene_in    !! scene with a map, or two on the same grid
+    type(height_map), intent(out) :: map   !! map; pixels missing in one of two maps are missing
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when memory is short
     type(height_map) :: other
 
     associate (maps => scene_in%map)
@@ -43,7 +43,7 @@ contains
       else where
         map%height = no_height
       end where
-      ! Pixels may be missing in one of them only.
+      ! A pixel may be missing in one of the maps only.
       call level_map(map, maps%level)
     end associate
 
@@ -60,20 +60,20 @@ contains
 
   end subroutine join_maps
 
-  !> The area that was measured.
+  !> Area of the measured pixels, length squared.
   pure real(real64) function area_of_map(map) result(area)
-    type(height_map), intent(in) :: map  !! any
+    type(height_map), intent(in) :: map  !! height map, levelled or not
 
     area = product(map%spacing) * count(is_measured(map%height))
   end function area_of_map
 
-  !> The same scene with the summits of the map as its lower surface, under a plane.
+  !> Makes the scene with the summits of the map as its lower surface, under a plane.
   subroutine summits_of_scene(scene_in, map, plain, summits, failure)
-    type(scene), intent(in) :: scene_in                     !! with a map
-    type(height_map), intent(in) :: map                     !! joined
-    type(scene), intent(out) :: plain                       !! without one
-    type(map_summits), intent(out) :: summits               !! as found
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    type(scene), intent(in) :: scene_in                     !! scene with a map
+    type(height_map), intent(in) :: map                     !! map of `join_maps`
+    type(scene), intent(out) :: plain                       !! scene of summits, without a map
+    type(map_summits), intent(out) :: summits               !! summits of the map
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when there are none
 
     call find_summits(map, rule_contact, usual_radius(rule_contact), summits, failure)
     if (allocated(failure)) return
@@ -86,7 +86,7 @@ contains
     deallocate (plain%map)
     if (plain%nominal_area%digits == 0_int64) &
       plain%nominal_area = rounded_decimal(area_of_map(map), 17)
-    ! What `auto` would resolve of the summits' circles is less than what summits are off by.
+    ! The error of Hertzian contacts, which `auto` would avoid, is less than that of summits.
     if (plain%effects%mode('interaction') == effect_auto) &
       call plain%effects%call_for('interaction', effect_coupled)
     associate (upper => plain%upper, lower => plain%lower)
@@ -103,12 +103,12 @@ contains
     end associate
   end subroutine summits_of_scene
 
-  !> The loads or levels of a scene, one after the other; a curve begins at first touch.
-  subroutine load_the_map(scene_in, map, loading, failure)
-    type(scene), intent(in) :: scene_in           !! not under control of a limit
-    type(height_map), intent(in) :: map           !! joined
-    type(map_loading), intent(out) :: loading     !! how far it is pressed
-    character(len=:), allocatable, intent(out) :: failure  !! a load becomes 0 in a double
+  !> Lists the loads or levels of a scene; a curve begins at first contact.
+  subroutine list_map_loads(scene_in, map, loading, failure)
+    type(scene), intent(in) :: scene_in           !! scene, not under control of a limit
+    type(height_map), intent(in) :: map           !! map of `join_maps`
+    type(map_loading), intent(out) :: loading     !! loads or levels of the map
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when a load underflows
     type(decimal_value), allocatable :: ends(:)
     real(real64) :: from, to, unit
     integer :: i, j, parts
@@ -143,6 +143,6 @@ contains
       loading%values(size(loading%values)) = to
       from = to
     end do
-  end subroutine load_the_map
+  end subroutine list_map_loads
 
 end module asperity_map_scene

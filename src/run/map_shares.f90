@@ -1,5 +1,5 @@
-!> Where a pressed map bears its load: what of it lies on the edge, on spikes, on scan lines and on
-!> spots without a summit, and what of that is warned of.
+!> Shares of the load of a map on its edge, on spikes, on scan lines and on contact patches without
+!> a summit, and the warnings of them.
 module asperity_map_shares
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: real64
@@ -15,28 +15,28 @@ module asperity_map_shares
 
   !> Shares of the load of a map.
   type :: map_shares
-    real(real64) :: on_edge = 0.0_real64         !! on two rows and columns all round
-    real(real64) :: edge_of_punch = 1.0_real64   !! what a flat punch bears there
-    real(real64) :: without_summit = 0.0_real64  !! on spots without one; looked for elsewhere
-    real(real64) :: on_lines = 0.0_real64        !! on spots that are single scan lines
-    real(real64) :: on_spikes = 0.0_real64       !! on outliers
+    real(real64) :: on_edge = 0.0_real64         !! share on two rows and columns along the edge
+    real(real64) :: edge_of_punch = 1.0_real64   !! share of a flat punch on the edge
+    real(real64) :: without_summit = 0.0_real64  !! on patches without a summit; set elsewhere
+    real(real64) :: on_lines = 0.0_real64        !! on patches that are single scan lines
+    real(real64) :: on_spikes = 0.0_real64       !! share on single outliers
   end type map_shares
 
-  ! Rows and columns that count as the edge.
+  ! Width of the edge [pixels].
   integer, parameter :: edge = 2
 
-  ! A spot of one row, at least so many samples long, is a scan line.
+  ! Least length of a scan line, a contact patch of one row [pixels].
   integer, parameter :: long_line = 8
 
 contains
 
-  !> Finds the shares of a map that was pressed as it is or coarser.
+  !> Finds the shares of a map that was solved on its pixels or on coarser ones.
   subroutine find_shares(map, pressure, patches, spike_limit, shares)
-    type(height_map), intent(in) :: map         !! at its full resolution
-    real(real64), intent(in) :: pressure(:, :)  !! on its samples, or on squares of them
-    type(map_patch), intent(in) :: patches(:)   !! its spots
-    real(real64), intent(in) :: spike_limit     !! `limit_of_spikes` of it
-    type(map_shares), intent(out) :: shares     !! found
+    type(height_map), intent(in) :: map         !! map at its full resolution
+    real(real64), intent(in) :: pressure(:, :)  !! pressure on its pixels, or on coarser ones
+    type(map_patch), intent(in) :: patches(:)   !! contact patches of the pressure
+    real(real64), intent(in) :: spike_limit     !! `limit_of_spikes` of the map
+    type(map_shares), intent(out) :: shares     !! shares except `without_summit`
     real(real64) :: total
     integer :: coarser, i, j
 
@@ -62,7 +62,7 @@ contains
 
   contains
 
-    ! Whether the highest sample of a square is an outlier.
+    ! Whether the highest pixel of a coarser one is an outlier.
     logical function on_spike(across, along)
       integer, intent(in) :: across, along
       integer :: first(2), place(2)
@@ -75,12 +75,12 @@ contains
 
   end subroutine find_shares
 
-  !> Warns of load where it is not what a user would take it for.
+  !> Warns of shares of the load on artefacts of the map.
   pure subroutine warn_of_shares(shares, tolerance, warnings, forbids_boundary)
-    type(map_shares), intent(in) :: shares  !! of one state
-    real(real64), intent(in) :: tolerance   !! share of the load that may be left out
-    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
-    !> what forbids interaction = 'boundary'; absent or '': nothing
+    type(map_shares), intent(in) :: shares  !! shares of one state
+    real(real64), intent(in) :: tolerance   !! largest share without a warning
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of the state
+    !> reason against interaction = 'boundary'; absent or '': none
     character(len=*), intent(in), optional :: forbids_boundary
 
     if (shares%on_edge > shares%edge_of_punch) call warn(warnings, of_map_edge, shares%on_edge)
@@ -90,11 +90,11 @@ contains
     if (shares%on_spikes > tolerance) call warn(warnings, of_spikes, shares%on_spikes)
   end subroutine warn_of_shares
 
-  !> Warns of a map with missing pixels, and of one that is not periodic although it is taken to be.
+  !> Warns of a map with missing pixels, and of a periodic map with a jump at its border.
   pure subroutine warn_of_map(map, tolerance, warnings)
-    type(height_map), intent(in) :: map     !! levelled
-    real(real64), intent(in) :: tolerance   !! share of the load that may be left out
-    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! of the state
+    type(height_map), intent(in) :: map     !! levelled height map
+    real(real64), intent(in) :: tolerance   !! largest share without a warning
+    type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of the state
     real(real64), parameter :: rounding = 1.0e-9_real64  ! of a ridge along the border
     real(real64) :: missing, ratio
 
@@ -108,7 +108,7 @@ contains
 
   ! Second differences across the border lines of a periodic map, root of their mean square along a
   ! line, over those of the roughest inner line. In a periodic map the border is a line as any
-  ! other; a jump or a bend there stands out.
+  ! other; a jump or a bend there gives a large ratio.
   pure real(real64) function border_ratio(height, axis) result(ratio)
     real(real64), intent(in) :: height(:, :)
     integer, intent(in) :: axis  ! across which lines: 1 or 2

@@ -1,4 +1,4 @@
-!> A map in a scene: its summits, held against the map, or its samples.
+!> Solution of a map: by its summits, compared with the map, or on its pixels.
 module asperity_map_solve
   use asperity_contact_records, only: state_row
   use asperity_decimal, only: decimal_to_real64
@@ -6,10 +6,11 @@ module asperity_map_solve
   use asperity_height_map, only: height_map
   use asperity_kept_sweep, only: sweep_scene
   use asperity_kinds, only: not_computed, real64
-  use asperity_map_check, only: a_little_more, hold_against_map, map_seen, see_map, &
-                                stiffness_between
+  use asperity_map_check, only: compare_with_map, increased_load, map_reference, &
+                                solve_reference, stiffness_between
   use asperity_map_press_solver, only: make_map_solver, name_map_columns
-  use asperity_map_scene, only: area_of_map, join_maps, load_the_map, map_loading, summits_of_scene
+  use asperity_map_scene, only: area_of_map, join_maps, list_map_loads, map_loading, &
+                                summits_of_scene
   use asperity_map_shares, only: warn_of_map, warn_of_shares
   use asperity_map_summits, only: map_summits
   use asperity_position_solver, only: position_solver
@@ -27,15 +28,15 @@ module asperity_map_solve
 
 contains
 
-  !> Solves a map: its summits, held against the map itself, or the samples of the map.
+  !> Solves a map by its summits, which are compared with the map, or on its pixels.
   subroutine solve_map(scene_in, options, results, failure)
-    type(scene), intent(in) :: scene_in                    !! checked values, with a map
-    type(run_options), intent(in) :: options               !! how
-    type(scene_results), intent(inout) :: results          !! get the position
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(scene), intent(in) :: scene_in                    !! scene with a map, checked
+    type(run_options), intent(in) :: options               !! options of the run
+    type(scene_results), intent(inout) :: results          !! results of the one position
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
     type(height_map), target :: map
     type(map_loading) :: loading
-    type(map_seen) :: seen
+    type(map_reference) :: reference
     type(map_summits) :: summits
     type(scene) :: plain
     type(scene_results) :: of_summits
@@ -49,29 +50,29 @@ contains
     results%nominal_area = decimal_to_real64(scene_in%nominal_area)
     if (.not. results%nominal_area > 0.0_real64) results%nominal_area = area_of_map(map)
     if (solves_pixels(scene_in)) then
-      call solve_samples(scene_in, map, options, results, failure)
+      call solve_pixels(scene_in, map, options, results, failure)
       return
     end if
     if (scene_in%loading%control == control_limit) then
       loading%values = [0.0_real64]
     else
-      call load_the_map(scene_in, map, loading, failure)
+      call list_map_loads(scene_in, map, loading, failure)
       if (allocated(failure)) return
     end if
-    seen%answer%interrupt = options%interrupt
-    call see_map(map, loading, seen, failure)
+    reference%answer%interrupt = options%interrupt
+    call solve_reference(map, loading, reference, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'
     ! The pixels have no limit and no effect but interaction.
     by_summits = mode /= effect_auto .or. scene_in%loading%control == control_limit .or. &
                  count(scene_in%effects%modes /= effect_off) > 1
     if (allocated(failure) .and. .not. by_summits) then
-      call solve_samples(scene_in, map, options, results, failure)
+      call solve_pixels(scene_in, map, options, results, failure)
       return
     end if
     if (allocated(failure) .and. mode /= effect_off) return
     call summits_of_scene(scene_in, map, plain, summits, failure)
     if (allocated(failure)) return
-    ! What is kept is the answer: of `auto` that is not known yet.
+    ! The file keeps the final result, which with `auto` may be that of the pixels.
     of_summits_options = options
     if (mode == effect_auto .and. allocated(options%keep_file)) &
       deallocate (of_summits_options%keep_file)
@@ -79,7 +80,7 @@ contains
                            reshape([-0.5_real64 * map%spacing, map%spacing * &
                                     ([map%columns, map%rows] - 0.5_real64)], [2, 2]))
     if (allocated(failure)) return
-    call check_summits(scene_in, plain, map, seen, summits, of_summits, failure)
+    call check_summits(scene_in, plain, map, reference, summits, of_summits, failure)
     if (options%interrupt%is_asked()) failure = 'interrupted'
     if (allocated(failure)) return
     of_summits%nominal_area = results%nominal_area
@@ -88,7 +89,7 @@ contains
     if (.not. by_summits) by_summits = is_good_enough(scene_in, of_summits)
     if (.not. by_summits) then
       results%map = of_summits%map
-      call solve_samples(scene_in, map, options, results, failure)
+      call solve_pixels(scene_in, map, options, results, failure)
       if (allocated(failure)) failure = 'the error of its summits is above the tolerance; ' // &
           'its pixels: ' // &
                                         failure
@@ -98,8 +99,8 @@ contains
     end if
   end subroutine solve_map
 
-  ! The samples of a map themselves.
-  subroutine solve_samples(scene_in, map, options, results, failure)
+  ! Solves a map on its pixels.
+  subroutine solve_pixels(scene_in, map, options, results, failure)
     type(scene), intent(in) :: scene_in
     type(height_map), intent(in), target :: map
     type(run_options), intent(in) :: options
@@ -109,7 +110,7 @@ contains
     type(map_loading) :: loading
 
     results%arithmetic = 'real64'
-    call load_the_map(scene_in, map, loading, failure)
+    call list_map_loads(scene_in, map, loading, failure)
     if (allocated(failure)) return
     call make_map_solver(scene_in, map, loading, options%fields, solver)
     allocate (results%effects)
@@ -117,9 +118,9 @@ contains
     results%effects%tolerance = scene_in%effects%number('tolerance')
     call sweep_scene(scene_in, options, solver, results, failure)
     if (.not. allocated(failure)) call add_map_warnings(scene_in, map, results)
-  end subroutine solve_samples
+  end subroutine solve_pixels
 
-  ! The warnings of the map itself, to those of its last state.
+  ! Adds the warnings of the map itself to those of its last state.
   subroutine add_map_warnings(scene_in, map, results)
     type(scene), intent(in) :: scene_in
     type(height_map), intent(in) :: map
@@ -130,11 +131,11 @@ contains
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine add_map_warnings
 
-  ! Error of the summit model, from the map itself; reported with the results.
-  subroutine check_summits(scene_in, plain, map, seen, summits, results, failure)
+  ! Estimates the error of the summit model by the comparison with the map.
+  subroutine check_summits(scene_in, plain, map, reference, summits, results, failure)
     type(scene), intent(in) :: scene_in, plain
     type(height_map), intent(in) :: map
-    type(map_seen), intent(inout) :: seen
+    type(map_reference), intent(inout) :: reference
     type(map_summits), intent(in) :: summits
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
@@ -147,22 +148,22 @@ contains
 
     last = last_state(results%positions(1))
     if (.not. last%vertical_load > 0.0_real64) then
-      ! At a level where no summit touches all that the map bears is missing.
+      ! Without contact of a summit the error is the load of the map.
       results%positions(1)%error_estimate = merge(1.0_real64, 0.0_real64, &
-                                                  seen%answer%load > 0.0_real64)
+                                                  reference%answer%load > 0.0_real64)
       return
     end if
     ! The stiffness of the summits needs a second state, solved only where the stiffness of the map
     ! is computed. If that fails the stiffness is not reported.
     stiffness = not_computed
-    if (seen%coarser == 1) then
+    if (reference%coarser == 1) then
       other = plain
-      other%loading = a_little_more(last)
-      call solve_surfaces(other, run_options(interrupt=seen%answer%interrupt), more, why)
+      other%loading = increased_load(last)
+      call solve_surfaces(other, run_options(interrupt=reference%answer%interrupt), more, why)
       if (.not. allocated(why)) stiffness = stiffness_between(last, last_state(more%positions(1)))
     end if
     allocate (results%map)
-    call hold_against_map(map, seen, combined_modulus(scene_in), summits, last, stiffness, &
+    call compare_with_map(map, reference, combined_modulus(scene_in), summits, last, stiffness, &
                           results%map, failure)
     if (allocated(failure)) return
     call warn_of_shares(results%map%shares, scene_in%effects%number('tolerance'), warnings, &
@@ -175,7 +176,7 @@ contains
         (abs(results%map%difference) + results%map%uncertain) * results%map%rms_height / &
         results%map%closing
     else
-      ! The closing is lost in the digits of the heights: nothing is known of it.
+      ! The compression is below the rounding of the heights: its error is unknown.
       results%positions(1)%error_estimate = 1.0_real64
     end if
     ! The estimate of the contacts among themselves is replaced by the comparison with the map.
@@ -208,7 +209,7 @@ contains
     end do
   end function forbids_boundary
 
-  ! Whether `auto` is content with summits: within its tolerance, area included.
+  ! Whether the errors of the summits are within the tolerance of `auto`, area included.
   logical function is_good_enough(scene_in, results)
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results

@@ -1,7 +1,7 @@
-!> The result of a position as words of 64 bits, to be sent to another image or kept in a file.
+!> The result of a position as words of 64 bits, for another image or a file.
 !>
-!> Numbers are copied bit by bit, so that the result that comes back is the one that went. The words
-!> are read by the version of the program that wrote them, and by no other.
+!> Numbers are copied bit by bit, so that the result is restored exactly. Only the version of the
+!> program that wrote the words reads them.
 module asperity_position_packet
   use asperity_contact_records, only: effect_record, position_result, state_row
   use asperity_effect_names, only: known_effects
@@ -12,18 +12,18 @@ module asperity_position_packet
 
   public :: pack_position, unpack_position
 
-  ! Words of a position without its lists, of a state, a contact, an effect and a warning.
+  ! Numbers of words: a position without its lists, a state, a contact, an effect, a warning.
   integer, parameter :: of_head = 13 + size(known_effects), of_state = 19, of_row = 13, &
                         of_effect = 16, of_warning = 8
-  ! One word, as the form of what is copied.
+  ! Mold of `transfer` to words.
   integer(int64), parameter :: word(1) = 0_int64
 
 contains
 
-  !> The words of a result.
+  !> Converts a result to words.
   pure subroutine pack_position(result, words)
-    type(position_result), intent(in) :: result             !! a position that is solved
-    integer(int64), allocatable, intent(out) :: words(:)    !! never none
+    type(position_result), intent(in) :: result             !! result of a position
+    integer(int64), allocatable, intent(out) :: words(:)    !! words, at least those of the head
     integer :: i, values(2), effects, columns, warnings
 
     warnings = 0
@@ -53,10 +53,10 @@ contains
     if (product(values) > 0) words = [words, transfer(pack(result%contact_values, .true.), word)]
   end subroutine pack_position
 
-  !> The result in such words.
+  !> Converts words to the result.
   pure subroutine unpack_position(words, result)
-    integer(int64), intent(in) :: words(:)         !! from pack_position
-    type(position_result), intent(out) :: result   !! the position
+    integer(int64), intent(in) :: words(:)         !! words of pack_position
+    type(position_result), intent(out) :: result   !! result of the position
     integer :: at, i, states, effects, columns, values(2), warnings
 
     result%x_displacement = transfer(words(1), result%x_displacement)

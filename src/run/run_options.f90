@@ -1,4 +1,4 @@
-!> How a run is done: all that is not in the scene.
+!> Options of a run that are not part of the scene.
 module asperity_run_options
   use asperity_contact_field, only: fields_all, fields_none
   use asperity_interruption, only: interruption
@@ -12,40 +12,39 @@ module asperity_run_options
 
   public :: check_options, run_options
 
-  ! More threads than this are a slip.
+  ! Largest accepted number of threads.
   integer, parameter :: most_threads = 9999
 
-  !> The choices. As they stand: exact events in doubles, contacts kept, all cores, nothing shown.
+  !> The options. Defaults: exact events in real64, contacts kept, all cores, no progress.
   type :: run_options
     character(len=7) :: arithmetic = 'real64'      !! ibm370, real32, real64 or real128
-    !> Relative error of every total that is allowed: the cheapest arithmetic that has it is taken.
-    !> 0: none is asked for.
+    !> Allowed relative error of every total: the fastest arithmetic within it is used; 0: no limit.
     real(real64) :: accuracy = 0.0_real64
     logical :: keep_contacts = .true.              !! keep the contacts of every state
-    integer :: threads = 0                         !! 0: as many as OpenMP gives
+    integer :: threads = 0                         !! number of threads; 0: default of OpenMP
     logical :: progress = .false.                  !! print the progress on a terminal
-    integer :: sample = 0                          !! solve so many positions, spread; 0: all
-    logical :: all_images = .false.                !! all images of the run call, and share the work
-    character(len=:), allocatable :: keep_file     !! positions are kept there as they are solved
-    integer :: part = 1                            !! of the positions, to be solved and kept alone
-    integer :: parts = 1                           !! so many there are
-    !> Files of further parts: all are there, and are joined; not allocated: this is no such run.
+    integer :: sample = 0                          !! number of positions, evenly spread; 0: all
+    logical :: all_images = .false.                !! all images call and share the work
+    character(len=:), allocatable :: keep_file     !! file in which solved positions are kept
+    integer :: part = 1                            !! part of the positions to be solved, from 1
+    integer :: parts = 1                           !! number of parts
+    !> Files of further parts, which are combined; not allocated: the run combines none.
     type(kept_file), allocatable :: more_files(:)
     !> States of a height map solved on its pixels that keep pressure, gap and displacement:
     !> `fields_none`, `fields_last`, `fields_all`. Other scenes, and positions from a file of kept
     !> positions, have none.
     integer :: fields = fields_none
-    type(interruption) :: interrupt = interruption()  !! another thread can end the run, which fails
-    type(work_count) :: count = work_count()          !! another thread can see how far the run is
+    type(interruption) :: interrupt = interruption()  !! ends the run from another thread
+    type(work_count) :: counted_work = work_count()   !! progress of the run for another thread
     type(solution_reuse) :: reuse = solution_reuse()  !! solutions of an earlier run
   end type run_options
 
 contains
 
-  !> Adds what is wrong with the choices that are numbers.
+  !> Reports numeric options that are out of range.
   subroutine check_options(options, problems)
-    type(run_options), intent(in) :: options       !! any
-    type(problem_list), intent(inout) :: problems  !! a line for each
+    type(run_options), intent(in) :: options       !! options, not yet checked
+    type(problem_list), intent(inout) :: problems  !! list; gets a line for each fault
 
     if (.not. (options%accuracy >= 0.0_real64 .and. options%accuracy < 1.0_real64)) &
       call problems%add('accuracy: found ' // real_text(options%accuracy) // ', expected a ' // &

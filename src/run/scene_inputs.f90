@@ -1,4 +1,4 @@
-!> The files that a scene is made of, each with a checksum of its bytes.
+!> The input files of a scene, each with a checksum of its bytes.
 module asperity_scene_inputs
   use asperity_files, only: read_whole_file, same_name
   use asperity_kept_records, only: checksum
@@ -8,20 +8,20 @@ module asperity_scene_inputs
 
   public :: input_file, list_inputs
 
-  !> One file.
+  !> One input file.
   type :: input_file
-    character(len=:), allocatable :: path  !! as it was named; empty: there is none
+    character(len=:), allocatable :: path  !! path as given; empty: no file
     character(len=8) :: checksum = ''      !! FNV-1a of 32 bits, hexadecimal
   end type input_file
 
 contains
 
-  !> Lists the files. The text of the scene is known, and the checksum of a surface that came
-  !> through a pipe; files of surfaces are read again: `failure` is allocated when one cannot be.
+  !> Lists the files. The scene has its text and the checksum of a surface that was read from a
+  !> pipe; files of surfaces are read again.
   subroutine list_inputs(scene_in, inputs, failure)
-    type(scene), intent(in) :: scene_in                     !! read
-    type(input_file), intent(out) :: inputs(3)              !! the scene, then its surfaces
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    type(scene), intent(in) :: scene_in                     !! scene with its text
+    type(input_file), intent(out) :: inputs(3)              !! files of the scene and its surfaces
+    character(len=:), allocatable, intent(out) :: failure   !! reason, when one cannot be read
     integer :: used
 
     used = 1

@@ -1,8 +1,9 @@
-!> The way from a scene to its results, as it asks or to an accuracy.
+!> Solution of a scene, with its own settings or to a requested accuracy.
 module asperity_solve
-  use asperity_accuracy_choice, only: accuracy_had, check_left_out, choose_model, &
-                                      first_tolerance, had_text, has_accuracy, may_go_on_cells, &
-                                      next_tolerance, tell_way, total_of, with_circles
+  use asperity_accuracy_choice, only: check_left_out, choose_hertz_contacts, choose_model, &
+                                      error_text, errors_of_run, first_tolerance, &
+                                      may_use_elements, next_tolerance, report_method, &
+                                      run_errors, total_error
   use asperity_decimal, only: decimal_to_real64
   use asperity_kinds, only: real64
   use asperity_map_solve, only: solve_map
@@ -22,12 +23,12 @@ module asperity_solve
 contains
 
   !> Solves every position of a scene. `failure` is allocated, with the position, when one cannot be
-  !> solved, or when what is asked for cannot be had.
+  !> solved, or when the requested accuracy cannot be reached.
   recursive subroutine solve(scene_in, results, failure, options)
-    type(scene), intent(in) :: scene_in                    !! checked values
-    type(scene_results), intent(out) :: results            !! all positions
-    character(len=:), allocatable, intent(out) :: failure  !! why not
-    type(run_options), intent(in), optional :: options     !! absent: those of `run_options()`
+    type(scene), intent(in) :: scene_in                    !! scene, checked for faults
+    type(scene_results), intent(out) :: results            !! results of all positions
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
+    type(run_options), intent(in), optional :: options     !! options; absent: the defaults
     type(run_options) :: chosen
     type(problem_list) :: problems
     type(scene) :: written
@@ -40,8 +41,8 @@ contains
       failure = failure(:len(failure) - 1)
       return
     end if
-    ! Effects are computed in doubles: another arithmetic leaves out those that are not written.
-    ! An accuracy may be had without interaction, where the scene does not write it.
+    ! Effects are computed in doubles: another arithmetic leaves out those that the scene does not
+    ! set. An accuracy may be reached without interaction, where the scene does not set it.
     associate (on => scene_in%effects%modes /= effect_off, given => scene_in%effects%given)
       if (any(on .and. given < by_word) .and. &
           (chosen%arithmetic /= 'real64' .or. &
@@ -57,7 +58,7 @@ contains
         results = scene_results()
       end if
     end associate
-    ! A position by itself, or a map, may use the threads within.
+    ! A single position, or a map, may use all threads.
     !$ usual = omp_get_max_threads()
     !$ if (chosen%threads > 0) call omp_set_num_threads(chosen%threads)
     if (chosen%accuracy > 0 .and. (needs_doubles(scene_in) .or. allocated(scene_in%map))) then
@@ -72,56 +73,56 @@ contains
       results%nominal_area = decimal_to_real64(scene_in%nominal_area)
   end subroutine solve
 
-  ! With the effects of the scene so that what they leave out or approximate is within the accuracy
-  ! asked for, by estimate before and check after. Circles come first: they are cheap beside cells,
-  ! and a part of any solve on cells. A tolerance of the half leaves room for the rest.
+  ! Solves a scene with its effects so that the estimated errors are within the requested accuracy.
+  ! Hertzian contacts come first: they are fast, and a part of any solution on boundary elements.
+  ! The first tolerance is half of the accuracy; the rest is for other errors.
   recursive subroutine solve_model_to_accuracy(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
-    type(run_options) :: way
+    type(run_options) :: method_options
     type(scene) :: chosen
-    type(accuracy_had) :: had
+    type(run_errors) :: errors
     real(real64) :: tolerance
     character(len=:), allocatable :: best, unsolved
-    logical :: on_cells
+    logical :: on_elements
 
-    way = options
-    way%accuracy = 0.0_real64
+    method_options = options
+    method_options%accuracy = 0.0_real64
     tolerance = 0.5_real64 * options%accuracy
-    on_cells = .false.
+    on_elements = .false.
     do while (tolerance > 0.0_real64)
-      call choose_model(scene_in, tolerance, on_cells, chosen)
-      call solve(chosen, results, unsolved, way)
+      call choose_model(scene_in, tolerance, on_elements, chosen)
+      call solve(chosen, results, unsolved, method_options)
       if (allocated(unsolved)) exit
       call check_left_out(chosen, options%accuracy, results, failure)
       if (allocated(failure)) return
-      had = has_accuracy(chosen, results)
-      results%error_bound = total_of(had)
+      errors = errors_of_run(chosen, results)
+      results%error_bound = total_error(errors)
       if (results%error_bound <= options%accuracy) then
-        call tell_way(chosen, options%accuracy, results)
+        call report_method(chosen, options%accuracy, results)
         return
       end if
-      best = had_text(had)
-      if (on_cells) then
-        tolerance = next_tolerance(had, options%accuracy, tolerance)
+      best = error_text(errors)
+      if (on_elements) then
+        tolerance = next_tolerance(errors, options%accuracy, tolerance)
       else
-        on_cells = may_go_on_cells(scene_in, options%accuracy)
-        if (.not. on_cells) exit
+        on_elements = may_use_elements(scene_in, options%accuracy)
+        if (.not. on_elements) exit
         tolerance = first_tolerance(options%accuracy)
       end if
     end do
     if (.not. allocated(best)) then
-      ! What cannot be solved at all has nothing to do with the accuracy.
-      call with_circles(scene_in, chosen)
+      ! A scene that cannot be solved at all fails with its own reason.
+      call choose_hertz_contacts(scene_in, chosen)
       if (chosen%effects%mode('interaction') /= effect_off) &
-        call solve(chosen, results, failure, way)
+        call solve(chosen, results, failure, method_options)
       if (allocated(failure) .or. .not. allocated(results%positions)) then
         call move_alloc(unsolved, failure)
         return
       end if
-      best = had_text(has_accuracy(chosen, results)) // ' with interaction = ''coupled'''
+      best = error_text(errors_of_run(chosen, results)) // ' with interaction = ''coupled'''
     end if
     failure = 'no method has this accuracy; the most accurate one has ' // best
     if (scene_in%effects%mode('interaction') /= effect_off .and. .not. allocated(unsolved)) &

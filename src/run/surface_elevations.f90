@@ -12,26 +12,26 @@ module asperity_surface_elevations
 
   public :: elevation_of, place_surface, placed_surface
 
-  ! Cells along the side of a block, for which the spheres are chosen that can be highest.
+  ! Pixels along the side of a block. For each block the spheres that can be highest are selected.
   integer, parameter :: block = 32
 
-  !> One surface where it stands. Elevations are from its reference plane towards the other one.
+  !> One surface at its position. Elevations are from its reference plane towards the other surface.
   type :: placed_surface
-    logical :: has_base = .false.                    !! its reference plane is a part of it
-    real(real64), allocatable :: x(:), y(:)          !! summits in plan
+    logical :: has_base = .false.                    !! whether its reference plane is a part of it
+    real(real64), allocatable :: x(:), y(:)          !! positions of the summits
     real(real64), allocatable :: level(:)            !! elevation of the summits, tilt included
-    real(real64), allocatable :: radius(:)           !! of the spheres
-    real(real64), allocatable :: reach(:)            !! in plan, of the part of a sphere that counts
-    real(real64) :: slope(2) = 0.0_real64            !! of the reference plane
-    real(real64) :: displacement(2) = 0.0_real64     !! in plan
+    real(real64), allocatable :: radius(:)           !! radius of the spheres
+    real(real64), allocatable :: reach(:)            !! radius in plan of the spherical cap
+    real(real64) :: slope(2) = 0.0_real64            !! slope of the reference plane
+    real(real64) :: displacement(2) = 0.0_real64     !! displacement in plan
   end type placed_surface
 
 contains
 
-  !> A surface in the order of a scene: rotated, mirrored, tilted, displaced.
+  !> Places a surface in the order of a scene: rotation, mirror, slope, displacement.
   function place_surface(surface, side, displacement, mirror) result(placed)
-    type(scene_surface), intent(in) :: surface  !! as the scene has it
-    integer, intent(in) :: side                 !! 1: a slope lifts summits; -1: it lowers them
+    type(scene_surface), intent(in) :: surface  !! surface of the scene
+    integer, intent(in) :: side                 !! sign of the slope: 1 lower, -1 upper surface
     type(decimal_value), intent(in), optional :: displacement(2)  !! in plan [length]
     real(real64), intent(in), optional :: mirror  !! y becomes this number less y [length]
     type(placed_surface) :: placed
@@ -60,9 +60,9 @@ contains
   !> Elevation of a surface at the centres of the cells [length]; `not_computed` beside all of its
   !> spheres.
   function elevation_of(surface, grid) result(profile)
-    type(placed_surface), intent(in) :: surface  !! where it stands
-    type(field_grid), intent(in) :: grid         !! the pixels
-    real(real64), allocatable :: profile(:, :)   !! by column and row
+    type(placed_surface), intent(in) :: surface  !! surface at its position
+    type(field_grid), intent(in) :: grid         !! grid of the pixels
+    real(real64), allocatable :: profile(:, :)   !! elevation by column and row
     integer :: i, j
 
     allocate (profile(grid%cells(1), grid%cells(2)))
@@ -95,38 +95,39 @@ contains
       end do
       if (surface%has_base) lowest = minval(profile(first(1):last(1), first(2):last(2)))
       do k = 1, size(surface%x)
-        lowest = max(lowest, elevation(k, distance(k, middle) + half))
+        lowest = max(lowest, sphere_elevation(k, plan_distance(k, middle) + half))
       end do
       do k = 1, size(surface%x)
-        if (distance(k, middle) - half >= surface%radius(k)) cycle
-        if (elevation(k, max(0.0_real64, distance(k, middle) - half)) < lowest) cycle
+        if (plan_distance(k, middle) - half >= surface%radius(k)) cycle
+        if (sphere_elevation(k, max(0.0_real64, plan_distance(k, middle) - half)) < lowest) cycle
         do n = first(2), last(2)
           y = grid%low(2) + (n - 0.5_real64) * grid%side
           do m = first(1), last(1)
             x = grid%low(1) + (m - 0.5_real64) * grid%side
-            profile(m, n) = max(profile(m, n), elevation(k, distance(k, [x, y])))
+            profile(m, n) = max(profile(m, n), sphere_elevation(k, plan_distance(k, [x, y])))
           end do
         end do
       end do
     end subroutine fill_block
 
-    pure real(real64) function distance(k, place)
+    pure real(real64) function plan_distance(k, place)
       integer, intent(in) :: k
       real(real64), intent(in) :: place(2)
 
-      distance = hypot(place(1) - surface%x(k), place(2) - surface%y(k))
-    end function distance
+      plan_distance = hypot(place(1) - surface%x(k), place(2) - surface%y(k))
+    end function plan_distance
 
-    ! Of sphere k at a distance in plan.
-    pure real(real64) function elevation(k, from)
+    ! Elevation of sphere k at a distance in plan; `not_computed` beyond its radius.
+    pure real(real64) function sphere_elevation(k, from)
       integer, intent(in) :: k
       real(real64), intent(in) :: from
 
-      elevation = not_computed
+      sphere_elevation = not_computed
       associate (r => surface%radius(k))
-        if (from < r) elevation = surface%level(k) - from**2 / (r + sqrt((r - from) * (r + from)))
+        if (from < r) &
+          sphere_elevation = surface%level(k) - from**2 / (r + sqrt((r - from) * (r + from)))
       end associate
-    end function elevation
+    end function sphere_elevation
 
   end function elevation_of
 

@@ -1,7 +1,7 @@
-!> Pressure, gap and displacement of two surfaces of asperities, on a grid that the scene names.
+!> Pressure, gap and displacement of two surfaces of asperities, on the grid of the scene.
 !>
-!> The pressure of a contact that is resolved on boundary elements is theirs. Every other contact
-!> has the pressure of Hertz on a circle of its area in plan. Both are means over the pixels of the
+!> A contact that is resolved on boundary elements has their pressure. Every other contact has the
+!> pressure of Hertz on a circle of its area in plan. Both are means over the pixels of the
 !> grid. The displacement is that of a half-space of the combined modulus under these pressures
 !> (Love 1929, see cells_influence), free of load beyond the grid.
 module asperity_surface_fields
@@ -37,21 +37,21 @@ module asperity_surface_fields
   ! grid, the table of influence with its integral, forces and the two elevations (measured: 73,
   ! with 16 and with 76 million pixels).
   integer, parameter :: bytes_of_cell = 80
-  ! Cells along a side, at most: their number is a whole number of 64 bits, and beyond any memory.
+  ! Largest number of pixels along a side: their total is within 64 bits, and beyond any memory.
   integer, parameter :: most_cells = 100000000
 
 contains
 
-  !> Whether a scene of asperities names the grid of its fields.
+  !> Whether a scene of asperities has a grid for its fields.
   pure logical function has_field_grid(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene, checked for faults
 
     has_field_grid = scene_in%field_spacing%digits > 0_int64
   end function has_field_grid
 
   !> Whether a scene of asperities certainly has fields: a grid, one position, Hertz' law.
   pure logical function may_have_fields(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene, checked for faults
     integer :: i
 
     may_have_fields = has_field_grid(scene_in) .and. scene_in%motion%positions == 1
@@ -64,10 +64,10 @@ contains
   !> Solves the one position of a scene and adds its fields to the results, where they are kept.
   subroutine solve_with_fields(scene_in, options, results, failure, corners)
     type(scene), intent(in) :: scene_in                    !! surfaces of asperities
-    type(run_options), intent(in) :: options               !! how
-    type(scene_results), intent(inout) :: results          !! get the position
-    character(len=:), allocatable, intent(out) :: failure  !! why not
-    !> Low and high corner of the grid in plan; absent: those of what both surfaces have in common.
+    type(run_options), intent(in) :: options               !! options of the run
+    type(scene_results), intent(inout) :: results          !! results of the one position
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
+    !> low and high corner of the grid in plan; absent: those of the common area of both surfaces
     real(real64), intent(in), optional :: corners(2, 2)
     type(run_options) :: with_contacts  ! or without fields
     type(placed_surface) :: upper, lower
@@ -97,7 +97,7 @@ contains
     with_contacts%keep_contacts = .true.
     call solve_surfaces(scene_in, with_contacts, results, failure)
     if (allocated(failure)) return
-    ! Positions of other images, and those from a file, have no contacts here.
+    ! Positions of other images and from files have no contacts here.
     if (.not. allocated(results%positions(1)%states)) return
     call check_effects(results, failure)
     if (allocated(failure)) return
@@ -106,7 +106,7 @@ contains
     if (.not. options%keep_contacts) call drop_contacts(results%positions(1))
   end subroutine solve_with_fields
 
-  ! The fields of the last state, or of all.
+  ! Computes the fields of the last state, or of all.
   subroutine take_fields(scene_in, of_all, upper, lower, grid, position, failure)
     type(scene), intent(in) :: scene_in
     logical, intent(in) :: of_all
@@ -118,7 +118,7 @@ contains
     integer :: i, first
 
     first = merge(1, size(position%states), of_all)
-    call look_for_memory(grid, size(position%states) - first + 1, failure)
+    call check_memory(grid, size(position%states) - first + 1, failure)
     if (allocated(failure)) return
     surfaces%columns = grid%cells(1)
     surfaces%rows = grid%cells(2)
@@ -133,7 +133,7 @@ contains
     if (allocated(position%pressures)) deallocate (position%pressures)
   end subroutine take_fields
 
-  ! Contacts that were kept for the fields alone.
+  ! Removes contacts that were kept for the fields only.
   subroutine drop_contacts(position)
     type(position_result), intent(inout) :: position
 
@@ -145,7 +145,7 @@ contains
       position%contact_values = position%contact_values(:0, :)
   end subroutine drop_contacts
 
-  ! The pressure of Hertz is that of elastic contacts without attraction.
+  ! Refuses effects that change the pressure of Hertz.
   subroutine check_effects(results, failure)
     type(scene_results), intent(in) :: results
     character(len=:), allocatable, intent(inout) :: failure
@@ -163,7 +163,7 @@ contains
     end do
   end subroutine check_effects
 
-  ! Whole cells around the rectangle that both surfaces have in common.
+  ! Sets a grid of whole pixels around the common rectangle of both surfaces.
   subroutine lay_grid(upper, lower, side, grid, failure, corners)
     type(placed_surface), intent(in) :: upper, lower
     real(real64), intent(in) :: side
@@ -174,8 +174,8 @@ contains
 
     grid%low = -huge(side)
     high = huge(side)
-    call narrow(upper)
-    call narrow(lower)
+    call narrow_grid(upper)
+    call narrow_grid(lower)
     if (present(corners)) then
       grid%low = corners(:, 1)
       high = corners(:, 2)
@@ -189,21 +189,22 @@ contains
                                               (1.0_real64 - 1.0e-12_real64)), real64))
     grid%cells = int(min(numbers, real(most_cells, real64)))
     grid%side = side
-    call look_for_memory(grid, 1, failure)
+    call check_memory(grid, 1, failure)
     grid%low = 0.5_real64 * (grid%low + high) - 0.5_real64 * side * grid%cells
 
   contains
 
-    subroutine narrow(surface)
+    ! Narrows the grid to a surface.
+    subroutine narrow_grid(surface)
       type(placed_surface), intent(in) :: surface
 
       if (size(surface%x) == 0) return
       grid%low = max(grid%low, [minval(surface%x - surface%reach), &
                                 minval(surface%y - surface%reach)])
       high = min(high, [maxval(surface%x + surface%reach), maxval(surface%y + surface%reach)])
-    end subroutine narrow
+    end subroutine narrow_grid
 
-    ! The whole number from a number on, as a number: it may be beyond the range of integers.
+    ! Ceiling as a real number: it may be beyond the range of integers.
     elemental real(real64) function ceiling_of(number)
       real(real64), intent(in) :: number
 
@@ -213,8 +214,8 @@ contains
 
   end subroutine lay_grid
 
-  ! Refuses more states than there is memory for.
-  subroutine look_for_memory(grid, states, failure)
+  ! Refuses states for which memory is short.
+  subroutine check_memory(grid, states, failure)
     type(field_grid), intent(in) :: grid
     integer, intent(in) :: states
     character(len=:), allocatable, intent(inout) :: failure
@@ -225,9 +226,9 @@ contains
     failure = not_enough_memory // ' for the fields of ' // decimal_text(states) // ' states'
     if (states == 1) failure = failure(:len(failure) - 1)
     failure = failure // ', expected a larger field_spacing'
-  end subroutine look_for_memory
+  end subroutine check_memory
 
-  ! Sum of two elevations, where both are there.
+  ! Sum of two elevations; `no_height` where one is missing.
   elemental real(real64) function sum_of(first, second)
     real(real64), intent(in) :: first, second
 
@@ -235,7 +236,7 @@ contains
     if (first > not_computed .and. second > not_computed) sum_of = first + second
   end function sum_of
 
-  ! One state: a plane presses the sum of both elevations, as a map.
+  ! Computes the fields of one state: a plane in contact with the sum of both elevations, as a map.
   subroutine fill_field(position, number, grid, modulus, surfaces, field)
     type(position_result), intent(inout) :: position  ! its state gets the gap
     integer, intent(in) :: number                     ! of the state
@@ -256,7 +257,7 @@ contains
     call influence%prepare(centre_influence(map%columns, map%rows, 1.0_real64))
     call influence%apply(answer%pressure, answer%displacement)
     answer%displacement = answer%displacement * (grid%side / modulus)
-    ! Beside a small sphere the centre of a loaded cell may have no surface.
+    ! Beside a small sphere the centre of a loaded pixel may have no surface.
     where (answer%pressure > 0.0_real64 .and. .not. is_measured(map%height)) &
       map%height = answer%level
     call take_field(map, answer, number, field)
@@ -264,7 +265,7 @@ contains
     field%origin = grid%low + 0.5_real64 * grid%side
   end subroutine fill_field
 
-  ! The loads of all contacts of a state on the cells.
+  ! Adds the loads of all contacts of a state to the pixels.
   subroutine add_loads(position, number, grid, force, field)
     type(position_result), intent(in) :: position
     integer, intent(in) :: number

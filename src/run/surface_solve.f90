@@ -1,5 +1,5 @@
-!> Two surfaces of summits: with their effects, in an arithmetic, or in the cheapest arithmetic that
-!> is accurate enough.
+!> Solution of two surfaces of summits: with their effects, in an arithmetic, or in the fastest
+!> arithmetic within an accuracy.
 module asperity_surface_solve
   use asperity_accuracy_bound, only: error_bound, front_arithmetics
   use asperity_accuracy_choice, only: check_left_out, influence_left_out
@@ -21,10 +21,10 @@ contains
 
   !> Solves two surfaces of summits, or one and a plane.
   subroutine solve_surfaces(scene_in, chosen, results, failure)
-    type(scene), intent(in) :: scene_in                    !! checked values, without a map
-    type(run_options), intent(in) :: chosen
-    type(scene_results), intent(inout) :: results          !! get the positions
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(scene), intent(in) :: scene_in                    !! scene without a map, checked
+    type(run_options), intent(in) :: chosen                !! options of the run
+    type(scene_results), intent(inout) :: results          !! results of all positions
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
 
     if (chosen%accuracy > 0 .and. .not. needs_doubles(scene_in)) then
       call solve_to_accuracy(scene_in, chosen, results, failure)
@@ -34,13 +34,13 @@ contains
   end subroutine solve_surfaces
 
   !> Solves every position without effects, in the arithmetic of the options, by a method: the
-  !> solver proper is `solve_method()`, the others serve the accuracy study.
+  !> default is `solve_method()`; others are for the accuracy study.
   subroutine solve_in_arithmetic(scene_in, method, options, results, failure)
-    type(scene), intent(in) :: scene_in                    !! checked values
-    type(solve_method), intent(in) :: method               !! how to compute
-    type(run_options), intent(in) :: options               !! its arithmetic, and how
-    type(scene_results), intent(out) :: results            !! all positions
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(scene), intent(in) :: scene_in                    !! scene, checked for faults
+    type(solve_method), intent(in) :: method               !! method of the solver
+    type(run_options), intent(in) :: options               !! options with the arithmetic
+    type(scene_results), intent(out) :: results            !! results of all positions
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it is not solved
     class(position_solver), allocatable :: solver
 
     results%arithmetic = options%arithmetic
@@ -48,7 +48,7 @@ contains
     if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
   end subroutine solve_in_arithmetic
 
-  ! With the effects of the scene, in doubles; without any in the arithmetic of the options.
+  ! Solves a scene with its effects in doubles; without effects in the arithmetic of the options.
   subroutine solve_effects(scene_in, options, results, failure)
     type(scene), intent(in), target :: scene_in
     type(run_options), intent(in) :: options
@@ -68,27 +68,27 @@ contains
     if (.not. allocated(failure)) call sweep_scene(scene_in, options, solver, results, failure)
   end subroutine solve_effects
 
-  ! In the cheapest arithmetic whose error bound is within the accuracy asked for.
+  ! Solves a scene in the fastest arithmetic whose error bound is within the requested accuracy.
   subroutine solve_to_accuracy(scene_in, options, results, failure)
     type(scene), intent(in) :: scene_in
     type(run_options), intent(in) :: options
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
-    type(run_options) :: way
-    character(len=10) :: digits
+    type(run_options) :: candidate
+    character(len=10) :: bound_text
     integer :: i
 
-    way = options
+    candidate = options
     do i = 1, size(front_arithmetics)
-      way%arithmetic = front_arithmetics(i)
-      call solve_effects(scene_in, way, results, failure)
+      candidate%arithmetic = front_arithmetics(i)
+      call solve_effects(scene_in, candidate, results, failure)
       if (allocated(failure)) return
       call check_left_out(scene_in, options%accuracy, results, failure)
       if (allocated(failure)) return
-      results%error_bound = error_bound(trim(way%arithmetic), scene_in, results%positions) + &
+      results%error_bound = error_bound(trim(candidate%arithmetic), scene_in, results%positions) + &
                             influence_left_out(results)
       if (results%error_bound <= options%accuracy) then
-        results%way_taken = trim(way%arithmetic) // ', exact events'
+        results%way_taken = trim(candidate%arithmetic) // ', exact events'
         results%way_told = 'ten times better: reached by this run'
         if (results%error_bound > 0.1_real64 * options%accuracy) &
           results%way_told = 'ten times better: ' // trim(merge( &
@@ -96,14 +96,14 @@ contains
         return
       end if
     end do
-    write (digits, '(es10.1e3)') results%error_bound
-    failure = 'no method has this accuracy; the most accurate one, ' // trim(way%arithmetic) // &
-              ', has an error of' // digits
+    write (bound_text, '(es10.1e3)') results%error_bound
+    failure = 'no method has this accuracy; the most accurate one, ' // &
+              trim(candidate%arithmetic) // ', has an error of' // bound_text
   end subroutine solve_to_accuracy
 
-  !> Effects and paths of several values are computed in doubles only.
+  !> Whether a scene is solved in doubles only: with effects, or a path of several values.
   pure logical function needs_doubles(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene, checked for faults
 
     needs_doubles = scene_in%effects%any_on() .or. allocated(scene_in%loading%path)
   end function needs_doubles

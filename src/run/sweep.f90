@@ -1,5 +1,5 @@
-!> The one way through a sweep: its positions are shared out to images and threads, and kept in a
-!> file as they are solved, with the same result however many there are.
+!> Sweep over the positions of a scene: they are distributed to images and threads, and kept in a
+!> file when they are solved. The result does not depend on the numbers of images and threads.
 !>
 !> The reported failure does not depend on the number of threads: it is that of the first position
 !> in order that fails, or at which there are too many contacts. Later positions are left out.
@@ -25,15 +25,15 @@ module asperity_sweep
 
   public :: run_sweep
 
-  ! Less work than this is done before threads have begun: positions times asperities.
+  ! Least work for threads, positions times asperities: less is done before they have started.
   integer(int64), parameter :: least_work = 30000_int64
 
-  ! What the threads know of each other's positions.
+  ! State of the sweep, common to all threads.
   type :: sweep_watch
-    integer :: last = 0            ! no position behind it is wanted
-    integer :: highest = 0         ! of those solved
-    integer :: start = 1           ! the first one that is solved, in the scene
-    integer :: stride = 1          ! from one that is solved to the next
+    integer :: last = 0            ! positions after this one are not solved
+    integer :: highest = 0         ! highest position that is solved
+    integer :: start = 1           ! first position of the part in the scene
+    integer :: stride = 1          ! step to the next position of the part
     integer(int64) :: rows = 0_int64  ! contacts kept so far
     type(progress_line) :: progress
     type(shared_work) :: work
@@ -42,19 +42,19 @@ module asperity_sweep
 
 contains
 
-  !> Solves every position. On image 1 `positions` has all of them then, in order; on others their
-  !> own. `failure` is allocated, with the position, when one cannot be solved, or why the images
-  !> cannot go on together.
+  !> Solves every position. On image 1 `positions` has all of them, in order; on other images their
+  !> own. `failure` is allocated, with the position, when one cannot be solved, or when an image
+  !> fails.
   subroutine run_sweep(solver, options, kept, positions, failure)
-    class(position_solver), intent(in) :: solver           !! the scene
-    type(run_options), intent(in) :: options               !! how
-    type(kept_work), intent(in) :: kept                    !! where positions are kept
-    type(position_result), allocatable, intent(out) :: positions(:)
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    class(position_solver), intent(in) :: solver           !! solver of the scene
+    type(run_options), intent(in) :: options               !! options of the run
+    type(kept_work), intent(in) :: kept                    !! file of kept positions
+    type(position_result), allocatable, intent(out) :: positions(:)  !! results, by position
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when the sweep fails
     type(sweep_watch) :: watch
     integer(int64) :: states
     integer :: m, number, threads
-    logical :: going_on
+    logical :: continues
 
     number = solver%positions
     if (options%sample > 0) number = min(number, options%sample)
@@ -80,21 +80,21 @@ contains
     if (allocated(kept%more) .and. sum(int(positions%rows_used, int64)) > most_rows) &
       watch%work%ending = too_many()
     call watch%progress%begin(options%progress, 'positions', number, watch%work%done)
-    call solver%count%begin(int(min(states, int(huge(number), int64))), &
-                            watch%work%done * solver%count%of_position)
+    call solver%count%begin_count(int(min(states, int(huge(number), int64))), &
+                                  watch%work%done * solver%count%of_position)
     do
-      call begin_round(watch%work, going_on)
-      if (.not. going_on) exit
+      call begin_round(watch%work, continues)
+      if (.not. continues) exit
       if (threads > 1) then
         !$omp parallel do schedule(dynamic) num_threads(threads)
         do m = watch%work%first, watch%work%last
-          if (is_wanted(watch, m)) call solve_one(solver, m, options, positions(m), watch)
+          if (is_due(watch, m)) call solve_one(solver, m, options, positions(m), watch)
         end do
         !$omp end parallel do
       else
-        ! Outside any region: one within would start its threads anew each time.
+        ! Outside a parallel region: nested regions would start their threads at each position.
         do m = watch%work%first, watch%work%last
-          if (is_wanted(watch, m)) call solve_one(solver, m, options, positions(m), watch)
+          if (is_due(watch, m)) call solve_one(solver, m, options, positions(m), watch)
         end do
       end if
       call gather_round(watch%work)
@@ -107,7 +107,7 @@ contains
     if (watch%interrupt%is_asked()) failure = 'interrupted'
   end subroutine run_sweep
 
-  ! Threads for the positions, at least one.
+  ! Number of threads for the positions, at least one.
   integer function threads_for(solver, options) result(threads)
     class(position_solver), intent(in) :: solver
     type(run_options), intent(in) :: options
@@ -121,18 +121,18 @@ contains
     threads = threads_with_memory(min(threads, solver%positions))
   end function threads_for
 
-  ! Whether a position of the round need be solved, and here.
-  logical function is_wanted(watch, m)
+  ! Whether a position of the round is to be solved by this image.
+  logical function is_due(watch, m)
     type(sweep_watch), intent(in) :: watch
     integer, intent(in) :: m
     integer :: last
 
     !$omp atomic read
     last = watch%last
-    is_wanted = m <= last .and. is_own(watch%work, m) .and. .not. watch%interrupt%is_asked()
-  end function is_wanted
+    is_due = m <= last .and. is_own(watch%work, m) .and. .not. watch%interrupt%is_asked()
+  end function is_due
 
-  ! One position, by one thread.
+  ! Solves and checks one position in one thread.
   subroutine solve_one(solver, m, options, position, watch)
     class(position_solver), intent(in) :: solver
     integer, intent(in) :: m
@@ -167,16 +167,16 @@ contains
     else if (watch%work%packed) then
       call move_alloc(words, watch%work%records(m)%words)
     end if
-    ! One up to the highest is too much. All before it are still solved.
+    ! A position up to the highest one exceeds the limit. All before it are still solved.
     if (watch%rows > int(most_rows, int64)) last = min(last, watch%highest)
     !$omp atomic write
     watch%last = last
     call watch%progress%step()
-    call solver%count%add(solver%count%of_position - position%counted)
+    call solver%count%add_work(solver%count%of_position - position%counted)
     !$omp end critical (asperity_positions)
   end subroutine solve_one
 
-  ! What other images have solved comes to image 1, which looks whether the sweep can go on.
+  ! Collects the positions of other images on image 1, and finds the first failure in order.
   subroutine take_round(watch, positions)
     type(sweep_watch), intent(inout) :: watch
     type(position_result), intent(inout) :: positions(:)

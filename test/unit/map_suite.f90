@@ -6,7 +6,7 @@ module asperity_map_suite
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_height_map_array, only: take_map
   use asperity_kinds, only: int64, not_computed, real64
-  use asperity_map_check, only: hold_against_map, map_seen, see_map
+  use asperity_map_check, only: compare_with_map, map_reference, solve_reference
   use asperity_map_contact, only: half_map, map_answer, press_map
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
@@ -218,7 +218,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(height_map) :: map
     type(map_answer) :: truth, there
-    type(map_seen) :: seen
+    type(map_reference) :: seen
     type(map_summits) :: summits
     type(map_record) :: told
     type(state_row) :: state
@@ -236,12 +236,12 @@ contains
     there%pressure = truth%pressure
     call press_map(map, ball_modulus, there, tolerance=1.0e-4_real64)
     do i = 1, 2
-      seen = map_seen(most=60000_int64)
-      call see_map(map, map_loading(modulus=ball_modulus, by_load=i == 1, &
+      seen = map_reference(most=60000_int64)
+      call solve_reference(map, map_loading(modulus=ball_modulus, by_load=i == 1, &
                    values=[merge(load, state%approach, i == 1)]), seen, failure)
       call check(error, .not. allocated(failure), 'seen')
       call check(error, seen%coarser, 2, 'at half its resolution')
-      call hold_against_map(map, seen, ball_modulus, summits, state, not_computed, told, failure)
+      call compare_with_map(map, seen, ball_modulus, summits, state, not_computed, told, failure)
       call check(error, .not. allocated(failure), 'held against it')
       call check(error, abs(told%difference * told%rms_height - 0.001_real64) < &
                  (told%uncertain + 1.0e-3_real64) * told%rms_height, 'what is claimed is true')

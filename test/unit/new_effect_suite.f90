@@ -3,14 +3,13 @@
 !> Truths are its own closed forms over the loads of Hertz.
 module asperity_new_effect_suite
   use asperity_contact_effect, only: effect_box
-  use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_records, only: position_result
   use asperity_contact_state, only: contact_state, start_state, total_load, total_vertical_load
   use asperity_effect_helpers, only: as_decimal, near, pair_of, set_number
   use asperity_effect_list, only: list_effects
   use asperity_effect_names, only: known_effects
-  use asperity_effect_position, only: run_position
+  use asperity_effect_position, only: position_run, run_position
   use asperity_hertz_law, only: hertz_law
   use asperity_kinds, only: not_computed, real64
   use asperity_made_up_effect, only: make_up
@@ -75,8 +74,7 @@ contains
     type(contact_pairs) :: pairs
     type(contact_state) :: hertz
     type(position_result) :: result
-    class(contact_law), allocatable :: law
-    logical :: simulated, too_far
+    type(position_run) :: run
     character(len=:), allocatable :: failure
     ! The unit of force is 1/16 of the scene's, that of length 1/16, too.
     real(real64), parameter :: unit = 0.0625_real64
@@ -91,8 +89,9 @@ contains
     call list_effects(scene_in, listed)
     call make_up(effect_on, 0.25_real64, 0.0_real64, .false., effects(1)%effect)
     call move_alloc(listed(1)%effect, effects(2)%effect)
-    call run_position(scene_in, pairs, effects, .true., result, law, simulated, too_far, failure)
-    call check(error, simulated .and. .not. too_far .and. .not. allocated(failure), 'simulated')
+    call run_position(scene_in, pairs, effects, result, run, failure)
+    call check(error, run%simulated .and. .not. run%too_far .and. .not. allocated(failure), &
+               'simulated')
     if (allocated(error)) return
     call check(error, result%rows_used, 2, 'contacts')
     do i = 1, 2
@@ -154,9 +153,8 @@ contains
     type(contact_pairs) :: pairs
     type(contact_state) :: hertz, less
     type(position_result) :: result
-    class(contact_law), allocatable :: law
     type(scene) :: scene_in
-    logical :: simulated, too_far
+    type(position_run) :: run
     character(len=:), allocatable :: failure
     integer :: i, turn
 
@@ -171,8 +169,9 @@ contains
     end do
     call make_up(effect_on, 0.1_real64, 0.0_real64, .false., effects(1)%effect)
     do turn = 1, 2
-      call run_position(scene_in, pairs, effects, .false., result, law, simulated, too_far, failure)
-      call check(error, simulated .and. .not. allocated(failure), 'simulated')
+      run%keep_rows = .false.
+      call run_position(scene_in, pairs, effects, result, run, failure)
+      call check(error, run%simulated .and. .not. allocated(failure), 'simulated')
       call check(error, size(result%states), 3, 'states')
       if (allocated(error)) return
       do i = 1, 3
@@ -255,15 +254,16 @@ contains
     logical, intent(in) :: in_time
     type(scene), intent(in) :: scene_in
     type(position_result), intent(out) :: result
-    class(contact_law), allocatable :: law
     logical, intent(out) :: simulated
     type(effect_box) :: effects(1)
-    logical :: too_far
+    type(position_run) :: run
     character(len=:), allocatable :: failure
 
     call make_up(mode, share, tolerance, in_time, effects(1)%effect)
-    call run_position(scene_in, pairs, effects, .true., result, law, simulated, too_far, failure)
-    call check(error, .not. (too_far .or. allocated(failure)), 'a position with the effect alone')
+    call run_position(scene_in, pairs, effects, result, run, failure)
+    simulated = run%simulated
+    call check(error, .not. (run%too_far .or. allocated(failure)), &
+               'a position with the effect alone')
   end subroutine run_one
 
   ! A scene that ends where independent contacts do.
