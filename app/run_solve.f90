@@ -14,7 +14,7 @@ module asperity_run_solve
   use asperity_input_text, only: lower_case
   use asperity_images, only: image_number
   use asperity_kinds, only: int64, real64
-  use asperity_output_files, only: tell_kept
+  use asperity_output_files, only: note_kept
   use asperity_plan_drawing, only: plan_drawing, png_of, write_svg
   use asperity_position_packet, only: pack_position
   use asperity_position_lists, only: counted, readable
@@ -69,7 +69,7 @@ contains
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
     if (outcome%problems%count() > 0) return
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
-    if (line%output('--keep') == '') call tell_kept('; --keep FILE would keep what is solved')
+    if (line%output('--keep') == '') call note_kept('; --keep FILE would keep what is solved')
     options = options_of(line, scene_in)
     call solve(scene_in, results, outcome%failure, options)
     if (image_number() > 1) return

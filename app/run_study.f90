@@ -9,7 +9,7 @@ module asperity_run_study
   use asperity_images, only: image_number
   use asperity_kept_records, only: pieces_of_part
   use asperity_kinds, only: real64
-  use asperity_output_files, only: tell_kept
+  use asperity_output_files, only: note_kept
   use asperity_problems, only: decimal_text
   use asperity_run_options, only: run_options
   use asperity_study_spec, only: read_study_spec, study_spec
@@ -60,7 +60,7 @@ contains
       options%all_images = .false.
       options%keep_file = ''
     end if
-    if (options%keep_file == '') call tell_kept('; --keep FILE would keep what is done')
+    if (options%keep_file == '') call note_kept('; --keep FILE would keep what is done')
     call run_area_study(spec, plan, options, study, failure)
     if (allocated(failure)) then
       outcome%failure = line%input // ': ' // failure

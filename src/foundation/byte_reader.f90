@@ -15,36 +15,36 @@ module asperity_byte_reader
 
   integer(c_int), parameter :: read_only = 0_c_int, from_start = 0_c_int, from_end = 2_c_int
   integer, parameter :: block_size = 65536
-  ! Bytes of a pipe or device, which may never end, and of a file that is held in memory whole.
+  ! Largest number of bytes of a pipe or device, which may never end, and of a file read as a whole.
   integer, parameter :: longest_pipe = 100000000, longest_file = 1000000000
-  ! EINTR: a signal came before the first byte.
+  ! EINTR: a signal arrived before the first byte.
   integer, parameter :: interrupted = 4
 
-  !> A file that is being read. The bytes at hand are `block(at:used)`.
+  !> A file that is being read. Its next bytes are `block(at:used)`.
   type :: byte_reader
-    character(len=:), allocatable :: block     !! bytes; all of a pipe
-    integer :: at = 1                          !! next byte of the block
-    integer :: used = 0                        !! bytes in the block
-    integer(int64) :: before = 0_int64         !! bytes before the block
-    integer(int64) :: length = -1_int64        !! bytes of the file; -1 for a pipe
-    character(len=:), allocatable :: failure   !! why it cannot be read any further
+    character(len=:), allocatable :: block     !! bytes of a block; all bytes of a pipe
+    integer :: at = 1                          !! index of the next byte of the block
+    integer :: used = 0                        !! number of bytes in the block
+    integer(int64) :: before = 0_int64         !! number of bytes before the block
+    integer(int64) :: length = -1_int64        !! number of bytes of the file; -1 for a pipe
+    character(len=:), allocatable :: failure   !! reason, when it cannot be read
     integer(c_int), private :: descriptor = -1_c_int
   contains
-    procedure :: open => open_file   !! from the first byte on
-    procedure :: more                !! brings the next block
-    procedure :: take                !! the next bytes
-    procedure :: take_whole          !! all bytes
-    procedure :: count_bytes         !! how many the file has
-    procedure :: rewind => go_back   !! from the first byte on, once more
-    procedure :: close => close_file !! ends it
+    procedure :: open => open_file      !! opens a file at its first byte
+    procedure :: more => read_block     !! reads the next block
+    procedure :: take => take_bytes     !! takes the next bytes
+    procedure :: take_whole             !! takes all bytes
+    procedure :: count_bytes            !! number of bytes of the file
+    procedure :: rewind => rewind_file  !! returns to the first byte
+    procedure :: close => close_file    !! closes the file
   end type byte_reader
 
 contains
 
   !> Opens a file; `failure` is allocated when that is not possible.
   subroutine open_file(self, path)
-    class(byte_reader), intent(out) :: self  !! at the first byte
-    character(len=*), intent(in) :: path     !! the file
+    class(byte_reader), intent(out) :: self  !! reader at the first byte
+    character(len=*), intent(in) :: path     !! path of the file
     integer(c_long) :: known, place
 
     allocate (character(len=block_size) :: self%block)
@@ -65,9 +65,9 @@ contains
     call self%close()
   end subroutine open_file
 
-  !> Brings the next block; there is none when `at > used` afterwards.
-  subroutine more(self)
-    class(byte_reader), intent(inout) :: self  !! all bytes of the block have been used
+  !> Reads the next block; at the end of the file `at > used`.
+  subroutine read_block(self)
+    class(byte_reader), intent(inout) :: self  !! reader whose block is used up
     character(len=:), allocatable :: larger
     integer(c_size_t) :: got
     integer :: kept, status
@@ -96,13 +96,13 @@ contains
     self%used = kept + max(0, int(got))
     if (got == 0_c_size_t .and. self%before < self%length) &
       self%failure = 'cannot be read whole: it became shorter while it was read'
-  end subroutine more
+  end subroutine read_block
 
-  !> The next bytes; fewer than asked for at the end of the file.
-  subroutine take(self, number, bytes)
-    class(byte_reader), intent(inout) :: self           !! the file
-    integer, intent(in) :: number                       !! how many are asked for
-    character(len=:), allocatable, intent(out) :: bytes !! the bytes
+  !> Takes the next bytes; fewer at the end of the file.
+  subroutine take_bytes(self, number, bytes)
+    class(byte_reader), intent(inout) :: self           !! reader of the file
+    integer, intent(in) :: number                       !! number of bytes to take
+    character(len=:), allocatable, intent(out) :: bytes !! bytes, `number` at most
     integer :: got, piece, status
 
     allocate (character(len=number) :: bytes, stat=status)
@@ -118,18 +118,18 @@ contains
       self%at = self%at + piece
     end do
     if (got < number) bytes = bytes(:got)
-  end subroutine take
+  end subroutine take_bytes
 
-  !> All bytes, from the first one on; `failure` is allocated when they cannot be had.
+  !> Takes all bytes, from the first; `failure` is allocated when they cannot be read.
   subroutine take_whole(self, bytes)
-    class(byte_reader), intent(inout) :: self           !! at the first byte
-    character(len=:), allocatable, intent(out) :: bytes !! the bytes
+    class(byte_reader), intent(inout) :: self           !! reader at the first byte
+    character(len=:), allocatable, intent(out) :: bytes !! all bytes of the file
 
     if (self%length < 0_int64) then
       call self%take(self%used, bytes)
       return
     end if
-    ! A folder can have any length, but refuses to be read: that is what to report.
+    ! A folder may have any length and cannot be read: the failure of reading is reported first.
     if (self%at > self%used) call self%more()
     if (self%length > int(longest_file, int64) .and. .not. allocated(self%failure)) &
       self%failure = 'cannot be read: more than ' // decimal_text(longest_file) // ' bytes'
@@ -141,17 +141,17 @@ contains
       self%failure = 'cannot be read whole: it became longer while it was read'
   end subroutine take_whole
 
-  !> How many bytes the file has.
+  !> Number of bytes of the file.
   pure integer(int64) function count_bytes(self)
-    class(byte_reader), intent(in) :: self  !! the file
+    class(byte_reader), intent(in) :: self  !! reader of the file
 
     count_bytes = self%length
     if (self%length < 0_int64) count_bytes = int(self%used, int64)
   end function count_bytes
 
-  !> Goes back to the first byte.
-  subroutine go_back(self)
-    class(byte_reader), intent(inout) :: self  !! the file
+  !> Returns to the first byte.
+  subroutine rewind_file(self)
+    class(byte_reader), intent(inout) :: self  !! reader of the file
     integer(c_long) :: place
 
     self%at = 1
@@ -159,11 +159,11 @@ contains
     place = posix_lseek(self%descriptor, 0_c_long, from_start)
     self%used = 0
     self%before = 0_int64
-  end subroutine go_back
+  end subroutine rewind_file
 
   !> Closes the file.
   subroutine close_file(self)
-    class(byte_reader), intent(inout) :: self  !! the file
+    class(byte_reader), intent(inout) :: self  !! reader of the file
     integer(c_int) :: status
 
     if (self%descriptor >= 0_c_int) status = posix_close(self%descriptor)

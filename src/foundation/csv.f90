@@ -12,18 +12,18 @@ module asperity_csv
     private
     character(len=1600) :: text = ''
     integer :: used = 0
-    logical :: begun = .false.  ! has a cell, which may be empty
+    logical :: begun = .false.  ! whether it has a cell, which may be empty
   contains
     procedure, private :: put_number
     procedure, private :: put_numbers
     procedure, private :: put_integer
     procedure, private :: put_logical
     procedure, private :: put_word
-    !> Adds a cell: a double with 17 significant digits, an integer, a logical as 1 or 0, or a
-    !> word without comma. An array of doubles is as many cells. The cell of a number that was not
+    !> Adds a cell: a double with 17 significant digits, an integer, a logical as 1 or 0, or a word
+    !> without comma. An array of doubles has a cell for each. The cell of a number that was not
     !> computed is empty.
     generic :: put => put_number, put_numbers, put_integer, put_logical, put_word
-    procedure :: finish  !! adds the line to a text and empties it
+    procedure :: finish => finish_line  !! appends the line to a text and clears it
   end type csv_line
 
 contains
@@ -79,14 +79,14 @@ contains
     self%used = self%used + length
   end subroutine put_word
 
-  !> Adds the line to `buffer` and empties it.
-  subroutine finish(self, buffer)
-    class(csv_line), intent(inout) :: self      !! the line
-    type(text_buffer), intent(inout) :: buffer  !! the text
+  !> Appends the line to a text and clears it.
+  subroutine finish_line(self, buffer)
+    class(csv_line), intent(inout) :: self      !! line; empty on exit
+    type(text_buffer), intent(inout) :: buffer  !! text that is extended
 
     call buffer%line(self%text(:self%used))
     self%used = 0
     self%begun = .false.
-  end subroutine finish
+  end subroutine finish_line
 
 end module asperity_csv

@@ -1,5 +1,4 @@
-!> Decimal numbers, and doubles, kept exactly, so that each arithmetic converts them by its own
-!> rule.
+!> Exact decimal numbers and doubles, which each arithmetic converts by its own rounding.
 module asperity_decimal
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_kinds, only: int64, real128, real64
@@ -16,12 +15,13 @@ module asperity_decimal
     integer :: twos = 0                 !! power of two; 0: the number is a decimal
   end type decimal_value
 
-  ! Powers of ten that are exact in 113 bits and leave the quotient below rightly rounded.
+  ! Range of powers of ten that are exact in 113 bits and for which the quotient below is correctly
+  ! rounded.
   integer, parameter :: most_negative_power = -25, most_positive_power = 22
   integer :: power
   real(real128), parameter :: powers(0:-most_negative_power) = &
     [(10.0_real128**power, power = 0, -most_negative_power)]
-  ! Those that are exact in a double, and their halves: products of halves are exact.
+  ! Powers that are exact in a double, and their halves, whose products are exact.
   integer, parameter :: most_exact_power = 22
   real(real64), parameter :: exact_powers(0:most_exact_power) = &
     real(powers(:most_exact_power), real64)
@@ -36,58 +36,59 @@ contains
   !>
   !> The digits (60 bits) and the power of ten are exact in 113 bits. A product below 60 + 51 bits
   !> is exact too. A quotient that is no midpoint of two doubles is at least 1/(2**54 * 5**25),
-  !> more than 2**-113, of itself away from one, so rounding twice does no harm.
-  elemental function decimal_to_real64(value) result(nearest)
-    type(decimal_value), intent(in) :: value  !! exact decimal
-    real(real64) :: nearest                   !! the nearest double
+  !> more than 2**-113, of itself away from one, so that double rounding is correct.
+  elemental function decimal_to_real64(value) result(number)
+    type(decimal_value), intent(in) :: value  !! exact decimal number
+    real(real64) :: number                    !! the nearest double
     character(len=40) :: numeral
 
     if (value%twos /= 0) then
-      nearest = scale(real(value%digits, real64), value%twos)
+      number = scale(real(value%digits, real64), value%twos)
     else if (value%exponent <= 0 .and. value%exponent >= -most_exact_power) then
-      nearest = quotient_in_doubles(value%digits, -value%exponent)
+      number = quotient_in_doubles(value%digits, -value%exponent)
     else if (value%exponent >= 0 .and. value%exponent <= most_positive_power) then
-      nearest = real(real(value%digits, real128) * powers(value%exponent), real64)
+      number = real(real(value%digits, real128) * powers(value%exponent), real64)
     else if (value%exponent < 0 .and. value%exponent >= most_negative_power) then
-      nearest = real(real(value%digits, real128) / powers(-value%exponent), real64)
-    else if (decimal_beyond(value, real(huge(nearest), real128))) then
-      nearest = sign(ieee_value(nearest, ieee_positive_inf), real(value%digits, real64))
-    else if (decimal_order(value) < -(range(nearest) + 40)) then
-      nearest = 0.0_real64
+      number = real(real(value%digits, real128) / powers(-value%exponent), real64)
+    else if (decimal_beyond(value, real(huge(number), real128))) then
+      number = sign(ieee_value(number, ieee_positive_inf), real(value%digits, real64))
+    else if (decimal_order(value) < -(range(number) + 40)) then
+      number = 0.0_real64
     else
       numeral = decimal_numeral(value)
       ! The library's own conversion is correctly rounded; a product with a power of ten is not.
-      read (numeral, '(f40.0)') nearest
+      read (numeral, '(f40.0)') number
     end if
   end function decimal_to_real64
 
-  ! The double nearest to digits / 10**power, without numbers of 113 bits: several times as fast.
+  ! The double nearest to numerator / 10**power, without numbers of 113 bits: several times as fast.
   !
-  ! The digits are high + low exactly. What a quotient q of doubles leaves, high - q 10**power, is a
-  ! double, and Dekker's product (1971) finds it. With low it is a whole number, in units of a power
-  ! of two, of at most 1.5 * 5**22, so it is exact too. Divided it is what q lacks, rounded once, by
-  ! less than 2**-53 of itself: halves of a unit of the last place of q become themselves, and all
-  ! else differs from them by at least 1/(3 * 5**22) of itself, which is more.
-  elemental function quotient_in_doubles(digits, power) result(nearest)
-    integer(int64), intent(in) :: digits  ! less than 2**62
+  ! The numerator is high + low exactly. The remainder of a quotient q of doubles, high - q
+  ! 10**power, is a double and is computed by Dekker's product (1971). Its sum with low is a whole
+  ! number, in units of a power of two, of at most 1.5 * 5**22, and so is exact. Divided by
+  ! 10**power it is the correction of q, with a relative rounding below 2**-53: halves of a unit of
+  ! the last place of q are exact, and all other corrections differ from them by at least 1/(3 *
+  ! 5**22), which is more.
+  elemental function quotient_in_doubles(numerator, power) result(quotient)
+    integer(int64), intent(in) :: numerator  ! less than 2**62
     integer, intent(in) :: power          ! from 0 to 22
-    real(real64) :: nearest
-    real(real64) :: high, low, q, upper, lower, product, rest
+    real(real64) :: quotient
+    real(real64) :: high, low, q, upper, lower, multiple, rest
 
-    high = real(digits, real64)
-    low = real(digits - int(high, int64), real64)
+    high = real(numerator, real64)
+    low = real(numerator - int(high, int64), real64)
     q = high / exact_powers(power)
-    product = q * exact_powers(power)
+    multiple = q * exact_powers(power)
     upper = two_27 * q - (two_27 * q - q)
     lower = q - upper
-    rest = (((upper * upper_powers(power) - product) + upper * lower_powers(power)) + &
+    rest = (((upper * upper_powers(power) - multiple) + upper * lower_powers(power)) + &
             lower * upper_powers(power)) + lower * lower_powers(power)
-    nearest = q + (((high - product) - rest) + low) / exact_powers(power)
+    quotient = q + (((high - multiple) - rest) + low) / exact_powers(power)
   end function quotient_in_doubles
 
-  !> A double as it is, to the last bit.
+  !> Exact value of a double.
   elemental function exact_double(number) result(value)
-    real(real64), intent(in) :: number  !! finite
+    real(real64), intent(in) :: number  !! any finite number
     type(decimal_value) :: value        !! the same number
 
     if (abs(number) < 2.0_real64**53 .and. .not. abs(number - aint(number)) > 0.0_real64) then
@@ -100,7 +101,7 @@ contains
 
   !> The least n with |value| < 10**n; a very negative number for zero.
   elemental integer function decimal_order(value)
-    type(decimal_value), intent(in) :: value  !! exact decimal
+    type(decimal_value), intent(in) :: value  !! exact decimal number
     integer(int64) :: rest
 
     if (value%twos /= 0) then
@@ -116,16 +117,16 @@ contains
     end do
   end function decimal_order
 
-  !> Whether |value| is above `largest`, the largest number of some kind, to 18 digits. A read would
-  !> find out too, but raise an overflow.
+  !> Whether |value| is above `largest`, the largest number of some kind, to 18 digits. A read has
+  !> the same result, but raises an overflow.
   elemental logical function decimal_beyond(value, largest)
-    type(decimal_value), intent(in) :: value  !! exact decimal
-    real(real128), intent(in) :: largest      !! more than 1
+    type(decimal_value), intent(in) :: value  !! exact decimal number
+    real(real128), intent(in) :: largest      !! largest number, > 1
     real(real128) :: leading
     integer :: order
 
     decimal_beyond = .false.
-    ! No kind's largest number is below 1E38: the usual case ends here.
+    ! The largest number of each kind is above 1E38.
     if (decimal_order(value) < 38) return
     order = ceiling(log10(largest))
     decimal_beyond = decimal_order(value) > order
@@ -137,7 +138,7 @@ contains
 
   !> The number as 40 characters that every `F40.0` field reads.
   pure function decimal_numeral(value) result(numeral)
-    type(decimal_value), intent(in) :: value  !! exact decimal
+    type(decimal_value), intent(in) :: value  !! exact decimal number
     character(len=40) :: numeral              !! for instance `254E-2`
 
     write (numeral, '(i0, "E", i0)') value%digits, value%exponent

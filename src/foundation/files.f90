@@ -1,4 +1,4 @@
-!> Files read at once, and the two standard streams. What is written as a file is the matter of
+!> Reading of whole files, and the two standard streams. Output files are written by
 !> `asperity_output_files`.
 module asperity_files
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t
@@ -15,25 +15,25 @@ module asperity_files
   !> Descriptors of the standard streams.
   integer(c_int), parameter :: standard_output = 1_c_int, standard_error = 2_c_int
 
-  ! EAGAIN: a pipe that does not wait is full.
+  ! EAGAIN: a pipe without blocking is full.
   integer(c_int), parameter :: full_for_now = 11_c_int, wait_microseconds = 1000_c_int
 
 contains
 
-  !> Whether two paths are spelled alike. A name may end with blanks, which Fortran's == leaves out.
+  !> Whether two paths have the same spelling. Blanks at the end, which == ignores, count.
   pure logical function same_name(a, b)
-    character(len=*), intent(in) :: a  !! a path
-    character(len=*), intent(in) :: b  !! a path
+    character(len=*), intent(in) :: a  !! path of a file
+    character(len=*), intent(in) :: b  !! path of another file
 
     same_name = len(a) == len(b) .and. a == b
   end function same_name
 
-  !> Reads a file whole. `failure` is allocated, with the reason, when it cannot be read. A file may
+  !> Reads a whole file. `failure` is allocated, with the reason, when it cannot be read. A file may
   !> have 1000000000 bytes, a pipe or a device 100000000.
   subroutine read_whole_file(path, text, failure)
-    character(len=*), intent(in) :: path                         !! the file
-    character(len=:), allocatable, intent(out) :: text           !! its bytes
-    character(len=:), allocatable, intent(out) :: failure        !! why not
+    character(len=*), intent(in) :: path                         !! path of the file
+    character(len=:), allocatable, intent(out) :: text           !! bytes of the file
+    character(len=:), allocatable, intent(out) :: failure        !! reason, when it cannot be read
     type(byte_reader) :: file
 
     call file%open(path)
@@ -45,16 +45,16 @@ contains
 
   !> Writes to standard output; `failure` is allocated when that is not possible.
   subroutine write_standard_output(text, failure)
-    character(len=*), intent(in) :: text                   !! what to write
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=*), intent(in) :: text                   !! text to write
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
 
     call write_bytes(standard_output, text, failure)
     if (allocated(failure)) failure = 'standard output: cannot be written: ' // failure
   end subroutine write_standard_output
 
-  !> Writes to standard error. A failure there has nowhere to go and is ignored.
+  !> Writes to standard error. A failure cannot be reported and is ignored.
   subroutine write_standard_error(text)
-    character(len=*), intent(in) :: text  !! what to write
+    character(len=*), intent(in) :: text  !! text to write
     character(len=:), allocatable :: failure
 
     call write_bytes(standard_error, text, failure)
@@ -67,11 +67,11 @@ contains
     call write_standard_error(printable(text) // new_line('a'))
   end subroutine write_message
 
-  !> Writes all of `text`, in as many calls as the system asks for.
+  !> Writes a whole text, in as many calls as the system needs.
   subroutine write_bytes(descriptor, text, failure)
-    integer(c_int), intent(in) :: descriptor               !! where to
-    character(len=*), intent(in) :: text                   !! what to write
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    integer(c_int), intent(in) :: descriptor               !! descriptor of the open file
+    character(len=*), intent(in) :: text                   !! text to write
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
     integer(c_size_t) :: written
     integer(c_int) :: status
     integer(int64) :: first

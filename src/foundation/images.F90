@@ -1,8 +1,8 @@
 !> The images of a run: copies of the program that share the work (coarrays, Fortran 2008).
 !>
-!> Compiled as it stands there is one, and nothing is sent. Over MPI, with OpenCoarrays and
-!> ASPERITY_COARRAYS defined, there are as many as the run was started with. Nothing else in the
-!> project holds a coarray statement.
+!> By default there is one image, and nothing is sent. With OpenCoarrays over MPI and
+!> ASPERITY_COARRAYS defined, the number of images is that of the run. All coarray statements of the
+!> project are in this module.
 module asperity_images
   use asperity_kinds, only: int64
   implicit none
@@ -11,7 +11,7 @@ module asperity_images
   public :: image_number, image_count, gather_words, take_from_first, wait_for_images
 
 #ifdef ASPERITY_COARRAYS
-  ! What an image shows the others.
+  ! Words of an image that others read.
   integer(int64), allocatable :: shown(:)[:]
 #else
   integer(int64), allocatable :: shown_alone(:)
@@ -20,7 +20,7 @@ module asperity_images
 
 contains
 
-  !> Which of the images this is, from 1.
+  !> Number of this image, from 1.
   pure integer function image_number()
     image_number = 1
 #ifdef ASPERITY_COARRAYS
@@ -28,7 +28,7 @@ contains
 #endif
   end function image_number
 
-  !> How many images there are.
+  !> Number of images.
   pure integer function image_count()
     image_count = 1
 #ifdef ASPERITY_COARRAYS
@@ -36,38 +36,38 @@ contains
 #endif
   end function image_count
 
-  !> Brings the words of all images to image 1, in their order; on the others `all_words` is 0.
-  !> Every image must call it with as many words.
+  !> Collects the words of all images on image 1, in their order; on the others `all_words` is 0.
+  !> Every image must call it with the same number of words.
   subroutine gather_words(own, all_words, failure)
-    integer(int64), intent(in) :: own(:)                     !! of this image
-    integer(int64), intent(out) :: all_words(:, :)         !! a column an image
-    character(len=:), allocatable, intent(out) :: failure  !! an image is lost
+    integer(int64), intent(in) :: own(:)                   !! words of this image
+    integer(int64), intent(out) :: all_words(:, :)         !! words, a column for each image
+    character(len=:), allocatable, intent(out) :: failure  !! reason: an image is lost
     integer :: i, status
 
     all_words = 0_int64
-    call show(own, status)
+    call share_words(own, status)
     if (status == 0 .and. image_number() == 1) then
       do i = 1, image_count()
-        call look(i, all_words(:, i))
+        call read_words(i, all_words(:, i))
       end do
     end if
-    call hide(status)
+    call end_sharing(status)
     if (status /= 0) failure = lost
   end subroutine gather_words
 
-  !> Brings the words of image 1 to all. Every image must call it with as many words.
+  !> Copies the words of image 1 to all images. Every image must call it with the same number.
   subroutine take_from_first(words, failure)
-    integer(int64), intent(inout) :: words(:)              !! of image 1, in the end
-    character(len=:), allocatable, intent(out) :: failure  !! an image is lost
+    integer(int64), intent(inout) :: words(:)              !! words; on exit those of image 1
+    character(len=:), allocatable, intent(out) :: failure  !! reason: an image is lost
     integer :: status
 
-    call show(words, status)
-    if (status == 0) call look(1, words)
-    call hide(status)
+    call share_words(words, status)
+    if (status == 0) call read_words(1, words)
+    call end_sharing(status)
     if (status /= 0) failure = lost
   end subroutine take_from_first
 
-  !> Waits until all images are here: to be called before a process ends.
+  !> Synchronises all images: to be called before a process ends.
   subroutine wait_for_images()
     integer :: status
 
@@ -80,12 +80,12 @@ contains
 
 #ifdef ASPERITY_COARRAYS
 
-  ! Lets the others look, once all have come here.
-  subroutine show(words, status)
+  ! Makes words readable by other images, and synchronises all images.
+  subroutine share_words(words, status)
     integer(int64), intent(in) :: words(:)
     integer, intent(out) :: status
 
-    ! Made anew only when it must grow: that is what takes time over MPI.
+    ! It is allocated again only when it must grow, as an allocation is slow over MPI.
     status = 0
     if (allocated(shown)) then
       if (size(shown) < size(words)) deallocate (shown, stat=status)
@@ -94,46 +94,46 @@ contains
     if (status /= 0) return
     shown(:size(words)) = words
     sync all (stat=status)
-  end subroutine show
+  end subroutine share_words
 
-  ! What an image shows.
-  subroutine look(image, words)
+  ! Reads the words of an image.
+  subroutine read_words(image, words)
     integer, intent(in) :: image
     integer(int64), intent(inout) :: words(:)
 
     words = shown(:size(words))[image]
-  end subroutine look
+  end subroutine read_words
 
-  ! Waits until all have looked.
-  subroutine hide(status)
+  ! Synchronises all images after they have read.
+  subroutine end_sharing(status)
     integer, intent(inout) :: status
 
     if (status == 0) sync all (stat=status)
-  end subroutine hide
+  end subroutine end_sharing
 
 #else
 
-  subroutine show(words, status)
+  subroutine share_words(words, status)
     integer(int64), intent(in) :: words(:)
     integer, intent(out) :: status
 
     if (allocated(shown_alone)) deallocate (shown_alone)
     allocate (shown_alone(size(words)), stat=status)
     if (status == 0) shown_alone = words
-  end subroutine show
+  end subroutine share_words
 
-  subroutine look(image, words)
+  subroutine read_words(image, words)
     integer, intent(in) :: image
     integer(int64), intent(inout) :: words(:)
 
     if (image == 1) words = shown_alone
-  end subroutine look
+  end subroutine read_words
 
-  subroutine hide(status)
+  subroutine end_sharing(status)
     integer, intent(inout) :: status
 
     if (status == 0) shown_alone = [integer(int64) ::]
-  end subroutine hide
+  end subroutine end_sharing
 
 #endif
 

@@ -1,5 +1,5 @@
-!> Whether work shall end: another thread wants it, by a number in its memory, which it makes other
-!> than 0; or its time is over.
+!> End of work by another thread, which sets a number in its memory to a value other than 0, or by a
+!> limit of time.
 module asperity_interruption
   use, intrinsic :: iso_c_binding, only: c_int
   use asperity_kinds, only: int64, real64
@@ -10,18 +10,18 @@ module asperity_interruption
 
   !> Address of the number that ends the work. Null by default: no interruption is possible.
   type :: interruption
-    integer(c_int), pointer :: number => null()  !! 0 as long as the work may go on
-    integer(int64) :: last_tick = huge(0_int64)  !! of the clock; huge: there is time
+    integer(c_int), pointer :: number => null()  !! 0 while the work continues
+    integer(int64) :: last_tick = huge(0_int64)  !! limit of the clock; huge: none
   contains
-    procedure :: is_asked    !! an end is wanted
-    procedure :: end_within  !! its time is over after so many seconds
+    procedure :: is_asked    !! whether the work is to end
+    procedure :: end_within  !! sets the limit of time
   end type interruption
 
 contains
 
-  !> Whether an end is wanted.
+  !> Whether the work is to end.
   logical function is_asked(self)
-    class(interruption), intent(in) :: self  !! of the work
+    class(interruption), intent(in) :: self  !! interruption of the work
     integer(c_int) :: number
     integer(int64) :: now
 
@@ -36,10 +36,10 @@ contains
     is_asked = is_asked .or. now > self%last_tick
   end function is_asked
 
-  !> Work ends after so many seconds from now, at the next place where it looks.
+  !> Sets the limit of time, from the current time on.
   subroutine end_within(self, seconds)
-    class(interruption), intent(inout) :: self  !! of the work
-    real(real64), intent(in) :: seconds         !! from now on; at most 1e9 count
+    class(interruption), intent(inout) :: self  !! interruption of the work
+    real(real64), intent(in) :: seconds         !! time, s; limited to 1e9
     integer(int64) :: rate
 
     call system_clock(self%last_tick, rate)

@@ -1,18 +1,17 @@
-!> The file in which long work keeps what is done, so that a rerun goes on from there; or several,
-!> of parts of the work that were done by themselves.
+!> The file that keeps the finished pieces of long work, from which a rerun continues; or the files
+!> of several parts of the work.
 !>
-!> A line says what work it is, by a checksum of all its input. Then, for every piece of it in
-!> order (a surface, a position), a line with its number, how many words of 64 bits follow and their
-!> checksum, and a line with these, 16 hexadecimal digits each. Each is appended in
-!> one go; what an end in the middle left of the last one does not meet its checksum and is cut off
-!> by the next run.
+!> The first line identifies the work by a checksum of all its input. Each piece (a surface, a
+!> position) follows in order: a line with its number, its number of words of 64 bits and their
+!> checksum, and a line with the words, 16 hexadecimal digits each. A record is appended by one
+!> write. A record that was interrupted fails its checksum and is removed by the next run.
 module asperity_kept_records
   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char
   use asperity_files, only: read_whole_file, write_bytes
   use asperity_kinds, only: int64
   use asperity_printable, only: printable
   use asperity_problems, only: decimal_text
-  use asperity_output_files, only: commit_files, stage_file, tell_kept
+  use asperity_output_files, only: commit_files, stage_file, note_kept
   use asperity_system_calls, only: posix_close, posix_fsync, posix_lseek, posix_open, &
                                    system_error, system_reason
   use asperity_text_buffer, only: text_buffer
@@ -22,21 +21,21 @@ module asperity_kept_records
   public :: checksum, join_records, keep_records, kept_file, kept_work, pieces_of_part, &
             resume_records, whole_number, word_record
 
-  !> A file.
+  !> A file of kept work.
   type :: kept_file
-    character(len=:), allocatable :: path      !! as the user gave it
+    character(len=:), allocatable :: path      !! path as the user gave it
   end type kept_file
 
-  !> What is kept, and where. Part I of N of some work is its pieces I, I + N, I + 2 N and so on; in
-  !> its file they are numbered from 1.
+  !> Work and its file. Part I of N of the work consists of its pieces I, I + N, I + 2 N and so on;
+  !> in its file they are numbered from 1.
   type :: kept_work
-    character(len=:), allocatable :: path      !! the file
-    integer :: part = 1                        !! which part of the work is done and kept
-    integer :: parts = 1                       !! of so many
-    type(kept_file), allocatable :: more(:)    !! files of further parts, to be joined
-    character(len=:), allocatable :: heading   !! its first line: what work it is
-    character(len=:), allocatable :: piece     !! what a record is, for instance `surface`
-    character(len=:), allocatable :: of_what   !! whose, for a message: `this specification`
+    character(len=:), allocatable :: path      !! path of the file
+    integer :: part = 1                        !! number of the part that is done, from 1
+    integer :: parts = 1                       !! number of parts
+    type(kept_file), allocatable :: more(:)    !! files of further parts, to be combined
+    character(len=:), allocatable :: heading   !! first line, which identifies the work
+    character(len=:), allocatable :: piece     !! name of a piece, for instance `surface`
+    character(len=:), allocatable :: of_what   !! name of the input: `this specification`
   end type kept_work
 
   !> The result of a piece of work, in words of 64 bits; not allocated: none.
@@ -44,21 +43,21 @@ module asperity_kept_records
     integer(int64), allocatable :: words(:)
   end type word_record
 
-  ! O_RDONLY with O_NONBLOCK, and O_WRONLY with O_APPEND and O_NONBLOCK, of Linux: a pipe without
-  ! another end would make an open wait.
+  ! O_RDONLY with O_NONBLOCK, and O_WRONLY with O_APPEND and O_NONBLOCK, of Linux: without
+  ! O_NONBLOCK the open of a pipe blocks until its other end is open.
   integer(c_int), parameter :: read_only = 2048_c_int, append = 3073_c_int, no_such_file = 2_c_int
   integer(c_int), parameter :: from_start = 0_c_int
-  integer, parameter :: digits = 16
+  integer, parameter :: word_digits = 16
 
 contains
 
-  !> Reads what a former run kept and makes the file ready for more. `failure` is allocated when the
-  !> file is of other work or cannot be read or written.
+  !> Reads the records of an earlier run and prepares the file for more. `failure` is allocated when
+  !> the file belongs to other work or cannot be read or written.
   subroutine resume_records(work, most, records, failure)
-    type(kept_work), intent(in) :: work                       !! the file need not be there
-    integer, intent(in) :: most                               !! so many pieces there are in all
-    type(word_record), allocatable, intent(out) :: records(:)  !! those kept, from the first on
-    character(len=:), allocatable, intent(out) :: failure     !! why not
+    type(kept_work), intent(in) :: work                        !! work; its file need not exist
+    integer, intent(in) :: most                                !! number of all pieces
+    type(word_record), allocatable, intent(out) :: records(:)  !! kept records, from the first
+    character(len=:), allocatable, intent(out) :: failure      !! reason, when there are none
     character(len=:), allocatable :: text, heading
     integer(c_int) :: descriptor, status
     integer :: used
@@ -87,39 +86,39 @@ contains
       if (used < len(heading)) used = 0
     end if
     if (used > 0) call take_records(text, work%piece, most, used, records)
-    call tell_progress(work, size(records))
+    call note_progress(work, size(records))
     if (used == len(text) .and. used > 0) return
-    ! A new file, or one whose last record is not whole.
+    ! The file is new, or its last record is incomplete.
     if (used > 0) heading = text(:used)
     call stage_file(work%path, heading, failure)
     if (.not. allocated(failure)) call commit_files(failure)
   end subroutine resume_records
 
-  !> How many of the pieces of some work a part has.
+  !> Number of pieces of a part of the work.
   elemental integer function pieces_of_part(pieces, part, parts) result(number)
-    integer, intent(in) :: pieces  !! in all
-    integer, intent(in) :: part    !! from 1
-    integer, intent(in) :: parts   !! how many parts there are
+    integer, intent(in) :: pieces  !! number of all pieces
+    integer, intent(in) :: part    !! number of the part, from 1
+    integer, intent(in) :: parts   !! number of all parts
 
     number = (pieces - part + parts) / parts
   end function pieces_of_part
 
-  !> The number in the whole work of a piece of a part.
+  !> Number in the whole work of a piece of a part.
   elemental integer function whole_number(piece, part, parts) result(number)
     integer, intent(in) :: piece   !! number in the part
-    integer, intent(in) :: part    !! from 1
-    integer, intent(in) :: parts   !! how many parts there are
+    integer, intent(in) :: part    !! number of the part, from 1
+    integer, intent(in) :: parts   !! number of all parts
 
     number = part + (piece - 1) * parts
   end function whole_number
 
-  !> What all parts have kept, in the order of the whole. `failure` is allocated when a file is not
-  !> one of them, when one is missing or not done.
+  !> Combines the records of all parts, in the order of the whole work. `failure` is allocated when
+  !> a file is not one of the parts, or when a part is missing or incomplete.
   subroutine join_records(work, total, records, failure)
-    type(kept_work), intent(in) :: work                        !! with `more` files
-    integer, intent(in) :: total                               !! pieces in all
-    type(word_record), allocatable, intent(out) :: records(:)  !! of all pieces
-    character(len=:), allocatable, intent(out) :: failure      !! why not
+    type(kept_work), intent(in) :: work                        !! work with `more` files
+    integer, intent(in) :: total                               !! number of all pieces
+    type(word_record), allocatable, intent(out) :: records(:)  !! records of all pieces
+    character(len=:), allocatable, intent(out) :: failure      !! reason, when they are incomplete
     character(len=:), allocatable :: path
     logical, allocatable :: is_there(:)
     integer :: i, parts
@@ -138,7 +137,7 @@ contains
     end do
   end subroutine join_records
 
-  ! The records of one part.
+  ! Adds the records of one part.
   subroutine join_part(work, path, is_there, records, failure)
     type(kept_work), intent(in) :: work
     character(len=*), intent(in) :: path
@@ -183,7 +182,7 @@ contains
     end do
   end subroutine join_part
 
-  ! What of the work a file has, behind its first line; nothing for the whole.
+  ! Text of the part in the first line; empty for the whole work.
   pure function part_text(part, parts) result(text)
     integer, intent(in) :: part, parts
     character(len=:), allocatable :: text
@@ -192,19 +191,19 @@ contains
     if (parts > 1) text = ', part ' // decimal_text(part) // ' of ' // decimal_text(parts)
   end function part_text
 
-  !> Appends records. `failure` is allocated when they cannot be kept.
+  !> Appends records to the file. `failure` is allocated when they cannot be written.
   subroutine keep_records(work, first, records, failure)
-    type(kept_work), intent(in) :: work                    !! the file, from resume_records
+    type(kept_work), intent(in) :: work                    !! work of resume_records
     integer, intent(in) :: first                           !! number of the first record
-    type(word_record), intent(in) :: records(:)          !! in order
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(word_record), intent(in) :: records(:)            !! records in their order
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when they cannot be written
     type(text_buffer) :: text
     character(len=:), allocatable :: body
     integer(c_int) :: descriptor, status
     integer :: i
 
     do i = 1, size(records)
-      body = hexadecimal(records(i)%words)
+      body = hexadecimal_text(records(i)%words)
       call text%append(heading_of(work%piece, first + i - 1, body))
       call text%append(body // new_line('a'))
     end do
@@ -217,19 +216,19 @@ contains
     if (allocated(failure)) failure = work%path // ': cannot be written: ' // failure
     status = posix_fsync(descriptor)
     status = posix_close(descriptor)
-    if (.not. allocated(failure)) call tell_progress(work, first + size(records) - 1)
+    if (.not. allocated(failure)) call note_progress(work, first + size(records) - 1)
   end subroutine keep_records
 
-  ! So much an end in the middle leaves.
-  subroutine tell_progress(work, done)
+  ! Sets the message about kept work that an interruption prints.
+  subroutine note_progress(work, done)
     type(kept_work), intent(in) :: work
     integer, intent(in) :: done
 
-    call tell_kept('; ' // decimal_text(done) // ' ' // work%piece // 's are saved in ' // &
+    call note_kept('; ' // decimal_text(done) // ' ' // work%piece // 's are saved in ' // &
                    printable(work%path) // ', the same command continues from there')
-  end subroutine tell_progress
+  end subroutine note_progress
 
-  !> Takes all whole records; `used` is moved behind them.
+  !> Reads all complete records; on exit `used` is the position of their last byte.
   subroutine take_records(text, piece, most, used, records)
     character(len=*), intent(in) :: text, piece
     integer, intent(in) :: most
@@ -244,7 +243,7 @@ contains
       line_end = index(text(used + 1:), new_line('a'))
       if (line_end == 0) exit
       first = used + line_end + 1
-      length = digits * words_told(text(used + 1:used + line_end - 1))
+      length = word_digits * word_count_of(text(used + 1:used + line_end - 1))
       if (length < 0 .or. length > len(text) - first) exit
       if (text(first + length:first + length) /= new_line('a')) exit
       if (text(used + 1:used + line_end) /= &
@@ -255,7 +254,7 @@ contains
         call move_alloc(larger, found)
       end if
       done = done + 1
-      allocate (found(done)%words(length / digits))
+      allocate (found(done)%words(length / word_digits))
       call from_hexadecimal(text(first:first + length - 1), found(done)%words)
       used = first + length
     end do
@@ -264,8 +263,8 @@ contains
     records = found(:done)
   end subroutine take_records
 
-  !> How many words the line before a record promises; -1 when it is no such line.
-  pure integer function words_told(line) result(number)
+  !> Number of words in the line before a record; -1 when it is no such line.
+  pure integer function word_count_of(line) result(number)
     character(len=*), intent(in) :: line
     integer :: first, last, status
 
@@ -275,7 +274,7 @@ contains
     if (first <= len(', words ') .or. last < first .or. last > first + 7) return
     read (line(first:last), '(i8)', iostat=status) number
     if (status /= 0) number = -1
-  end function words_told
+  end function word_count_of
 
   !> The line before the words of a record.
   pure function heading_of(piece, record, body) result(line)
@@ -284,20 +283,20 @@ contains
     character(len=:), allocatable :: line
     character(len=60) :: text
 
-    write (text, '(" ", i0, ", words ", i0, ", checksum ", a8)') record, len(body) / digits, &
+    write (text, '(" ", i0, ", words ", i0, ", checksum ", a8)') record, len(body) / word_digits, &
       checksum(body)
     line = piece // trim(text) // new_line('a')
   end function heading_of
 
-  pure function hexadecimal(words) result(text)
+  pure function hexadecimal_text(words) result(text)
     integer(int64), intent(in) :: words(:)
-    character(len=digits * size(words)) :: text
+    character(len=word_digits * size(words)) :: text
     integer :: i
 
     do i = 1, size(words)
-      write (text(digits * (i - 1) + 1:digits * i), '(z16.16)') words(i)
+      write (text(word_digits * (i - 1) + 1:word_digits * i), '(z16.16)') words(i)
     end do
-  end function hexadecimal
+  end function hexadecimal_text
 
   pure subroutine from_hexadecimal(text, words)
     character(len=*), intent(in) :: text
@@ -305,13 +304,13 @@ contains
     integer :: i
 
     do i = 1, size(words)
-      read (text(digits * (i - 1) + 1:digits * i), '(z16)') words(i)
+      read (text(word_digits * (i - 1) + 1:word_digits * i), '(z16)') words(i)
     end do
   end subroutine from_hexadecimal
 
   !> FNV-1a of 32 bits (Fowler, Noll, Vo), as 8 hexadecimal digits.
   pure function checksum(text) result(word)
-    character(len=*), intent(in) :: text  !! any bytes
+    character(len=*), intent(in) :: text  !! text of any bytes
     character(len=8) :: word
     integer(int64), parameter :: prime = 16777619_int64, low_32 = int(z'FFFFFFFF', int64)
     integer(int64) :: state

@@ -10,8 +10,8 @@ module asperity_kinds
   !> Whole numbers of 128 bits, for products of two of 64.
   integer, parameter :: int128 = selected_int_kind(38)
 
-  !> What stands in the place of a number that was not computed: every number that was is larger.
-  !> Writers leave its cell empty.
+  !> Value of a number that was not computed: every computed number is larger. Writers leave its
+  !> cell empty.
   real(real64), parameter :: not_computed = -huge(1.0_real64)
 
 end module asperity_kinds

@@ -1,8 +1,8 @@
-!> The files that a command writes: all of them appear, each by rename and whole, or none does.
+!> The output files of a command: all of them appear complete, by renaming, or none appears.
 !>
-!> A file is written under a name of its own beside its place (`stage_file`). When all has gone
-!> well, standard output included, the files take their places (`commit_files`); after a failure
-!> or an interruption they are taken away. A device or a pipe is written as it stands.
+!> A file is written under a temporary name in its folder (`stage_file`). After success, standard
+!> output included, the files are renamed (`commit_files`); after a failure or an interruption they
+!> are removed. Devices and pipes are written directly.
 module asperity_output_files
   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, &
                                          c_null_char, c_null_funptr, c_size_t
@@ -18,7 +18,7 @@ module asperity_output_files
   private
 
   public :: stage_file, open_part, close_part, commit_files, discard_files, guard_files, same_file
-  public :: tell_kept
+  public :: note_kept
 
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int), write_only = 1_c_int
   integer(c_int), parameter :: no_such_file = 2_c_int, no_permission = 13_c_int
@@ -37,15 +37,15 @@ module asperity_output_files
   ! SIG_IGN of the C library.
   integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t
 
-  ! What is staged. The first names end with a null character: a signal's procedure may not build
+  ! Staged files. Temporary names end with a null character, as a signal handler may not build
   ! texts. They are allocated before they are counted.
   integer, parameter :: most_files = 1100, longest_path = 4400
-  ! A name may end with blanks: lengths count.
-  type :: known_name
+  ! Names of a staged file; each may end with blanks.
+  type :: staged_name
     character(len=:), allocatable :: place, path
     character(kind=c_char), allocatable :: part(:)
-  end type known_name
-  type(known_name) :: names(most_files)
+  end type staged_name
+  type(staged_name) :: names(most_files)
   integer, volatile :: staged = 0
   logical, volatile :: committing = .false.
   ! Message about kept work, printed at an interruption.
@@ -55,9 +55,9 @@ module asperity_output_files
 
 contains
 
-  !> To be called once, at the start: an interruption, a fault or an end of memory leaves no file
-  !> behind, and a closed pipe or a full quota is reported as any other failure. A signal that
-  !> was ignored remains ignored.
+  !> Installs the signal handlers, once at the start: an interruption, a fault or a lack of memory
+  !> leaves no file behind, and a closed pipe or a full quota is reported as other failures. A
+  !> signal that was ignored remains ignored.
   subroutine guard_files()
     type(c_funptr) :: before
     integer(c_int) :: status
@@ -76,12 +76,12 @@ contains
     status = posix_atexit(c_funloc(discard_at_end))
   end subroutine guard_files
 
-  !> Writes a file beside its place. `failure` is allocated, with the reason, when that is not
-  !> possible; nothing staged is left then.
+  !> Writes a file under its temporary name. `failure` is allocated, with the reason, when that is
+  !> not possible; all staged files are removed then.
   subroutine stage_file(path, text, failure)
-    character(len=*), intent(in) :: path                   !! the file
-    character(len=*), intent(in) :: text                   !! its bytes
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=*), intent(in) :: path                   !! path of the file
+    character(len=*), intent(in) :: text                   !! bytes of the file
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
     integer(c_int) :: descriptor
 
     call open_part(path, descriptor, failure)
@@ -90,12 +90,12 @@ contains
     call close_part(path, descriptor, failure)
   end subroutine stage_file
 
-  !> Opens a file beside its place for writing; `close_part` must follow. `failure` is allocated,
-  !> with the reason, when that is not possible; nothing staged is left then.
+  !> Opens a file under its temporary name; `close_part` must follow. `failure` is allocated, with
+  !> the reason, when that is not possible; all staged files are removed then.
   subroutine open_part(path, descriptor, failure)
-    character(len=*), intent(in) :: path                   !! the file
-    integer(c_int), intent(out) :: descriptor              !! takes its bytes
-    character(len=:), allocatable, intent(out) :: failure  !! why it cannot be written
+    character(len=*), intent(in) :: path                   !! path of the file
+    integer(c_int), intent(out) :: descriptor              !! descriptor to write to
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when it cannot be written
     character(len=:), allocatable :: place, part
 
     call open_special(path, descriptor, failure)
@@ -114,14 +114,14 @@ contains
     call discard_files()
   end subroutine open_part
 
-  !> Closes a file beside its place; a failure of its writing is given the name of the file.
+  !> Closes a file of `open_part`; a failure of its writing is given the name of the file.
   subroutine close_part(path, descriptor, failure)
-    character(len=*), intent(in) :: path                      !! the file
-    integer(c_int), intent(in) :: descriptor                  !! from `open_part`
+    character(len=*), intent(in) :: path                      !! path of the file
+    integer(c_int), intent(in) :: descriptor                  !! descriptor of `open_part`
     character(len=:), allocatable, intent(inout) :: failure   !! reason, where a write has failed
     integer(c_int) :: status
 
-    ! A file has the number of a standard stream where that was closed before the start.
+    ! A file has the descriptor of a standard stream that was closed before the start.
     if (path /= '/dev/stdout' .and. path /= '/dev/stderr') then
       status = posix_close(descriptor)
       if (status /= 0 .and. .not. allocated(failure)) failure = system_reason()
@@ -131,11 +131,11 @@ contains
     call discard_files()
   end subroutine close_part
 
-  !> Gives all staged files their names. `failure` is allocated, with the reason, when one cannot
-  !> have it; the rest is taken away then.
+  !> Renames all staged files. `failure` is allocated, with the reason, when one cannot be renamed;
+  !> the rest is removed then.
   subroutine commit_files(failure, last)
-    character(len=:), allocatable, intent(out) :: failure  !! why not
-    logical, intent(in), optional :: last  !! all is done: from now on an interruption is too late
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when one cannot be renamed
+    logical, intent(in), optional :: last  !! whether interruptions are ignored from here on
     integer(c_int) :: status
     integer :: i
 
@@ -153,7 +153,7 @@ contains
     committing = present(last) .and. .not. allocated(failure)
   end subroutine commit_files
 
-  !> Takes all staged files away.
+  !> Removes all staged files.
   subroutine discard_files()
     integer(c_int) :: status
     integer :: i
@@ -164,11 +164,11 @@ contains
     staged = 0
   end subroutine discard_files
 
-  !> Whether two paths lead to one file, or would. Devices and pipes are shared without harm. A
-  !> hard link is not found: writing by rename leaves the file of the other name as it is.
+  !> Whether two paths lead to one file, or will. Devices and pipes may be shared. Hard links are
+  !> not detected: renaming does not change the file of the other name.
   logical function same_file(a, b)
-    character(len=*), intent(in) :: a  !! a path, or empty
-    character(len=*), intent(in) :: b  !! a path, or empty
+    character(len=*), intent(in) :: a  !! path of a file, or empty
+    character(len=*), intent(in) :: b  !! path of a file, or empty
     character(len=:), allocatable :: name
 
     same_file = .false.
@@ -195,7 +195,7 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     integer(c_int) :: status
 
-    ! Perhaps files, but ones whose writing has begun.
+    ! The standard streams may be files, which are already open.
     descriptor = standard_output
     if (path == '/dev/stdout') return
     descriptor = standard_error
@@ -205,14 +205,13 @@ contains
       if (system_error() /= no_such_file) failure = system_reason()
       return
     end if
-    ! Files can be brought to the disk; devices and pipes refuse.
+    ! Files can be synchronised with the disk; devices and pipes cannot.
     if (posix_fsync(descriptor) /= 0) return
     status = posix_close(descriptor)
     descriptor = -1
   end subroutine open_special
 
-  !> Creates a file under its first name, which is known to `end_at_signal` before the file is
-  !> there.
+  !> Creates a file under its temporary name, which is listed for `end_at_signal` first.
   subroutine create_part(place, part, path, descriptor, failure)
     character(len=*), intent(in) :: place, part, path
     integer(c_int), intent(out) :: descriptor
@@ -238,21 +237,21 @@ contains
         failure = 'its folder takes no new file, which a whole output needs: ' // failure
       return
     end if
-    ! A file keeps its permissions; its owner, where the system lets it be given.
+    ! A file keeps its permissions, and its owner where the system permits it.
     if (mode >= 0) then
       status = posix_chown(part // c_null_char, owner, group)
       status = posix_chmod(part // c_null_char, mode)
     end if
   end subroutine create_part
 
-  !> Ends the program at a signal: files that are not whole go, status 1. Only what a signal's
-  !> procedure may do is done here: no allocation, no Fortran output.
+  !> Ends the program at a signal with status 1 and removes incomplete files. A signal handler may
+  !> not allocate nor use Fortran output.
   subroutine end_at_signal(number) bind(c)
     integer(c_int), value :: number
     character(len=43) :: message
     integer(c_size_t) :: written
 
-    ! The names are being given: a moment, and all is done.
+    ! The files are being renamed: the end is near.
     if (committing) return
     message = 'interrupted by signal   , no output written'
     if (number > 9) message(23:23) = achar(iachar('0') + number / 10)
@@ -264,8 +263,8 @@ contains
     call posix_exit_now(1_c_int)
   end subroutine end_at_signal
 
-  !> Takes all staged files away at a fault of the program, and leaves the rest to what would have
-  !> been done without: a backtrace, and the end with the signal's status.
+  !> Removes all staged files at a fault of the program, then calls the former handler: a backtrace,
+  !> and the end with the status of the signal.
   subroutine discard_at_fault(number) bind(c)
     integer(c_int), value :: number
     type(c_funptr) :: before
@@ -276,18 +275,18 @@ contains
     status = posix_raise(number)
   end subroutine discard_at_fault
 
-  !> The same at an end that the run-time library makes, where memory ends: it calls `exit`.
+  !> Removes all staged files when the run-time library ends the program, as it does without memory.
   subroutine discard_at_end() bind(c)
     call discard_files()
   end subroutine discard_at_end
 
   !> Sets the message about kept work that an interruption prints.
-  subroutine tell_kept(note)
-    character(len=*), intent(in) :: note  !! begins with `; `, at most 600 characters count
+  subroutine note_kept(note)
+    character(len=*), intent(in) :: note  !! text that begins with `; `, 600 characters at most
 
     noted = 0
     kept_note = note
     noted = min(len(note), longest_note)
-  end subroutine tell_kept
+  end subroutine note_kept
 
 end module asperity_output_files

@@ -1,4 +1,4 @@
-!> Text that may be shown on a terminal, whatever was found in a file or on a command line.
+!> Printable text of any bytes of a file or a command line, for a terminal.
 module asperity_printable
   implicit none
   private
@@ -7,11 +7,11 @@ module asperity_printable
 
 contains
 
-  !> The text with a question mark for each byte that is no part of printable UTF-8: control
-  !> characters, broken sequences, and marks that turn the direction of what follows.
+  !> Replaces each byte that is no part of printable UTF-8 by a question mark: control characters,
+  !> broken sequences, and marks that change the direction of the text.
   pure function printable(text) result(shown)
-    character(len=*), intent(in) :: text  !! any bytes
-    character(len=len(text)) :: shown     !! the same length
+    character(len=*), intent(in) :: text  !! text of any bytes
+    character(len=len(text)) :: shown     !! printable text of the same length
     integer :: i, length
 
     i = 1
@@ -30,7 +30,7 @@ contains
   !> Bytes of the printable letter at the start of a text; 0 when there is none.
   pure integer function letter_length(text)
     character(len=*), intent(in) :: text
-    ! The least code that needs so many bytes: a longer spelling is no UTF-8.
+    ! Least code of each number of bytes: a longer encoding is not valid UTF-8.
     integer, parameter :: least(4) = [0, 128, 2048, 65536]
     integer :: code, first, i
 

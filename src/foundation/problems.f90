@@ -1,4 +1,4 @@
-!> Problems found in a file or a command line: values that are carried to the edge of the program.
+!> Problems found in a file or a command line, as values that the program prints at its end.
 module asperity_problems
   use asperity_kinds, only: int64, real64
   use asperity_printable, only: printable
@@ -8,7 +8,7 @@ module asperity_problems
 
   public :: problem_list, problem_place, decimal_text, not_enough_memory, real_text
 
-  !> Beginning of a message where memory ends.
+  !> Beginning of a message when memory is short.
   character(len=*), parameter :: not_enough_memory = 'not enough memory'
 
   !> An integer as text without blanks.
@@ -16,69 +16,69 @@ module asperity_problems
     module procedure :: short_decimal, long_decimal
   end interface decimal_text
 
-  ! So many problems of a file are written out, and so many in a row that say the same of other
-  ! lines; the rest is counted. Enough to see what is wrong everywhere, and no flood from a file
-  ! that is not of this kind at all, or has one slip in every line.
+  ! Largest numbers of problems of a file, and of successive equal problems, that are printed;
+  ! others are counted. They limit the output for a file of another kind, or with a fault in every
+  ! line.
   integer, parameter :: most_placed = 5000, most_alike = 20
 
-  !> Where a problem is.
+  !> Place of a problem.
   type :: problem_place
-    integer :: line = 0         !! line of the file, from 1; 0: the problem has none
-    integer :: column = 0       !! column, from 1; 0: none
-    integer :: file_length = 0  !! the problem's text begins with the file's name, so long; 0: none
-    integer :: prefix = 0       !! and the message with the character after so many
+    integer :: line = 0         !! line of the file, from 1; 0: none
+    integer :: column = 0       !! column of the line, from 1; 0: none
+    integer :: file_length = 0  !! length of the file's name at its beginning; 0: none
+    integer :: prefix = 0       !! number of characters before the message
   end type problem_place
 
-  !> All that is wrong with one input, in the order found.
+  !> All problems of one input, in the order found.
   type :: problem_list
     private
     type(text_buffer) :: lines
     type(problem_place), allocatable :: places(:)  ! of each line
-    character(len=:), allocatable :: file  ! to which the places of `add_at` refer
-    integer :: placed = 0, others = 0      ! problems with a place in it, and without
-    integer :: beyond = 0                  ! those that came after `most_placed` had been written
-    integer :: alike = 0                   ! in a row that say the same as the last one
-    character(len=80) :: last = ''         ! the last one, without what was found
-    !> Memory ended while the input was read: nothing is known to be wrong with it.
+    character(len=:), allocatable :: file  ! file of the places of `add_at`
+    integer :: placed = 0, others = 0      ! numbers of problems with a place, and without
+    integer :: beyond = 0                  ! number of problems after `most_placed`
+    integer :: alike = 0                   ! number of successive problems like the last one
+    character(len=80) :: last = ''         ! the last problem, without the text found
+    !> Memory was short while the input was read: its problems are unknown.
     logical, public :: lacks_memory = .false.
   contains
-    procedure :: start                   !! names the file that the next problems have places in
+    procedure :: start => start_file     !! sets the file of the places of the next problems
     procedure :: add_at                  !! adds a problem at a line and column of the file
     procedure :: add_at_byte             !! adds a problem at a byte of the file's text
     procedure :: add_in_file             !! adds a problem of the file with a place of its own kind
-    procedure :: add                     !! adds a problem that has no place
-    procedure :: append                  !! adds all problems of another list
-    procedure :: count => problem_count  !! how many there are, those not written out included
-    procedure :: place => place_of_line  !! where the problem of a line is
-    procedure :: text => problem_text    !! one line a problem
+    procedure :: add => add_problem      !! adds a problem without a place
+    procedure :: append => append_list   !! adds all problems of another list
+    procedure :: count => problem_count  !! number of problems, including those not printed
+    procedure :: place => place_of_line  !! place of the problem of a line
+    procedure :: text => problem_text    !! text with one line for each problem
     procedure, private :: add_placed
-    procedure, private :: uncounted
+    procedure, private :: count_text
   end type problem_list
 
 contains
 
-  !> Names the file, before problems with a place are added.
-  pure subroutine start(self, file)
-    class(problem_list), intent(inout) :: self  !! the list
+  !> Sets the file, before problems with a place are added.
+  pure subroutine start_file(self, file)
+    class(problem_list), intent(inout) :: self  !! list of problems
     character(len=*), intent(in) :: file        !! name of the file as the user gave it
 
     self%file = file
-  end subroutine start
+  end subroutine start_file
 
-  !> Adds `FILE: MESSAGE`, for a file where lines and columns mean nothing.
+  !> Adds `FILE: MESSAGE`, for a file without lines and columns.
   pure subroutine add_in_file(self, message)
-    class(problem_list), intent(inout) :: self  !! the list
-    character(len=*), intent(in) :: message     !! place, what is wrong, found, expected
+    class(problem_list), intent(inout) :: self  !! list of problems
+    character(len=*), intent(in) :: message     !! place, fault, text found and expected
 
     call self%add_placed(': ', message, 0, 0)
   end subroutine add_in_file
 
   !> Adds `FILE:LINE:COLUMN: MESSAGE`.
   pure subroutine add_at(self, line, column, message)
-    class(problem_list), intent(inout) :: self  !! the list
-    integer, intent(in) :: line                 !! line, from 1
-    integer, intent(in) :: column               !! column, from 1
-    character(len=*), intent(in) :: message     !! what is wrong, found, expected
+    class(problem_list), intent(inout) :: self  !! list of problems
+    integer, intent(in) :: line                 !! line of the problem, from 1
+    integer, intent(in) :: column               !! column of the problem, from 1
+    character(len=*), intent(in) :: message     !! fault, text found and expected
 
     call self%add_placed(':' // decimal_text(line) // ':' // decimal_text(column) // ': ', &
                          message, line, column)
@@ -89,19 +89,19 @@ contains
     class(problem_list), intent(inout) :: self
     character(len=*), intent(in) :: place, message
     integer, intent(in) :: line, column
-    character(len=len(self%last)) :: kind
+    character(len=len(self%last)) :: message_kind
     integer :: found, expected
 
     found = index(message, ' found ')
     expected = index(message, ', expected ', back=.true.)
-    kind = message
-    if (found > 0 .and. expected > found) kind = message(:found) // message(expected:)
-    if (self%last == kind) then
+    message_kind = message
+    if (found > 0 .and. expected > found) message_kind = message(:found) // message(expected:)
+    if (self%last == message_kind) then
       self%alike = self%alike + 1
     else
-      if (self%alike > most_alike) call add_line(self, self%file, ': ', self%uncounted(), 0, 0)
+      if (self%alike > most_alike) call add_line(self, self%file, ': ', self%count_text(), 0, 0)
       self%alike = 1
-      self%last = kind
+      self%last = message_kind
     end if
     self%placed = self%placed + 1
     if (self%alike > most_alike) return
@@ -110,19 +110,19 @@ contains
   end subroutine add_placed
 
   ! Text with the number of problems like the last one that are not printed.
-  pure function uncounted(self) result(text)
+  pure function count_text(self) result(text)
     class(problem_list), intent(in) :: self
     character(len=:), allocatable :: text
 
     text = 'and ' // decimal_text(self%alike - most_alike) // ' more like that'
-  end function uncounted
+  end function count_text
 
   !> Adds a problem at a byte of the file's text.
   pure subroutine add_at_byte(self, text, byte, message)
-    class(problem_list), intent(inout) :: self  !! the list
-    character(len=*), intent(in) :: text        !! the whole file
-    integer, intent(in) :: byte                 !! place, from 1
-    character(len=*), intent(in) :: message     !! what is wrong, found, expected
+    class(problem_list), intent(inout) :: self  !! list of problems
+    character(len=*), intent(in) :: text        !! text of the whole file
+    integer, intent(in) :: byte                 !! position of the byte, from 1
+    character(len=*), intent(in) :: message     !! fault, text found and expected
     integer :: i, line, before
 
     line = 1
@@ -137,16 +137,16 @@ contains
     call self%add_at(line, byte - before, message)
   end subroutine add_at_byte
 
-  !> Adds `MESSAGE`, made one printable line.
-  pure subroutine add(self, message)
-    class(problem_list), intent(inout) :: self  !! the list
-    character(len=*), intent(in) :: message     !! what is wrong, found, expected
+  !> Adds `MESSAGE` as one printable line.
+  pure subroutine add_problem(self, message)
+    class(problem_list), intent(inout) :: self  !! list of problems
+    character(len=*), intent(in) :: message     !! fault, text found and expected
 
     call add_line(self, '', '', message, 0, 0)
     self%others = self%others + 1
-  end subroutine add
+  end subroutine add_problem
 
-  ! Adds a line, and where its problem is.
+  ! Adds a line and the place of its problem.
   pure subroutine add_line(self, file, after_file, message, line, column)
     class(problem_list), intent(inout) :: self
     character(len=*), intent(in) :: file, after_file, message
@@ -165,10 +165,10 @@ contains
     self%places = [self%places, places]
   end subroutine add_places
 
-  !> Adds all problems of another list, each with the place that it has.
-  pure subroutine append(self, other)
-    class(problem_list), intent(inout) :: self  !! the list
-    type(problem_list), intent(in) :: other     !! what follows
+  !> Adds all problems of another list, each with its place.
+  pure subroutine append_list(self, other)
+    class(problem_list), intent(inout) :: self  !! list of problems
+    type(problem_list), intent(in) :: other     !! list to be appended
 
     call self%lines%append(other%text())
     if (allocated(other%places)) call add_places(self, other%places)
@@ -176,32 +176,32 @@ contains
     if (other%beyond > 0) call add_places(self, [problem_place()])
     self%others = self%others + other%count()
     self%lacks_memory = self%lacks_memory .or. other%lacks_memory
-  end subroutine append
+  end subroutine append_list
 
-  !> Where the problem of a line of `text` is; a line that only counts others has no place.
+  !> Place of the problem of a line of `text`; a line that only counts others has no place.
   pure type(problem_place) function place_of_line(self, number)
-    class(problem_list), intent(in) :: self  !! the list
-    integer, intent(in) :: number            !! of the line, from 1
+    class(problem_list), intent(in) :: self  !! list of problems
+    integer, intent(in) :: number            !! number of the line, from 1
 
     if (.not. allocated(self%places)) return
     if (number <= size(self%places)) place_of_line = self%places(number)
   end function place_of_line
 
-  !> Number of problems; 0 means that the input is good.
+  !> Number of problems; 0: the input is correct.
   pure integer function problem_count(self)
-    class(problem_list), intent(in) :: self  !! the list
+    class(problem_list), intent(in) :: self  !! list of problems
 
     problem_count = self%placed + self%others
   end function problem_count
 
-  !> All problems, one a line, each with its line end.
+  !> Text of all problems, one line for each, with line ends.
   pure function problem_text(self) result(text)
-    class(problem_list), intent(in) :: self  !! the list
-    character(len=:), allocatable :: text    !! the lines
+    class(problem_list), intent(in) :: self  !! list of problems
+    character(len=:), allocatable :: text    !! lines with their ends
 
     text = self%lines%text()
     if (self%alike > most_alike) &
-      text = text // printable(self%file // ': ' // self%uncounted()) // new_line('a')
+      text = text // printable(self%file // ': ' // self%count_text()) // new_line('a')
     if (self%beyond > 0) &
       text = text // printable(self%file // ': and ' // decimal_text(self%beyond) // &
                                ' more problems') // new_line('a')
@@ -209,35 +209,35 @@ contains
 
   !> An integer as text without blanks.
   pure function short_decimal(value) result(text)
-    integer, intent(in) :: value           !! any integer
+    integer, intent(in) :: value           !! integer of any size
     character(len=:), allocatable :: text  !! its decimal digits, with sign when negative
 
     text = long_decimal(int(value, int64))
   end function short_decimal
 
-  !> The same for any integer of 64 bits.
+  !> An integer of 64 bits as text without blanks.
   pure function long_decimal(value) result(text)
-    integer(int64), intent(in) :: value    !! any integer
+    integer(int64), intent(in) :: value    !! integer of any size
     character(len=:), allocatable :: text  !! its decimal digits, with sign when negative
-    character(len=20) :: digits
+    character(len=20) :: written
 
-    write (digits, '(i0)') value
-    text = trim(digits)
+    write (written, '(i0)') value
+    text = trim(written)
   end function long_decimal
 
-  !> A number as text without blanks: of seven digits, or as an edit descriptor has it.
+  !> A number as text without blanks: seven digits, or the form of an edit descriptor.
   pure function real_text(value, form) result(text)
-    real(real64), intent(in) :: value              !! any number
+    real(real64), intent(in) :: value               !! number of any size
     character(len=*), intent(in), optional :: form  !! edit descriptor, of a width up to 32
-    character(len=:), allocatable :: text          !! as `1.234567E+005` without `form`
-    character(len=32) :: digits
+    character(len=:), allocatable :: text           !! for instance `1.234567E+005` without `form`
+    character(len=32) :: written
 
     if (present(form)) then
-      write (digits, '(' // form // ')') value
+      write (written, '(' // form // ')') value
     else
-      write (digits, '(es16.6e3)') value
+      write (written, '(es16.6e3)') value
     end if
-    text = trim(adjustl(digits))
+    text = trim(adjustl(written))
   end function real_text
 
 end module asperity_problems

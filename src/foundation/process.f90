@@ -15,27 +15,28 @@ module asperity_process
   integer(c_int), parameter :: stack_limit = 3_c_int, address_limit = 9_c_int
   ! PROT_READ and PROT_WRITE, MAP_PRIVATE and MAP_ANONYMOUS of Linux.
   integer(c_int), parameter :: read_and_write = 3_c_int, private_memory = 34_c_int
-  ! M_TRIM_THRESHOLD and M_MMAP_MAX of the GNU C library's mallopt(3). Memory that is given back is
-  ! kept for the next array: the system would zero each page anew, which takes a million asperities
-  ! 10 to 17 % of their time (measured).
+  ! M_TRIM_THRESHOLD and M_MMAP_MAX of the GNU C library's mallopt(3). Freed memory is kept for the
+  ! next array: otherwise the system clears each page again, which takes 10 to 17 % of the run time
+  ! of a million asperities (measured).
   integer(c_int), parameter :: trim_threshold = -1_c_int, most_mapped = -4_c_int
-  ! Bytes of stack. All tests ran on a quarter of it; a build with checks needs more than another.
+  ! Least stack [bytes]. All tests passed with a quarter of it; a build with checks needs more.
   integer(int64), parameter :: least_stack = 512_int64 * 1024_int64
-  ! Bytes of a request for memory that is compared with what the machine has free: reading that from
-  ! the system takes 0.1 ms, and a smaller request does not bring a machine to its end.
+  ! Least request for memory [bytes] that is compared with the free memory of the machine: reading
+  ! that takes 0.1 ms, and smaller requests do not exhaust a machine.
   integer(int64), parameter :: large_request = 67108864_int64
-  ! Bytes that must be left beside a request, for the small arrays that are not asked for (chosen).
+  ! Memory to be left beside a request [bytes], for small arrays without a request (chosen).
   integer(int64), parameter :: spare_room = 4194304_int64
-  ! What the system gives a thread when its user has set no limit.
+  ! Stack of a thread without a limit of the user [bytes].
   integer(int64), parameter :: usual_stack = 8_int64 * 1024_int64 * 1024_int64
 
 contains
 
-  !> To be called once, at the start. `failure` is allocated when a stack is too small: its end
-  !> would be met in the middle of the work, and without a word. Where the shell limits memory,
-  !> threads begin now, as many as there is room for: later on none might be left.
+  !> Prepares memory and threads, once at the start. `failure` is allocated when a stack is too
+  !> small:
+  !> the run would end later without a message. Where the shell limits memory, all threads for which
+  !> there is memory are started, as it may be short later.
   subroutine prepare_process(failure)
-    character(len=:), allocatable, intent(out) :: failure  !! what is too small
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when a stack is too small
     integer(int64) :: found
     integer(c_int) :: status
     integer :: threads, begun
@@ -44,14 +45,14 @@ contains
     status = c_mallopt(most_mapped, 0_c_int)
     found = limit_of(stack_limit)
     if (found < least_stack) then
-      failure = 'the stack is too small: found ' // kilobytes(found) // ', expected at least ' // &
-                kilobytes(least_stack) // ': ulimit -s 8192'
+      failure = 'the stack is too small: found ' // kilobyte_text(found) // &
+                ', expected at least ' // kilobyte_text(least_stack) // ': ulimit -s 8192'
       return
     end if
     found = stack_of_a_thread()
     if (found < least_stack) then
-      failure = 'the stack of a thread is too small: found ' // kilobytes(found) // &
-                ', expected at least ' // kilobytes(least_stack) // ': OMP_STACKSIZE=8M'
+      failure = 'the stack of a thread is too small: found ' // kilobyte_text(found) // &
+                ', expected at least ' // kilobyte_text(least_stack) // ': OMP_STACKSIZE=8M'
       return
     end if
     if (limit_of(address_limit) == huge(found)) return
@@ -64,11 +65,11 @@ contains
     !$ call omp_set_num_threads(begun)
   end subroutine prepare_process
 
-  !> As many threads as there is memory for their stacks, at least 1.
-  integer function threads_with_memory(wanted) result(threads)
-    integer, intent(in) :: wanted  !! at most
+  !> Number of threads for whose stacks there is memory, at least 1.
+  integer function threads_with_memory(most) result(threads)
+    integer, intent(in) :: most  !! largest number of threads
 
-    threads = max(1, wanted)
+    threads = max(1, most)
     do while (threads > 1)
       if (has_memory(stack_of_a_thread() * int(threads, int64))) exit
       threads = threads / 2
@@ -85,8 +86,7 @@ contains
       bytes = int(limits(1), int64)
   end function limit_of
 
-  ! Bytes of stack of a thread that OpenMP starts: as the environment says, or as large as the
-  ! stack of the process.
+  ! Stack of a thread of OpenMP [bytes]: that of the environment, or that of the process.
   integer(int64) function stack_of_a_thread() result(bytes)
     character(len=*), parameter :: names(2) = [character(len=14) :: 'OMP_STACKSIZE', &
       'GOMP_STACKSIZE']
@@ -112,25 +112,24 @@ contains
     if (bytes == huge(bytes)) bytes = usual_stack
   end function stack_of_a_thread
 
-  pure function kilobytes(bytes) result(text)
+  pure function kilobyte_text(bytes) result(text)
     integer(int64), intent(in) :: bytes
     character(len=:), allocatable :: text
 
     text = decimal_text(int(bytes / 1024_int64)) // ' kB'
-  end function kilobytes
+  end function kilobyte_text
 
-  !> Ends the process with an exit status and, unlike STOP, without a word.
+  !> Ends the process with an exit status and, unlike STOP, without a message.
   subroutine end_process(status)
-    integer, intent(in) :: status  !! 0 done, 1 could not be computed, 2 bad input
+    integer, intent(in) :: status  !! 0 success, 1 not computed, 2 faulty input
 
     call posix_exit(int(status, c_int))
   end subroutine end_process
 
-  !> Whether so much memory can be had now: the limit of the shell (`ulimit -v`) leaves room for it,
-  !> and so do the free memory of the machine and the limit of its control group. A large array is
-  !> asked for here before it is allocated.
+  !> Whether memory is available within the limit of the shell (`ulimit -v`), the free memory of the
+  !> machine and the limit of its control group. To be called before a large array is allocated.
   logical function has_memory(bytes)
-    integer(int64), intent(in) :: bytes  !! 0 or more
+    integer(int64), intent(in) :: bytes  !! size of the memory, 0 or more
     type(c_ptr) :: room
     integer(c_int) :: status
     integer(c_size_t) :: needed
@@ -139,14 +138,14 @@ contains
     if (bytes >= large_request) has_memory = bytes <= available_memory()
     if (.not. has_memory) return
     needed = int(bytes + spare_room, c_size_t)
-    ! Not by `allocate`: a memory that is given back by `deallocate` may stay with the process.
+    ! Not by `allocate`, as memory freed by `deallocate` may remain with the process.
     room = posix_mmap(c_null_ptr, needed, read_and_write, private_memory, -1_c_int, 0_c_long)
     has_memory = transfer(room, 0_c_intptr_t) /= -1_c_intptr_t
     if (has_memory) status = posix_munmap(room, needed)
   end function has_memory
 
-  ! Bytes that the machine and the control groups of this process have left. Files that the system
-  ! can drop from its memory count as free (Linux: proc(5), cgroups(7) of versions 2 and 1).
+  ! Available memory of the machine and the control groups of this process [bytes]. Cached files
+  ! count as free (Linux: proc(5), cgroups(7) of versions 2 and 1).
   integer(int64) function available_memory() result(bytes)
     character(len=*), parameter :: marks(2) = [character(len=8) :: '0::', ':memory:'], &
       folders(2) = [character(len=21) :: '/sys/fs/cgroup', '/sys/fs/cgroup/memory'], &
@@ -166,7 +165,7 @@ contains
       if (at == 0) cycle
       group = text(at + len_trim(marks(i)):)
       group = group(:index(group // new_line('a'), new_line('a')) - 1)
-      ! A group has the limits of those that it is in, too.
+      ! The limits of the groups that contain a group also hold.
       do
         limit = number_in_file(trim(folders(i)) // group // trim(limits(i)), '')
         if (limit < huge(limit)) &
@@ -178,11 +177,11 @@ contains
     end do
   end function available_memory
 
-  !> The whole number that stands behind a name in a file of the system; the largest number where
-  !> there is none.
+  !> The integer that follows a name in a file of the system; the largest integer when there is
+  !> none.
   integer(int64) function number_in_file(path, name) result(number)
-    character(len=*), intent(in) :: path  !! for instance `/proc/meminfo`
-    character(len=*), intent(in) :: name  !! with what parts it from the number; or empty
+    character(len=*), intent(in) :: path  !! path, for instance `/proc/meminfo`
+    character(len=*), intent(in) :: name  !! name with the separator, or empty
     character(len=:), allocatable :: text, failure
     integer :: at, status
 

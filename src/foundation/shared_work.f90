@@ -1,9 +1,9 @@
-!> Work in pieces (positions, surfaces), done in rounds: in each round every image does some, and
-!> image 1 gathers them and keeps them in a file. A run that ends in the middle loses a round at
+!> Work in pieces (positions, surfaces), done in rounds: in each round every image does some pieces,
+!> and image 1 collects them and keeps them in a file. A run that is interrupted loses one round at
 !> most.
 !>
-!> The result of a piece travels and is kept as words of 64 bits. Work of one image that is not kept
-!> is one round, and nothing becomes words.
+!> The result of a piece is sent and kept as words of 64 bits. Work of one image without a file is
+!> one round, and no result is packed.
 module asperity_shared_work
   use asperity_images, only: gather_words, image_count, image_number, take_from_first
   use asperity_kept_records, only: join_records, keep_records, kept_work, resume_records, &
@@ -15,38 +15,38 @@ module asperity_shared_work
   public :: shared_work
   public :: begin_work, begin_round, is_own, add_failure, gather_round, end_round
 
-  ! A message travels with at most so many bytes, its length before it.
+  ! Largest number of bytes of a message; its length is sent before it.
   integer, parameter :: longest_message = 512
   integer, parameter :: message_words = 1 + longest_message / 8
 
-  !> Work under way. Where it is is the same on all images; the results are on image 1.
+  !> Work in progress. Its numbers are the same on all images; the results are on image 1.
   type :: shared_work
-    integer :: total = 0                             !! pieces
-    integer :: done = 0                              !! so many are done, from the first on
-    integer :: first = 1                             !! piece of this round ...
-    integer :: last = 0                              !! ... to this
-    logical :: packed = .false.                      !! results become words
-    !> words of the pieces that an earlier run kept, then of those of the round; the thread that has
-    !> done a piece stores its words, when results are packed
+    integer :: total = 0                             !! number of all pieces
+    integer :: done = 0                              !! number of pieces done, from the first
+    integer :: first = 1                             !! first piece of this round
+    integer :: last = 0                              !! last piece of this round
+    logical :: packed = .false.                      !! whether results are words
+    !> words of the pieces of an earlier run, then of those of the round; the thread that did a
+    !> piece stores its words, when results are packed
     type(word_record), allocatable :: records(:)
     integer :: failed = huge(1)                      !! first piece that failed
-    character(len=:), allocatable :: failure         !! why
-    character(len=:), allocatable :: ending          !! why the work cannot go on, on all images
-    integer, private :: each = 1                     ! pieces an image does in a round
-    integer, private :: most_each = huge(1)          ! at most
-    integer(int64), private :: start = 0_int64       ! clock at the begin of the round
-    type(kept_work), private :: kept                 ! the file
+    character(len=:), allocatable :: failure         !! reason of its failure
+    character(len=:), allocatable :: ending          !! reason for the end, on all images
+    integer, private :: each = 1                     ! pieces of an image in a round
+    integer, private :: most_each = huge(1)          ! its largest number
+    integer(int64), private :: start = 0_int64       ! clock at the start of the round
+    type(kept_work), private :: kept                 ! work with its file
   end type shared_work
 
 contains
 
-  !> Work begins. What a former run kept is in `records` then, on image 1.
+  !> Starts work. On image 1 `records` has the pieces of an earlier run.
   subroutine begin_work(work, total, shared, kept, most_each)
-    type(shared_work), intent(out) :: work    !! nothing is done but what is kept
-    integer, intent(in) :: total              !! pieces
-    logical, intent(in) :: shared             !! all images work on it, and call this
-    type(kept_work), intent(in) :: kept       !! where results are kept; no path: nowhere
-    integer, intent(in), optional :: most_each  !! pieces an image does in a round at most
+    type(shared_work), intent(out) :: work      !! work, done as far as it is kept
+    integer, intent(in) :: total                !! number of all pieces
+    logical, intent(in) :: shared               !! whether all images share the work
+    type(kept_work), intent(in) :: kept         !! work with its file; no path: no file
+    integer, intent(in), optional :: most_each  !! largest number of pieces of an image in a round
 
     work%total = total
     work%kept = kept
@@ -62,16 +62,16 @@ contains
       end if
       if (.not. allocated(work%ending)) work%done = size(work%records)
     end if
-    call agree(work)
+    call copy_state(work)
   end subroutine begin_work
 
-  !> The next pieces are under way, if there are any.
-  subroutine begin_round(work, going_on)
-    type(shared_work), intent(inout) :: work  !! begun
-    logical, intent(out) :: going_on          !! there are pieces first to last to do
+  !> Starts a round with the next pieces.
+  subroutine begin_round(work, continues)
+    type(shared_work), intent(inout) :: work  !! work after begin_work
+    logical, intent(out) :: continues         !! whether there are pieces to do
 
-    going_on = .not. allocated(work%ending) .and. work%done < work%total
-    if (.not. going_on) return
+    continues = .not. allocated(work%ending) .and. work%done < work%total
+    if (.not. continues) return
     work%first = work%done + 1
     work%last = work%total
     if (.not. work%packed) return
@@ -82,44 +82,44 @@ contains
     call system_clock(work%start)
   end subroutine begin_round
 
-  !> Whether this image does a piece of the round. They are dealt in turn.
+  !> Whether this image does a piece of the round. Pieces are distributed in turn.
   elemental logical function is_own(work, m)
-    type(shared_work), intent(in) :: work  !! in a round
-    integer, intent(in) :: m               !! piece
+    type(shared_work), intent(in) :: work  !! work in a round
+    integer, intent(in) :: m               !! number of the piece
 
     is_own = .true.
-    if (work%packed) is_own = dealt_to(work, m) == image_number()
+    if (work%packed) is_own = image_of(work, m) == image_number()
   end function is_own
 
   ! The image that does a piece of the round.
-  elemental integer function dealt_to(work, m)
+  elemental integer function image_of(work, m)
     type(shared_work), intent(in) :: work
     integer, intent(in) :: m
 
-    dealt_to = 1 + modulo(m - work%first, image_count())
-  end function dealt_to
+    image_of = 1 + modulo(m - work%first, image_count())
+  end function image_of
 
   !> Records the failure of a piece. The failure of the piece with the lowest number is kept.
   subroutine add_failure(work, m, failure)
-    type(shared_work), intent(inout) :: work  !! in a round
-    integer, intent(in) :: m                  !! piece
-    character(len=*), intent(in) :: failure   !! why
+    type(shared_work), intent(inout) :: work  !! work in a round
+    integer, intent(in) :: m                  !! number of the piece
+    character(len=*), intent(in) :: failure   !! reason of the failure
 
     if (m >= work%failed) return
     work%failed = m
     work%failure = failure
   end subroutine add_failure
 
-  !> Brings the results of the round to image 1, in `records`, with the first failure of all images,
-  !> and keeps them there. To be called by all images when theirs are done.
+  !> Collects the results of the round on image 1, in `records`, with the first failure of all
+  !> images, and writes them to the file. To be called by all images when their pieces are done.
   subroutine gather_round(work)
-    type(shared_work), intent(inout) :: work  !! in a round
+    type(shared_work), intent(inout) :: work  !! work in a round
     integer(int64), allocatable :: own(:), all_words(:, :)
     integer :: i
 
     if (.not. work%packed) return
     if (image_count() > 1) then
-      call lay_out(work, own)
+      call pack_stream(work, own)
       if (allocated(work%ending)) return
       allocate (all_words(size(own), merge(image_count(), 0, image_number() == 1)))
       call gather_words(own, all_words, work%ending)
@@ -129,7 +129,7 @@ contains
       end do
     end if
     if (.not. is_kept(work) .or. allocated(work%failure)) return
-    ! Behind the first one that is missing nothing was wanted.
+    ! Pieces after the first missing one are not kept.
     i = work%first
     do while (i <= work%last)
       if (length_of(work%records(i)) == 0) exit
@@ -138,10 +138,11 @@ contains
     call keep_records(work%kept, work%first, work%records(:i - 1), work%ending)
   end subroutine gather_round
 
-  !> Ends a round. The work goes on unless a piece failed or `ending` says why not; what image 1
-  !> knows holds on all images then. A round shall take about a second; results do not depend on it.
+  !> Ends a round and copies the state of image 1 to all images. The work continues unless a piece
+  !> failed or `ending` is set. Rounds are adapted to take about a second; results do not depend on
+  !> it.
   subroutine end_round(work)
-    type(shared_work), intent(inout) :: work  !! after gather_round
+    type(shared_work), intent(inout) :: work  !! work after gather_round
     integer(int64) :: now, rate
 
     work%done = work%last
@@ -151,12 +152,12 @@ contains
     if (2 * (now - work%start) < rate) &
       work%each = int(min(2_int64 * int(work%each, int64), int(work%most_each, int64)))
     if (now - work%start > 2 * rate) work%each = max(work%each / 2, 1)
-    call agree(work)
+    call copy_state(work)
   end subroutine end_round
 
-  ! Brings what image 1 knows to all: how many pieces are done, how many an image shall do next, or
-  ! why the work cannot go on. That an image is lost is such a reason too.
-  subroutine agree(work)
+  ! Copies the state of image 1 to all images: the number of pieces done, the number for the next
+  ! round and the reason for an end. The loss of an image is such a reason, too.
+  subroutine copy_state(work)
     type(shared_work), intent(inout) :: work
     character(len=:), allocatable :: lost
     integer(int64) :: packet(2 + message_words)
@@ -168,11 +169,11 @@ contains
     work%each = int(packet(2))
     call take_message(packet(3:), work%ending)
     if (allocated(lost)) call move_alloc(lost, work%ending)
-  end subroutine agree
+  end subroutine copy_state
 
-  ! One stream of words of this image, as long as that of all others: the piece that failed and why;
-  ! then for every own piece of the round how many words, and these.
-  subroutine lay_out(work, own)
+  ! Packs the results of this image into words, as many as those of each other image: the failed
+  ! piece and its reason, then for every own piece of the round its number of words and its words.
+  subroutine pack_stream(work, own)
     type(shared_work), intent(inout) :: work
     integer(int64), allocatable, intent(out) :: own(:)
     integer :: m, at, length
@@ -194,9 +195,9 @@ contains
       if (length > 0) own(at + 2:at + 1 + length) = work%records(m)%words
       at = at + 1 + length
     end do
-  end subroutine lay_out
+  end subroutine pack_stream
 
-  ! The stream of another image.
+  ! Unpacks the words of another image.
   subroutine take_stream(work, image, words)
     type(shared_work), intent(inout) :: work
     integer, intent(in) :: image
@@ -208,14 +209,14 @@ contains
     if (allocated(failure)) call add_failure(work, int(words(1)), failure)
     at = 1 + message_words
     do m = work%first, work%last
-      if (dealt_to(work, m) /= image) cycle
+      if (image_of(work, m) /= image) cycle
       length = int(words(at + 1))
       if (length > 0) work%records(m)%words = words(at + 2:at + 1 + length)
       at = at + 1 + length
     end do
   end subroutine take_stream
 
-  ! Makes a length the longest of all images.
+  ! Sets a length to the largest of all images.
   subroutine longest_of_all(length, failure)
     integer, intent(inout) :: length
     character(len=:), allocatable, intent(out) :: failure
@@ -228,7 +229,7 @@ contains
     length = int(longest(1))
   end subroutine longest_of_all
 
-  ! Words of a piece; 0 when it was not done.
+  ! Number of words of a piece; 0 when it was not done.
   pure integer function length_of(record)
     type(word_record), intent(in) :: record
 
@@ -243,7 +244,7 @@ contains
     if (allocated(work%kept%path)) is_kept = work%kept%path /= ''
   end function is_kept
 
-  ! A message that may be there: its length, 0 for none, and its bytes.
+  ! Words of a message: its length, 0 for none, and its bytes.
   pure function words_of_message(message) result(words)
     character(len=:), allocatable, intent(in) :: message
     integer(int64) :: words(message_words)
@@ -256,7 +257,7 @@ contains
     words(2:) = transfer(text, words(2:))
   end function words_of_message
 
-  ! The message in such words; one that is known stays when they hold none.
+  ! Sets a message from its words; without one it is unchanged.
   pure subroutine take_message(words, message)
     integer(int64), intent(in) :: words(message_words)
     character(len=:), allocatable, intent(inout) :: message

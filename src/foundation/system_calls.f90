@@ -1,4 +1,4 @@
-!> The C library's calls that Fortran has no words for: descriptors, names of files, signals.
+!> Interfaces to the C library: descriptors, names of files, signals, memory.
 module asperity_system_calls
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_funptr, c_int, &
                                          c_int32_t, c_long, c_null_char, c_null_ptr, c_ptr, c_size_t
@@ -21,7 +21,7 @@ module asperity_system_calls
       integer(c_int), value :: flags
     end function posix_open
 
-    !> Makes or empties a file for writing; -1 when refused.
+    !> Creates or truncates a file for writing; -1 when refused.
     integer(c_int) function posix_creat(path, mode) bind(c, name='creat')
       import :: c_char, c_int
       implicit none
@@ -54,7 +54,7 @@ module asperity_system_calls
       integer(c_int), value :: owner, group
     end function posix_chown
 
-    !> Moves to a place of a file; -1 where there are no places.
+    !> Moves to a position of a file; -1 for a pipe.
     integer(c_long) function posix_lseek(descriptor, offset, whence) bind(c, name='lseek')
       import :: c_int, c_long
       implicit none
@@ -63,46 +63,46 @@ module asperity_system_calls
       integer(c_int), value :: whence
     end function posix_lseek
 
-    !> Reads some bytes; 0 at the end, -1 when refused.
-    integer(c_size_t) function posix_read(descriptor, bytes, count) bind(c, name='read')
+    !> Reads bytes and returns their number; 0 at the end, -1 when refused.
+    integer(c_size_t) function posix_read(descriptor, bytes, number) bind(c, name='read')
       import :: c_char, c_int, c_size_t
       implicit none
       integer(c_int), value :: descriptor
       character(kind=c_char), intent(out) :: bytes(*)
-      integer(c_size_t), value :: count
+      integer(c_size_t), value :: number
     end function posix_read
 
-    !> Writes some bytes; how many, or -1 when refused.
-    integer(c_size_t) function posix_write(descriptor, bytes, count) bind(c, name='write')
+    !> Writes bytes and returns their number; -1 when refused.
+    integer(c_size_t) function posix_write(descriptor, bytes, number) bind(c, name='write')
       import :: c_char, c_int, c_size_t
       implicit none
       integer(c_int), value :: descriptor
       character(kind=c_char), intent(in) :: bytes(*)
-      integer(c_size_t), value :: count
+      integer(c_size_t), value :: number
     end function posix_write
 
-    !> Closes a descriptor; -1 when what was written could not be kept.
+    !> Closes a descriptor; -1 when written bytes are lost.
     integer(c_int) function posix_close(descriptor) bind(c, name='close')
       import :: c_int
       implicit none
       integer(c_int), value :: descriptor
     end function posix_close
 
-    !> Brings a file to the disk; -1 for a device or a pipe.
+    !> Synchronises a file with the disk; -1 for a device or a pipe.
     integer(c_int) function posix_fsync(descriptor) bind(c, name='fsync')
       import :: c_int
       implicit none
       integer(c_int), value :: descriptor
     end function posix_fsync
 
-    !> Gives a file another name, in place of the file that had it.
+    !> Renames a file, and replaces a file of that name.
     integer(c_int) function posix_rename(from, to) bind(c, name='rename')
       import :: c_char, c_int
       implicit none
       character(kind=c_char), intent(in) :: from(*), to(*)
     end function posix_rename
 
-    !> Takes a file's name away.
+    !> Removes the name of a file.
     integer(c_int) function posix_unlink(path) bind(c, name='unlink')
       import :: c_char, c_int
       implicit none
@@ -116,7 +116,7 @@ module asperity_system_calls
       integer(c_int), value :: descriptor
     end function posix_isatty
 
-    !> Waits for so many microseconds.
+    !> Suspends this thread for a number of microseconds.
     integer(c_int) function posix_usleep(microseconds) bind(c, name='usleep')
       import :: c_int
       implicit none
@@ -138,14 +138,14 @@ module asperity_system_calls
       integer(c_int), value :: number
     end function posix_raise
 
-    !> Has a procedure called at the end of the process, unless a signal ends it; 0 when it will be.
+    !> Registers a procedure for the end of the process, unless a signal ends it; 0 on success.
     integer(c_int) function posix_atexit(procedure) bind(c, name='atexit')
       import :: c_funptr, c_int
       implicit none
       type(c_funptr), value :: procedure
     end function posix_atexit
 
-    !> Ends the process at once: the end that a signal's procedure may ask for.
+    !> Ends the process immediately, as a signal handler may.
     subroutine posix_exit_now(status) bind(c, name='_exit')
       import :: c_int
       implicit none
@@ -159,7 +159,7 @@ module asperity_system_calls
       integer(c_int), value :: status
     end subroutine posix_exit
 
-    !> A limit that the shell has set: what holds, and what it may be raised to; -1 is none.
+    !> Reads a limit of the shell: its value and the largest permitted value; -1 is no limit.
     integer(c_int) function posix_getrlimit(resource, limits) bind(c, name='getrlimit')
       import :: c_int, c_long
       implicit none
@@ -167,13 +167,13 @@ module asperity_system_calls
       integer(c_long), intent(out) :: limits(2)
     end function posix_getrlimit
 
-    !> The number by which the system knows this process.
+    !> Number of this process.
     integer(c_int) function posix_getpid() bind(c, name='getpid')
       import :: c_int
       implicit none
     end function posix_getpid
 
-    !> Asks the system for memory; -1 as an address when refused.
+    !> Maps memory; the address is -1 when refused.
     type(c_ptr) function posix_mmap(place, bytes, protection, flags, descriptor, offset) &
       bind(c, name='mmap')
       import :: c_int, c_long, c_ptr, c_size_t
@@ -184,7 +184,7 @@ module asperity_system_calls
       integer(c_long), value :: offset
     end function posix_mmap
 
-    !> Gives such memory back.
+    !> Unmaps memory of `posix_mmap`.
     integer(c_int) function posix_munmap(place, bytes) bind(c, name='munmap')
       import :: c_int, c_ptr, c_size_t
       implicit none
@@ -199,19 +199,19 @@ module asperity_system_calls
       integer(c_int), value :: parameter, value
     end function c_mallopt
 
-    !> Gives memory back.
+    !> Frees memory of the C library.
     subroutine posix_free(memory) bind(c, name='free')
       import :: c_ptr
       implicit none
       type(c_ptr), value :: memory
     end subroutine posix_free
 
-    integer(c_size_t) function posix_readlink(path, target_path, size) bind(c, name='readlink')
+    integer(c_size_t) function posix_readlink(path, target_path, room) bind(c, name='readlink')
       import :: c_char, c_size_t
       implicit none
       character(kind=c_char), intent(in) :: path(*)
       character(kind=c_char), intent(out) :: target_path(*)
-      integer(c_size_t), value :: size
+      integer(c_size_t), value :: room
     end function posix_readlink
 
     type(c_ptr) function posix_realpath(path, resolved) bind(c, name='realpath')
@@ -235,9 +235,9 @@ module asperity_system_calls
 
 contains
 
-  !> Reads owner and permission bits of a file; a mode of -1 for a file that is not there.
+  !> Reads owner and permission bits of a file; the mode is -1 when there is no file.
   subroutine file_owner(path, mode, owner, group)
-    character(len=*), intent(in) :: path              !! the file
+    character(len=*), intent(in) :: path              !! path of the file
     integer(c_int), intent(out) :: mode               !! permission bits; -1: there is no file
     integer(c_int), intent(out) :: owner, group       !! numbers of the user and of the group
     integer(c_int), parameter :: this_folder = -100_c_int, mode_and_owners = 26_c_int
@@ -249,7 +249,7 @@ contains
     group = found(7)
   end subroutine file_owner
 
-  !> The number of the system's last refusal.
+  !> Number of the last error of the C library.
   function system_error() result(number)
     integer(c_int) :: number  !! errno
     integer(c_int), pointer :: errno
@@ -258,24 +258,24 @@ contains
     number = errno
   end function system_error
 
-  !> What the system says of its last refusal.
+  !> Text of the last error of the C library.
   function system_reason() result(reason)
     character(len=:), allocatable :: reason  !! for instance `No space left on device`
 
     reason = text_of(posix_strerror(system_error()))
   end function system_reason
 
-  !> The one name of a file that every spelling of its path leads to, symbolic links followed.
-  !> A file that is not there yet is named after its folder.
+  !> Canonical name of a file, the same for every path to it; symbolic links are followed. A file
+  !> that does not exist yet has the canonical name of its folder.
   function canonical_path(path) result(name)
-    character(len=*), intent(in) :: path   !! any path
+    character(len=*), intent(in) :: path   !! path of a file
     character(len=:), allocatable :: name  !! absolute where possible
     character(kind=c_char, len=4096) :: link
     character(len=:), allocatable :: folder
     integer :: length, slash, step
 
     name = path
-    ! A link whose file is not there yet is followed too, but not for ever.
+    ! A link whose file does not exist yet is followed, up to a limit of 40 links.
     do step = 1, 40
       folder = real_path(name)
       if (folder /= '') then
@@ -297,7 +297,7 @@ contains
     if (folder /= '') name = folder // '/' // name(slash + 1:)
   end function canonical_path
 
-  !> What the system makes of a path; empty when nothing is there.
+  !> Resolved path of an existing file; empty when there is none.
   function real_path(path) result(name)
     character(len=*), intent(in) :: path
     character(len=:), allocatable :: name
@@ -310,7 +310,7 @@ contains
     call posix_free(letters)
   end function real_path
 
-  !> A text of the C library, which ends with a null character.
+  !> Text at an address of the C library, without its null character.
   function text_of(address) result(text)
     type(c_ptr), intent(in) :: address
     character(len=:), allocatable :: text

@@ -1,4 +1,4 @@
-!> A text that grows line by line: what every writer fills before anything is written out.
+!> A text that grows line by line, which writers fill before it is written to a file.
 module asperity_text_buffer
   use asperity_kinds, only: int64
   implicit none
@@ -8,22 +8,22 @@ module asperity_text_buffer
 
   !> Text under construction. Lines end with a line feed.
   type :: text_buffer
-    character(len=:), allocatable :: store  !! not allocated: nothing was added yet
-    integer(int64) :: used = 0_int64        !! characters of `store` that are text
-    logical :: failed = .false.             !! there was no memory for it: the text is not whole
+    character(len=:), allocatable :: store  !! text and room; not allocated: no text
+    integer(int64) :: used = 0_int64        !! number of characters of the text
+    logical :: failed = .false.             !! whether memory was short: incomplete
   contains
-    procedure :: append => buffer_append  !! adds characters without a line end
-    procedure :: append_text              !! adds another text
-    procedure :: line => buffer_line      !! adds one line; blanks at its end are dropped
+    procedure :: append => buffer_append  !! appends characters without a line end
+    procedure :: append_text              !! appends another text
+    procedure :: line => buffer_line      !! appends one line without blanks at its end
     procedure :: text => buffer_text      !! the text so far
   end type text_buffer
 
 contains
 
-  !> Adds `piece` as it stands.
+  !> Appends characters.
   pure subroutine buffer_append(self, piece)
-    class(text_buffer), intent(inout) :: self  !! the text
-    character(len=*), intent(in) :: piece      !! characters to add
+    class(text_buffer), intent(inout) :: self  !! text that is extended
+    character(len=*), intent(in) :: piece      !! characters to append
     character(len=:), allocatable :: larger
     integer(int64) :: needed
     integer :: status
@@ -43,29 +43,29 @@ contains
     self%used = needed
   end subroutine buffer_append
 
-  !> Adds another text, without a copy of it. A text that is not whole makes this one so, too.
+  !> Appends another text, without a copy of it. After an incomplete text this one is incomplete.
   pure subroutine append_text(self, other)
-    class(text_buffer), intent(inout) :: self  !! the text
-    type(text_buffer), intent(in) :: other     !! what is added
+    class(text_buffer), intent(inout) :: self  !! text that is extended
+    type(text_buffer), intent(in) :: other     !! text to append
 
     if (allocated(other%store)) call self%append(other%store(:other%used))
     self%failed = self%failed .or. other%failed
   end subroutine append_text
 
-  !> Adds `piece` without its trailing blanks, and a line feed.
+  !> Appends characters without trailing blanks, and a line feed.
   pure subroutine buffer_line(self, piece)
-    class(text_buffer), intent(inout) :: self  !! the text
-    character(len=*), intent(in) :: piece      !! the line
+    class(text_buffer), intent(inout) :: self  !! text that is extended
+    character(len=*), intent(in) :: piece      !! line to append
 
     call self%append(piece(:len_trim(piece)) // new_line('a'))
   end subroutine buffer_line
 
   !> The text so far.
   pure function buffer_text(self) result(text)
-    class(text_buffer), intent(in) :: self  !! the text
-    character(len=:), allocatable :: text   !! a copy of it
+    class(text_buffer), intent(in) :: self  !! text so far
+    character(len=:), allocatable :: text   !! copy of the text
 
-    ! An assignment alone would not notice an end of memory.
+    ! An assignment would not detect a lack of memory.
     allocate (character(len=self%used) :: text)
     if (allocated(self%store)) text(:) = self%store(:self%used)
   end function buffer_text

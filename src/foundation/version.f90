@@ -6,7 +6,7 @@ module asperity_version
 
   public :: version
 
-  !> As in fpm.toml.
+  !> Version number, the same as in fpm.toml.
   character(len=*), parameter :: version = '0.2.0'
 
 end module asperity_version

@@ -32,7 +32,7 @@ module asperity_generated_surface
     integer(int64), allocatable :: radius(:)    !! between the cut-offs; one number when all agree
   contains
     !> The numbers as a reader of the written surface gets them.
-    procedure :: reals
+    procedure :: reals => convert_to_doubles
   end type generated_surface
 
   !> A Gaussian between cut-offs, in whole units.
@@ -144,7 +144,7 @@ contains
   end subroutine generate_surface
 
   !> The numbers of the asperities as the nearest doubles.
-  pure subroutine reals(self, x, y, height, radius)
+  pure subroutine convert_to_doubles(self, x, y, height, radius)
     class(generated_surface), intent(in) :: self          !! surface in whole units
     real(real64), allocatable, intent(out) :: x(:)        !! positions along the length, 0 or more
     real(real64), allocatable, intent(out) :: y(:)        !! positions along the width, 0 or more
@@ -159,7 +159,7 @@ contains
     call lattice_reals(self%height, self%height_decimals, height)
     call lattice_reals(self%radius, self%radius_decimals, radius(:size(self%radius)))
     if (size(self%radius) == 1) radius = radius(1)
-  end subroutine reals
+  end subroutine convert_to_doubles
 
   !> Chooses the unit, unless it is given, and prepares the draws.
   pure subroutine set_gaussian(spec, gaussian, decimals)
