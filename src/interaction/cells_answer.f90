@@ -38,9 +38,10 @@ module asperity_cells_answer
   type :: cells_answer
     type(cell_contact), allocatable :: together(:)  !! by member
     type(cell_contact), allocatable :: alone(:)     !! each alone, nothing outside, same cells
+    logical, allocatable :: known_alone(:)          !! isolated load solved on them; else Hertz' law
     integer :: cells = 0                            !! of the lattice
     real(real64), allocatable :: beside(:)          !! displacement at each circle of the field
-    real(real64) :: error = 0.0_real64              !! of the load by the cells, root mean square
+    real(real64) :: error = 0.0_real64              !! of the load, estimate
     real(real64) :: area_error = 0.0_real64         !! of the area, relative, root mean square
     !> of the solve; residual: largest violation of the gap over the deepest penetration
     type(solve_ending) :: ending

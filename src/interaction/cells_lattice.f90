@@ -67,16 +67,19 @@ contains
 
   !> Lays the cells under some contacts. Each begins with the pressure of Hertz as if alone: 2/pi E
   !> (a/R) sqrt(1 - (r/a)**2), and its undeformed gap is p (r**2/(2 a**2) - 1).
-  subroutine lay_cells(shapes, x0, y0, cell, lattice)
+  subroutine lay_cells(shapes, x0, y0, cell, window, lattice)
     type(gap_shape), intent(in) :: shapes(:)      !! the contacts, at least one
     real(real64), intent(in) :: x0, y0            !! origin, in plan
     real(real64), intent(in) :: cell              !! side of a cell
+    real(real64), intent(in) :: window(4)         !! x, y of two corners from the origin: limits
     type(cell_lattice), intent(out) :: lattice    !! the cells
     real(real64), allocatable :: least(:, :)
     real(real64) :: low(2), high(2), gaps(4), mean, x, y, step
     integer :: columns, rows, i, j, k, first, last
 
     call box_of(shapes, x0, y0, low, high)
+    low = max(low, window(:2))
+    high = max(low, min(high, window(3:)))
     lattice%x = x0
     lattice%y = y0
     lattice%cell = cell

@@ -7,7 +7,7 @@ module asperity_cells_outside
   implicit none
   private
 
-  public :: outside_field, add_outside, beside_circle, field_of_cells
+  public :: outside_field, add_outside, beside_circle, field_of_cells, outside_at
 
   !> The field of the contacts outside. Lengths and loads in the units of the pairs.
   type :: outside_field
@@ -58,6 +58,27 @@ contains
       end do
     end do
   end subroutine add_outside
+
+  !> Displacement by the contacts outside at a place.
+  pure real(real64) function outside_at(outside, modulus, x, y) result(field)
+    type(outside_field), intent(in) :: outside      !! the field
+    real(real64), intent(in) :: modulus             !! combined
+    real(real64), intent(in) :: x, y                !! the place, in plan
+
+    field = 0.0_real64
+    if (allocated(outside%at_nodes)) then
+      associate (n => size(outside%at_nodes, 1), m => size(outside%at_nodes, 2), &
+                 wide => 0.5_real64 * (outside%x1 - outside%x0), &
+                 high => 0.5_real64 * (outside%y1 - outside%y0))
+        field = sum(matmul( &
+          transpose(lagrange_at_cells(n, 1, (x - outside%x0) / wide - 1.0_real64, 0.0_real64)), &
+          matmul(outside%at_nodes, &
+                 lagrange_at_cells(m, 1, (y - outside%y0) / high - 1.0_real64, 0.0_real64))))
+      end associate
+    end if
+    if (allocated(outside%x)) field = field + sum(outside%load * &
+      beside_circle(outside%circle, hypot(x - outside%x, y - outside%y))) / modulus
+  end function outside_at
 
   !> Displacement by the cells at a place at which there are none.
   pure real(real64) function field_of_cells(lattice, x, y) result(field)

@@ -8,16 +8,20 @@
 !> lag.
 module asperity_joint_contacts
   use asperity_circle_error, only: find_errors, open_about
+  use asperity_cells_outside, only: outside_field
+  use asperity_cells_solver, only: any_loaded, cluster_lattice
   use asperity_circle_field, only: are_close
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_contacts, only: coupled_solution, resolved_contacts, solve_coupled
-  use asperity_coupled_state, only: far_below
+  use asperity_coupled_contacts, only: adopt, coupled_solution, resolved_contacts, solve_coupled
+  use asperity_coupled_groups, only: group_law
+  use asperity_coupled_state, only: bear, far_below, raise
   use asperity_element_pressures, only: join_elements
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
+  use asperity_near_tops, only: find_near_tops
   use asperity_problems, only: decimal_text, real_text
   use asperity_resolved_answers, only: answer_with, share_out
   use asperity_resolved_clusters, only: cluster, form_clusters, solve_clusters
@@ -52,13 +56,20 @@ module asperity_joint_contacts
   ! What circles may leave out of the area: of the tolerance, or of that of areas if more.
   real(real64), parameter :: area_share = 0.7_real64
   integer, parameter :: most_rounds = 30
+  ! Relative residual of the load of one cluster over the tolerance; boundary elements are solved to
+  ! half of that (chosen). One common change of the penetrations then meets the load.
+  real(real64), parameter :: load_met = 0.01_real64
+  ! Relative error of the boundary elements while the closing of a load is searched (chosen).
+  real(real64), parameter :: searched = 0.03_real64
+  ! Power of the load that the closing of one cluster follows at first (Hertz' law), and the largest
+  ! factor of a step (chosen).
+  real(real64), parameter :: load_power = 2.0_real64 / 3.0_real64, most_factor = 2.0_real64
   ! Estimated error of stopping the iteration between Hertzian contacts and boundary elements, over
   ! the last change of the total load. Changes alternate in sign and contract by q from 0.25 to 0.5,
   ! so the remainder is at most q/(1 + q) = 1/3 of the last change.
   real(real64), parameter :: round_left = 0.33_real64
-  ! Number of standard deviations of the scatter on boundary elements in the error estimate: of
-  ! loads, of areas.
-  real(real64), parameter :: scatter_told = 2.0_real64, area_scatter_told = 3.0_real64
+  ! Number of standard deviations of the scatter of areas on boundary elements in their estimate.
+  real(real64), parameter :: area_scatter_told = 3.0_real64
   ! Relative error of an area over that of its load: for an ellipse (n = 2) 4/3 of what the load
   ! gains, and a load that is off has the area off by 2/3; twice that, as of circles that all but
   ! touch more is missing: 3.3 at most in 97 of 100 scenes.
@@ -86,98 +97,347 @@ contains
     real(real64), intent(in), optional :: target       !! normal load
     type(resolved_contacts) :: resolved
     type(cluster), allocatable :: clusters(:)
-    real(real64), dimension(size(pairs%list)) :: error, shape, area_error
+    real(real64), dimension(size(pairs%list)) :: error, shape, area_error, circle
+    logical, dimension(size(pairs%list)) :: is_near, is_host
     integer :: hosts(size(pairs%list)), k
-    real(real64) :: before, now, of_closing, total
-    logical :: more
+    real(real64) :: before, now, of_closing, total, expected
+    logical :: more, is_whole
 
     if (associated(pairs%pressures)) pairs%pressures%closing = -1.0_real64
-    call solve_coupled(pairs, law, solution%coupled, target)
-    if (failed(solution)) return
-    allocate (solution%is_resolved(size(error)), source=.false.)
-    associate (coupled => solution%coupled, is_one => solution%is_resolved)
-      error = 0.0_real64
-      shape = 0.0_real64
-      total = sum(coupled%set%load)
-      ! Else nothing touches.
-      if (total > 0.0_real64) &
-        call find_errors(pairs, coupled, hosts, error, shape, of_closing, solution%nested)
-      if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
-      area_error = 0.0_real64
-      associate (set => coupled%set)
-        area_error(set%number) = pi * set%circle**2 * min(most_of_area, &
-                                 area_per_load * error(set%number) / set%load)
-        ! Shares of next to nothing are no numbers, and its contacts too shallow for cells.
-        if (which == resolve_called_for .and. left_share * tolerance * total > tiny(total)) &
-          call choose_resolved(pairs, coupled, &
-            max(error / (left_share * tolerance * total), &
-                (error + shape) / (shape_share * tolerance * total), area_error / (area_share * &
-                max(tolerance, area_tolerance) * pi * sum(set%circle**2))), hosts, is_one)
-      end associate
+    is_near = .false.
+    circle = 0.0_real64
+    expected = solution%coupled%closing
+    if (which /= resolve_none) &
+      call find_near_tops(pairs, law, along, expected, is_near, is_host, circle, target)
+    allocate (solution%is_resolved(size(error)), source=is_near)
+    if (any(is_near)) then
+      ! Contacts that are resolved are no Hertzian contacts: one represents each group.
+      if (allocated(solution%coupled%penetration)) &
+        deallocate (solution%coupled%penetration, solution%coupled%move)
+      solution%coupled%is_near = .false.
+      resolved = resolved_contacts(is_near, pairs%list%x, pairs%list%y, pairs%list%gap)
+    end if
+    error = 0.0_real64
+    shape = 0.0_real64
+    area_error = 0.0_real64
+    is_whole = is_one_cluster(pairs, is_near, circle, clusters)
+    if (is_whole) then
+      call solve_whole(expected, is_whole)
+      if (allocated(solution%failure)) return
+      if (.not. is_whole) call add_near(expected)
+    end if
+    if (.not. is_whole) call solve_with_circles()
+    if (allocated(solution%failure)) return
+    if (allocated(clusters)) then
+      solution%clusters = size(clusters)
+      solution%cells = sum(clusters%answer%cells)
+      if (associated(pairs%pressures)) then
+        call join_elements(clusters%answer%loaded, pairs%pressures)
+        pairs%pressures%closing = solution%coupled%closing
+      end if
+    end if
+    call finish()
+
+  contains
+
+    ! Adds the contacts whose first touches are near at a closing, and starts anew with them.
+    subroutine add_near(closing, grown)
+      real(real64), intent(in) :: closing
+      logical, intent(out), optional :: grown
+      logical, dimension(size(pairs%list)) :: near, host
+      real(real64) :: at, radius(size(pairs%list))
+
+      at = closing
+      call find_near_tops(pairs, law, along, at, near, host, radius)
+      if (present(grown)) then
+        grown = any(near .and. .not. is_near)
+        if (.not. grown) return
+      end if
+      is_host = host .or. (is_host .and. .not. near)
+      is_near = is_near .or. near
+      circle = max(circle, radius)
+      solution%is_resolved = is_near
+      resolved = resolved_contacts(is_near, pairs%list%x, pairs%list%y, pairs%list%gap)
+      if (allocated(clusters)) deallocate (clusters)
+      if (allocated(solution%coupled%penetration)) &
+        deallocate (solution%coupled%penetration, solution%coupled%move)
+      solution%coupled%is_near = .false.
+      solution%rounds = 0
+    end subroutine add_near
+
+    ! Solves one cluster of all contacts. `is_whole` is false where others are loaded: the closing
+    ! is then an upper bound of that at the load.
+    subroutine solve_whole(closing, is_whole)
+      real(real64), intent(inout) :: closing
+      logical, intent(out), optional :: is_whole
+
+      call solve_one_cluster(pairs, law, merge(cells_tolerance, cells_share * tolerance, &
+                             which == resolve_all), area_tolerance, closing, clusters, resolved, &
+                             solution, of_closing, target, is_whole)
+      if (allocated(solution%failure)) return
+      if (present(is_whole)) then
+        if (.not. is_whole) return
+      end if
+      total = sum(solution%coupled%set%load)
       now = total
       before = total
-      if (any(is_one)) then
-        more = .true.
-        do
-          if (more) then
-            call form_clusters(pairs, coupled, is_one, clusters)
-            resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
-          end if
-          solution%rounds = solution%rounds + 1
-          call solve_clusters(pairs, coupled, merge(cells_tolerance, cells_share * tolerance, &
-                              which == resolve_all), area_tolerance, clusters, solution%failure)
-          if (allocated(solution%failure)) return
-          call reach_others(pairs, clusters, is_one, more)
-          if (more) cycle
-          call answer_with(pairs, law, clusters, coupled, resolved)
-          if (failed(solution)) return
-          ! The cells know nothing of what the coupling changes from here on. At a given load it
-          ! changes the load that they bear at the closing that they were solved at.
-          before = sum(coupled%set%load)
-          call solve_coupled(pairs, law, coupled, target, resolved)
-          if (failed(solution)) return
-          now = sum(coupled%set%load)
-          if (abs(now - before) <= round_share * merge(cells_tolerance, tolerance, &
-                                                       which == resolve_all) * now) exit
-          if (solution%rounds == most_rounds) then
-            solution%failure = 'Hertzian contacts and boundary elements did not converge together'
-            return
-          end if
-        end do
-        call share_out(pairs, law, clusters, coupled, resolved)
-        if (failed(solution)) return
-        solution%clusters = size(clusters)
-        solution%cells = sum(clusters%answer%cells)
-        if (associated(pairs%pressures)) then
-          call join_elements(clusters%answer%loaded, pairs%pressures)
-          pairs%pressures%closing = coupled%closing
+    end subroutine solve_whole
+
+    ! Solves Hertzian contacts, and clusters where some are resolved.
+    subroutine solve_with_circles()
+      more = .true.
+      do while (more)
+        if (any(is_near)) then
+          call solve_hosts(pairs, law, is_near .and. .not. is_host, solution%coupled, target)
+        else
+          call solve_coupled(pairs, law, solution%coupled, target)
         end if
-      end if
-      ! Open: below 0, as 0 is a contact at first touch.
-      where (coupled%penetration < 0.5_real64 * far_below) coupled%penetration = -tiny(1.0_real64)
-      call tell_areas(pairs, law, clusters, solution)
-      solution%area_error = area_left(solution, clusters, area_error)
-      if (.not. total > 0.0_real64) return
-      total = sum(coupled%set%load)
-      solution%error = sum(error + shape, mask=.not. is_one) / total
-      if (allocated(clusters)) then
-        ! Neighbours turn the line of centres of an inclined contact, and its load along it.
-        associate (set => coupled%set, pair => pairs%list(coupled%set%number))
-          if (present(target)) solution%error = solution%error + &
-            sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
-                coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
+        if (failed(solution)) return
+        more = present(target) .and. which /= resolve_none
+        ! The radii at the load are known with its closing.
+        if (more) call add_near(solution%coupled%closing, more)
+      end do
+      associate (coupled => solution%coupled, is_one => solution%is_resolved)
+        total = sum(coupled%set%load)
+        ! Else nothing touches.
+        if (total > 0.0_real64) &
+          call find_errors(pairs, coupled, hosts, error, shape, of_closing, solution%nested)
+        where (is_near)
+          error = 0.0_real64
+          shape = 0.0_real64
+        end where
+        if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
+        associate (set => coupled%set)
+          area_error(set%number) = pi * set%circle**2 * min(most_of_area, &
+                                   area_per_load * error(set%number) / set%load)
+          ! Shares of next to nothing are no numbers, and its contacts too shallow for cells.
+          if (which == resolve_called_for .and. left_share * tolerance * total > tiny(total)) &
+            call choose_resolved(pairs, coupled, &
+              max(error / (left_share * tolerance * total), &
+                  (error + shape) / (shape_share * tolerance * total), area_error / (area_share * &
+                  max(tolerance, area_tolerance) * pi * sum(set%circle**2))), hosts, is_one)
         end associate
-        ! These know nothing of each other: their squares add up.
-        solution%error = solution%error + norm2([ &
-          norm2([scatter_told * clusters%answer%error, &
-                 (clusters(k)%answer%ending%residual * sum(clusters(k)%answer%together%load), &
-                  k=1, size(clusters))]) / (pairs%modulus * total), &
-          round_left * abs(now - before) / now])
-      end if
-      if (present(target)) solution%error = of_closing * solution%error
-    end associate
+        now = total
+        before = total
+        if (any(is_one)) then
+          more = .true.
+          do
+            if (more) then
+              call form_clusters(pairs, coupled, is_one, circle, clusters)
+              resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
+              if (size(clusters) == 1 .and. all(is_one(coupled%set%number))) then
+                call solve_whole(coupled%closing)
+                return
+              end if
+            end if
+            solution%rounds = solution%rounds + 1
+            call solve_clusters(pairs, coupled, merge(cells_tolerance, cells_share * tolerance, &
+                                which == resolve_all), area_tolerance, clusters, solution%failure)
+            if (allocated(solution%failure)) return
+            call reach_others(pairs, clusters, is_one, more)
+            if (more) cycle
+            call answer_with(pairs, law, clusters, coupled, resolved, .false.)
+            if (failed(solution)) return
+            ! The cells know nothing of what the coupling changes from here on. At a given load it
+            ! changes the load that they bear at the closing that they were solved at.
+            before = sum(coupled%set%load)
+            call solve_coupled(pairs, law, coupled, target, resolved)
+            if (failed(solution)) return
+            now = sum(coupled%set%load)
+            if (abs(now - before) <= round_share * merge(cells_tolerance, tolerance, &
+                                                         which == resolve_all) * now) exit
+            if (solution%rounds == most_rounds) then
+              solution%failure = 'Hertzian contacts and boundary elements did not converge together'
+              return
+            end if
+          end do
+          call share_out(pairs, law, clusters, coupled, resolved)
+          if (failed(solution)) return
+        end if
+      end associate
+    end subroutine solve_with_circles
+
+    ! Sets areas and estimates of errors.
+    subroutine finish()
+      associate (coupled => solution%coupled, is_one => solution%is_resolved)
+        ! Open: below 0, as 0 is a contact at first touch.
+        where (coupled%penetration < 0.5_real64 * far_below) coupled%penetration = -tiny(1.0_real64)
+        call tell_areas(pairs, law, clusters, solution)
+        solution%area_error = area_left(solution, clusters, area_error)
+        if (.not. total > 0.0_real64) return
+        total = sum(coupled%set%load)
+        solution%error = sum(error + shape, mask=.not. is_one) / total
+        if (allocated(clusters)) then
+          ! Neighbours turn the line of centres of an inclined contact, and its load along it.
+          associate (set => coupled%set, pair => pairs%list(coupled%set%number))
+            if (present(target)) solution%error = solution%error + &
+              sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
+                  coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
+          end associate
+          ! These know nothing of each other: their squares add up.
+          solution%error = solution%error + norm2([ &
+            ! Clusters all have too little load: their errors add up.
+            (sum(clusters%answer%error) + norm2([(clusters(k)%answer%ending%residual * &
+              sum(clusters(k)%answer%together%load), k=1, size(clusters))])) / &
+              (pairs%modulus * total), &
+            round_left * abs(now - before) / now])
+        end if
+        if (present(target)) solution%error = of_closing * solution%error
+      end associate
+    end subroutine finish
 
   end subroutine solve_joint
+
+  ! Solves Hertzian contacts but those in `is_out`, which are open.
+  subroutine solve_hosts(pairs, law, is_out, coupled, target)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in), target :: law
+    logical, intent(in) :: is_out(:)
+    type(coupled_solution), intent(inout) :: coupled
+    real(real64), intent(in), optional :: target
+    type(contact_pairs) :: part
+    type(group_law) :: part_law
+    type(coupled_solution) :: found
+    type(resolved_contacts) :: none
+    integer :: i
+
+    part_law%whole => law
+    part_law%number = pack([(i, i=1, size(is_out))], .not. is_out)
+    part_law%deeper = spread(1.0_real64, 1, size(part_law%number))
+    part%modulus = pairs%modulus
+    part%vertical = pairs%vertical
+    part%complete_to = pairs%complete_to
+    part%interrupt = pairs%interrupt
+    part%list = pairs%list(part_law%number)
+    found%closing = coupled%closing
+    call solve_coupled(part, part_law, found, target)
+    allocate (coupled%penetration(size(is_out)), source=far_below)
+    allocate (coupled%move(2, size(is_out)), source=0.0_real64)
+    coupled%penetration(part_law%number) = found%penetration
+    coupled%move(:, part_law%number) = found%move
+    coupled%closing = found%closing
+    if (allocated(found%failure)) coupled%failure = found%failure
+    if (allocated(found%failure)) return
+    none = resolved_contacts(spread(.false., 1, size(is_out)), pairs%list%x, pairs%list%y, &
+                             pairs%list%gap)
+    call adopt(pairs, law, coupled, none)
+    coupled%ending = found%ending
+  end subroutine solve_hosts
+
+  ! Solves one cluster of all contacts at a closing, or at a load by the secant method.
+  ! The members of a cluster grow by contacts that are loaded at its load. `is_whole` is false where
+  ! these are no part of it; without it all contacts that penetrate are members.
+  subroutine solve_one_cluster(pairs, law, tolerance, area_tolerance, closing, clusters, &
+                               resolved, solution, of_closing, target, is_whole)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    real(real64), intent(in) :: tolerance, area_tolerance
+    real(real64), intent(inout) :: closing  ! expected; then that of the load
+    type(cluster), intent(inout), allocatable :: clusters(:)
+    type(resolved_contacts), intent(inout) :: resolved
+    type(joint_solution), intent(inout) :: solution
+    real(real64), intent(out) :: of_closing
+    real(real64), intent(in), optional :: target
+    logical, intent(out), optional :: is_whole
+    logical, dimension(size(pairs%list)) :: is_member, near, host
+    type(cluster), allocatable :: found(:)
+    real(real64) :: load, slope, next, low, high, low0, earlier(2), at, radius(size(pairs%list))
+    real(real64) :: power, share, met
+    integer :: k
+
+    of_closing = 1.0_real64
+    power = load_power
+    ! The elements are those of the closing of the load, which coarse ones find.
+    share = tolerance
+    if (present(target)) share = max(tolerance, searched)
+    is_member = .not. present(is_whole)
+    is_member(clusters(1)%members) = .true.
+    if (present(is_whole)) is_whole = .true.
+    low0 = minval(pairs%list%gap)
+    low = low0
+    high = huge(high)
+    earlier = [low, 0.0_real64]
+    associate (coupled => solution%coupled)
+      coupled%penetration = spread(far_below, 1, size(pairs%list))
+      coupled%move = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
+      call coupled%set%make_room(0)
+      do
+        solution%rounds = solution%rounds + 1
+        coupled%closing = closing
+        resolved%is_one = is_member .and. pairs%list%gap < closing
+        if (allocated(clusters(1)%host)) deallocate (clusters(1)%host)
+        call coupled%set%make_room(0)
+        clusters(1)%members = pack([(k, k=1, size(pairs%list))], resolved%is_one)
+        call solve_clusters(pairs, coupled, share, area_tolerance, clusters, solution%failure)
+        if (allocated(solution%failure)) return
+        call answer_with(pairs, law, clusters, coupled, resolved, .true.)
+        coupled%ending = clusters(1)%answer%ending
+        if (failed(solution)) return
+        if (.not. present(target)) exit
+        call bear(pairs, law, coupled%penetration, 0.0_real64, load, slope)
+        load = load * pairs%modulus
+        met = merge(share, load_met * tolerance, share > tolerance)
+        if (abs(load - target) <= met * target) then
+          if (any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), closing, &
+                         outside_field(), clusters(1)%lattice)) then
+            at = closing
+            call find_near_tops(pairs, law, along, at, near, host, radius)
+            is_whole = is_one_cluster(pairs, near, radius, found)
+            if (.not. is_whole) return
+            is_member = is_member .or. near
+          else if (share <= tolerance) then
+            exit
+          else
+            share = tolerance
+            clusters(1)%lattice = cluster_lattice()
+          end if
+          ! The load at this closing changes: the bracket does not hold.
+          low = low0
+          high = huge(high)
+          earlier = [low, 0.0_real64]
+          cycle
+        end if
+        if (solution%rounds == most_rounds) then
+          solution%failure = 'the load of the boundary elements was not met'
+          return
+        end if
+        if (load < target) low = closing
+        if (load > target) high = closing
+        ! Secant; first step by a power of the load; kept inside the bracket.
+        next = closing + (target - load) * (closing - earlier(1)) / (load - earlier(2))
+        if (earlier(2) <= 0.0_real64) then
+          next = low0 + (closing - low0) * min(most_factor, (target / load)**power)
+        else
+          of_closing = load / (closing - low0) * (closing - earlier(1)) / (load - earlier(2))
+          if (of_closing > 0.0_real64 .and. of_closing < 1.0_real64) power = of_closing
+        end if
+        if (.not. (next > low .and. next < high)) next = merge(0.5_real64 * (low + high), &
+          low0 + most_factor * (closing - low0), high < huge(high))
+        earlier = [closing, load]
+        closing = next
+      end do
+      solution%is_resolved = resolved%is_one
+      if (present(target)) call raise(pairs, law, target / pairs%modulus, coupled%penetration)
+      call share_out(pairs, law, clusters, coupled, resolved)
+    end associate
+    if (failed(solution)) return
+  end subroutine solve_one_cluster
+
+  ! Whether the contacts that are loaded by geometry are near and form one cluster.
+  logical function is_one_cluster(pairs, is_near, circle, clusters) result(is_one)
+    type(contact_pairs), intent(in) :: pairs
+    logical, intent(in) :: is_near(:)
+    real(real64), intent(in) :: circle(:)                   ! radius by pair; 0: open
+    type(cluster), allocatable, intent(out) :: clusters(:)  ! allocated where it is one
+    type(coupled_solution) :: none
+
+    is_one = any(is_near) .and. all(is_near .or. .not. circle > 0.0_real64)
+    if (.not. is_one) return
+    call none%set%make_room(0)
+    call form_clusters(pairs, none, is_near, circle, clusters)
+    is_one = size(clusters) == 1
+    if (.not. is_one) deallocate (clusters)
+  end function is_one_cluster
 
   logical function failed(solution)
     type(joint_solution), intent(inout) :: solution
@@ -217,7 +477,7 @@ contains
     type(cluster), allocatable, intent(in) :: clusters(:)
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
-    real(real64) :: bend
+    real(real64) :: bend, most
     integer :: i, k, m
 
     allocate (solution%area(size(pairs%list)), solution%maximum_pressure(size(pairs%list)))
@@ -239,10 +499,11 @@ contains
           call law%respond(pairs%list(i), i, coupled%closing - clusters(k)%lowered - &
                            pairs%list(i)%gap, response)
           associate (answer => clusters(k)%answer)
+            most = merge(1.0_real64, huge(most), answer%known_alone(m))
             solution%area(i) = pi * response%contact_radius**2 * &
-                               min(1.0_real64, answer%together(m)%area / answer%alone(m)%area)
+                               min(most, answer%together(m)%area / answer%alone(m)%area)
             solution%maximum_pressure(i) = response%maximum_pressure * &
-              min(1.0_real64, answer%together(m)%pressure / answer%alone(m)%pressure)
+              min(most, answer%together(m)%pressure / answer%alone(m)%pressure)
           end associate
         end do
       end do

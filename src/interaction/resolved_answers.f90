@@ -21,12 +21,13 @@ module asperity_resolved_answers
 contains
 
   !> The answers of the cells, as contacts that carry their loads where their pressures are.
-  subroutine answer_with(pairs, law, clusters, coupled, resolved)
+  subroutine answer_with(pairs, law, clusters, coupled, resolved, each)
     type(contact_pairs), intent(in) :: pairs            !! the position
     class(contact_law), intent(in) :: law               !! of each contact
     type(cluster), intent(inout) :: clusters(:)         !! solved; get loads and hosts
     type(coupled_solution), intent(inout) :: coupled    !! gets their penetrations
     type(resolved_contacts), intent(inout) :: resolved  !! those on cells: all but places and gaps
+    logical, intent(in) :: each                         !! each contact represents itself
     type(contact_response) :: free
     type(circle_set) :: old
     real(real64), dimension(size(pairs%list)) :: used
@@ -49,13 +50,14 @@ contains
                      answer%alone(m)%load > 0.0_real64)) cycle
           ! Together over alone: how a pair is inclined counts as it does in its law. Neighbours
           ! never raise a load: more than 1 is what the cells are not solved to.
-          share = min(1.0_real64, answer%together(m)%load / answer%alone(m)%load)
+          share = answer%together(m)%load / answer%alone(m)%load
+          if (answer%known_alone(m)) share = min(1.0_real64, share)
           call law%respond(pairs%list(i), i, &
                            coupled%closing - clusters(k)%lowered - pairs%list(i)%gap, free)
           clusters(k)%load(m) = share * free%vertical_load
         end do
       end associate
-      call find_hosts(pairs, law, clusters(k), coupled, resolved)
+      call find_hosts(pairs, law, clusters(k), coupled, resolved, each)
     end do
     call adopt(pairs, law, coupled, resolved)
     if (allocated(coupled%failure)) return
@@ -102,12 +104,13 @@ contains
   ! Members of which one has its centre in the other's circle are one circle for all others, with
   ! the law of the one that bears most. How they share their load hardly matters there, and the
   ! equations of circles nearly in one place have several solutions. Who was one stays one.
-  subroutine find_hosts(pairs, law, one, coupled, resolved)
+  subroutine find_hosts(pairs, law, one, coupled, resolved, each)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     type(cluster), intent(inout) :: one
     type(coupled_solution), intent(inout) :: coupled
     type(resolved_contacts), intent(inout) :: resolved
+    logical, intent(in) :: each
     real(real64), dimension(size(one%members)) :: load, circle
     integer, dimension(size(one%members)) :: was
     logical :: joined
@@ -120,7 +123,7 @@ contains
     do m = 1, size(load)
       call stand(m)
     end do
-    joined = .true.
+    joined = .not. each
     do while (joined)
       joined = .false.
       do a = 1, size(load)

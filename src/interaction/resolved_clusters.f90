@@ -2,7 +2,7 @@
 module asperity_resolved_clusters
   use asperity_cells_answer, only: cells_answer
   use asperity_cells_outside, only: beside_circle, outside_field
-  use asperity_cells_solver, only: reach_of_cluster, solve_cells
+  use asperity_cells_solver, only: cluster_lattice, reach_of_cluster, solve_cells
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_circle_field, only: hertz_spread, near_factor
   use asperity_constants, only: pi
@@ -19,7 +19,7 @@ module asperity_resolved_clusters
   !> A cluster of resolved contacts.
   type :: cluster
     integer, allocatable :: members(:)              !! places in the list of pairs
-    real(real64) :: place(3) = 0.0_real64           !! of its lattice; 0: none yet
+    type(cluster_lattice) :: lattice                !! its cells
     type(cells_answer) :: answer                    !! of its cells
     real(real64), allocatable :: load(:)            !! vertical, by its law; 0: open
     integer, allocatable :: host(:)                 !! member that stands for it among circles
@@ -46,10 +46,11 @@ module asperity_resolved_clusters
 contains
 
   !> Members nearer to each other than `between` share a lattice.
-  subroutine form_clusters(pairs, coupled, is_one, clusters)
+  subroutine form_clusters(pairs, coupled, is_one, circle, clusters)
     type(contact_pairs), intent(in) :: pairs                 !! the position
     type(coupled_solution), intent(in) :: coupled            !! solved
     logical, intent(in) :: is_one(:)                         !! by pair: resolved
+    real(real64), intent(in) :: circle(:)                    !! by pair: radius at least
     type(cluster), allocatable, intent(out) :: clusters(:)   !! not solved
     type(source_tree) :: tree
     integer, allocatable :: number(:), row(:), member(:), first(:)
@@ -64,6 +65,7 @@ contains
     do i = 1, size(number)
       if (row(number(i)) > 0) reach(i) = coupled%set%circle(row(number(i)))
     end do
+    reach = max(reach, circle(number))
     call plant_tree(tree, pairs%list(number)%x, pairs%list(number)%y, reach, between)
     call gather_groups([((i, l=tree%first(i), tree%first(i + 1) - 1), i=1, size(number))], &
                        tree%near, spread(.true., 1, size(tree%near)), &
@@ -97,6 +99,8 @@ contains
         call find_outside(pairs, coupled, of(coupled%set%number), clusters, failure)
         if (allocated(failure)) return
       end do
+    else
+      clusters(1)%outside = outside_field()
     end if
     ! Areas scatter: their squares add up.
     worth = [pairs%modulus * sum(coupled%set%load) / (few_of_all * size(clusters)), &
@@ -108,7 +112,7 @@ contains
           one%outside%at_nodes = one%outside%at_nodes - one%lowered
         call solve_cells(pairs, one%members, coupled%closing - one%lowered, one%outside, &
                          [tolerance, max(area_over_load * tolerance, area_tolerance)], worth, &
-                         one%place, one%answer)
+                         one%lattice, one%answer)
       end associate
     end do
     !$omp end parallel do

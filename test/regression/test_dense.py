@@ -9,7 +9,7 @@ from boundary_patch import Contact
 from dense_judge import CONTROLS, TOLERANCES, estimates, groups, run_all, table, truths
 from dense_scenes import COMBINED, caps, dense_scenes
 from dense_truth import finest, on_grids, settled, truth_of
-from surfaces_csv import solve
+from surfaces_csv import solve, write_scene
 
 # Every twentieth scene: all families are among them. All: dense_judge.py, in some minutes.
 FEW = dense_scenes()[::20]
@@ -71,6 +71,82 @@ def test_areas_of_contacts_that_merge(asperity, tmp_path, shear, apart, count):
                     contacts=False)
         off = float(ran.positions[0]["area"]) / area - 1
         assert abs(off) <= max(tolerance, 0.005) + error, (tolerance, off, error)
+
+
+# Caps on caps in two groups, the second of which is loaded at a higher load only.
+CAPS_ON_CAPS = """x,y,height,radius
+0.00198,0.00448,-6.5e-05,1
+-0.000511,-0.00157,-4.34e-05,0.522
+0.00186,-0.00127,-3.89e-05,0.304
+4.65e-05,-0.000671,-3.75e-05,0.138
+-0.00128,-0.00147,0,0.0824
+0.0564,0.000477,-6.98e-05,1
+0.0539,0.0037,-7.38e-05,0.429
+0.0529,0.00263,-6.42e-05,0.205
+0.0521,0.00152,-5.99e-05,0.0936
+0.0508,0.000464,-6.89e-05,0.0432
+"""
+
+
+@pytest.mark.parametrize("compression", [4e-5, 7.3e-5, 1e-4, 2e-4])
+def test_load_that_a_separation_gave(asperity, tmp_path, compression):
+    """A load found at a compression is found again there: both are within the tolerance."""
+    tolerance = 0.01
+    (tmp_path / "caps.csv").write_text(CAPS_ON_CAPS)
+
+    def run(control, value):
+        return solve(asperity, write_scene(
+            tmp_path / f"{control}.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
+            material={"contact_modulus": 1.0}, loading={"control": control, "value": value},
+            effects={"interaction": "auto", "tolerance": tolerance})).positions[0]
+
+    first = run("approach", -compression)
+    again = run("load", float(first["load"]))
+    found = [float(row["separation"]) for row in (first, again)]
+    areas = [float(row["area"]) for row in (first, again)]
+    assert found[1] == pytest.approx(found[0], rel=tolerance)
+    assert areas[1] == pytest.approx(areas[0], rel=2 * tolerance)
+
+
+# Caps on caps of radii to 1:5800, the blunter ones below. Load and area at a compression of 1e-4 by
+# Galerkin's equations on 1,400 x 1,400 pixels in numpy, in error by 3e-4.
+BLUNTER_BELOW = """x,y,height,radius
+0.00350534806,0.00763016046,0,1
+0.0600000096,-6.29175174e-09,0,1
+0.0600001136,-1.18773403e-07,-2.91372116e-05,6.14765468
+0.0599987208,4.91910083e-07,-3.53817502e-05,31.1286815
+0.0600074704,-7.41169967e-06,-7.45059715e-05,371.863204
+0.12,0,0,1
+0.120000027,1.88939737e-07,-3.91537365e-05,1.35616925
+0,0.06,0,1
+-8.36293334e-07,0.0600001833,-3.95232557e-05,6.93239478
+-1.73834977e-05,0.0599728338,-4.75768807e-05,25.3176578
+0,0.06,-5.55527877e-05,316.726929
+0.00142794059,0.0598318373,-7.84393809e-05,5781.00668
+0.0598967728,0.0600706769,0,1
+0.0599998349,0.060000084,-1.1748231e-05,4.84723729
+0.0600002539,0.0599988229,-4.75310029e-05,40.0508312
+0.11998432,0.0599982335,0,1
+-9.94757934e-07,0.120000602,0,1
+-1.22981891e-06,0.120004713,-1.08687973e-05,3.08304124
+"""
+LOAD, AREA = 1.12921e-5, 0.2399
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("tolerance", [0.01, 0.003])
+@pytest.mark.parametrize("control", CONTROLS)
+def test_blunter_caps_below(asperity, tmp_path, control, tolerance):
+    """Load at the compression, or compression at the load, and area are within the tolerance."""
+    (tmp_path / "caps.csv").write_text(BLUNTER_BELOW)
+    row = solve(asperity, write_scene(
+        tmp_path / "caps.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
+        material={"contact_modulus": 1.0},
+        loading={"control": control, "value": LOAD if control == "load" else -1e-4},
+        effects={"interaction": "auto", "tolerance": tolerance})).positions[0]
+    assert float(row["load"]) == pytest.approx(LOAD, rel=tolerance)
+    assert float(row["separation"]) == pytest.approx(-1e-4, rel=tolerance)
+    assert float(row["area"]) == pytest.approx(AREA, rel=max(tolerance, 0.005) + 3e-4)
 
 
 @pytest.mark.once

@@ -8,7 +8,7 @@ module asperity_cells_suite
   use asperity_cells_influence, only: mean_influence
   use asperity_cells_answer, only: cells_answer
   use asperity_cells_outside, only: outside_field
-  use asperity_cells_solver, only: reach_of_cluster, solve_cells
+  use asperity_cells_solver, only: cluster_lattice, reach_of_cluster, solve_cells
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64
@@ -39,6 +39,7 @@ contains
       new_unittest('an inclined pair is that of its vertical gap', inclined_pair), &
       new_unittest('contacts smaller than a cell alone are Hertz', smaller_than_cells), &
       new_unittest('a lattice stays while it is fine enough', lattice_stays), &
+      new_unittest('an open contact far from a lattice that is kept', far_from_lattice), &
       new_unittest('two contacts apart, near and far', two_apart), &
       new_unittest('two contact circles that overlap, against numpy', two_overlapping), &
       new_unittest('a small contact far off feels the field of a large one', small_and_large), &
@@ -92,10 +93,9 @@ contains
     real(real64), intent(in) :: closing, tolerance(2)
     type(outside_field), intent(in) :: outside
     type(cells_answer), intent(out) :: answer
-    real(real64) :: place(3)
+    type(cluster_lattice) :: lattice
 
-    place = 0.0_real64
-    call solve_cells(pairs, members, closing, outside, tolerance, no_more, place, answer)
+    call solve_cells(pairs, members, closing, outside, tolerance, no_more, lattice, answer)
   end subroutine solve_anew
 
   real(real64) function total(answer)
@@ -215,7 +215,7 @@ contains
     type(contact_pairs) :: pairs
     type(cells_answer) :: outcome
     integer, parameter :: many = 20
-    real(real64), parameter :: depth = 1.0e-4_real64, tip = 4.0e-5_real64
+    real(real64), parameter :: depth = 1.0e-4_real64, tip = 4.0e-7_real64
     real(real64) :: cosine, hertz
     integer :: i
 
@@ -243,26 +243,60 @@ contains
     type(contact_pairs) :: pairs
     type(cells_answer) :: outcome
     type(outside_field) :: nothing
-    real(real64) :: place(3), first(3)
+    type(cluster_lattice) :: lattice
+    real(real64) :: first(3)
 
     allocate (pairs%list(1))
     pairs%modulus = 1.0_real64
     pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     pairs%list%gap = 0.0_real64
-    place = 0.0_real64
-    call solve_cells(pairs, [1], 1.0e-4_real64, nothing, shares, no_more, place, outcome)
-    first = place
-    call check(error, place(3) > 0.0_real64, 'laid')
+    call solve_cells(pairs, [1], 1.0e-4_real64, nothing, shares, no_more, lattice, outcome)
+    first = place_of(lattice)
+    call check(error, lattice%cells%cell > 0.0_real64, 'laid')
     ! Radii go with the root.
-    call solve_cells(pairs, [1], 1.05e-4_real64, nothing, shares, no_more, place, outcome)
-    call check(error, all(abs(place - first) <= 0.0_real64), 'kept, finer than called for')
-    call solve_cells(pairs, [1], 0.95e-4_real64, nothing, shares, no_more, place, outcome)
-    call check(error, all(abs(place - first) <= 0.0_real64), 'kept, a little coarser')
-    call solve_cells(pairs, [1], 0.8e-4_real64, nothing, shares, no_more, place, outcome)
-    call check(error, place(3) < first(3), 'laid anew, finer')
-    call solve_cells(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, place, outcome)
-    call check(error, place(3) > first(3), 'laid anew, coarser')
+    call solve_cells(pairs, [1], 1.05e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call check(error, all(abs(place_of(lattice) - first) <= 0.0_real64), &
+               'kept, finer than called for')
+    call solve_cells(pairs, [1], 0.95e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call check(error, all(abs(place_of(lattice) - first) <= 0.0_real64), 'kept, a little coarser')
+    call solve_cells(pairs, [1], 0.8e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call check(error, lattice%cells%cell < first(3), 'laid anew, finer')
+    call solve_cells(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call check(error, lattice%cells%cell > first(3), 'laid anew, coarser')
   end subroutine lattice_stays
+
+  ! The second contact is below the displacement by the first at one closing, and above it at
+  ! another, at ten contact radii from it. Its load is that of Hertz in the displacement beside the
+  ! first circle (Johnson, Contact Mechanics, 1985, eq. 3.42); the curvature of that is 1e-4 of it.
+  subroutine far_from_lattice(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(contact_pairs) :: pairs
+    type(cells_answer) :: outcome
+    type(outside_field) :: nothing
+    type(cluster_lattice) :: lattice
+    real(real64), parameter :: shut = 1.5e-4_real64, apart = 0.1_real64
+    real(real64) :: beside
+
+    allocate (pairs%list(2))
+    pairs%modulus = 1.0_real64
+    pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    pairs%list(2) = pair_at(apart, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
+    pairs%list%gap = [0.0_real64, 0.98e-4_real64]
+    call solve_cells(pairs, [1, 2], 1.0e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call check(error, outcome%together(2)%load, 0.0_real64, tiny(0.0_real64), 'open')
+    call solve_cells(pairs, [1, 2], shut, nothing, shares, no_more, lattice, outcome)
+    beside = 4.0_real64 / 3.0_real64 * sqrt(shut) * shut / (acos(-1.0_real64) * apart)
+    call check(error, outcome%together(2)%load / (4.0_real64 / 3.0_real64 * &
+               (shut - pairs%list(2)%gap - beside)**1.5_real64), 1.0_real64, 0.005_real64, 'load')
+  end subroutine far_from_lattice
+
+  ! Origin and side of its cells.
+  pure function place_of(lattice) result(place)
+    type(cluster_lattice), intent(in) :: lattice
+    real(real64) :: place(3)
+
+    place = [lattice%cells%x, lattice%cells%y, lattice%cells%cell]
+  end function place_of
 
   ! Each contact stands in the displacement that a Hertz pressure causes beside its circle
   ! (Johnson, Contact Mechanics, 1985, eq. 3.42); the mean over the other's circle is taken with
