@@ -1,9 +1,10 @@
 !> Short hexadecimal floating point of the IBM System/360 and 370, as a number type.
 !>
-!> A number is a signed 24-bit fraction times a power of 16. This module is all that others use:
+!> A number is a signed 24-bit fraction times a power of 16. This module is the interface for
+!> others:
 !> the type with its operators (`asperity_hex32_arithmetic`, which documents the rules and
-!> the exceptions), its conversions (`asperity_hex32_conversions`), and the functions of the FORTRAN
-!> library. They, too, are integer work throughout.
+!> exceptions), its conversions (`asperity_hex32_conversions`), and the functions of the FORTRAN
+!> library, which also use integer arithmetic only.
 module asperity_hex32
   use asperity_hex32_arithmetic, only: hex32, hex32_from_binary, hex32_huge, hex32_tiny, &
                                        operator(+), operator(-), operator(*), operator(/), &
@@ -26,7 +27,7 @@ module asperity_hex32
 
   !> Square root by the method of the FORTRAN library: a hyperbola for the first value, then two
   !> Newton steps in this arithmetic, the last sum halved and rounded. It is not always the
-  !> nearest number: it can be one unit of the last place off.
+  !> nearest number: its error is at most one unit of the last place.
   !> A negative number gives the root of its magnitude.
   interface sqrt
     elemental module function square_root(x) result(root)
@@ -38,8 +39,8 @@ module asperity_hex32
   end interface sqrt
 
   !> Sine of an angle in radians, rounded to the nearest number; sin 0 = 0 exactly.
-  !> The library's own polynomials are not known. The thesis' angles are zero, so nothing printed
-  !> there hangs on them.
+  !> The polynomials of the library are unknown. No printed result of the thesis depends on them, as
+  !> its angles are zero.
   interface sin
     elemental module function sine(x) result(value)
       implicit none
@@ -50,7 +51,7 @@ module asperity_hex32
   end interface sin
 
   !> Cosine of an angle in radians, rounded to the nearest number; cos 0 = 1 exactly.
-  !> See `sin` for what is not known of the original.
+  !> The polynomials of the library are unknown, see `sin`.
   interface cos
     elemental module function cosine(x) result(value)
       implicit none
@@ -62,7 +63,7 @@ module asperity_hex32
 
   interface
     !> x**1.5 rounded to the nearest number, from the exact value; a tie goes up.
-    !> The library went by logarithm and exponential; rounding meets what the thesis printed.
+    !> The library used logarithm and exponential; the rounded value agrees with the thesis.
     !> A negative number gives the power of its magnitude.
     elemental module function three_halves_power(x) result(power)
       implicit none

@@ -1,12 +1,12 @@
 !> Sum, product, quotient and order of short hexadecimal numbers, and their normalised form.
 !>
-!> Every operation is integer work, so the same bits come out with every compiler, flag and
-!> processor.
+!> Every operation uses integers only, so that the bits of the result do not depend on compiler,
+!> flags and processor.
 !>
-!> Exceptions set no flag and stop nothing. They give what the period's FORTRAN library put in as
-!> its standard correction after the interrupt:
-!> exponent overflow gives the largest magnitude with the sign of the result; exponent underflow
-!> gives true zero; x/0 gives the largest magnitude with the sign of x, and 0/0 gives zero.
+!> Exceptions set no flag and do not end the program. Their results are the standard corrections of
+!> the FORTRAN library of the period after the interrupt: exponent overflow gives the largest
+!> magnitude with the sign of the result; exponent underflow gives true zero; x/0 gives the largest
+!> magnitude with the sign of x, and 0/0 gives zero.
 !>
 !> Source: the machine's rules for short floating point (normalised add, subtract, multiply,
 !> divide, compare), that is, one guard digit and no rounding anywhere.
@@ -37,23 +37,23 @@ module asperity_hex32_arithmetic
   !>
   !> The magnitude of the fraction is 0 or in [2**20, 2**24), the exponent in [-64, 63].
   !> Zero is only (0, 0), so equal numbers have equal components.
-  !> The components are for the files `hex32*` alone, which keep to this; all others convert.
+  !> Only the files `hex32*` use the components; all others convert.
   type :: hex32
-    integer(int32) :: fraction = 0_int32  !! signed, in units of 2**(-24)
-    integer(int32) :: exponent = 0_int32  !! of 16
+    integer(int32) :: mantissa = 0_int32  !! signed, in units of 2**(-24)
+    integer(int32) :: power = 0_int32     !! power of 16, the exponent
   end type hex32
 
-  !> Sum, or the number itself. The smaller is shifted right by whole hex digits, of which one
-  !> guard digit is kept; the sum is normalised with it and the rest dropped.
+  !> Sum, or the number itself. The smaller number is shifted right by whole hex digits with one
+  !> guard digit; the sum is normalised with it, and lower digits are dropped.
   interface operator(+)
     module procedure add
-    module procedure plus
+    module procedure same_number
   end interface operator(+)
 
   !> Difference, by the rule of the sum, or the negative.
   interface operator(-)
     module procedure subtract
-    module procedure negative
+    module procedure opposite_of
   end interface operator(-)
 
   !> Product: exact, then cut to 24 bits.
@@ -66,92 +66,92 @@ module asperity_hex32_arithmetic
     module procedure divide
   end interface operator(/)
 
-  !> Exact order. One guard digit keeps the sign of every difference of normalised numbers right,
-  !> so the machine's comparison by subtraction gives the same.
+  !> Exact order. With one guard digit the sign of every difference of normalised numbers is
+  !> correct, so that the comparison of the machine, by subtraction, gives the same.
   interface operator(<)
-    module procedure less
+    module procedure is_less
   end interface operator(<)
 
   !> Exact order, see `<`.
   interface operator(<=)
-    module procedure less_or_equal
+    module procedure is_less_or_equal
   end interface operator(<=)
 
   !> Exact order, see `<`.
   interface operator(>)
-    module procedure greater
+    module procedure is_greater
   end interface operator(>)
 
   !> Exact order, see `<`.
   interface operator(>=)
-    module procedure greater_or_equal
+    module procedure is_greater_or_equal
   end interface operator(>=)
 
   !> Same number.
   interface operator(==)
-    module procedure equal
+    module procedure is_equal
   end interface operator(==)
 
   !> Different numbers.
   interface operator(/=)
-    module procedure not_equal
+    module procedure is_not_equal
   end interface operator(/=)
 
 contains
   elemental function add(x, y) result(total)
     type(hex32), intent(in) :: x, y
     type(hex32) :: total
-    integer(int32) :: large, small, digits, signed_sum
-    integer(int32) :: exponent
+    integer(int32) :: large, small, places, signed_sum
+    integer(int32) :: power
     logical :: x_leads
 
-    if (x%fraction == 0_int32) then
+    if (x%mantissa == 0_int32) then
       total = y
-    else if (y%fraction == 0_int32) then
+    else if (y%mantissa == 0_int32) then
       total = x
     else
-      x_leads = x%exponent >= y%exponent
+      x_leads = x%power >= y%power
       ! One place further left than the fraction stands the guard digit.
-      large = 16_int32*merge(x%fraction, y%fraction, x_leads)
-      small = 16_int32*merge(y%fraction, x%fraction, x_leads)
-      exponent = max(x%exponent, y%exponent)
-      ! From seven places on nothing is left of it.
-      digits = min(abs(x%exponent - y%exponent), fraction_digits + 1)
-      ! Magnitudes are shifted: a shift of the signed number would round downwards.
-      signed_sum = large + sign(shiftr(abs(small), 4*digits), small)
-      total = cut(signed_sum < 0_int32, int(abs(signed_sum), int64), &
-                  exponent - int(fraction_digits + 1, int32))
+      large = 16_int32*merge(x%mantissa, y%mantissa, x_leads)
+      small = 16_int32*merge(y%mantissa, x%mantissa, x_leads)
+      power = max(x%power, y%power)
+      ! A shift by seven places or more leaves 0.
+      places = min(abs(x%power - y%power), fraction_digits + 1)
+      ! Magnitudes are shifted, as a shift of the signed number would round downwards.
+      signed_sum = large + sign(shiftr(abs(small), 4*places), small)
+      total = cut_number(signed_sum < 0_int32, int(abs(signed_sum), int64), &
+                         power - int(fraction_digits + 1, int32))
     end if
   end function add
 
-  elemental function plus(x) result(same)
+  elemental function same_number(x) result(same)
     type(hex32), intent(in) :: x
     type(hex32) :: same
 
     same = x
-  end function plus
+  end function same_number
 
   elemental function subtract(x, y) result(difference)
     type(hex32), intent(in) :: x, y
     type(hex32) :: difference
 
-    difference = add(x, negative(y))
+    difference = add(x, opposite_of(y))
   end function subtract
 
-  elemental function negative(x) result(opposite)
+  elemental function opposite_of(x) result(opposite)
     type(hex32), intent(in) :: x
     type(hex32) :: opposite
 
-    opposite = hex32(-x%fraction, x%exponent)
-  end function negative
+    opposite = hex32(-x%mantissa, x%power)
+  end function opposite_of
 
-  elemental function multiply(x, y) result(product)
+  elemental function multiply(x, y) result(xy)
     type(hex32), intent(in) :: x, y
-    type(hex32) :: product
+    type(hex32) :: xy
 
-    product = cut((x%fraction < 0_int32) .neqv. (y%fraction < 0_int32), &
-                  int(abs(x%fraction), int64)*int(abs(y%fraction), int64), &
-                  x%exponent + y%exponent - int(2*fraction_digits, int32))
+    xy = cut_number((x%mantissa < 0_int32) .neqv. (y%mantissa < 0_int32), &
+                    int(abs(x%mantissa), int64)*int(abs(y%mantissa), int64), &
+                    x%power + y%power - int(2*fraction_digits, int32))
   end function multiply
 
   elemental function divide(x, y) result(quotient)
@@ -159,87 +159,88 @@ contains
     type(hex32) :: quotient
     integer(int64) :: dividend
 
-    if (x%fraction == 0_int32) then
+    if (x%mantissa == 0_int32) then
       quotient = x
-    else if (y%fraction == 0_int32) then
-      quotient = largest(x%fraction < 0_int32)
+    else if (y%mantissa == 0_int32) then
+      quotient = largest_number(x%mantissa < 0_int32)
     else
       ! Six digits more in the dividend give a quotient of six or seven digits.
-      dividend = shiftl(int(abs(x%fraction), int64), 4*fraction_digits)
-      quotient = cut((x%fraction < 0_int32) .neqv. (y%fraction < 0_int32), &
-                     dividend/int(abs(y%fraction), int64), &
-                     x%exponent - y%exponent - int(fraction_digits, int32))
+      dividend = shiftl(int(abs(x%mantissa), int64), 4*fraction_digits)
+      quotient = cut_number((x%mantissa < 0_int32) .neqv. (y%mantissa < 0_int32), &
+                            dividend/int(abs(y%mantissa), int64), &
+                            x%power - y%power - int(fraction_digits, int32))
     end if
   end function divide
 
-  elemental function less(x, y) result(holds)
+  elemental function is_less(x, y) result(holds)
     type(hex32), intent(in) :: x, y
     logical :: holds
 
     holds = rank_of(x) < rank_of(y)
-  end function less
+  end function is_less
 
-  elemental function less_or_equal(x, y) result(holds)
+  elemental function is_less_or_equal(x, y) result(holds)
     type(hex32), intent(in) :: x, y
     logical :: holds
 
     holds = rank_of(x) <= rank_of(y)
-  end function less_or_equal
+  end function is_less_or_equal
 
-  elemental function greater(x, y) result(holds)
+  elemental function is_greater(x, y) result(holds)
     type(hex32), intent(in) :: x, y
     logical :: holds
 
     holds = rank_of(x) > rank_of(y)
-  end function greater
+  end function is_greater
 
-  elemental function greater_or_equal(x, y) result(holds)
+  elemental function is_greater_or_equal(x, y) result(holds)
     type(hex32), intent(in) :: x, y
     logical :: holds
 
     holds = rank_of(x) >= rank_of(y)
-  end function greater_or_equal
+  end function is_greater_or_equal
 
-  elemental function equal(x, y) result(holds)
+  elemental function is_equal(x, y) result(holds)
     type(hex32), intent(in) :: x, y
     logical :: holds
 
-    holds = x%fraction == y%fraction .and. x%exponent == y%exponent
-  end function equal
+    holds = x%mantissa == y%mantissa .and. x%power == y%power
+  end function is_equal
 
-  elemental function not_equal(x, y) result(holds)
+  elemental function is_not_equal(x, y) result(holds)
     type(hex32), intent(in) :: x, y
     logical :: holds
 
-    holds = x%fraction /= y%fraction .or. x%exponent /= y%exponent
-  end function not_equal
+    holds = x%mantissa /= y%mantissa .or. x%power /= y%power
+  end function is_not_equal
 
   !> digits * 2**exponent2, cut to 24 bits.
-  elemental function hex32_from_binary(digits, exponent2) result(x)
+  elemental function hex32_from_binary(factor, exponent2) result(x)
     !> any integer, with its sign
-    integer(int64), intent(in) :: digits
+    integer(int64), intent(in) :: factor
     !> power of two; any within +-10**9, a number out of range overflows or underflows
     integer, intent(in) :: exponent2
     type(hex32) :: x
     integer(int64) :: magnitude
     integer :: power
 
-    magnitude = digits
+    magnitude = factor
     power = exponent2
-    ! Room for the sign of the most negative integer and for three more bits below.
-    if (leadz(ieor(digits, shifta(digits, int64_bits - 1))) < 5) then
+    ! Room for the sign of the most negative integer and for three more bits.
+    if (leadz(ieor(factor, shifta(factor, int64_bits - 1))) < 5) then
       magnitude = magnitude/16_int64
       power = power + 4
     end if
-    ! Whole powers of 16 go to the exponent, what is left of the two's to the digits.
-    x = cut(digits < 0_int64, shiftl(abs(magnitude), iand(power, 3)), int(shifta(power, 2), int32))
+    ! Whole powers of 16 are added to the exponent, the other powers of 2 to the digits.
+    x = cut_number(factor < 0_int64, shiftl(abs(magnitude), iand(power, 3)), &
+                   int(shifta(power, 2), int32))
   end function hex32_from_binary
 
   !> The largest number, (1 - 2**(-24)) * 16**63, about 7.2e75.
   pure function hex32_huge() result(x)
     type(hex32) :: x
 
-    x = largest(.false.)
+    x = largest_number(.false.)
   end function hex32_huge
 
   !> The smallest number above zero, 16**(-65), about 5.4e-79.
@@ -250,47 +251,47 @@ contains
   end function hex32_tiny
 
   !> The largest magnitude with a sign.
-  elemental function largest(below_zero) result(x)
+  elemental function largest_number(below_zero) result(x)
     logical, intent(in) :: below_zero
     type(hex32) :: x
 
     x = hex32(merge(-fraction_max, fraction_max, below_zero), exponent_max)
-  end function largest
+  end function largest_number
 
   !> The number magnitude * 16**power, normalised and cut to 24 bits, with over- and underflow.
-  elemental function cut(below_zero, magnitude, power) result(x)
+  elemental function cut_number(below_zero, magnitude, power) result(x)
     logical, intent(in) :: below_zero
     !> not negative
     integer(int64), intent(in) :: magnitude
     integer(int32), intent(in) :: power
     type(hex32) :: x
-    integer(int32) :: fraction, exponent
-    integer :: digits
+    integer(int32) :: mantissa, final_power
+    integer :: places
 
-    digits = (int64_bits - leadz(magnitude) + 3)/4
-    exponent = power + int(digits, int32)
-    if (digits > fraction_digits) then
-      fraction = int(shiftr(magnitude, 4*(digits - fraction_digits)), int32)
+    places = (int64_bits - leadz(magnitude) + 3)/4
+    final_power = power + int(places, int32)
+    if (places > fraction_digits) then
+      mantissa = int(shiftr(magnitude, 4*(places - fraction_digits)), int32)
     else
-      fraction = int(shiftl(magnitude, 4*(fraction_digits - digits)), int32)
+      mantissa = int(shiftl(magnitude, 4*(fraction_digits - places)), int32)
     end if
-    if (fraction == 0_int32 .or. exponent < exponent_min) then
+    if (mantissa == 0_int32 .or. final_power < exponent_min) then
       x = hex32(0_int32, 0_int32)
-    else if (exponent > exponent_max) then
-      x = largest(below_zero)
+    else if (final_power > exponent_max) then
+      x = largest_number(below_zero)
     else
-      x = hex32(merge(-fraction, fraction, below_zero), exponent)
+      x = hex32(merge(-mantissa, mantissa, below_zero), final_power)
     end if
-  end function cut
+  end function cut_number
 
-  !> An integer that stands in the same order as the numbers do.
+  !> An integer with the same order as the numbers.
   elemental function rank_of(x) result(rank)
     type(hex32), intent(in) :: x
     integer(int32) :: rank
 
     rank = 0_int32
-    if (x%fraction /= 0_int32) then
-      rank = sign(ior(shiftl(x%exponent + exponent_bias, 24), abs(x%fraction)), x%fraction)
+    if (x%mantissa /= 0_int32) then
+      rank = sign(ior(shiftl(x%power + exponent_bias, 24), abs(x%mantissa)), x%mantissa)
     end if
   end function rank_of
 

@@ -1,6 +1,6 @@
 !> Short hexadecimal numbers from and to integers, decimals, doubles and machine words.
 !>
-!> What does not fit is cut, as everywhere in this arithmetic; none of them rounds.
+!> Digits that do not fit are cut, as in all operations of this arithmetic; no conversion rounds.
 module asperity_hex32_conversions
   use asperity_hex32_arithmetic, only: exponent_bias, fraction_digits, hex32, hex32_from_binary, &
                                        hex32_huge, operator(-)
@@ -28,24 +28,24 @@ contains
     x = hex32_from_binary(int(i, int64), 0)
   end function hex32_from_integer
 
-  !> digits * 10**exponent10, cut to 24 bits from the exact value: what the compiler and the
-  !> FORMAT routines of the time made of a decimal number.
-  elemental function hex32_from_decimal(digits, exponent10) result(x)
+  !> numerator * 10**exponent10, cut to 24 bits from the exact value: the conversion of the compiler
+  !> and the FORMAT routines of the time.
+  elemental function hex32_from_decimal(numerator, exponent10) result(x)
     !> the decimal number without its point, with its sign
-    integer(int64), intent(in) :: digits
+    integer(int64), intent(in) :: numerator
     !> power of ten; any, a number out of range overflows or underflows
     integer, intent(in) :: exponent10
     type(hex32) :: x
-    ! 10**120 takes 399 bits, digits 64; a quotient needs 16 limbs below its unit.
+    ! 10**120 has 399 bits, the numerator 64; a quotient needs 16 limbs below its unit.
     integer, parameter :: limbs = 20
     integer, parameter :: power_limit = 120
     integer(int64) :: limb(0:limbs - 1), rest, factor
     integer :: first, top, left, step, i
 
-    if (digits == 0_int64) then
+    if (numerator == 0_int64) then
       x = hex32()
     else if (exponent10 > power_limit) then
-      x = merge(-hex32_huge(), hex32_huge(), digits < 0_int64)
+      x = merge(-hex32_huge(), hex32_huge(), numerator < 0_int64)
     else if (exponent10 < -power_limit) then
       x = hex32()
     else
@@ -53,8 +53,8 @@ contains
       first = 0
       if (exponent10 < 0) first = (-10*exponent10/3)/limb_bits + 2
       limb(:) = 0_int64
-      ! The magnitude of the most negative digits has no int64, that less one has.
-      rest = merge(not(digits), digits - 1_int64, digits < 0_int64)
+      ! The magnitude of the most negative integer exceeds an int64; that less one does not.
+      rest = merge(not(numerator), numerator - 1_int64, numerator < 0_int64)
       limb(first) = iand(rest, limb_mask) + 1_int64
       limb(first + 1) = iand(shiftr(rest, limb_bits), limb_mask)
       limb(first + 2) = shiftr(rest, 2*limb_bits)
@@ -65,7 +65,7 @@ contains
         factor = 10_int64**step
         rest = 0_int64
         if (exponent10 < 0) then
-          ! Cutting after each part is the same as cutting once after the whole.
+          ! Cutting after each part gives the same as cutting once.
           do i = top, 0, -1
             rest = shiftl(rest, limb_bits) + limb(i)
             limb(i) = rest/factor
@@ -86,14 +86,14 @@ contains
       do while (limb(top) == 0_int64)
         top = top - 1
       end do
-      ! Two limbs hold at least 31 bits of the number; those below do not touch the first 24.
+      ! Two limbs hold at least 31 bits of the number; lower ones do not affect the first 24.
       if (top == 0) then
         x = hex32_from_binary(limb(0), -limb_bits*first)
       else
         x = hex32_from_binary(shiftl(limb(top), limb_bits) + limb(top - 1), &
                               limb_bits*(top - 1 - first))
       end if
-      if (digits < 0_int64) x = -x
+      if (numerator < 0_int64) x = -x
     end if
   end function hex32_from_decimal
 
@@ -106,7 +106,7 @@ contains
     integer(int64) :: bits, mantissa
     integer :: exponent2
 
-    ! By its bits, so that no flag may reorder it and no trap is sprung.
+    ! By its bits, so that no compiler flag may reorder it and no exception is raised.
     bits = transfer(value, bits)
     mantissa = ibits(bits, 0, mantissa_bits)
     exponent2 = int(ibits(bits, mantissa_bits, exponent_bits))
@@ -139,17 +139,17 @@ contains
     integer :: i
     integer(int64) :: magnitude
 
-    magnitude = int(abs(x%fraction), int64)
-    if (x%exponent <= 0_int32) then
+    magnitude = int(abs(x%mantissa), int64)
+    if (x%power <= 0_int32) then
       magnitude = 0_int64
-    else if (x%exponent <= fraction_digits) then
-      magnitude = shiftr(magnitude, 4*(fraction_digits - x%exponent))
+    else if (x%power <= fraction_digits) then
+      magnitude = shiftr(magnitude, 4*(fraction_digits - x%power))
     else
       ! Fifteen digits fit in int64 and are more than a default integer has.
-      magnitude = shiftl(magnitude, 4*(min(x%exponent, 15_int32) - fraction_digits))
+      magnitude = shiftl(magnitude, 4*(min(x%power, 15_int32) - fraction_digits))
     end if
     i = int(min(magnitude, int(huge(i), int64)))
-    if (x%fraction < 0_int32) i = -i
+    if (x%mantissa < 0_int32) i = -i
   end function hex32_to_integer
 
   !> The number in double precision, exactly.
@@ -158,7 +158,7 @@ contains
     type(hex32), intent(in) :: x
     real(real64) :: value
 
-    value = scale(real(x%fraction, real64), 4*(x%exponent - fraction_digits))
+    value = scale(real(x%mantissa, real64), 4*(x%power - fraction_digits))
   end function hex32_to_real64
 
   !> The machine's word: sign, excess-64 exponent in 7 bits, fraction in 24 bits. Zero is 0.
@@ -168,9 +168,9 @@ contains
     integer(int32) :: word
 
     word = 0_int32
-    if (x%fraction /= 0_int32) then
-      word = ior(shiftl(x%exponent + exponent_bias, 24), abs(x%fraction))
-      if (x%fraction < 0_int32) word = ibset(word, 31)
+    if (x%mantissa /= 0_int32) then
+      word = ior(shiftl(x%power + exponent_bias, 24), abs(x%mantissa))
+      if (x%mantissa < 0_int32) word = ibset(word, 31)
     end if
   end function hex32_word
 

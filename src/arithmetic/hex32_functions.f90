@@ -27,42 +27,42 @@ contains
     integer(int32) :: p, q
     integer(int64) :: total
 
-    if (x%fraction == 0_int32) then
+    if (x%mantissa == 0_int32) then
       root = x
     else
-      ! x = 16**(2p - q) * m, q = 0 or 1. The factor 16**p changes no digit and waits till the end.
-      p = shifta(x%exponent + 1_int32, 1)
-      q = 2_int32*p - x%exponent
-      m = hex32(abs(x%fraction), 0_int32)
-      reduced = hex32(m%fraction, -q)
+      ! x = 16**(2p - q) * m, q = 0 or 1. The factor 16**p changes no digit and is applied last.
+      p = shifta(x%power + 1_int32, 1)
+      q = 2_int32*p - x%power
+      m = hex32(abs(x%mantissa), 0_int32)
+      reduced = hex32(m%mantissa, -q)
       y = c1 - c2/(m + c3)
       if (q == 1_int32) y = quarter*y
       y = half*(y + reduced/y)
       quotient = reduced/y
       ! The last sum keeps all its digits, in units of 16**(-7), until it is halved and rounded.
       total = at_seventh_place(y) + at_seventh_place(quotient)
-      root = rounded(total, -4*(fraction_digits + 1) - 1)
-      root%exponent = root%exponent + p
+      root = rounded_number(total, -4*(fraction_digits + 1) - 1)
+      root%power = root%power + p
     end if
   end function square_root
 
   elemental module function three_halves_power(x) result(power)
     type(hex32), intent(in) :: x
     type(hex32) :: power
-    integer(int64) :: fraction, square, high, low, radicand
+    integer(int64) :: mantissa, square, high, low, radicand
     integer(int32) :: drop
 
-    if (x%fraction == 0_int32) then
+    if (x%mantissa == 0_int32) then
       power = x
     else
       ! The cube, high * 2**24 + low, has 61 to 72 bits and no overflow this way.
-      fraction = int(abs(x%fraction), int64)
-      square = fraction*fraction
-      low = ibits(square, 0, 24)*fraction
-      high = shiftr(square, 24)*fraction + shiftr(low, 24)
+      mantissa = int(abs(x%mantissa), int64)
+      square = mantissa*mantissa
+      low = ibits(square, 0, 24)*mantissa
+      high = shiftr(square, 24)*mantissa + shiftr(low, 24)
       low = ibits(low, 0, 24)
       ! Hex digits to drop so that the root has six: as many as make its exponent whole.
-      drop = modulo(x%exponent, 2_int32) + 4_int32
+      drop = modulo(x%power, 2_int32) + 4_int32
       if (shiftr(high, 4*drop + 24) /= 0_int64) drop = drop + 2_int32
       ! Four times the radicand has twice the root, whose last bit decides the rounding.
       if (4*drop - 2 >= 24) then
@@ -71,7 +71,7 @@ contains
         radicand = ior(shiftl(high, 26 - 4*drop), shiftr(low, 4*drop - 2))
       end if
       power = hex32_from_binary(shiftr(whole_root(radicand) + 1_int64, 1), &
-                                2*(3*(x%exponent - fraction_digits) + drop))
+                                2*(3*(x%power - fraction_digits) + drop))
     end if
   end function three_halves_power
 
@@ -79,11 +79,11 @@ contains
     type(hex32), intent(in) :: x
     type(hex32) :: value
 
-    if (x%exponent <= series_exponent .or. x%fraction == 0_int32) then
+    if (x%power <= series_exponent .or. x%mantissa == 0_int32) then
       value = x
     else
-      value = circular(x, 0_int64)
-      if (x%fraction < 0_int32) value = -value
+      value = sine_of_turns(x, 0_int64)
+      if (x%mantissa < 0_int32) value = -value
     end if
   end function sine
 
@@ -91,24 +91,24 @@ contains
     type(hex32), intent(in) :: x
     type(hex32) :: value
 
-    if (x%exponent <= series_exponent .or. x%fraction == 0_int32) then
+    if (x%power <= series_exponent .or. x%mantissa == 0_int32) then
       value = hex32_from_integer(1)
     else
-      value = circular(x, 1_int64)
+      value = sine_of_turns(x, 1_int64)
     end if
   end function cosine
 
-  !> The fraction with its exponent, 0 or neighbouring, brought to units of 16**(-7).
+  !> The number in units of 16**(-7).
   elemental function at_seventh_place(x) result(units)
     !> exponent in [-1, 1], so that no digit is lost
     type(hex32), intent(in) :: x
     integer(int64) :: units
 
-    units = shiftl(int(x%fraction, int64), 4*(x%exponent + 1))
+    units = shiftl(int(x%mantissa, int64), 4*(x%power + 1))
   end function at_seventh_place
 
   !> magnitude * 2**power, normalised and rounded to 24 bits; a tie goes up.
-  elemental function rounded(magnitude, power) result(x)
+  elemental function rounded_number(magnitude, power) result(x)
     !> in [0, 2**60)
     integer(int64), intent(in) :: magnitude
     integer, intent(in) :: power
@@ -120,9 +120,9 @@ contains
     aligned = shiftl(magnitude, iand(power, 3))
     excess = 4*((int64_bits - leadz(aligned) + 3)/4 - fraction_digits)
     if (excess > 0) aligned = aligned + shiftl(1_int64, excess - 1)
-    ! A carry into one digit more leaves only zeros to cut.
+    ! After a carry into one more digit only zeros are cut.
     x = hex32_from_binary(aligned, 4*shifta(power, 2))
-  end function rounded
+  end function rounded_number
 
   !> The whole part of a square root.
   elemental function whole_root(n) result(root)
@@ -130,7 +130,7 @@ contains
     integer(int64), intent(in) :: n
     integer(int64) :: root, next
 
-    ! Newton from above falls until it has arrived.
+    ! Newton's method from above decreases until it has converged.
     root = shiftl(1_int64, (int64_bits - leadz(n) + 1)/2)
     do
       next = shiftr(root + n/root, 1)
@@ -140,7 +140,7 @@ contains
   end function whole_root
 
   !> The sine of the angle's magnitude plus a number of quarter turns.
-  elemental function circular(x, quarter_turns) result(value)
+  elemental function sine_of_turns(x, quarter_turns) result(value)
     !> magnitude 16**(-3) or more
     type(hex32), intent(in) :: x
     integer(int64), intent(in) :: quarter_turns
@@ -150,34 +150,34 @@ contains
     logical :: backwards, by_cosine
     integer :: i
 
-    call reduce(x, angle, quadrant, backwards)
+    call reduce_angle(x, angle, quadrant, backwards)
     quadrant = quadrant + quarter_turns
     by_cosine = btest(quadrant, 0)
-    square(:) = times(angle, angle)
-    term(:) = one()
+    square(:) = limb_product(angle, angle)
+    term(:) = one_in_limbs()
     do i = 2*series_terms, 2, -2
       if (by_cosine) then
-        term(:) = divided(times(square, term), int(i*(i - 1), int64))
+        term(:) = limb_quotient(limb_product(square, term), int(i*(i - 1), int64))
       else
-        term(:) = divided(times(square, term), int(i*(i + 1), int64))
+        term(:) = limb_quotient(limb_product(square, term), int(i*(i + 1), int64))
       end if
       term(:) = one_minus(term)
     end do
-    if (.not. by_cosine) term(:) = times(angle, term)
+    if (.not. by_cosine) term(:) = limb_product(angle, term)
     value = from_limbs(term)
     if (btest(quadrant, 1) .neqv. (backwards .and. .not. by_cosine)) value = -value
-  end function circular
+  end function sine_of_turns
 
-  !> Takes whole quarter turns off an angle; angle is the magnitude of what remains.
-  pure subroutine reduce(x, angle, quadrant, backwards)
+  !> Reduces an angle by whole quarter turns; `angle` is the magnitude of the remainder.
+  pure subroutine reduce_angle(x, angle, quadrant, backwards)
     type(hex32), intent(in) :: x
     !> at most pi/4, in fixed point
     integer(int64), intent(out) :: angle(0:places)
     !> whole quarter turns nearest to the angle
     integer(int64), intent(out) :: quadrant
-    !> what remains is below zero
+    !> whether the remainder is below zero
     logical, intent(out) :: backwards
-    !> 2/pi in limbs: enough for the largest number there is.
+    !> 2/pi in limbs, as many as the largest number needs
     integer, parameter :: length = 13
     integer(int64), parameter :: two_over_pi(length) = [ &
                                  683565275_int64, 618938706_int64, 670080351_int64, &
@@ -185,7 +185,7 @@ contains
                                  17299781_int64, 598466235_int64, 827878857_int64, &
                                  115581988_int64, 927694873_int64, 154069513_int64, &
                                  879003455_int64]
-    !> pi/2 in the same way.
+    !> pi/2 in limbs
     integer(int64), parameter :: half_pi(0:places) = [ &
                                  1_int64, 612887889_int64, 70064198_int64, &
                                  640037652_int64, 385988665_int64]
@@ -195,14 +195,14 @@ contains
     turns(:) = 0_int64
     carry = 0_int64
     do i = length, 1, -1
-      carry = two_over_pi(i)*int(abs(x%fraction), int64) + carry
+      carry = two_over_pi(i)*int(abs(x%mantissa), int64) + carry
       turns(i) = iand(carry, limb_mask)
       carry = shiftr(carry, limb_bits)
     end do
     turns(0) = carry
-    ! The point moves by the exponent; each limb is read across two of those.
+    ! The point moves by the exponent; each limb is read from two of these.
     do i = 0, places
-      last = limb_bits*i + 4*(x%exponent - fraction_digits)
+      last = limb_bits*i + 4*(x%power - fraction_digits)
       limb = ceiling_quotient(last, limb_bits)
       carry = shiftl(turns(limb - 1), limb_bits) + turns(limb)
       angle(i) = iand(shiftr(carry, limb_bits*limb - last), limb_mask)
@@ -214,8 +214,8 @@ contains
       quadrant = quadrant + 1_int64
       angle(:) = one_minus(angle)
     end if
-    angle(:) = times(angle, half_pi)
-  end subroutine reduce
+    angle(:) = limb_product(angle, half_pi)
+  end subroutine reduce_angle
 
   !> i/n rounded upwards.
   elemental function ceiling_quotient(i, n) result(quotient)
@@ -226,12 +226,12 @@ contains
   end function ceiling_quotient
 
   !> One in fixed point.
-  pure function one() result(c)
+  pure function one_in_limbs() result(c)
     integer(int64) :: c(0:places)
 
     c(0) = 1_int64
     c(1:) = 0_int64
-  end function one
+  end function one_in_limbs
 
   !> 1 - a for a in [0, 1].
   pure function one_minus(a) result(c)
@@ -239,7 +239,7 @@ contains
     integer(int64) :: c(0:places), borrow
     integer :: i
 
-    c(:) = one() - a
+    c(:) = one_in_limbs() - a
     do i = places, 1, -1
       borrow = merge(1_int64, 0_int64, c(i) < 0_int64)
       c(i) = c(i) + shiftl(borrow, limb_bits)
@@ -248,7 +248,7 @@ contains
   end function one_minus
 
   !> Product of two fixed-point numbers, the smaller limbs dropped.
-  pure function times(a, b) result(c)
+  pure function limb_product(a, b) result(c)
     integer(int64), intent(in) :: a(0:places), b(0:places)
     integer(int64) :: c(0:places), carry
     integer :: i, k
@@ -263,10 +263,10 @@ contains
       carry = shiftr(c(k), limb_bits)
       if (k > 0) c(k) = iand(c(k), limb_mask)
     end do
-  end function times
+  end function limb_product
 
   !> A fixed-point number divided by a small one, cut.
-  pure function divided(a, n) result(c)
+  pure function limb_quotient(a, n) result(c)
     integer(int64), intent(in) :: a(0:places)
     !> below 2**30
     integer(int64), intent(in) :: n
@@ -279,7 +279,7 @@ contains
       c(i) = rest/n
       rest = rest - c(i)*n
     end do
-  end function divided
+  end function limb_quotient
 
   !> A fixed-point number in [0, 1], rounded to 24 bits.
   pure function from_limbs(a) result(x)
@@ -291,8 +291,9 @@ contains
     do while (a(top) == 0_int64 .and. top < places - 1)
       top = top + 1
     end do
-    ! Two limbs are enough: sines and cosines never lie at a tie, so what is cut cannot decide.
-    x = rounded(shiftl(a(top), limb_bits) + a(top + 1), -limb_bits*(top + 1))
+    ! Two limbs are sufficient: sines and cosines are never at a tie, so that lower bits do not
+    ! matter.
+    x = rounded_number(shiftl(a(top), limb_bits) + a(top + 1), -limb_bits*(top + 1))
   end function from_limbs
 
 end submodule asperity_hex32_functions

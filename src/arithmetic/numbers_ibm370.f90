@@ -1,4 +1,4 @@
-!> What the algorithms need of System/370 short arithmetic, under the names the IEEE kinds use.
+!> Functions of System/370 short arithmetic under the names of the IEEE kinds.
 module asperity_numbers_ibm370
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_hex32, only: cut_to_integer => hex32_to_integer, from_real64 => hex32_from_real64, &
@@ -19,8 +19,8 @@ contains
 
   !> An exact decimal cut to 24 bits, as the compiler and the card reader of the machine did.
   elemental function decimal_number(value) result(number)
-    type(decimal_value), intent(in) :: value  !! exact decimal
-    type(hex32) :: number                     !! the number not above it in magnitude
+    type(decimal_value), intent(in) :: value  !! exact decimal number
+    type(hex32) :: number                     !! largest number not above it in magnitude
 
     if (value%twos /= 0) then
       number = from_real64(decimal_to_real64(value))
@@ -31,35 +31,35 @@ contains
 
   !> number * 16**power; zero or the largest number where the exponent leaves its range.
   elemental function times_power_of_16(number, power) result(scaled)
-    type(hex32), intent(in) :: number  !! any number
-    integer, intent(in) :: power       !! any integer
-    type(hex32) :: scaled              !! the product
-    integer :: exponent
+    type(hex32), intent(in) :: number  !! number of any size
+    integer, intent(in) :: power       !! power of 16, any integer
+    type(hex32) :: scaled              !! number * 16**power
+    integer :: scaled_power
 
     scaled = number
-    exponent = exponent_of_16(number) + power
+    scaled_power = exponent_of_16(number) + power
     if (ibits(hex32_word(number), 0, fraction_bits) == 0) return
-    if (exponent < -bias) then
+    if (scaled_power < -bias) then
       scaled = hex32_from_word(0_int32)
     else
-      exponent = min(exponent, bias - 1)
+      scaled_power = min(scaled_power, bias - 1)
       scaled = hex32_from_word(ior(iand(hex32_word(number), not(characteristic_mask())), &
-                                   ishft(int(exponent + bias, int32), fraction_bits)))
+                                   ishft(int(scaled_power + bias, int32), fraction_bits)))
     end if
   end function times_power_of_16
 
   !> The least n with |number| < 16**n; 0 for zero.
   elemental integer function exponent_of_16(number)
-    type(hex32), intent(in) :: number  !! any number
+    type(hex32), intent(in) :: number  !! number of any size
 
     exponent_of_16 = 0
     if (ibits(hex32_word(number), 0, fraction_bits) == 0) return
     exponent_of_16 = ibits(hex32_word(number), fraction_bits, characteristic_bits) - bias
   end function exponent_of_16
 
-  !> The number cut to half its digits: it and what is left have exact products.
+  !> The number cut to half its digits: products with it and with the remainder are exact.
   elemental function upper_half(number) result(upper)
-    type(hex32), intent(in) :: number  !! any number
+    type(hex32), intent(in) :: number  !! number of any size
     type(hex32) :: upper               !! the number with the lower half of its fraction zero
 
     upper = hex32_from_word(iand(hex32_word(number), not(maskr(fraction_bits / 2, int32))))
@@ -67,7 +67,7 @@ contains
 
   !> The cube root, for number >= 0, cut to 24 bits. The original has no cube root.
   elemental function cube_root(number) result(root)
-    type(hex32), intent(in) :: number  !! not negative
+    type(hex32), intent(in) :: number  !! number, 0 or more
     type(hex32) :: root                !! its cube root
 
     root = from_real64(to_real64(number)**(1.0_real64 / 3.0_real64))

@@ -1,5 +1,5 @@
 #define KIND real64
-!> What the algorithms need of IEEE arithmetic in kind real64.
+!> Functions of IEEE arithmetic in kind real64.
 module asperity_numbers_real64
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use asperity_decimal, only: decimal_beyond, decimal_numeral, decimal_order, decimal_value
