@@ -1,4 +1,4 @@
-!> Interpolation from Chebyshev nodes to a line of cells.
+!> Interpolation from Chebyshev nodes to a line of grid elements.
 !>
 !> The nodes are the roots of the Chebyshev polynomial whose degree is their number (Trefethen,
 !> Approximation Theory and Approximation Practice, 2013).
@@ -12,10 +12,10 @@ module asperity_chebyshev_basis
 
 contains
 
-  !> Places of the nodes, in (-1, 1), falling.
+  !> Positions of the nodes in (-1, 1), in descending order.
   pure function chebyshev_nodes(n) result(node)
     integer, intent(in) :: n   !! number of nodes
-    real(real64) :: node(n)    !! their places
+    real(real64) :: node(n)    !! positions of the nodes
     integer :: k
 
     do k = 1, n
@@ -23,22 +23,22 @@ contains
     end do
   end function chebyshev_nodes
 
-  !> Lagrange's polynomials at the centres of a line of cells, written as sums of Chebyshev's.
+  !> Lagrange's polynomials at the centres of a line of grid elements, as sums of Chebyshev's.
   pure function lagrange_at_cells(n, cells, edge, step) result(values)
     integer, intent(in) :: n                  !! number of nodes
-    integer, intent(in) :: cells              !! number of cells
-    real(real64), intent(in) :: edge          !! where the line begins, over the patch's radius
-    real(real64), intent(in) :: step          !! length of a cell, over the patch's radius
-    real(real64) :: values(n, cells)          !! of each cell
+    integer, intent(in) :: cells              !! number of elements
+    real(real64), intent(in) :: edge          !! start of the line, over the radius of the patch
+    real(real64), intent(in) :: step          !! side of an element, over the radius of the patch
+    real(real64) :: values(n, cells)          !! polynomials at each element
     real(real64) :: node(n), z, t(0:n), s(0:n)
     integer :: i, k, l
 
     node = chebyshev_nodes(n)
     do i = 1, cells
       z = edge + (i - 0.5_real64) * step
-      t = chebyshev(n, z)
+      t = chebyshev_values(n, z)
       do k = 1, n
-        s = chebyshev(n, node(k))
+        s = chebyshev_values(n, node(k))
         values(k, i) = 1.0_real64 / n
         do l = 1, n - 1
           values(k, i) = values(k, i) + 2.0_real64 / n * s(l) * t(l)
@@ -48,7 +48,7 @@ contains
   end function lagrange_at_cells
 
   ! Chebyshev's polynomials of degree 0 to n.
-  pure function chebyshev(n, z) result(t)
+  pure function chebyshev_values(n, z) result(t)
     integer, intent(in) :: n
     real(real64), intent(in) :: z
     real(real64) :: t(0:n)
@@ -59,6 +59,6 @@ contains
     do l = 2, n
       t(l) = 2.0_real64 * z * t(l - 1) - t(l - 2)
     end do
-  end function chebyshev
+  end function chebyshev_values
 
 end module asperity_chebyshev_basis

@@ -7,10 +7,10 @@ module asperity_gauss_rule
 
   public :: gauss_node, gauss_points, gauss_rule, gauss_weight
 
-  !> Points of the rule in doubles: right for polynomials up to degree 19.
+  !> Number of points of the rule in doubles, which is exact for polynomials up to degree 19.
   integer, parameter :: gauss_points = 10
 
-  !> Its nodes from 0 to 1, ascending, by `gauss_rule`.
+  !> Nodes of the rule from 0 to 1, ascending, by `gauss_rule`.
   real(real64), parameter :: gauss_node(gauss_points) = [ &
     0.013046735741414139961_real64, 0.067468316655507744634_real64, &
     0.16029521585048779688_real64, 0.28330230293537640460_real64, &
@@ -23,22 +23,22 @@ module asperity_gauss_rule
     0.10954318125799102200_real64, 0.13463335965499817755_real64, &
     0.14776211235737643509_real64]
 
-  !> Its weights; their sum is 1.
+  !> Weights of the rule; their sum is 1.
   real(real64), parameter :: gauss_weight(gauss_points) = &
     [half_of_weights, half_of_weights(gauss_points / 2:1:-1)]
 
 contains
 
-  !> Nodes and weights of Gauss's rule from -1 to 1.
+  !> Computes nodes and weights of Gauss's rule from -1 to 1.
   pure subroutine gauss_rule(nodes, weights)
-    real(real128), intent(out) :: nodes(:)    !! descending
-    real(real128), intent(out) :: weights(:)  !! as many; their sum is 2
+    real(real128), intent(out) :: nodes(:)    !! nodes, in descending order
+    real(real128), intent(out) :: weights(:)  !! weights of the nodes; their sum is 2
     real(real128) :: x, before, here, next, slope
     integer :: i, k, step, n
 
     n = size(nodes)
     do i = 1, n
-      ! Zeros of Legendre's polynomial by Newton's method, from a guess good to some 1E-3.
+      ! Zeros of Legendre's polynomial by Newton's method; the error of the guess is about 1E-3.
       x = cos(pi_128 * (i - 0.25_real128) / (n + 0.5_real128))
       do step = 1, 8
         before = 1.0_real128

@@ -1,4 +1,4 @@
-!> Groups of things that pairs connect.
+!> Groups of members that are connected by pairs.
 module asperity_index_groups
   implicit none
   private
@@ -7,44 +7,44 @@ module asperity_index_groups
 
 contains
 
-  !> Those that count, in the order of their groups; a group goes by its first member.
+  !> Lists members in the order of their groups; groups are in the order of their first members.
   subroutine gather_groups(one, other, joins, counts, most, member, first)
-    integer, intent(in) :: one(:), other(:)         !! members of pairs
+    integer, intent(in) :: one(:), other(:)         !! members of each pair
     logical, intent(in) :: joins(:)                 !! whether a pair connects them
-    logical, intent(in) :: counts(:)                !! who is in a group at all
-    integer, intent(in) :: most                     !! members of a group
-    integer, allocatable, intent(out) :: member(:)  !! of all groups
-    integer, allocatable, intent(out) :: first(:)   !! where each begins, and one more
-    integer :: root(size(counts)), many(size(counts)), a, b, i, k
+    logical, intent(in) :: counts(:)                !! whether a member is listed
+    integer, intent(in) :: most                     !! largest number of members of a group
+    integer, allocatable, intent(out) :: member(:)  !! members of all groups
+    integer, allocatable, intent(out) :: first(:)  !! index of the first of each group; then the end
+    integer :: root(size(counts)), members_of(size(counts)), a, b, i, k
 
     root = [(i, i=1, size(root))]
-    many = 1
+    members_of = 1
     do k = 1, size(one)
       if (.not. joins(k)) cycle
       a = root_of(one(k))
       b = root_of(other(k))
-      if (a == b .or. many(a) + many(b) > most) cycle
+      if (a == b .or. members_of(a) + members_of(b) > most) cycle
       root(max(a, b)) = min(a, b)
-      many(min(a, b)) = many(a) + many(b)
+      members_of(min(a, b)) = members_of(a) + members_of(b)
     end do
-    many = 0
+    members_of = 0
     do i = 1, size(root)
       root(i) = root_of(i)
-      if (counts(i)) many(root(i)) = many(root(i)) + 1
+      if (counts(i)) members_of(root(i)) = members_of(root(i)) + 1
     end do
-    allocate (first(count(many > 0) + 1), member(count(counts)))
+    allocate (first(count(members_of > 0) + 1), member(count(counts)))
     first(1) = 1
     k = 1
-    do i = 1, size(many)
-      if (many(i) == 0) cycle
-      first(k + 1) = first(k) + many(i)
-      many(i) = first(k)
+    do i = 1, size(members_of)
+      if (members_of(i) == 0) cycle
+      first(k + 1) = first(k) + members_of(i)
+      members_of(i) = first(k)
       k = k + 1
     end do
     do i = 1, size(root)
       if (.not. counts(i)) cycle
-      member(many(root(i))) = i
-      many(root(i)) = many(root(i)) + 1
+      member(members_of(root(i))) = i
+      members_of(root(i)) = members_of(root(i)) + 1
     end do
 
   contains

@@ -1,7 +1,7 @@
 #define ITEM type(keyed)
-!> The order of some numbers, in time proportional to their count unless they pile up.
+!> The order of numbers, in time proportional to their number unless they are concentrated.
 !>
-!> Buckets of equal width hold one number or none as a rule; a bucket that holds many is sorted by
+!> Buckets of equal width have one number each on average; a bucket with many numbers is sorted by
 !> merging. Equal numbers keep their order.
 module asperity_key_sort
   use asperity_kinds, only: int32, real64
@@ -10,10 +10,11 @@ module asperity_key_sort
 
   public :: sort_keys
 
-  ! Fewer are not worth buckets; more buckets would not stay in the nearest memory.
+  ! Largest number that is sorted without buckets; largest number of buckets, which fit in the
+  ! cache.
   integer, parameter :: few = 12, most_buckets = 65536
 
-  ! A number and its place among those given.
+  ! A number and its place in the input.
   type :: keyed
     real(real64) :: key
     integer(int32) :: place
@@ -21,14 +22,13 @@ module asperity_key_sort
 
 contains
 
-  !> Finds the places of the numbers in ascending order.
+  !> Finds the order of numbers, ascending.
   pure subroutine sort_keys(key, order)
-    real(real64), contiguous, intent(in) :: key(:)        !! one at least; finite, below 1e300
-    integer(int32), contiguous, intent(out) :: order(:)   !! as many: the least is key(order(1))
+    real(real64), contiguous, intent(in) :: key(:)  !! numbers, at least one; finite, below 1e300
+    integer(int32), contiguous, intent(out) :: order(:)   !! indices: the least is key(order(1))
     type(keyed), allocatable :: list(:)
-    type(keyed) :: moving
     integer, allocatable :: ends(:)
-    real(real64) :: low, high, scale
+    real(real64) :: low, high, buckets_per_length
     integer :: i, k, b, begin, buckets
 
     low = key(1)
@@ -39,12 +39,12 @@ contains
     end do
     buckets = min(size(key), most_buckets)
     if (size(key) <= few .or. .not. high - low > tiny(high) * most_buckets) buckets = 1
-    scale = 0.0_real64
-    if (buckets > 1) scale = real(buckets, real64) / (high - low)
+    buckets_per_length = 0.0_real64
+    if (buckets > 1) buckets_per_length = real(buckets, real64) / (high - low)
     allocate (list(size(key)), ends(buckets))
     ends(:) = 0
     do i = 1, size(key)
-      b = min(int((key(i) - low) * scale) + 1, buckets)
+      b = min(int((key(i) - low) * buckets_per_length) + 1, buckets)
       ends(b) = ends(b) + 1
     end do
     begin = 0
@@ -54,7 +54,7 @@ contains
       begin = begin + k
     end do
     do i = 1, size(key)
-      b = min(int((key(i) - low) * scale) + 1, buckets)
+      b = min(int((key(i) - low) * buckets_per_length) + 1, buckets)
       k = ends(b) + 1
       ends(b) = k
       list(k)%key = key(i)
@@ -66,16 +66,7 @@ contains
       begin = ends(b)
     end do
     ! No number leaves its bucket.
-    do i = 2, size(list)
-      moving = list(i)
-      k = i - 1
-      do while (k >= 1)
-        if (.not. comes_before(moving, list(k))) exit
-        list(k + 1) = list(k)
-        k = k - 1
-      end do
-      list(k + 1) = moving
-    end do
+    call insertion_sort(list)
     order(:) = list%place
   end subroutine sort_keys
 

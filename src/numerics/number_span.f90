@@ -1,4 +1,4 @@
-!> The least and the largest of some numbers.
+!> The least and the largest of an array of numbers.
 module asperity_number_span
   use asperity_kinds, only: real64
   implicit none
@@ -7,18 +7,18 @@ module asperity_number_span
   public :: number_span
   public :: span_of
 
-  !> Where some numbers lie.
+  !> Range of numbers.
   type :: number_span
-    real(real64) :: least = huge(1.0_real64)      !! huge when there are none
-    real(real64) :: largest = -huge(1.0_real64)   !! -huge when there are none
+    real(real64) :: least = huge(1.0_real64)      !! least number; huge when there are none
+    real(real64) :: largest = -huge(1.0_real64)   !! largest number; -huge when there are none
   end type number_span
 
 contains
 
-  !> Both in one pass. Four at a time: each comparison need not wait for the one before.
+  !> Range of numbers in one pass, with four independent comparisons at a time.
   pure function span_of(numbers) result(span)
-    real(real64), contiguous, intent(in) :: numbers(:)  !! finite
-    type(number_span) :: span                           !! of all
+    real(real64), contiguous, intent(in) :: numbers(:)  !! any finite numbers
+    type(number_span) :: span                           !! range of all numbers
     real(real64) :: low(4), high(4)
     integer :: i, k
 

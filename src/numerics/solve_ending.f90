@@ -1,4 +1,4 @@
-!> How an iterative solve ended.
+!> Result of the iteration of a solver.
 module asperity_solve_ending
   use asperity_kinds, only: real64
   implicit none
@@ -6,11 +6,11 @@ module asperity_solve_ending
 
   public :: solve_ending
 
-  !> The ending of one solve. Not converged unless it says so.
+  !> End of one iteration; by default not converged.
   type :: solve_ending
-    logical :: converged = .false.          !! the residual is below what was asked for
-    real(real64) :: residual = 0.0_real64   !! relative; of what, see the solver
-    integer :: iterations = 0               !! outer ones
+    logical :: converged = .false.          !! whether the residual is below the tolerance
+    real(real64) :: residual = 0.0_real64   !! relative residual as the solver defines it
+    integer :: iterations = 0               !! number of outer iterations
   end type solve_ending
 
 end module asperity_solve_ending

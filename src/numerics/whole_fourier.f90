@@ -22,7 +22,7 @@ module asperity_whole_fourier
   !> First index of a complex number.
   integer, parameter :: real_part = 1, imaginary_part = 2
 
-  !> A transform of one length, ready to use; it may be used by several threads.
+  !> Factors and roots of a transform of one length; several threads may use it.
   type :: whole_fourier
     private
     integer :: length = 0
@@ -40,14 +40,14 @@ contains
   !> Computes factors and roots.
   pure subroutine prepare_fourier(length, transform)
     integer, intent(in) :: length                 !! n, 1 or more
-    type(whole_fourier), intent(out) :: transform !! ready to use
+    type(whole_fourier), intent(out) :: transform !! factors and roots of this length
     real(real128) :: angle
     integer :: k
 
     transform%length = length
     transform%factors = factors_of(length)
     allocate (transform%roots(2, 0:length - 1))
-    ! An eighth of the circle is computed, the rest follows by symmetry, exactly.
+    ! An eighth of the circle is computed; the rest follows exactly by symmetry.
     do k = 0, length - 1
       associate (octant => (8_int64 * k) / length, root => transform%roots(:, k))
         angle = pi_128 * real(distance_to_axis(k, length), real128) / &
@@ -96,9 +96,9 @@ contains
     end do
   end function factors_of
 
-  !> The least length from n on that has no prime factor above 5.
+  !> Least length, n or more, without a prime factor above 5.
   pure integer function smooth_length(n) result(length)
-    integer, intent(in) :: n  !! 1 or more
+    integer, intent(in) :: n  !! least length, 1 or more
     integer :: rest, i
     integer, parameter :: primes(3) = [2, 3, 5]
 
@@ -115,11 +115,11 @@ contains
     end do
   end function smooth_length
 
-  !> Transforms x in its place.
+  !> Transforms x in place.
   pure subroutine transform_wholes(transform, x, work)
-    type(whole_fourier), intent(in) :: transform  !! of the length of x
+    type(whole_fourier), intent(in) :: transform  !! transform of the length of x
     integer(int64), intent(inout) :: x(2, 0:transform%length - 1)     !! part, t; then X(u)
-    integer(int64), intent(inout) :: work(2, 0:transform%length - 1)  !! room
+    integer(int64), intent(inout) :: work(2, 0:transform%length - 1)  !! work space like x
     integer :: i, groups, stride
     logical :: in_work
 
@@ -129,9 +129,9 @@ contains
     do i = 1, size(transform%factors)
       groups = groups / transform%factors(i)
       if (in_work) then
-        call combine(transform, transform%factors(i), groups, stride, work, x)
+        call apply_factor(transform, transform%factors(i), groups, stride, work, x)
       else
-        call combine(transform, transform%factors(i), groups, stride, x, work)
+        call apply_factor(transform, transform%factors(i), groups, stride, x, work)
       end if
       in_work = .not. in_work
       stride = stride * transform%factors(i)
@@ -139,9 +139,9 @@ contains
     if (in_work) x = work
   end subroutine transform_wholes
 
-  ! One factor p: y(r + s (p q + u)) = w**(q u) sum over t of x(r + s (q + m t)) exp(2 pi i t u/p),
-  ! with m groups, stride s and w = exp(2 pi i/(p m)).
-  pure subroutine combine(transform, p, m, s, x, y)
+  ! Applies one factor p: y(r + s (p q + u)) = w**(q u) sum over t of x(r + s (q + m t)) exp(2 pi i
+  ! t u/p), with m groups, stride s and w = exp(2 pi i/(p m)).
+  pure subroutine apply_factor(transform, p, m, s, x, y)
     type(whole_fourier), intent(in) :: transform
     integer, intent(in) :: p, m, s
     integer(int64), intent(in) :: x(2, 0:s - 1, 0:m - 1, 0:p - 1)
@@ -154,7 +154,7 @@ contains
       do q = 0, m - 1
         do r = 0, s - 1
           y(:, r, 0, q) = x(:, r, q, 0) + x(:, r, q, 1)
-          y(:, r, 1, q) = turned(x(:, r, q, 0) - x(:, r, q, 1), transform%roots(:, q * s))
+          y(:, r, 1, q) = rotated_number(x(:, r, q, 0) - x(:, r, q, 1), transform%roots(:, q * s))
         end do
       end do
     case (4)
@@ -166,9 +166,9 @@ contains
           d = x(:, r, q, 1) - x(:, r, q, 3)
           d = [-d(2), d(1)]
           y(:, r, 0, q) = a + c
-          y(:, r, 1, q) = turned(b + d, transform%roots(:, q * s))
-          y(:, r, 2, q) = turned(a - c, transform%roots(:, 2 * q * s))
-          y(:, r, 3, q) = turned(b - d, transform%roots(:, 3 * q * s))
+          y(:, r, 1, q) = rotated_number(b + d, transform%roots(:, q * s))
+          y(:, r, 2, q) = rotated_number(a - c, transform%roots(:, 2 * q * s))
+          y(:, r, 3, q) = rotated_number(b - d, transform%roots(:, 3 * q * s))
         end do
       end do
     case default
@@ -178,29 +178,29 @@ contains
           do r = 0, s - 1
             sums = x(:, r, q, 0)
             do t = 1, p - 1
-              sums = sums + turned(x(:, r, q, t), &
+              sums = sums + rotated_number(x(:, r, q, t), &
                      transform%roots(:, int(modulo(int(t, int64) * u, int(p, int64))) * turn))
             end do
-            y(:, r, u, q) = turned(sums, transform%roots(:, q * u * s))
+            y(:, r, u, q) = rotated_number(sums, transform%roots(:, q * u * s))
           end do
         end do
       end do
     end select
-  end subroutine combine
+  end subroutine apply_factor
 
   ! Product of a number and a root, rounded.
-  pure function turned(number, root) result(product)
+  pure function rotated_number(number, root) result(rotated)
     integer(int64), intent(in) :: number(2), root(2)
-    integer(int64) :: product(2)
+    integer(int64) :: rotated(2)
 
     if (root(1) == one) then
-      product = number
+      rotated = number
       return
     end if
-    product(1) = int(shifta(int(number(1), int128) * root(1) - int(number(2), int128) * root(2) + &
+    rotated(1) = int(shifta(int(number(1), int128) * root(1) - int(number(2), int128) * root(2) + &
                             half, root_bits), int64)
-    product(2) = int(shifta(int(number(1), int128) * root(2) + int(number(2), int128) * root(1) + &
+    rotated(2) = int(shifta(int(number(1), int128) * root(2) + int(number(2), int128) * root(1) + &
                             half, root_bits), int64)
-  end function turned
+  end function rotated_number
 
 end module asperity_whole_fourier
