@@ -31,6 +31,7 @@ contains
     suite = [ &
       new_unittest('Jackson and Green at ten points, five between, against mpmath', published), &
       new_unittest('Kogut and Etsion: their load within 4 % up to 100', other_fit), &
+      new_unittest('the area power within and beyond the range of its fit', area_powers), &
       new_unittest('Etsion and others: unloading, and the work lost, against mpmath', unloadings), &
       new_unittest('Hertz, bit for bit, up to the onset', hertz_below), &
       new_unittest('load, area, pressure go on through the onset and the joints', continuous), &
@@ -91,6 +92,17 @@ contains
                  0.043_real64, 'Kogut and Etsion')
     end do
   end subroutine other_fit
+
+  ! B = 0.14 exp(23 Sy/E) up to Sy/E = 1.619 (1 - 0.32**2)/200 = 0.0072661, constant beyond.
+  subroutine area_powers(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(plastic_scale) :: inside, outside
+
+    call set_scale(1.6_real64, 0.8_real64 * pi * 0.0072_real64, inside)
+    call check(error, inside%area_power, 0.16521413536821808_real64, 1.0e-14_real64, 'inside')
+    call set_scale(1.6_real64, 0.8_real64 * pi * 0.01_real64, outside)
+    call check(error, outside%area_power, 0.1654653948859781_real64, 1.0e-14_real64, 'beyond')
+  end subroutine area_powers
 
   subroutine unloadings(error)
     type(error_type), allocatable, intent(out) :: error

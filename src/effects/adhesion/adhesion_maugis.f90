@@ -64,8 +64,7 @@ contains
     real(real64), intent(in) :: lambda         !! parameter lambda, 0.01 to 100
     type(maugis_curve), intent(out) :: curve   !! ends of the curve
     type(curve_point) :: at
-    real(real64) :: low, high, s
-    integer :: turn
+    real(real64) :: high
 
     curve%lambda = lambda
     curve%snap_in = -2.0_real64 / (pi * lambda)
@@ -73,40 +72,41 @@ contains
     curve%touching = at%overlap
     curve%snap_off = curve%snap_in - 0.5_real64 * (8.0_real64 * lambda / (3.0_real64 * pi))**2
     ! The overlap decreases with s up to its least value, which has a contact circle if the overlap
-    ! increases at s = 1.
+    ! increases at s = 1. The load decreases with s up to the largest tensile load.
     if (at%overlap_slope > 0.0_real64) then
-      low = 0.0_real64
-      high = 1.0_real64
-      do turn = 1, most_turns
-        s = low + 0.5_real64 * (high - low)
-        if (.not. (s > low .and. s < high)) exit
-        at = point_at(lambda, s)
-        if (at%overlap_slope > 0.0_real64) then
-          high = s
-        else
-          low = s
-        end if
-      end do
-      at = point_at(lambda, low)
-      curve%last = low
+      call bisect_slope(lambda, .false., curve%last, at)
+      at = point_at(lambda, curve%last)
       curve%touching = at%overlap
       curve%snap_off = at%overlap
     end if
-    ! The load decreases with s up to the largest tensile load.
-    low = 0.0_real64
     high = curve%last
-    do turn = 1, most_turns
-      s = low + 0.5_real64 * (high - low)
-      if (.not. (s > low .and. s < high)) exit
-      at = point_at(lambda, s)
-      if (at%load_slope > 0.0_real64) then
-        high = s
-      else
-        low = s
-      end if
-    end do
+    call bisect_slope(lambda, .true., high, at)
     curve%pull_off = -at%load
   end subroutine new_maugis
+
+  ! Bisects between 0 and `bound`, which becomes the s up to which the slope of the load or of the
+  ! overlap is not positive; `at` is the last point.
+  pure subroutine bisect_slope(lambda, of_load, bound, at)
+    real(real64), intent(in) :: lambda
+    logical, intent(in) :: of_load
+    real(real64), intent(inout) :: bound
+    type(curve_point), intent(inout) :: at
+    real(real64) :: high, s
+    integer :: turn
+
+    high = bound
+    bound = 0.0_real64
+    do turn = 1, most_turns
+      s = bound + 0.5_real64 * (high - bound)
+      if (.not. (s > bound .and. s < high)) exit
+      at = point_at(lambda, s)
+      if (merge(at%load_slope, at%overlap_slope, of_load) > 0.0_real64) then
+        high = s
+      else
+        bound = s
+      end if
+    end do
+  end subroutine bisect_slope
 
   !> Response at an overlap, dimensionless; the unit of the pressure is E a/(pi R) with the unit of
   !> the contact radius for a.

@@ -23,9 +23,11 @@ module asperity_creep
 
   public :: new_creep
 
-  ! Representative strain over contact radius by combined radius (Tabor 1951).
+  ! Representative strain over contact radius by combined radius (Tabor 1951). Test:
+  ! test_creep_strain of test_warnings.py.
   real(real64), parameter :: strain_per_radius = 0.2_real64
-  ! Power of the load in the compression of a contact. Derived (Hertz).
+  ! Power of the load in the compression of a contact. Derived (Hertz). Test: test_relaxing of
+  ! test_warnings.py.
   real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
 
   !> Memory of one contact at the last state kept: of its load and of its greatest pressure.
