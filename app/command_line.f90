@@ -7,10 +7,10 @@ module asperity_command_line
   use asperity_kinds, only: real64
   use asperity_map_summits, only: rule_eight, rule_names
   use asperity_height_map, only: edge_names, length_units, level_names
-  use asperity_option_values, only: read_accuracy, read_count, read_seconds, read_share, &
-                                    read_spacing, read_tables, read_word, read_words
-  use asperity_option_table, only: call_of, command_at, commands, known_options, &
-                                    output_options
+  use asperity_option_values, only: read_count, read_positive, read_share, read_spacing, &
+                                    read_tables, read_word, read_words
+  use asperity_option_table, only: call_of, command_at, commands, known_options, options, &
+                                   output_options
   use asperity_original, only: arithmetic_names
   use asperity_original_faults, only: fault_names
   use asperity_original_records, only: original_positions, thesis_tables
@@ -119,6 +119,11 @@ contains
     do i = 1, size(list%options)
       call take_option(line, list%options(i)%name, list%options(i)%value, problems)
     end do
+    k = size(output_options())
+    if (size(line%outputs) > k) allocate (line%parts(size(line%outputs) - k))
+    do i = k + 1, size(line%outputs)
+      line%parts(i - k)%path = line%outputs(i)%path
+    end do
     if (line%accuracy > 0 .and. line%arithmetic /= '') &
       call problems%add('--accuracy chooses the arithmetic: leave out --arithmetic')
     if (line%accuracy > 0 .and. line%output('--keep') /= '') &
@@ -191,9 +196,11 @@ contains
     case ('--threads')
       call read_count(name, value, 4, 'a number from 1 to 9999', line%threads, problems)
     case ('--seconds')
-      call read_seconds(value, line%seconds, problems)
+      call read_positive(name, value, huge(line%seconds), 'a number more than 0', line%seconds, &
+                         problems)
     case ('--accuracy')
-      call read_accuracy(value, line%accuracy, problems)
+      call read_positive(name, value, 1.0_real64, 'a relative error between 0 and 1, for ' // &
+                         'instance 1e-3', line%accuracy, problems)
     case ('--rule')
       call read_word(name, value, rule_names, line%rule, problems)
     case ('--edge')
@@ -213,56 +220,25 @@ contains
     case default
       i = findloc(line%outputs%option == name, .true., 1)
       if (name == '--keep' .and. allocated(line%outputs(i)%path)) then
-        call add_part(line, value)
-        return
+        line%outputs = [line%outputs, line%outputs(i)]
+        i = size(line%outputs)
       end if
       line%outputs(i)%path = value
       if (value == '-') call take_standard_output(line, i, problems)
     end select
   end subroutine take_option
 
-  ! A further file of --keep.
-  pure subroutine add_part(line, path)
-    type(command_line), intent(inout) :: line
-    character(len=*), intent(in) :: path
-    type(kept_file), allocatable :: more(:)
-    integer :: i, number
-
-    number = 0
-    if (allocated(line%parts)) number = size(line%parts)
-    allocate (more(number + 1))
-    do i = 1, number
-      call move_alloc(line%parts(i)%path, more(i)%path)
-    end do
-    more(number + 1)%path = path
-    call move_alloc(more, line%parts)
-  end subroutine add_part
-
   ! A part is kept in one file; several files are those of parts.
   subroutine check_share(line, problems)
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
-    integer :: i, j
 
-    if (line%share(2) > 1) then
-      if (line%output('--keep') == '' .or. allocated(line%parts)) &
-        call problems%add('--share: expected one --keep with the file of this part')
-      if (line%cost) call problems%add('--cost does not estimate --share, expected one of both')
-      if (line%budget) call problems%add('--budget needs all positions, expected no ' // &
-          '--share beside it')
-    end if
-    if (.not. allocated(line%parts)) return
-    do i = 1, size(line%parts)
-      do j = 1, size(line%outputs)
-        if (same_file(line%parts(i)%path, line%output(line%outputs(j)%option))) &
-          call problems%add('--keep and ' // trim(line%outputs(j)%option) // ' both name ' // &
-                            line%parts(i)%path)
-      end do
-      do j = i + 1, size(line%parts)
-        if (same_file(line%parts(i)%path, line%parts(j)%path)) &
-          call problems%add('--keep and --keep both name ' // line%parts(i)%path)
-      end do
-    end do
+    if (line%share(2) == 1) return
+    if (line%output('--keep') == '' .or. allocated(line%parts)) &
+      call problems%add('--share: expected one --keep with the file of this part')
+    if (line%cost) call problems%add('--cost does not estimate --share, expected one of both')
+    if (line%budget) call problems%add('--budget needs all positions, expected no ' // &
+        '--share beside it')
   end subroutine check_share
 
   !> An output goes to standard output: it holds one, and no summary. What is kept needs a file.
@@ -334,12 +310,14 @@ contains
     report = canonical_path('/dev/stdout')
     call refuse_input(line, line%input, problems)
     do i = 1, size(line%outputs)
+      if (.not. allocated(line%outputs(i)%path)) cycle
       option = trim(line%outputs(i)%option)
-      path = line%output(option)
+      path = line%outputs(i)%path
       if (same_file(path, report)) &
         call problems%add(option // ' names the file that standard output goes to, ' // path)
       do j = i + 1, size(line%outputs)
-        if (same_file(path, line%output(line%outputs(j)%option))) &
+        if (.not. allocated(line%outputs(j)%path)) cycle
+        if (same_file(path, line%outputs(j)%path)) &
           call problems%add(option // ' and ' // trim(line%outputs(j)%option) // &
                             ' both name ' // path)
       end do
@@ -351,38 +329,19 @@ contains
     type(command_line), intent(in) :: line
     type(problem_list), intent(inout) :: problems
     character(len=:), allocatable :: ending, path
-    character(len=4) :: format
     integer :: i
 
-    do i = 1, size(line%outputs)
-      if (line%command == 'solve' .and. line%outputs(i)%option == '--picture') then
-        path = line%output('--picture')
-        ending = lower_case(path(index(path, '.', back=.true.) + 1:))
-        if (path /= '' .and. path /= '/dev/stdout' .and. ending /= 'svg' .and. ending /= 'png') &
-          call problems%add('--picture: found ' // quoted(path) // ', expected a name that ' // &
-                            'ends with .svg or .png')
-        cycle
-      end if
-      select case (line%outputs(i)%option)
-      case ('--keep')
-        cycle
-      case ('--picture')
-        format = 'svg'
-      case ('--vtk')
-        format = 'vtp'
-      case ('--fields')
-        format = 'vti'
-      case ('--html', '--json')
-        format = line%outputs(i)%option(3:6)
-      case ('--output')
-        ! A specification decides what is generated.
-        if (line%command == 'generate') cycle
-        format = 'csv'
-      case default
-        format = 'csv'
-      end select
-      call check_ending(line, trim(line%outputs(i)%option), format, problems)
+    do i = 1, size(options)
+      if (options(i)%command /= commands(command_at(line%command))%name .or. &
+          options(i)%value /= 'FILE' .or. options(i)%format == '') cycle
+      call check_ending(line, trim(options(i)%name), trim(options(i)%format), problems)
     end do
+    if (line%command /= 'solve') return
+    path = line%output('--picture')
+    ending = lower_case(path(index(path, '.', back=.true.) + 1:))
+    if (path /= '' .and. path /= '/dev/stdout' .and. ending /= 'svg' .and. ending /= 'png') &
+      call problems%add('--picture: found ' // quoted(path) // ', expected a name that ends ' // &
+                        'with .svg or .png')
   end subroutine check_endings
 
   !> The ending of an output's name must not be that of another format than its own.
@@ -414,7 +373,8 @@ contains
     ! A plane comes from no file.
     if (input == '') return
     do i = 1, size(line%outputs)
-      if (same_file(line%output(line%outputs(i)%option), input)) &
+      if (.not. allocated(line%outputs(i)%path)) cycle
+      if (same_file(line%outputs(i)%path, input)) &
         call problems%add(trim(line%outputs(i)%option) // ' names the input, ' // input)
     end do
   end subroutine refuse_input

@@ -1,14 +1,20 @@
-!> What the program says of itself.
+!> Texts about the program: help, with the names of group &effects as the reader of a scene has
+!> them, the manual page, the completion for a shell.
 module asperity_help
-  use asperity_effect_help, only: describe_effects
+  use asperity_arguments, only: joined
+  use asperity_effect_names, only: effect_number, effect_numbers, effect_words, known_effects, &
+                                   needed_for, one_word, whole_number
+  use asperity_number_ranges, only: expected_numbers
   use asperity_option_table, only: call_of, command_at, commands, options
+  use asperity_problems, only: decimal_text
+  use asperity_scene_names, only: one_of
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
   use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
   implicit none
   private
 
-  public :: describe
+  public :: describe, write_completion, write_manual_page
 
   ! The words after a bare `asperity`.
   character(len=*), parameter :: next_steps(*) = [character(len=82) :: &
@@ -131,5 +137,156 @@ contains
       first = last + 2
     end do
   end function flags
+
+  ! Every effect with its numbers: values, default, meaning, and the unit between brackets.
+  subroutine describe_effects(text)
+    type(text_buffer), intent(inout) :: text
+    integer :: i
+
+    call text%line('Names of group &effects in a scene; [unit], in the units of the scene:')
+    call text%line('')
+    call describe_numbers('', text)
+    do i = 1, size(known_effects)
+      associate (effect => known_effects(i))
+        call two_lines('  ' // effect%name, one_of(effect_words(pack(effect%ways, &
+                       effect%ways > 0))) // '; default ' // &
+                       trim(merge('''auto''                             ', &
+                                  '''auto'' with its numbers, else ''off''', &
+                                  effect%name == 'interaction')), effect%meaning, text)
+        call describe_numbers(trim(effect%name), text)
+      end associate
+    end do
+  end subroutine describe_effects
+
+  ! The numbers of one effect, or those of all.
+  subroutine describe_numbers(effect, text)
+    character(len=*), intent(in) :: effect
+    type(text_buffer), intent(inout) :: text
+    character(len=:), allocatable :: values, unit
+    integer :: i
+
+    do i = 1, size(effect_numbers)
+      associate (number => effect_numbers(i))
+        if (number%effect /= effect) cycle
+        values = values_of(number) // '; default ' // default_of(number)
+        if (number%needed_with /= '') &
+          values = values_of(number) // '; needed with ' // needed_for(number)
+        unit = ''
+        if (number%unit /= '') unit = ' [' // trim(number%unit) // ']'
+        call two_lines('  ' // repeat(' ', min(2, len(effect))) // number%name, values, &
+                       trim(number%meaning) // unit, text)
+      end associate
+    end do
+  end subroutine describe_numbers
+
+  ! What a number may be.
+  pure function values_of(number) result(values)
+    type(effect_number), intent(in) :: number
+    character(len=:), allocatable :: values
+
+    select case (number%range)
+    case (one_word)
+      values = one_of(pack(number%words, number%words /= ''))
+    case (whole_number)
+      values = 'a whole number from ' // decimal_text(number%least) // ' to ' // &
+               decimal_text(number%most)
+    case default
+      values = trim(expected_numbers(number%range))
+    end select
+  end function values_of
+
+  ! What it is when the scene does not have it.
+  pure function default_of(number) result(default)
+    type(effect_number), intent(in) :: number
+    character(len=:), allocatable :: default
+
+    default = decimal_text(int(number%default%digits))
+    if (number%range == one_word) then
+      default = 'none'
+      if (number%default%digits > 0) &
+        default = '''' // trim(number%words(number%default%digits)) // ''''
+    end if
+    if (number%default%exponent < 0) &
+      default = '0.' // repeat('0', -number%default%exponent - len(default)) // default
+  end function default_of
+
+  subroutine two_lines(name, values, meaning, text)
+    character(len=*), intent(in) :: name, values, meaning
+    type(text_buffer), intent(inout) :: text
+    character(len=26) :: margin
+
+    margin = name
+    call text%line(margin // values)
+    call text%line(repeat(' ', len(margin)) // trim(meaning))
+  end subroutine two_lines
+
+  !> A page for man(1), in troff.
+  subroutine write_manual_page(text)
+    type(text_buffer), intent(inout) :: text  !! gets it
+    integer :: i, k
+
+    call text%line('.TH ASPERITY 1 "" "asperity ' // version // '" "User Commands"')
+    call text%line('.SH NAME')
+    call text%line('asperity \- contact between rough surfaces of spherical asperities')
+    call text%line('.SH SYNOPSIS')
+    do k = 1, size(commands)
+      call text%line('.B ' // plain(call_of(k)))
+      call text%line('.br')
+    end do
+    do k = 1, size(commands)
+      call text%line('.SH ' // merge('REPORT  ', commands(k)%name, k == 1))
+      call text%line(plain(trim(commands(k)%text)))
+      do i = 1, size(options)
+        if (options(i)%command /= commands(k)%name) cycle
+        call text%line('.TP')
+        call text%line('.B ' // plain(trim(options(i)%name) // ' ' // trim(options(i)%value)))
+        call text%line(plain(trim(options(i)%text)))
+      end do
+    end do
+    call text%line('.SH EXIT STATUS')
+    call text%line('0 the chosen model was solved to the stated tolerance, 1 could not be ' // &
+                   'computed, 2 bad command line or bad input.')
+  end subroutine write_manual_page
+
+  !> Words after a Tab in bash: `source <(asperity --completion)`.
+  subroutine write_completion(text)
+    type(text_buffer), intent(inout) :: text  !! gets it
+    integer :: k
+
+    call text%line('_asperity() {')
+    call text%line('  local words cur=${COMP_WORDS[COMP_CWORD]}')
+    call text%line('  case ${COMP_WORDS[1]} in')
+    do k = 2, size(commands)
+      call text%line('    ' // trim(commands(k)%name) // ') words="--help' // &
+                     joined(pack(options%name, options%command == commands(k)%name)) // '" ;;')
+    end do
+    call text%line('    *) words="--help --version --man --completion' // &
+                   joined(pack(options%name, options%command == '')) // '" ;;')
+    call text%line('  esac')
+    call text%line('  COMPREPLY=()')
+    call text%line('  if [[ $cur == -* ]]; then')
+    call text%line('    COMPREPLY=($(compgen -W "$words" -- "$cur"))')
+    call text%line('  elif [[ $COMP_CWORD -eq 1 ]]; then')
+    call text%line('    COMPREPLY=($(compgen -W "' // joined(commands(2:)%name) // &
+                   '" -- "$cur") $(compgen -f -- "$cur"))')
+    call text%line('  else')
+    call text%line('    COMPREPLY=($(compgen -f -- "$cur"))')
+    call text%line('  fi')
+    call text%line('}')
+    call text%line('complete -o filenames -F _asperity asperity')
+  end subroutine write_completion
+
+  ! Text for troff, where a bare minus becomes a hyphen.
+  pure function plain(words) result(text)
+    character(len=*), intent(in) :: words
+    character(len=:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = 1, len(words)
+      if (words(i:i) == '-') text = text // '\'
+      text = text // words(i:i)
+    end do
+  end function plain
 
 end module asperity_help

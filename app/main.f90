@@ -2,9 +2,8 @@
 program asperity_main
   use asperity_command_line, only: command_line, is_shared, parse_command_line
   use asperity_command_outcome, only: command_outcome, finish_command
-  use asperity_help, only: describe
+  use asperity_help, only: describe, write_completion, write_manual_page
   use asperity_images, only: image_number, wait_for_images
-  use asperity_manual, only: write_completion, write_manual_page
   use asperity_output_files, only: guard_files
   use asperity_process, only: end_process, prepare_process
   use asperity_run_accuracy, only: run_accuracy_command

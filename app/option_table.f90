@@ -21,6 +21,7 @@ module asperity_option_table
     character(len=18) :: name     !! with its two dashes
     character(len=5) :: value     !! what stands behind it; FILE: an output; blank: nothing
     character(len=240) :: text    !! what it does
+    character(len=4) :: format = 'csv'  !! ending of the output's name; blank: any
   end type option_entry
 
   !> The original program first.
@@ -66,18 +67,18 @@ module asperity_option_table
     option_entry('solve', '--units', '', &
       'begin CSV files with a comment line (#) that lists the units'), &
     option_entry('solve', '--json', 'FILE', &
-      'write scene, results and provenance as JSON'), &
+      'write scene, results and provenance as JSON', 'json'), &
     option_entry('solve', '--vtk', 'FILE', &
-      'write contacts as points with values (VTK PolyData, .vtp, for ParaView)'), &
+      'write contacts as points with values (VTK PolyData, .vtp, for ParaView)', 'vtp'), &
     option_entry('solve', '--html', 'FILE', &
-      'write an HTML page with summary, warnings, curves and a plan of the contacts'), &
+      'write an HTML page with summary, warnings, curves and a plan of the contacts', 'html'), &
     option_entry('solve', '--fields', 'FILE', &
       'write pressure, gap and displacement on the pixels of a map, or of asperities with ' // &
-      'field_spacing (VTK image data, .vti, for ParaView)'), &
+      'field_spacing (VTK image data, .vti, for ParaView)', 'vti'), &
     option_entry('solve', '--fields-of', 'WORD', &
       'states that --fields writes: last (default), or all, each in a file NAME_0001.vti'), &
     option_entry('solve', '--picture', 'FILE', &
-      'draw the pressure on the same pixels at the last state (.svg or .png)'), &
+      'draw the pressure on the same pixels at the last state (.svg or .png)', ''), &
     option_entry('solve', '--histogram', 'FILE', &
       'write the distribution of the pressure in contact on them at the last state as CSV'), &
     option_entry('solve', '--arithmetic', 'NAME', &
@@ -92,7 +93,7 @@ module asperity_option_table
       'number of threads (default: all cores, 1 for small scenes); results do not depend on ' // &
       'it; on a busy machine set OMP_WAIT_POLICY=passive'), &
     option_entry('solve', '--keep', 'FILE', &
-      'save solved positions in FILE; a rerun continues from it'), &
+      'save solved positions in FILE; a rerun continues from it', ''), &
     option_entry('solve', '--share', 'I/N', &
       'solve part I of N and save it with --keep, write no other output; a run with the ' // &
       '--keep files of all parts, one option each, writes the outputs'), &
@@ -102,18 +103,18 @@ module asperity_option_table
       'time limit in seconds (default 60); slower methods are left out'), &
     option_entry('accuracy', '--csv', 'FILE', 'write the table with all digits'), &
     option_entry('accuracy', '--html', 'FILE', 'write an HTML page: choose an error, read ' // &
-        'the method'), &
+        'the method', 'html'), &
     option_entry('accuracy', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('accuracy', '--quiet', '', 'print no table'), &
     option_entry('generate', '--output', 'FILE', &
-      'write the upper surface, the deck, or the height map (.sdf, .npy or .txt)'), &
+      'write the upper surface, the deck, or the height map (.sdf, .npy or .txt)', ''), &
     option_entry('generate', '--upper', 'FILE', 'write the upper surface as CSV; not for a deck'), &
     option_entry('generate', '--lower', 'FILE', 'write the lower surface as CSV; not for a deck'), &
     option_entry('generate', '--surface', 'N', 'only surface N of the ensemble'), &
     option_entry('generate', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('study', '--csv', 'FILE', 'write the table with all digits'), &
     option_entry('study', '--keep', 'FILE', 'save solved surfaces in FILE; a rerun ' // &
-        'continues from it'), &
+        'continues from it', ''), &
     option_entry('study', '--share', 'I/N', &
       'solve part I of N and save it with --keep, write no other output; a run with the ' // &
       '--keep files of all parts, one option each, writes the outputs'), &
@@ -141,7 +142,7 @@ module asperity_option_table
     option_entry('summits', '--spectrum', 'FILE', &
       'write power spectral densities as CSV: of the area, averaged over rings, and of lines ' // &
       'along x and along y'), &
-    option_entry('summits', '--picture', 'FILE', 'draw the map and its summits (SVG)'), &
+    option_entry('summits', '--picture', 'FILE', 'draw the map and its summits (SVG)', 'svg'), &
     option_entry('summits', '--cost', '', 'estimate run time and memory, then exit'), &
     option_entry('summits', '--quiet', '', 'print no summary')]
 

@@ -11,8 +11,7 @@ module asperity_option_values
   implicit none
   private
 
-  public :: read_accuracy, read_count, read_seconds, read_share, read_spacing, read_tables, &
-            read_word, read_words
+  public :: read_count, read_positive, read_share, read_spacing, read_tables, read_word, read_words
 
 contains
 
@@ -58,21 +57,23 @@ contains
                       'instance 3/16')
   end subroutine read_share
 
-  !> A relative error between 0 and 1.
-  subroutine read_accuracy(value, accuracy, problems)
+  !> A number more than 0 and below a limit.
+  subroutine read_positive(option, value, limit, expected, number, problems)
+    character(len=*), intent(in) :: option         !! whose value it is
     character(len=*), intent(in) :: value          !! the word
-    real(real64), intent(inout) :: accuracy        !! 0 when the word is no such number
+    real(real64), intent(in) :: limit              !! the number is less
+    character(len=*), intent(in) :: expected       !! what is expected, for a message
+    real(real64), intent(inout) :: number          !! 0 when the word is no such number
     type(problem_list), intent(inout) :: problems  !! what is wrong
     type(decimal_value) :: decimal
     logical :: good
 
     call read_numeral(value, decimal, good)
-    accuracy = decimal_to_real64(decimal)
-    if (good .and. accuracy > 0.0_real64 .and. accuracy < 1.0_real64) return
-    accuracy = 0.0_real64
-    call problems%add('--accuracy: found ' // quoted(value) // &
-                      ', expected a relative error between 0 and 1, for instance 1e-3')
-  end subroutine read_accuracy
+    number = decimal_to_real64(decimal)
+    if (good .and. number > 0.0_real64 .and. number < limit) return
+    number = 0.0_real64
+    call problems%add(option // ': found ' // quoted(value) // ', expected ' // expected)
+  end subroutine read_positive
 
   !> One word of a list.
   subroutine read_word(option, value, words, choice, problems)
@@ -138,21 +139,6 @@ contains
                         expected_length)
     end if
   end subroutine read_spacing
-
-  !> Seconds, more than 0.
-  subroutine read_seconds(value, seconds, problems)
-    character(len=*), intent(in) :: value          !! the word
-    real(real64), intent(inout) :: seconds         !! 0 when the word is no such number
-    type(problem_list), intent(inout) :: problems  !! what is wrong
-    type(decimal_value) :: decimal
-    logical :: good
-
-    call read_numeral(value, decimal, good)
-    seconds = decimal_to_real64(decimal)
-    if (good .and. seconds > 0.0_real64 .and. seconds <= huge(seconds)) return
-    seconds = 0.0_real64
-    call problems%add('--seconds: found ' // quoted(value) // ', expected a number more than 0')
-  end subroutine read_seconds
 
   !> `none`, `all`, or positions separated by commas.
   subroutine read_tables(list, printed, problems)
