@@ -16,8 +16,7 @@ module asperity
                                  level_names, level_none, level_plane, most_samples, no_height, &
                                  periodic_edge, &
                                  plain_unit, put_in_unit, usual_level
-  use asperity_height_map_array, only: take_map
-  use asperity_height_map_reader, only: read_height_map
+  use asperity_height_map_reader, only: read_height_map, take_map
   use asperity_map_file, only: write_map_file
   use asperity_map_despiking, only: despike_map
   use asperity_map_levelling, only: level_map

@@ -1,7 +1,6 @@
 !> The original program's card deck: cards in, checked values or a list of problems out.
 module asperity_card_deck
-  use asperity_card_fields, only: read_i_field
-  use asperity_card_reader, only: card_length, card_reader
+  use asperity_card_reader, only: card_length, card_reader, read_i_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: other_kind
   use asperity_input_text, only: blanks, line_end, read_text

@@ -1,7 +1,7 @@
 !> What kind of file a text is, for a user who named one where another kind is expected.
 module asperity_file_kind
   use asperity_input_text, only: blanks, line_end, lower_case, text_start
-  use asperity_namelist_cursor, only: next_character, skip_blanks
+  use asperity_namelist_text, only: next_character, skip_blanks
   use asperity_npy_map, only: npy_magic
   implicit none
   private

@@ -7,7 +7,7 @@ module asperity_scene_reader
   use asperity_height_map, only: move_map
   use asperity_input_text, only: blanks, read_text, text_start
   use asperity_kinds, only: real64
-  use asperity_namelist_cursor, only: skip_blanks
+  use asperity_namelist_text, only: skip_blanks
   use asperity_number_ranges, only: above_zero, any_number, poisson_range
   use asperity_problems, only: problem_list, real_text
   use asperity_scene_deck, only: surfaces_from_deck

@@ -5,7 +5,7 @@
 !> ten, so nothing is rounded here.
 module asperity_cards_suite
   use asperity_card_deck, only: card_deck, parse_card_deck
-  use asperity_card_fields, only: read_f_field, read_i_field
+  use asperity_card_reader, only: read_f_field, read_i_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: problem_list

@@ -4,7 +4,7 @@ module asperity_map_suite
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use asperity_contact_records, only: state_row
   use asperity_height_map, only: height_map, is_measured, no_height
-  use asperity_height_map_array, only: take_map
+  use asperity_height_map_reader, only: take_map
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_check, only: compare_with_map, map_reference, solve_reference
   use asperity_map_contact, only: half_map, map_answer, press_map
