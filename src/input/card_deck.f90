@@ -1,6 +1,9 @@
 !> The original program's card deck: cards in, checked values or a list of problems out.
 module asperity_card_deck
-  use asperity_card_reader, only: card_length, card_reader, read_i_field
+  use asperity_card_reader, only: angle_field, card_length, card_reader, count_field, deck_fields, &
+                                  height_max_field, modulus_field, radius_field, ratio_field, &
+                                  read_i_field, shift_field, stress_field, width_field, x_field, &
+                                  y_field, z_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_file_kind, only: other_kind
   use asperity_input_text, only: blanks, line_end, read_text
@@ -131,15 +134,14 @@ contains
                              complete)
     if (complete) then
       call read_model(reader, 3, 'L', deck%lower)
-      call reader%real_field(3, 41, 47, 4, 'WIDTHL (width of the lower model)', &
-                             deck%lower_width, positive=.true.)
+      call reader%real_field(3, width_field, 'L', deck%lower_width)
     end if
     call reader%require_card(4, 'THETAU, THETAL, XDISPL, YDISPL (angles, displacement)', complete)
     if (.not. complete) return
-    call reader%real_field(4, 1, 8, 4, 'THETAU (angle of the upper model)', deck%upper%angle)
-    call reader%real_field(4, 9, 16, 4, 'THETAL (angle of the lower model)', deck%lower%angle)
-    call reader%real_field(4, 17, 23, 3, 'XDISPL (x displacement)', deck%x_displacement)
-    call reader%real_field(4, 24, 30, 3, 'YDISPL (y displacement)', deck%y_displacement)
+    call reader%real_field(4, angle_field(1), 'U', deck%upper%angle)
+    call reader%real_field(4, angle_field(2), 'L', deck%lower%angle)
+    call reader%real_field(4, shift_field(1), '', deck%x_displacement)
+    call reader%real_field(4, shift_field(2), '', deck%y_displacement)
   end subroutine read_header
 
   !> Card 2 or 3: one model's numbers.
@@ -149,35 +151,28 @@ contains
     character(len=1), intent(in) :: letter
     type(model_cards), intent(inout) :: model
     character(len=card_length) :: columns
-    character(len=:), allocatable :: name
     integer :: bad_at
     real(real64) :: ratio
 
     columns = reader%card(line)
-    name = 'N' // letter // ' (number of asperities)'
-    call read_i_field(columns(1:5), model%number, bad_at)
+    call read_i_field(columns(:deck_fields(count_field)%last), model%number, bad_at)
     if (bad_at > 0) then
-      call reader%complain(line, bad_at, name, columns(1:5), 'a whole number in columns 1-5')
+      call reader%refuse_field(line, count_field, letter, 'a whole number in columns 1-5', bad_at)
       model%number = 0
     else if (model%number < 1) then
-      call reader%complain(line, 1, name, columns(1:5), 'at least 1')
+      call reader%refuse_field(line, count_field, letter, 'at least 1')
     end if
-    name = 'R' // letter // ' (summit radius)'
-    call reader%real_field(line, 6, 10, 3, name, model%radius, positive=.true.)
-    name = 'Z' // letter // 'MAX (greatest height)'
-    call reader%real_field(line, 11, 15, 3, name, model%height_max)
+    call reader%real_field(line, radius_field, letter, model%radius)
+    call reader%real_field(line, height_max_field, letter, model%height_max)
     if (model%height_max%digits < 0) &
-      call reader%complain(line, 11, name, columns(11:15), 'no negative number')
-    call check_height(reader, line, 11, 15, name, model, model%height_max)
-    name = 'E' // letter // ' (elastic modulus)'
-    call reader%real_field(line, 16, 25, 0, name, model%elastic_modulus, positive=.true.)
-    name = 'MU' // letter // ' (Poisson''s ratio)'
-    call reader%real_field(line, 26, 30, 3, name, model%poisson_ratio)
+      call reader%refuse_field(line, height_max_field, letter, 'no negative number')
+    call check_height(reader, line, height_max_field, letter, model, model%height_max)
+    call reader%real_field(line, modulus_field, letter, model%elastic_modulus)
+    call reader%real_field(line, ratio_field, letter, model%poisson_ratio)
     ratio = decimal_to_real64(model%poisson_ratio)
     if (ratio <= -1.0_real64 .or. ratio > 0.5_real64) &
-      call reader%complain(line, 26, name, columns(26:30), 'more than -1 and at most 0.5')
-    call reader%real_field(line, 31, 40, 0, 'ELIMT' // letter // ' (allowed stress)', &
-                           model%stress_max)
+      call reader%refuse_field(line, ratio_field, letter, 'more than -1 and at most 0.5')
+    call reader%real_field(line, stress_field, letter, model%stress_max)
   end subroutine read_model
 
   !> The coordinate cards of both models, and their count. Where NU or NL is not to be trusted, its
@@ -219,11 +214,11 @@ contains
     allocate (model%x(number), model%y(number), model%z(number))
     do i = 1, number
       line = before + i
-      asperity = ' of ' // name // ' asperity ' // decimal_text(i)
-      call reader%real_field(line, 1, 6, 3, 'x' // asperity, model%x(i))
-      call reader%real_field(line, 7, 12, 3, 'y' // asperity, model%y(i))
-      call reader%real_field(line, 13, 19, 4, 'height' // asperity, model%z(i))
-      call check_height(reader, line, 13, 19, 'height' // asperity, model, model%z(i))
+      asperity = name // ' asperity ' // decimal_text(i)
+      call reader%real_field(line, x_field, asperity, model%x(i))
+      call reader%real_field(line, y_field, asperity, model%y(i))
+      call reader%real_field(line, z_field, asperity, model%z(i))
+      call check_height(reader, line, z_field, asperity, model, model%z(i))
     end do
   end subroutine read_positions
 
@@ -256,18 +251,16 @@ contains
   end subroutine check_count
 
   !> A sphere does not stand higher than its diameter.
-  subroutine check_height(reader, line, from, to, name, model, height)
+  subroutine check_height(reader, line, field, whose, model, height)
     type(card_reader), intent(inout) :: reader
-    integer, intent(in) :: line, from, to
-    character(len=*), intent(in) :: name
+    integer, intent(in) :: line, field
+    character(len=*), intent(in) :: whose
     type(model_cards), intent(in) :: model
     type(decimal_value), intent(in) :: height
-    character(len=card_length) :: columns
 
-    columns = reader%card(line)
     if (model%radius%digits <= 0) return
     if (decimal_to_real64(height) >= 2 * decimal_to_real64(model%radius)) &
-      call reader%complain(line, from, name, columns(from:to), 'less than twice the radius')
+      call reader%refuse_field(line, field, whose, 'less than twice the radius')
   end subroutine check_height
 
   !> Names the asperities that stand higher than the stated maximum: the thesis' deck has some.

@@ -1,4 +1,9 @@
-!> The text of a card deck as cards: their columns, their numbers, and problems with their places.
+!> The cards of the original program: the table of their fields, and the text of a deck as cards,
+!> with the numbers in their fields and problems with their places.
+!>
+!> A field is read by the rules of FORTRAN IV: blanks after the first digit are zeros, a field
+!> without a decimal point has an implied one, and an exponent may follow, with `E`, `D` or its sign
+!> alone.
 module asperity_card_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_input_text, only: line_end
@@ -7,10 +12,45 @@ module asperity_card_reader
   implicit none
   private
 
-  public :: card_length, card_reader, read_f_field, read_i_field
+  public :: card_length, card_reader, deck_field, deck_fields, read_f_field, read_i_field
+  public :: count_field, radius_field, height_max_field, modulus_field, ratio_field, stress_field, &
+            width_field, angle_field, shift_field, x_field, y_field, z_field
 
   integer, parameter :: most_digits = 18, largest_exponent = 9999
   character(len=*), parameter :: digit_characters = '0123456789'
+
+  !> A field of a card, as the original names it; in a symbol U or L, of a model, stands for `*`.
+  type :: deck_field
+    character(len=6) :: symbol            !! of the number
+    character(len=24) :: meaning          !! of the number, for a message
+    integer :: first, last                !! columns
+    integer :: decimals                   !! digits behind the implied point
+    logical :: is_positive = .false.      !! the number is more than 0
+  end type deck_field
+
+  !> Places in `deck_fields` of what cards 2 and 3 have of a model.
+  integer, parameter :: count_field = 1, radius_field = 2, height_max_field = 3, modulus_field = 4
+  !> Further fields of cards 2, 3 and 4.
+  integer, parameter :: ratio_field = 5, stress_field = 6, width_field = 7
+  !> Angles of both models, displacements along x and y.
+  integer, parameter :: angle_field(2) = [8, 9], shift_field(2) = [10, 11]
+  !> Position and height of an asperity.
+  integer, parameter :: x_field = 12, y_field = 13, z_field = 14
+  !> All fields, in inches, psi and radians.
+  type(deck_field), parameter :: deck_fields(14) = [ &
+    deck_field('N*', 'number of asperities', 1, 5, 0), &
+    deck_field('R*', 'summit radius', 6, 10, 3, .true.), &
+    deck_field('Z*MAX', 'greatest height', 11, 15, 3), &
+    deck_field('E*', 'elastic modulus', 16, 25, 0, .true.), &
+    deck_field('MU*', 'Poisson''s ratio', 26, 30, 3), &
+    deck_field('ELIMT*', 'allowed stress', 31, 40, 0), &
+    deck_field('WIDTHL', 'width of the lower model', 41, 47, 4, .true.), &
+    deck_field('THETAU', 'angle of the upper model', 1, 8, 4), &
+    deck_field('THETAL', 'angle of the lower model', 9, 16, 4), &
+    deck_field('XDISPL', 'x displacement', 17, 23, 3), &
+    deck_field('YDISPL', 'y displacement', 24, 30, 3), &
+    deck_field('x', '', 1, 6, 3), deck_field('y', '', 7, 12, 3), &
+    deck_field('height', '', 13, 19, 4)]
 
   !> Columns of a card.
   integer, parameter :: card_length = 80
@@ -32,7 +72,7 @@ module asperity_card_reader
     procedure :: last_card     !! the last line that is a card
     procedure :: real_field    !! reads a number under F format
     procedure :: require_card  !! reports a problem when a card is missing
-    procedure :: complain      !! reports a problem at a column of a card
+    procedure :: refuse_field  !! reports a problem of a field
     procedure :: check_bytes   !! reports the first byte that is no text
   end type card_reader
 
@@ -104,34 +144,32 @@ contains
     end do
   end function last_card
 
-  !> Reads columns `from:to` under F format; reports a problem when that is no finite number,
-  !> or, with `positive`, not above zero.
-  subroutine real_field(self, line, from, to, decimals, name, value, positive)
+  !> Reads a field under F format; reports a problem when it holds no finite number, or none above
+  !> zero where the field needs that.
+  subroutine real_field(self, line, field, whose, value)
     class(card_reader), intent(inout) :: self   !! the cards
     integer, intent(in) :: line                 !! the card's line, from 1
-    integer, intent(in) :: from                 !! first column
-    integer, intent(in) :: to                   !! last column
-    integer, intent(in) :: decimals             !! digits behind the implied point
-    character(len=*), intent(in) :: name        !! what it is, for a message
+    integer, intent(in) :: field                !! which of `deck_fields`
+    character(len=*), intent(in) :: whose       !! U, L, or the asperity
     type(decimal_value), intent(out) :: value   !! the number; zero when it is none
-    logical, intent(in), optional :: positive   !! only above zero
+    type(deck_field) :: place
     character(len=card_length) :: columns
     integer :: bad_at
 
     columns = self%card(line)
-    call read_f_field(columns(from:to), decimals, value, bad_at)
+    place = deck_fields(field)
+    call read_f_field(columns(place%first:place%last), place%decimals, value, bad_at)
     if (bad_at > 0) then
-      call self%complain(line, from + bad_at - 1, name, columns(from:to), &
-                         'a number in columns ' // decimal_text(from) // '-' // &
-                         decimal_text(to) // ' (F' // decimal_text(to - from + 1) // '.' // &
-                         decimal_text(decimals) // ')')
+      call self%refuse_field(line, field, whose, 'a number in columns ' // &
+                             decimal_text(place%first) // '-' // decimal_text(place%last) // &
+                             ' (F' // decimal_text(place%last - place%first + 1) // '.' // &
+                             decimal_text(place%decimals) // ')', bad_at)
       value = decimal_value()
     else if (abs(decimal_to_real64(value)) > huge(1.0_real64)) then
-      call self%complain(line, from, name, columns(from:to), 'a finite number')
+      call self%refuse_field(line, field, whose, 'a finite number')
       value = decimal_value()
-    else if (present(positive)) then
-      if (positive .and. value%digits <= 0) &
-        call self%complain(line, from, name, columns(from:to), 'more than zero')
+    else if (place%is_positive .and. value%digits <= 0) then
+      call self%refuse_field(line, field, whose, 'more than zero')
     end if
   end subroutine real_field
 
@@ -149,17 +187,30 @@ contains
   end subroutine require_card
 
   !> Reports `FILE:LINE:COLUMN: NAME: found '...', expected ...`.
-  subroutine complain(self, line, column, name, found, expected)
-    class(card_reader), intent(inout) :: self  !! the cards
-    integer, intent(in) :: line                !! the card's line, from 1
-    integer, intent(in) :: column              !! where the problem begins
-    character(len=*), intent(in) :: name       !! what stands there
-    character(len=*), intent(in) :: found      !! its columns
-    character(len=*), intent(in) :: expected   !! what is wanted
+  subroutine refuse_field(self, line, field, whose, expected, bad_at)
+    class(card_reader), intent(inout) :: self    !! the cards
+    integer, intent(in) :: line                  !! the card's line, from 1
+    integer, intent(in) :: field                 !! which of `deck_fields`
+    character(len=*), intent(in) :: whose        !! U, L, or the asperity
+    character(len=*), intent(in) :: expected     !! what is expected in it
+    integer, intent(in), optional :: bad_at      !! column of the field; absent: the first
+    type(deck_field) :: place
+    character(len=:), allocatable :: name
+    character(len=card_length) :: columns
+    integer :: column, star
 
-    call self%problems%add_at(line, column, &
-                              name // ': found ''' // found // ''', expected ' // expected)
-  end subroutine complain
+    columns = self%card(line)
+    place = deck_fields(field)
+    column = place%first
+    if (present(bad_at)) column = column + bad_at - 1
+    name = trim(place%symbol)
+    star = index(name, '*')
+    if (star > 0) name = name(:star - 1) // whose // name(star + 1:)
+    if (place%meaning == '') name = name // ' of ' // whose
+    if (place%meaning /= '') name = name // ' (' // trim(place%meaning) // ')'
+    call self%problems%add_at(line, column, name // ': found ''' // &
+                              columns(place%first:place%last) // ''', expected ' // expected)
+  end subroutine refuse_field
 
   !> Reports the first byte that is no text. A carriage return is text only at the end of a line.
   subroutine check_bytes(self)

@@ -1,6 +1,8 @@
 !> Reads what `asperity generate` shall make: text in, checked values or a list of problems out.
 !> A card deck is checked for what its cards can hold.
 module asperity_generation_spec
+  use asperity_card_reader, only: angle_field, deck_fields, modulus_field, radius_field, &
+                                  ratio_field, shift_field, stress_field, width_field, x_field
   use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: a_specification
   use asperity_generation_map, only: map_table, take_map_spec
@@ -287,29 +289,30 @@ contains
 
     associate (deck => spec%deck)
       call fields%require('deck', 'elastic_modulus', 'one')
-      call take('elastic_modulus', above_zero, 999999999, 0, deck%elastic_modulus)
+      call take('elastic_modulus', above_zero, 999999999, modulus_field, deck%elastic_modulus)
       call fields%require('deck', 'poisson_ratio', 'one')
-      call take('poisson_ratio', poisson_range, 1, 3, deck%poisson_ratio)
+      call take('poisson_ratio', poisson_range, 1, ratio_field, deck%poisson_ratio)
       call fields%require('deck', 'allowed_stress', 'one')
-      call take('allowed_stress', not_negative, 999999999, 0, deck%allowed_stress)
-      call take('rotation', any_number, 99, 4, deck%rotation)
+      call take('allowed_stress', not_negative, 999999999, stress_field, deck%allowed_stress)
+      call take('rotation', any_number, 99, angle_field(1), deck%rotation)
       width = spec%sides(2)%width
-      call take('lower_width', above_zero, 99, 4, width)
+      call take('lower_width', above_zero, 99, width_field, width)
       deck%lower_width = width(1)
-      call take('x_displacement', any_number, 99, 3, deck%displacement(1:1))
-      call take('y_displacement', any_number, 99, 3, deck%displacement(2:2))
+      call take('x_displacement', any_number, 99, shift_field(1), deck%displacement(1:1))
+      call take('y_displacement', any_number, 99, shift_field(2), deck%displacement(2:2))
     end associate
     do side = 1, 2
       associate (wanted => spec%sides(side))
         if (good_plane) then
           call need(wanted%number <= most_cards, 'at most ' // decimal_text(most_cards) // &
                     ' asperities')
-          call need(fits(wanted%length, 99, 3) .and. fits(wanted%width, 99, 3), &
+          call need(fits(wanted%length, 99, x_field) .and. fits(wanted%width, 99, x_field), &
                     'a length and a width from 0.001 to 99 in')
         end if
         if (good_radii) &
           call need(wanted%radius%highest <= wanted%radius%lowest .and. &
-                    fits(wanted%radius%mean, 9, 3), 'one radius for all, from 0.001 to 9 in')
+                    fits(wanted%radius%mean, 9, radius_field), &
+                    'one radius for all, from 0.001 to 9 in')
         if (good_heights) &
           call need(abs(wanted%height%lowest) < 9.0_real128 .and. &
                     abs(wanted%height%highest) < 9.0_real128, 'heights between -9 and 9 in')
@@ -319,9 +322,9 @@ contains
   contains
 
     !> Takes one number, or one for each side.
-    subroutine take(name, range, most, decimals, values)
+    subroutine take(name, range, most, field, values)
       character(len=*), intent(in) :: name
-      integer, intent(in) :: range, most, decimals
+      integer, intent(in) :: range, most, field
       type(decimal_value), intent(inout) :: values(:)
       integer :: before
 
@@ -333,7 +336,7 @@ contains
       end if
       if (.not. fields%has('deck', name) .or. fields%problems%count() > before) return
       ! Zero where zero is allowed always fits.
-      if (.not. all(fits(values, most, decimals) .or. &
+      if (.not. all(fits(values, most, field) .or. &
                     (range /= above_zero .and. values%digits == 0))) &
         call fields%complain_of('deck', name, 'found a number that its card cannot hold, ' // &
                                 'expected fewer digits')
@@ -351,13 +354,14 @@ contains
   end subroutine check_deck
 
   !> Whether a number is at most so large, and not lost behind the last decimal of its card.
-  elemental logical function fits(value, most, decimals)
+  elemental logical function fits(value, most, field)
     type(decimal_value), intent(in) :: value
-    integer, intent(in) :: most, decimals
+    integer, intent(in) :: most, field
     real(real128) :: size_of
 
     size_of = abs(exact_value(value))
-    fits = size_of <= real(most, real128) .and. 2 * size_of * 10.0_real128**decimals >= 1.0_real128
+    fits = size_of <= real(most, real128) .and. &
+           2 * size_of * 10.0_real128**deck_fields(field)%decimals >= 1.0_real128
   end function fits
 
 end module asperity_generation_spec

@@ -1,6 +1,8 @@
 !> What a card deck brings into a scene, from inches and psi to cm and N.
 module asperity_scene_deck
   use asperity_card_deck, only: card_deck, model_cards, parse_card_deck
+  use asperity_card_reader, only: deck_fields, modulus_field, radius_field, shift_field, &
+                                  width_field, x_field, y_field, z_field
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_input_text, only: read_text
   use asperity_kept_records, only: checksum
@@ -67,7 +69,7 @@ contains
                          target_scene%lower, found)
       target_scene%upper%slope = upper_slope
       target_scene%lower%slope = lower_slope
-      call convert(3, 41, deck%lower_width, inch, target_scene%lower_mirror_width, found)
+      call convert(3, width_field, deck%lower_width, inch, target_scene%lower_mirror_width, found)
       call thesis_sweep(deck, sweep, found)
     end if
     call problems%append(found)
@@ -80,10 +82,10 @@ contains
     type(problem_list), intent(inout) :: problems
     type(decimal_value) :: shift
 
-    call convert(header_cards, 17, deck%x_displacement, inch, shift, problems)
+    call convert(header_cards, shift_field(1), deck%x_displacement, inch, shift, problems)
     sweep%x_first = decimal_sum(thesis_step, shift)
     sweep%x_step = thesis_step
-    call convert(header_cards, 24, deck%y_displacement, inch, shift, problems)
+    call convert(header_cards, shift_field(2), deck%y_displacement, inch, shift, problems)
     sweep%y_first = shift
     sweep%positions = thesis_positions
   end subroutine thesis_sweep
@@ -99,17 +101,18 @@ contains
     integer :: i
 
     surface%file = path
-    call convert(header, 6, model%radius, inch, radius, problems)
-    call convert(header, 16, model%elastic_modulus, psi, surface%elastic_modulus, problems)
+    call convert(header, radius_field, model%radius, inch, radius, problems)
+    call convert(header, modulus_field, model%elastic_modulus, psi, surface%elastic_modulus, &
+                 problems)
     surface%poisson_ratio = model%poisson_ratio
     surface%rotation = model%angle
     allocate (surface%exact_x(model%number), surface%exact_y(model%number), &
               surface%exact_height(model%number), surface%exact_radius(model%number))
     surface%exact_radius = radius
     do i = 1, model%number
-      call convert(before + i, 1, model%x(i), inch, surface%exact_x(i), problems)
-      call convert(before + i, 7, model%y(i), inch, surface%exact_y(i), problems)
-      call convert(before + i, 13, model%z(i), inch, surface%exact_height(i), problems)
+      call convert(before + i, x_field, model%x(i), inch, surface%exact_x(i), problems)
+      call convert(before + i, y_field, model%y(i), inch, surface%exact_y(i), problems)
+      call convert(before + i, z_field, model%z(i), inch, surface%exact_height(i), problems)
     end do
     surface%x = decimal_to_real64(surface%exact_x)
     surface%y = decimal_to_real64(surface%exact_y)
@@ -118,17 +121,17 @@ contains
   end subroutine convert_model
 
   !> Multiplies by a unit, exactly. A card's field has at most 10 digits, so nothing overflows.
-  subroutine convert(line, column, value, unit, converted, problems)
-    integer, intent(in) :: line, column
+  subroutine convert(line, field, value, unit, converted, problems)
+    integer, intent(in) :: line, field
     type(decimal_value), intent(in) :: value, unit
     type(decimal_value), intent(out) :: converted
     type(problem_list), intent(inout) :: problems
 
     converted = decimal_value(value%digits * unit%digits, value%exponent + unit%exponent)
     if (is_a_double(converted)) return
-    call problems%add_at(line, column, 'a number beyond the range of a double when ' // &
-                         'converted: found exponent ' // decimal_text(value%exponent) // &
-                         ', expected a number of ordinary size')
+    call problems%add_at(line, deck_fields(field)%first, 'a number beyond the range of a ' // &
+                         'double when converted: found exponent ' // &
+                         decimal_text(value%exponent) // ', expected a number of ordinary size')
     converted = decimal_value()
   end subroutine convert
 

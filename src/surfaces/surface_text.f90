@@ -4,6 +4,9 @@
 !> radians; its asperities were drawn in whole thousandths (positions) and ten thousandths (heights)
 !> of an inch, which its cards hold exactly. Other numbers are rounded to their fields, with a note.
 module asperity_surface_text
+  use asperity_card_reader, only: angle_field, count_field, deck_fields, height_max_field, &
+                                  modulus_field, radius_field, ratio_field, shift_field, &
+                                  stress_field, width_field, x_field, y_field, z_field
   use asperity_decimal, only: decimal_value
   use asperity_generated_surface, only: generated_surface
   use asperity_generation_values, only: exact_value, generation_spec
@@ -132,11 +135,12 @@ contains
     call cards%append('NO  YES' // achar(10))
     call cards%append(model_card(1, upper) // achar(10))
     call cards%append(model_card(2, lower) // &
-                      real_card(spec%deck%lower_width, 7, 4, 'lower_width') // achar(10))
-    call cards%append(real_card(spec%deck%rotation(1), 8, 4, 'rotation') // &
-                      real_card(spec%deck%rotation(2), 8, 4, 'rotation') // &
-                      real_card(spec%deck%displacement(1), 7, 3, 'x_displacement') // &
-                      real_card(spec%deck%displacement(2), 7, 3, 'y_displacement') // achar(10))
+                      real_card(spec%deck%lower_width, width_field, 'lower_width') // achar(10))
+    call cards%append(real_card(spec%deck%rotation(1), angle_field(1), 'rotation') // &
+                      real_card(spec%deck%rotation(2), angle_field(2), 'rotation') // &
+                      real_card(spec%deck%displacement(1), shift_field(1), 'x_displacement') // &
+                      real_card(spec%deck%displacement(2), shift_field(2), 'y_displacement') // &
+                      achar(10))
     call add_asperities(upper, cards)
     call add_asperities(lower, cards)
     text = cards%text()
@@ -153,26 +157,26 @@ contains
       ! The greatest height, to the next thousandth above; a sphere is no higher than its diameter.
       highest = min((max(0_int64, maxval(surface%height)) + 9_int64) / 10_int64, &
                     2_int64 * surface%radius(1) - 1_int64)
-      columns = card_field(int(size(surface%x), int64), 5, 0) // &
-                real_card(spec%sides(side)%radius%mean, 5, 3, 'the radius') // &
-                card_field(highest, 5, 3) // &
-                real_card(spec%deck%elastic_modulus(side), 10, 0, 'elastic_modulus') // &
-                real_card(spec%deck%poisson_ratio(side), 5, 3, 'poisson_ratio') // &
-                real_card(spec%deck%allowed_stress(side), 10, 0, 'allowed_stress')
+      columns = text_of_field(int(size(surface%x), int64), count_field) // &
+                real_card(spec%sides(side)%radius%mean, radius_field, 'the radius') // &
+                text_of_field(highest, height_max_field) // &
+                real_card(spec%deck%elastic_modulus(side), modulus_field, 'elastic_modulus') // &
+                real_card(spec%deck%poisson_ratio(side), ratio_field, 'poisson_ratio') // &
+                real_card(spec%deck%allowed_stress(side), stress_field, 'allowed_stress')
     end function model_card
 
     !> A number on a card, rounded to its decimals.
-    function real_card(value, width, decimals, name) result(columns)
+    function real_card(value, field, name) result(columns)
       type(decimal_value), intent(in) :: value
-      integer, intent(in) :: width, decimals
+      integer, intent(in) :: field
       character(len=*), intent(in) :: name
       character(len=:), allocatable :: columns
       real(real128) :: exact
       integer(int64) :: units
 
-      exact = exact_value(value) * 10.0_real128**decimals
+      exact = exact_value(value) * 10.0_real128**deck_fields(field)%decimals
       units = nint(exact, int64)
-      columns = card_field(units, width, decimals)
+      columns = text_of_field(units, field)
       if (abs(exact - real(units, real128)) > 1.0e-15_real128) &
         call notes%add('note: ' // name // ' is rounded to ' // trim(adjustl(columns)) // &
                        ', as a card holds it')
@@ -187,27 +191,28 @@ contains
     integer :: i
 
     do i = 1, size(surface%x)
-      call cards%append(card_field(surface%x(i), 6, 3) // card_field(surface%y(i), 6, 3) // &
-                        card_field(surface%height(i), 7, 4) // achar(10))
+      call cards%append(text_of_field(surface%x(i), x_field) // &
+                        text_of_field(surface%y(i), y_field) // &
+                        text_of_field(surface%height(i), z_field) // achar(10))
     end do
   end subroutine add_asperities
 
   !> A number of units in the columns of a card. Without decimals a point ends a real number, but
   !> not the count of asperities, which has 5 columns.
-  pure function card_field(units, width, decimals) result(columns)
+  pure function text_of_field(units, field) result(columns)
     integer(int64), intent(in) :: units
-    integer, intent(in) :: width, decimals
-    character(len=width) :: columns
-    character(len=field_length) :: field
+    integer, intent(in) :: field
+    character(len=deck_fields(field)%last - deck_fields(field)%first + 1) :: columns
+    character(len=field_length) :: text
     integer :: first
 
-    field = ''
-    call write_decimal(units, decimals, field, first)
-    if (decimals == 0 .and. width > 5) field = field(2:) // '.'
+    text = ''
+    call write_decimal(units, deck_fields(field)%decimals, text, first)
+    if (deck_fields(field)%decimals == 0 .and. len(columns) > 5) text = text(2:) // '.'
     ! A sign that has no column takes that of the zero before the point.
-    if (field_length - first + 1 > width .and. index(field(first:), '-0.') == 1) &
-      field(first + 1:first + 1) = '-'
-    columns = field(field_length - width + 1:)
-  end function card_field
+    if (field_length - first + 1 > len(columns) .and. index(text(first:), '-0.') == 1) &
+      text(first + 1:first + 1) = '-'
+    columns = text(field_length - len(columns) + 1:)
+  end function text_of_field
 
 end module asperity_surface_text
