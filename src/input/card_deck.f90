@@ -91,7 +91,7 @@ contains
     character(len=:), allocatable :: other
     logical :: complete
 
-    call reader%start(path, text)
+    call reader%take_text(path, text)
     other = other_kind(text, [integer ::])
     if (other /= '') then
       call reader%problems%add_at(1, 1, other // '; expected a card deck')
@@ -124,7 +124,7 @@ contains
     logical, intent(out) :: complete
     character(len=card_length) :: words
 
-    words = reader%card(1)
+    words = reader%card_columns(1)
     deck%word_no = words(1:4)
     deck%word_yes = words(5:8)
     complete = .true.
@@ -154,7 +154,7 @@ contains
     integer :: bad_at
     real(real64) :: ratio
 
-    columns = reader%card(line)
+    columns = reader%card_columns(line)
     call read_i_field(columns(:deck_fields(count_field)%last), model%number, bad_at)
     if (bad_at > 0) then
       call reader%refuse_field(line, count_field, letter, 'a whole number in columns 1-5', bad_at)
@@ -240,9 +240,9 @@ contains
       call reader%problems%add_at(header_cards + cards + 1, 1, count)
       return
     end if
-    do line = header_cards + expected + 1, reader%lines()
+    do line = header_cards + expected + 1, reader%count_lines()
       if (.not. reader%has_text(line)) cycle
-      columns = reader%card(line)
+      columns = reader%card_columns(line)
       call reader%problems%add_at(line, verify(columns, ' ' // achar(9)), &
            'text after the last card: found ''' // trim(columns) // &
            ''', expected the end: ' // count)

@@ -65,9 +65,9 @@ module asperity_card_reader
     integer, allocatable :: first(:), last(:)   ! of every line, line end excluded
     type(problem_list), public :: problems      !! what is wrong with the deck
   contains
-    procedure :: start         !! takes the text of a deck
-    procedure :: lines         !! number of lines
-    procedure :: card          !! the columns of a card
+    procedure :: take_text     !! takes the text of a deck
+    procedure :: count_lines   !! number of lines
+    procedure :: card_columns  !! the columns of a card
     procedure :: has_text      !! whether a card holds more than blanks and a sequence number
     procedure :: last_card     !! the last line that is a card
     procedure :: real_field    !! reads a number under F format
@@ -79,7 +79,7 @@ module asperity_card_reader
 contains
 
   !> Takes the text of a deck. A carriage return before a line feed belongs to the line end.
-  subroutine start(self, file, text)
+  subroutine take_text(self, file, text)
     class(card_reader), intent(out) :: self    !! the cards
     character(len=*), intent(in) :: file       !! name for the messages
     character(len=*), intent(in) :: text       !! the whole deck
@@ -104,17 +104,17 @@ contains
         if (text(self%last(i):self%last(i)) == achar(13)) self%last(i) = self%last(i) - 1
       end if
     end do
-  end subroutine start
+  end subroutine take_text
 
   !> Number of lines.
-  pure integer function lines(self)
+  pure integer function count_lines(self)
     class(card_reader), intent(in) :: self  !! the cards
 
-    lines = size(self%first)
-  end function lines
+    count_lines = size(self%first)
+  end function count_lines
 
   !> The 80 columns of a card; a card that is not there is blank.
-  pure function card(self, line) result(columns)
+  pure function card_columns(self, line) result(columns)
     class(card_reader), intent(in) :: self  !! the cards
     integer, intent(in) :: line             !! its line, from 1
     character(len=card_length) :: columns   !! what stands there
@@ -122,7 +122,7 @@ contains
     columns = ''
     if (line > size(self%first)) return
     columns = self%text(self%first(line):self%last(line))
-  end function card
+  end function card_columns
 
   !> Whether a card holds more than blanks and a sequence number.
   pure logical function has_text(self, line)
@@ -130,7 +130,7 @@ contains
     integer, intent(in) :: line             !! its line, from 1
     character(len=card_length) :: columns
 
-    columns = self%card(line)
+    columns = self%card_columns(line)
     has_text = verify(columns(:text_length), ' ' // achar(9)) > 0
   end function has_text
 
@@ -156,7 +156,7 @@ contains
     character(len=card_length) :: columns
     integer :: bad_at
 
-    columns = self%card(line)
+    columns = self%card_columns(line)
     place = deck_fields(field)
     call read_f_field(columns(place%first:place%last), place%decimals, value, bad_at)
     if (bad_at > 0) then
@@ -199,7 +199,7 @@ contains
     character(len=card_length) :: columns
     integer :: column, star
 
-    columns = self%card(line)
+    columns = self%card_columns(line)
     place = deck_fields(field)
     column = place%first
     if (present(bad_at)) column = column + bad_at - 1

@@ -37,8 +37,8 @@ module asperity_namelist_text
   contains
     procedure :: value_text   !! the text of a value; a doubled quote is one
     procedure :: name_text    !! a name in small letters
-    procedure, private :: add
-    procedure, private :: refuse
+    procedure, private :: add_item
+    procedure, private :: refuse_item
   end type namelist_text
 
 contains
@@ -114,16 +114,16 @@ contains
     ampersand = at
     at = name_end(list%text, ampersand + 1) + 1
     name = quoted(list%text(ampersand:at - 1))
-    call list%add(namelist_item(a_group, ampersand + 1, at - 1))
+    call list%add_item(namelist_item(a_group, ampersand + 1, at - 1))
     number = list%count
     if (at == ampersand + 1) &
-      call list%refuse(number, ampersand, 'a group without a name: found ''&'' alone, ' // &
-                       'expected a group''s name right behind it', problems)
+      call list%refuse_item(number, ampersand, 'a group without a name: found ''&'' alone, ' // &
+                            'expected a group''s name right behind it', problems)
     do
       call skip_blanks(list%text, at)
       if (at > len(list%text)) then
-        call list%refuse(number, ampersand, 'group ' // name // ' has no end: found the end ' // &
-                         'of the file, expected ''/''', problems)
+        call list%refuse_item(number, ampersand, 'group ' // name // ' has no end: found ' // &
+                              'the end of the file, expected ''/''', problems)
         return
       end if
       select case (list%text(at:at))
@@ -131,8 +131,8 @@ contains
         at = at + 1
         return
       case ('&')
-        call list%refuse(number, at, 'group ' // name // ' has no end: found another group, ' // &
-                         'expected ''/''', problems)
+        call list%refuse_item(number, at, 'group ' // name // ' has no end: found ' // &
+                              'another group, expected ''/''', problems)
         return
       case default
         call read_name(list, number, at, problems)
@@ -160,14 +160,14 @@ contains
                                   'expected ''='' and all values of ' // name)
         list%items(group)%is_broken = .true.
       end if
-      call list%refuse(group, at, 'no name with values: found ' // &
-                       quoted(list%text(at:max(at, word_end(list%text, at)))) // &
-                       ', expected ''name = value'' or ''/''' // form_hint(list%text, at), &
-                       problems)
+      call list%refuse_item(group, at, 'no name with values: found ' // &
+                            quoted(list%text(at:max(at, word_end(list%text, at)))) // &
+                            ', expected ''name = value'' or ''/''' // form_hint(list%text, at), &
+                            problems)
       call skip_item(list%text, at)
       return
     end if
-    call list%add(namelist_item(a_name, at, last, group))
+    call list%add_item(namelist_item(a_name, at, last, group))
     number = list%count
     at = equals + 1
     comma = .true.
@@ -175,8 +175,8 @@ contains
       call skip_blanks(list%text, at)
       if (next_character(list%text, at) == ',') then
         ! A comma may stand behind the last value too; two in a row leave one out.
-        if (comma) call list%refuse(number, at, 'a value is missing: found '','', expected a ' // &
-                                    'value of ' // name, problems)
+        if (comma) call list%refuse_item(number, at, 'a value is missing: found '','', ' // &
+                                         'expected a value of ' // name, problems)
         comma = .true.
         at = at + 1
       else if (value_stands(list%text, at)) then
@@ -188,8 +188,8 @@ contains
     end do
     list%items(number)%values = list%count - number
     if (list%count == number) &
-      call list%refuse(number, at, 'a value is missing: found none, expected a value of ' // &
-                       name, problems)
+      call list%refuse_item(number, at, 'a value is missing: found none, expected a value of ' // &
+                            name, problems)
   end subroutine read_name
 
   ! Whether a value begins at a place. None does at a slash, an ampersand, the end, or a name with
@@ -241,7 +241,7 @@ contains
       value%last = word_end(list%text, at)
       at = value%last + 1
     end if
-    call list%add(value)
+    call list%add_item(value)
   end subroutine read_value
 
   ! Reads `count*` when it stands there, and steps over it. Too large a count becomes -1.
@@ -284,7 +284,7 @@ contains
   end function form_hint
 
   ! Adds an item.
-  pure subroutine add(self, item)
+  pure subroutine add_item(self, item)
     class(namelist_text), intent(inout) :: self
     type(namelist_item), intent(in) :: item
     type(namelist_item), allocatable :: larger(:)
@@ -296,10 +296,10 @@ contains
     end if
     self%count = self%count + 1
     self%items(self%count) = item
-  end subroutine add
+  end subroutine add_item
 
   ! Reports a problem of an item, unless a problem that may be its cause has been reported.
-  pure subroutine refuse(self, i, byte, message, problems)
+  pure subroutine refuse_item(self, i, byte, message, problems)
     class(namelist_text), intent(inout) :: self
     integer, intent(in) :: i, byte
     character(len=*), intent(in) :: message
@@ -307,7 +307,7 @@ contains
 
     if (.not. self%items(i)%is_broken) call problems%add_at_byte(self%text, byte, message)
     self%items(i)%is_broken = .true.
-  end subroutine refuse
+  end subroutine refuse_item
 
   !> Steps over blanks, line ends and comments.
   pure subroutine skip_blanks(text, at)
@@ -355,7 +355,7 @@ contains
 
     name_end = first - 1
     if (scan(next_character(text, first), letters) > 0) &
-      name_end = before(text, first, verify(text(first:), letters // digit_signs // '_'))
+      name_end = place_before(text, first, verify(text(first:), letters // digit_signs // '_'))
   end function name_end
 
   !> Last character of the word that begins at `first`; `first - 1` when none does.
@@ -363,7 +363,7 @@ contains
     character(len=*), intent(in) :: text  !! the whole file
     integer, intent(in) :: first          !! place where it begins
 
-    word_end = before(text, first, scan(text(first:), word_ends))
+    word_end = place_before(text, first, scan(text(first:), word_ends))
   end function word_end
 
   !> Last of the digits that begin at `first`; `first - 1` when none do.
@@ -371,7 +371,7 @@ contains
     character(len=*), intent(in) :: text  !! the whole file
     integer, intent(in) :: first          !! place where they begin
 
-    digits_end = before(text, first, verify(text(first:), digit_signs))
+    digits_end = place_before(text, first, verify(text(first:), digit_signs))
   end function digits_end
 
   !> Last character inside the quotes that open at `first`; `first - 1` when the line ends before.
@@ -396,11 +396,11 @@ contains
   end function quote_end
 
   ! The place before the `found`-th character from `first` on; the last of the text when 0.
-  pure integer function before(text, first, found)
+  pure integer function place_before(text, first, found)
     character(len=*), intent(in) :: text
     integer, intent(in) :: first, found
 
-    before = merge(first + found - 2, len(text), found > 0)
-  end function before
+    place_before = merge(first + found - 2, len(text), found > 0)
+  end function place_before
 
 end module asperity_namelist_text

@@ -309,7 +309,7 @@ contains
       return
     end if
     do i = 1, cells%count
-      call split(text(cells%first(i):cells%last(i)), name, unit)
+      call split_name(text(cells%first(i):cells%last(i)), name, unit)
       role = findloc(column_names == name, .true., 1)
       if (name == '') name = 'column ' // decimal_text(i)
       if (role == 0) then
@@ -329,7 +329,7 @@ contains
     end do
     ! A name that is nearly one of those that are missing is no other column.
     do i = 1, cells%count
-      call split(text(cells%first(i):cells%last(i)), name, unit)
+      call split_name(text(cells%first(i):cells%last(i)), name, unit)
       if (any(column_names == name)) cycle
       role = nearest_word(name, column_names)
       if (role == 0) cycle
@@ -385,7 +385,7 @@ contains
   end function all_numbers
 
   ! A name in small letters without quotes, and the unit in brackets behind it.
-  pure subroutine split(cell, name, unit)
+  pure subroutine split_name(cell, name, unit)
     character(len=*), intent(in) :: cell
     character(len=:), allocatable, intent(out) :: name, unit
     integer :: left, right
@@ -402,6 +402,6 @@ contains
       name = name(:left - 1)
     end if
     name = trim(adjustl(lower_case(name)))
-  end subroutine split
+  end subroutine split_name
 
 end module asperity_surface_csv
