@@ -317,9 +317,12 @@ contains
         call problems%add(option // ' names the file that standard output goes to, ' // path)
       do j = i + 1, size(line%outputs)
         if (.not. allocated(line%outputs(j)%path)) cycle
-        if (same_file(path, line%outputs(j)%path)) &
-          call problems%add(option // ' and ' // trim(line%outputs(j)%option) // &
-                            ' both name ' // path)
+        if (.not. same_file(path, line%outputs(j)%path)) cycle
+        ! The first of two options is the one that is given several times, --keep.
+        if (j > size(output_options())) call problems%add('--keep and ' // option // &
+                                                          ' both name ' // path)
+        if (j <= size(output_options())) call problems%add(option // ' and ' // &
+            trim(line%outputs(j)%option) // ' both name ' // path)
       end do
     end do
   end subroutine check_files
@@ -372,7 +375,7 @@ contains
 
     ! A plane comes from no file.
     if (input == '') return
-    do i = 1, size(line%outputs)
+    do i = 1, size(output_options())
       if (.not. allocated(line%outputs(i)%path)) cycle
       if (same_file(line%outputs(i)%path, input)) &
         call problems%add(trim(line%outputs(i)%option) // ' names the input, ' // input)
