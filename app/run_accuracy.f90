@@ -6,14 +6,14 @@ module asperity_run_accuracy
   use asperity_command_outcome, only: command_outcome
   use asperity_files, only: same_name
   use asperity_kinds, only: real64
+  use asperity_method_study, only: run_method_study, method_table
   use asperity_progress, only: progress_line
   use asperity_scene_reader, only: read_scene
   use asperity_scene_values, only: scene
-  use asperity_scene_ways, only: most_ways
+  use asperity_study_additions, only: add_exponent, add_input_error, add_theories
+  use asperity_study_methods, only: most_methods
   use asperity_text_buffer, only: text_buffer
   use asperity_timing, only: time_allowance
-  use asperity_way_beside, only: add_exponent, add_input_error, add_theories
-  use asperity_way_study, only: run_way_study, way_table
   use asperity_work_cost, only: tell_cost, work_cost
   implicit none
   private
@@ -35,7 +35,7 @@ contains
     type(command_line), intent(in) :: line           !! the user's choices
     type(command_outcome), intent(inout) :: outcome  !! messages, text and files
     type(scene) :: scene_in
-    type(way_table) :: table
+    type(method_table) :: table
     type(text_buffer) :: csv, page
     type(time_allowance) :: allowance
     type(progress_line) :: progress
@@ -51,7 +51,7 @@ contains
     end if
     if (outcome%problems%count() > 0) return
     seconds = merge(line%seconds, usual_seconds, line%seconds > 0.0_real64)
-    pieces = most_ways(scene_in)
+    pieces = most_methods(scene_in)
     if (line%cost) then
       cost%pieces = 'methods'
       cost%total = pieces
@@ -62,7 +62,7 @@ contains
     least_seconds = min(seconds_a_row, seconds / (share_of_rows * pieces))
     call progress%begin(.true., 'methods', pieces, 0)
     call allowance%begin(seconds)
-    call run_way_study(scene_in, least_seconds, allowance, progress, table, outcome%failure)
+    call run_method_study(scene_in, least_seconds, allowance, progress, table, outcome%failure)
     if (.not. allocated(outcome%failure)) then
       cost%tried = size(table%rows)
       call add_input_error(scene_in, allowance, table)

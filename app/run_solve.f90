@@ -17,7 +17,7 @@ module asperity_run_solve
   use asperity_output_files, only: note_kept
   use asperity_plan_drawing, only: plan_drawing, png_of, write_svg
   use asperity_position_packet, only: pack_position
-  use asperity_position_lists, only: counted, readable
+  use asperity_number_format, only: count_text, number_text
   use asperity_printable, only: printable
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: of_contacts, of_positions, of_states
@@ -162,7 +162,7 @@ contains
       title = printable(line%input) // ': ' // &
               with_unit(trim(merge('mean pressure   ', 'nominal pressure', &
                              parts_in_words(field) /= '')), trim(units(2))) // ' ' // &
-              readable(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
+              number_text(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
                        count(field%gap >= 0.0_real64), 3)
       call draw_plan(field, plan_of_pressure, title, units, width_of_picture, most_pixels, drawing)
       path = line%output('--picture')
@@ -301,7 +301,7 @@ contains
     if (line%share(2) > scene_in%motion%positions .or. &
         (allocated(scene_in%map) .and. line%share(2) > 1)) &
       call problems%add('--share: found ' // decimal_text(line%share(2)) // ' parts of ' // &
-                        counted(merge(1, scene_in%motion%positions, allocated(scene_in%map)), &
+                        count_text(merge(1, scene_in%motion%positions, allocated(scene_in%map)), &
                                 'position') // ', expected at most as many parts as positions')
     written = scene_in%effects
     call written%drop_unwritten()

@@ -5,13 +5,13 @@ module asperity_accuracy_page
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
                                 end_table, put_row
   use asperity_kinds, only: not_computed, real64
-  use asperity_position_lists, only: readable
-  use asperity_scene_ways, only: family_words, of_input, of_theory
+  use asperity_method_study, only: method_table
+  use asperity_method_totals, only: error_of_area
+  use asperity_number_format, only: number_text
+  use asperity_study_methods, only: family_words, of_input, of_theory
   use asperity_svg_plot, only: axis_over, plot_axis, svg_plot
   use asperity_text_buffer, only: text_buffer
   use asperity_version, only: version
-  use asperity_way_study, only: way_table
-  use asperity_way_totals, only: error_of_area
   implicit none
   private
 
@@ -25,7 +25,7 @@ contains
   !> The whole page.
   subroutine write_accuracy_page(title, table, buffer)
     character(len=*), intent(in) :: title       !! the scene's name
-    type(way_table), intent(in) :: table        !! all ways
+    type(method_table), intent(in) :: table        !! all methods
     type(text_buffer), intent(inout) :: buffer  !! the page
     real(real64) :: error(size(table%rows)), own(size(table%rows))
     logical :: is_run(size(table%rows))
@@ -34,7 +34,7 @@ contains
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
         is_run(i) = row%seconds > not_computed .and. row%total%largest > not_computed .and. &
-                    row%way%family /= of_theory
+                    row%method%family /= of_theory
         ! Nothing is known better than the reference.
         error(i) = max(row%total%largest, table%rows(table%reference)%own_estimate, least_drawn)
         own(i) = max(row%own%largest, least_drawn)
@@ -62,7 +62,7 @@ contains
                   table%rows%own%largest > not_computed, own, buffer)
     call end_section(buffer)
     call begin_section('methods', 'All methods', buffer)
-    call put_ways(table, buffer)
+    call put_methods(table, buffer)
     call end_section(buffer)
     call buffer%line('<p>asperity ' // version // '</p>')
     call put_script(table, is_run, error, buffer)
@@ -72,7 +72,7 @@ contains
   ! One diagram: a dot a method, the Pareto front joined, the error of the input across.
   subroutine put_plot(name, id, table, shown, error, buffer)
     character(len=*), intent(in) :: name, id
-    type(way_table), intent(in) :: table
+    type(method_table), intent(in) :: table
     logical, intent(in) :: shown(:)
     real(real64), intent(in) :: error(:)
     type(text_buffer), intent(inout) :: buffer
@@ -87,21 +87,22 @@ contains
     level = pack(error, shown)
     call buffer%line('<div id="' // id // '">')
     across = axis_over('time', 's', seconds, .true.)
-    call plot%begin(name // ' over time', across, &
+    call plot%begin_plot(name // ' over time', across, &
                     axis_over(name, '', [level, 1.0_real64], .true.), buffer)
     if (id == 'total-plot') call put_front(pack(table%rows%seconds, table%rows%on_front), &
                                            pack(error, table%rows%on_front))
     do i = 1, size(table%rows)
       if (shown(i)) &
-        call plot%dot(max(table%rows(i)%seconds, 1.0e-9_real64), error(i), &
-                      trim(family_words(table%rows(i)%way%family)) // ': ' // &
-                      trim(table%rows(i)%way%name) // ', ' // &
-                      readable(table%rows(i)%seconds, 2) // ' s, ' // readable(error(i), 2), buffer)
-      if (table%rows(i)%way%family == of_input .and. id == 'own-plot' .and. &
+        call plot%add_dot(max(table%rows(i)%seconds, 1.0e-9_real64), error(i), &
+                      trim(family_words(table%rows(i)%method%family)) // ': ' // &
+                      trim(table%rows(i)%method%name) // ', ' // &
+                      number_text(table%rows(i)%seconds, 2) // ' s, ' // number_text(error(i), 2), &
+                      buffer)
+      if (table%rows(i)%method%family == of_input .and. id == 'own-plot' .and. &
           table%rows(i)%own%largest > 0.0_real64) &
-        call plot%curve([across%low, across%high], [error(i), error(i)], buffer)
+        call plot%add_curve([across%low, across%high], [error(i), error(i)], buffer)
     end do
-    call plot%finish(buffer)
+    call plot%end_plot(buffer)
     call buffer%line('</div>')
 
   contains
@@ -120,14 +121,14 @@ contains
         x(k) = max(time(next), 1.0e-9_real64)
         y(k) = level(next)
       end do
-      call plot%curve(x, y, buffer)
+      call plot%add_curve(x, y, buffer)
     end subroutine put_front
 
   end subroutine put_plot
 
   ! All methods, those that were not run with the reason.
-  subroutine put_ways(table, buffer)
-    type(way_table), intent(in) :: table
+  subroutine put_methods(table, buffer)
+    type(method_table), intent(in) :: table
     type(text_buffer), intent(inout) :: buffer
     character(len=140) :: cells(8)
     integer :: i
@@ -137,8 +138,8 @@ contains
                       'error', 'of the area', 'approximation', 'not run'], buffer)
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
-        cells(1) = row%way%name
-        cells(2) = family_words(row%way%family)
+        cells(1) = row%method%name
+        cells(2) = family_words(row%method%family)
         cells(3) = merge('*', ' ', row%on_front)
         cells(4) = readable_or_blank(row%seconds)
         cells(5) = readable_or_blank(row%total%largest)
@@ -151,7 +152,7 @@ contains
       end associate
     end do
     call end_table(buffer)
-  end subroutine put_ways
+  end subroutine put_methods
 
   ! A value with two digits; blank: not computed.
   pure function readable_or_blank(value) result(text)
@@ -159,12 +160,12 @@ contains
     character(len=:), allocatable :: text
 
     text = ''
-    if (value > not_computed) text = readable(value, 2)
+    if (value > not_computed) text = number_text(value, 2)
   end function readable_or_blank
 
   ! The data, and the script of the slider: the fastest method for an error, and for a tenth of it.
   subroutine put_script(table, is_run, error, buffer)
-    type(way_table), intent(in) :: table
+    type(method_table), intent(in) :: table
     logical, intent(in) :: is_run(:)
     real(real64), intent(in) :: error(:)
     type(text_buffer), intent(inout) :: buffer
@@ -176,7 +177,7 @@ contains
     do i = 1, size(table%rows)
       if (.not. is_run(i)) cycle
       write (numbers, '(es23.15e3, ",", es23.15e3)') table%rows(i)%seconds, error(i)
-      call buffer%line('["' // trim(table%rows(i)%way%name) // '",' // &
+      call buffer%line('["' // trim(table%rows(i)%method%name) // '",' // &
                        trim(adjustl(numbers)) // '],')
     end do
     call buffer%line('];')

@@ -1,12 +1,12 @@
-!> What accuracy costs for any scene, as a table with a diagram, and as lines of the study's CSV.
+!> Run time and error of all methods of a scene, as a table with a diagram and as CSV.
 module asperity_accuracy_table
   use asperity_contact_records, only: by_marching, overlap_original
   use asperity_csv, only: csv_line
   use asperity_kinds, only: not_computed, real64
-  use asperity_scene_ways, only: family_words, of_arithmetic, of_theory
+  use asperity_method_study, only: method_row, method_table
+  use asperity_method_totals, only: error_of_area, quantity_names
+  use asperity_study_methods, only: family_words, of_arithmetic, of_theory
   use asperity_text_buffer, only: text_buffer
-  use asperity_way_study, only: way_row, way_table
-  use asperity_way_totals, only: error_of_area, quantity_names
   implicit none
   private
 
@@ -17,14 +17,15 @@ module asperity_accuracy_table
 
 contains
 
-  !> One line a way; the front carries a star.
+  !> One line a method; the front carries a star.
   subroutine write_accuracy_table(table, buffer)
-    type(way_table), intent(in) :: table        !! all ways
+    type(method_table), intent(in) :: table        !! all methods
     type(text_buffer), intent(inout) :: buffer  !! the text
     character(len=160) :: line
     integer :: i
 
-    if (any(table%rows%way%family == of_arithmetic .and. table%rows%way%step > 0.0_real64 .and. &
+    if (any(table%rows%method%family == of_arithmetic .and. &
+            table%rows%method%step > 0.0_real64 .and. &
             table%rows%own%largest > not_computed)) call write_quantities(table%rows, buffer)
     call buffer%line('All methods on one axis. Error: largest relative error over the ' // &
                      'positions, of the load or, under load control, of')
@@ -39,15 +40,15 @@ contains
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
         if (allocated(row%left_out)) then
-          call buffer%line('  ' // family_words(row%way%family) // ' ' // row%way%name // &
+          call buffer%line('  ' // family_words(row%method%family) // ' ' // row%method%name // &
                            ' left out: ' // row%left_out)
           cycle
         end if
         write (line, '(a1, 1x, a10, 1x, a40, 1x, a8, 3(2x, a7), 2x, "|", a, "|")') &
-          merge('*', ' ', row%on_front), family_words(row%way%family), row%way%name, &
-          number(row%seconds), error_text(row, row%total%largest), &
-          error_text(row, row%total%quantity(error_of_area)), number(row%own%largest), &
-          axis(row)
+          merge('*', ' ', row%on_front), family_words(row%method%family), row%method%name, &
+          short_number(row%seconds), error_text(row, row%total%largest), &
+          error_text(row, row%total%quantity(error_of_area)), short_number(row%own%largest), &
+          error_axis(row)
         call buffer%line(line)
       end associate
     end do
@@ -56,15 +57,17 @@ contains
       call buffer%line('  neighbours left out: ' // table%no_neighbours)
     associate (best => table%rows(table%reference))
       call buffer%line('')
-      call buffer%line('Reference: ' // trim(best%way%name) // ', ' // good_to(best) // '.')
+      call buffer%line('Reference: ' // trim(best%method%name) // ', ' // &
+                       reference_quality(best) // '.')
       if (table%next_best > 0) &
         call buffer%line('The next most accurate, ' // &
-            trim(table%rows(table%next_best)%way%name) // &
-                         ', differs from it by ' // trim(adjustl(number(table%next_best_differs))) &
+            trim(table%rows(table%next_best)%method%name) // &
+                         ', differs from it by ' // &
+                         trim(adjustl(short_number(table%next_best_differs))) &
                          // '.')
     end associate
-    if (table%exponent > not_computed) then
-      write (line, '(a, f6.3, a)') 'Area grows as the load to the power', table%exponent, &
+    if (table%area_exponent > not_computed) then
+      write (line, '(a, f6.3, a)') 'Area grows as the load to the power', table%area_exponent, &
         ' at the end, for isolated contacts. Archard: 2/3 for a sphere, 4/5 with'
       call buffer%line('')
       call buffer%line(line)
@@ -83,7 +86,7 @@ contains
 
   ! Time and errors of arithmetics and steps of a sweep, by quantity.
   subroutine write_quantities(rows, buffer)
-    type(way_row), intent(in) :: rows(:)
+    type(method_row), intent(in) :: rows(:)
     type(text_buffer), intent(inout) :: buffer
     character(len=170) :: line
     integer :: i, k
@@ -98,12 +101,12 @@ contains
     call buffer%line(trim(line))
     do i = 1, size(rows)
       if (.not. rows(i)%own%quantity(error_of_area) > not_computed) cycle
-      if (.not. rows(i)%way%step > 0.0_real64) cycle
+      if (.not. rows(i)%method%step > 0.0_real64) cycle
       write (line, '(a1, 1x, a40, es9.1e2, f7.0, "%", f9.1, 5(2x, a17))') &
-        merge('*', ' ', rows(i)%on_own_front), rows(i)%way%name, rows(i)%seconds, &
+        merge('*', ' ', rows(i)%on_own_front), rows(i)%method%name, rows(i)%seconds, &
         100 * rows(i)%spread, ratio_of(rows, i), &
-        (number(rows(i)%own%quantity(k)) // ' (' // &
-         trim(adjustl(number(rows(i)%own%quantity_mean(k)))) // ')' // repeat(' ', 7), &
+        (short_number(rows(i)%own%quantity(k)) // ' (' // &
+         trim(adjustl(short_number(rows(i)%own%quantity_mean(k)))) // ')' // repeat(' ', 7), &
          k = 1, size(quantity_names))
       call buffer%line(line)
     end do
@@ -112,71 +115,71 @@ contains
 
   ! Time over that of the fastest method.
   pure real(real64) function ratio_of(rows, i)
-    type(way_row), intent(in) :: rows(:)
+    type(method_row), intent(in) :: rows(:)
     integer, intent(in) :: i
 
     ratio_of = not_computed
-    if (rows(i)%seconds > not_computed .and. rows(i)%way%family /= of_theory) &
+    if (rows(i)%seconds > not_computed .and. rows(i)%method%family /= of_theory) &
       ratio_of = rows(i)%seconds / minval(rows%seconds, rows%spread > not_computed)
   end function ratio_of
 
-  ! What a reference says of itself.
-  pure function good_to(row) result(text)
-    type(way_row), intent(in) :: row
+  ! Error estimate of the reference in words.
+  pure function reference_quality(row) result(text)
+    type(method_row), intent(in) :: row
     character(len=:), allocatable :: text
 
     text = 'exact to rounding'
     if (row%own_estimate > 0.0_real64) &
-      text = 'estimated error ' // trim(adjustl(number(row%own_estimate)))
-    if (row%way%family /= of_arithmetic .and. .not. row%own_estimate > not_computed) &
+      text = 'estimated error ' // trim(adjustl(short_number(row%own_estimate)))
+    if (row%method%family /= of_arithmetic .and. .not. row%own_estimate > not_computed) &
       text = 'without an error estimate'
-  end function good_to
+  end function reference_quality
 
   pure function error_text(row, error) result(text)
-    type(way_row), intent(in) :: row
+    type(method_row), intent(in) :: row
     real(real64), intent(in) :: error
     character(len=7) :: text
 
-    text = number(error)
+    text = short_number(error)
     if (row%is_reference) text = '      -'
   end function error_text
 
-  pure function number(value) result(text)
+  pure function short_number(value) result(text)
     real(real64), intent(in) :: value
     character(len=7) :: text
 
     text = ''
     if (value > not_computed) write (text, '(es7.1e2)') value
     if (.not. abs(value) > 0.0_real64) text = '      0'
-  end function number
+  end function short_number
 
   ! Own error o, error against the reference +, both in one place *.
-  pure function axis(row) result(text)
-    type(way_row), intent(in) :: row
+  pure function error_axis(row) result(text)
+    type(method_row), intent(in) :: row
     character(len=2 * decades + 1) :: text
     integer :: own, total
 
     text = repeat(' ', len(text))
-    total = place(row%total%largest)
-    own = place(row%own%largest)
+    total = axis_place(row%total%largest)
+    own = axis_place(row%own%largest)
     if (own > 0) text(own:own) = 'o'
     if (total > 0 .and. .not. row%is_reference) text(total:total) = '+'
     if (own == total .and. own > 0 .and. .not. row%is_reference) text(own:own) = '*'
-  end function axis
+  end function error_axis
 
-  pure integer function place(error)
+  pure integer function axis_place(error)
     real(real64), intent(in) :: error
 
-    place = 0
+    axis_place = 0
     if (.not. error > not_computed) return
-    place = 1
+    axis_place = 1
     if (error > 0.0_real64) &
-      place = min(2 * decades + 1, max(1, nint(2 * (decades + log10(error))) + 1))
-  end function place
+      axis_place = min(2 * decades + 1, max(1, nint(2 * (decades + log10(error))) + 1))
+  end function axis_place
 
   !> The same with all digits. What does not apply to a row is empty.
   subroutine write_accuracy_csv(table, buffer)
-    type(way_table), intent(in) :: table        !! all ways
+    type(method_table), intent(in) :: table        !! all methods
     type(text_buffer), intent(inout) :: buffer  !! the text
     type(csv_line) :: line
     integer :: i, k
@@ -189,12 +192,12 @@ contains
     end do
     call buffer%line(',error_estimate,load,separation,area,front,own_front,reference,left_out')
     do i = 1, size(table%rows)
-      associate (row => table%rows(i), way => table%rows(i)%way)
-        call line%put(trim(family_words(way%family)))
-        call line%put(without_commas(trim(way%name)))
-        call line%put(trim(way%arithmetic))
-        call line%put(merge(way%step, 0.0_real64, way%path == by_marching))
-        call line%put(trim(merge('original', 'stable  ', way%overlap == overlap_original)))
+      associate (row => table%rows(i), method => table%rows(i)%method)
+        call line%put(trim(family_words(method%family)))
+        call line%put(without_commas(trim(method%name)))
+        call line%put(trim(method%arithmetic))
+        call line%put(merge(method%step, 0.0_real64, method%path == by_marching))
+        call line%put(trim(merge('original', 'stable  ', method%overlap == overlap_original)))
         call line%put([row%seconds, row%spread, ratio_of(table%rows, i), row%total%largest, &
                        row%total%mean])
         if (row%total%worst > 0) then

@@ -4,7 +4,7 @@ module asperity_area_study_table
   use asperity_csv, only: csv_line
   use asperity_greenwood_integrals, only: quantities
   use asperity_kinds, only: real64
-  use asperity_position_lists, only: readable
+  use asperity_number_format, only: number_text
   use asperity_problems, only: decimal_text, real_text
   use asperity_study_spec, only: against_plane, reference_integral, study_spec
   use asperity_text_buffer, only: text_buffer
@@ -36,32 +36,33 @@ contains
       integral = 'Greenwood-Williamson'
     end if
     call buffer%line(decimal_text(study%surfaces) // ' ' // against // ', separation ' // &
-                     readable(study%separation))
-    call buffer%line('studied: x from ' // readable(study%corner(1)) // ' to ' // &
-                     readable(study%corner(1) + study%extent(1)) // ', y from ' // &
-                     readable(study%corner(2)) // ' to ' // &
-                     readable(study%corner(2) + study%extent(2)))
+                     number_text(study%separation))
+    call buffer%line('studied: x from ' // number_text(study%corner(1)) // ' to ' // &
+                     number_text(study%corner(1) + study%extent(1)) // ', y from ' // &
+                     number_text(study%corner(2)) // ' to ' // &
+                     number_text(study%corner(2) + study%extent(2)))
     call buffer%line('asperities per area, found (design): upper ' // &
-                     readable(study%density(1)) // ' (' // readable(study%design_density(1)) // &
+                     number_text(study%density(1)) // ' (' // &
+                     number_text(study%design_density(1)) // &
                      ')' // lower_density())
     do q = 1, quantities
       call buffer%line('')
       call buffer%line(trim(headings(q)) // ' per area')
       call buffer%line('       size  sections         mean  std error   from integral' // &
-                       '   std deviation  within ' // percent(spec%tolerance))
+                       '   std deviation  within ' // two_decimals(spec%tolerance))
       do i = 1, size(study%sizes)
         associate (row => study%sizes(i))
-          write (line, '(a11, i10, a13, a11, a16, a16, a12)') readable(row%side), row%sections, &
-            readable(row%mean(q)), percent(row%error(q) / row%mean(q)), &
-            from_integral(study, row, q), percent(row%deviation(q) / row%mean(q)), &
-            percent(row%within(q))
+          write (line, '(a11, i10, a13, a11, a16, a16, a12)') number_text(row%side), row%sections, &
+            number_text(row%mean(q)), two_decimals(row%error(q) / row%mean(q)), &
+            from_integral(study, row, q), two_decimals(row%deviation(q) / row%mean(q)), &
+            two_decimals(row%within(q))
         end associate
         call buffer%line(line)
       end do
-      write (line, '(a21, a13)') integral, readable(study%integral(q))
+      write (line, '(a21, a13)') integral, number_text(study%integral(q))
       call buffer%line(line)
       if (spec%against /= against_plane) then
-        write (line, '(a21, a13)') 'shallow contacts only', readable(study%shallow(q))
+        write (line, '(a21, a13)') 'shallow contacts only', number_text(study%shallow(q))
         call buffer%line(line)
       end if
     end do
@@ -75,13 +76,13 @@ contains
 
       text = ''
       if (spec%against == against_plane) return
-      text = ', lower ' // readable(study%density(2)) // ' (' // &
-             readable(study%design_density(2)) // ')'
+      text = ', lower ' // number_text(study%density(2)) // ' (' // &
+             number_text(study%design_density(2)) // ')'
     end function lower_density
 
   end subroutine write_area_table
 
-  !> The size that speaks for the whole.
+  !> The representative size.
   subroutine write_verdict(spec, study, buffer)
     type(study_spec), intent(in) :: spec
     type(area_study), intent(in) :: study
@@ -91,17 +92,18 @@ contains
 
     reference = 'the integral'
     if (spec%reference /= reference_integral) reference = 'the mean of the largest size'
-    call buffer%line('sections within ' // percent(spec%tolerance) // ' of ' // reference // &
+    call buffer%line('sections within ' // two_decimals(spec%tolerance) // ' of ' // reference // &
                      ' in everything:')
     do i = 1, size(study%sizes)
-      call buffer%line('  size ' // readable(study%sizes(i)%side) // '  ' // &
-                       percent(study%sizes(i)%all_within))
+      call buffer%line('  size ' // number_text(study%sizes(i)%side) // '  ' // &
+                       two_decimals(study%sizes(i)%all_within))
     end do
     least = 'none of these sizes'
-    if (study%representative > 0) least = readable(study%sizes(study%representative)%side)
-    call buffer%line('representative size (' // percent(spec%confidence) // ' of the sections): ' &
+    if (study%representative > 0) least = number_text(study%sizes(study%representative)%side)
+    call buffer%line('representative size (' // two_decimals(spec%confidence) // &
+                     ' of the sections): ' &
                      // least)
-    call buffer%line('estimate by the spread: ' // readable(study%estimated_side))
+    call buffer%line('estimate by the spread: ' // number_text(study%estimated_side))
   end subroutine write_verdict
 
   !> How far a mean is from the integral, in percent and in standard errors.
@@ -153,12 +155,12 @@ contains
   end subroutine write_area_csv
 
   !> A share in percent.
-  pure function percent(share) result(text)
+  pure function two_decimals(share) result(text)
     real(real64), intent(in) :: share
     character(len=:), allocatable :: text
 
     text = '-'
     if (abs(share) < 1.0e4_real64) text = real_text(100 * share, 'f10.2') // '%'
-  end function percent
+  end function two_decimals
 
 end module asperity_area_study_table

@@ -62,7 +62,7 @@ contains
     end select
   end function model_share
 
-  ! What was compared with what, and how good that is.
+  ! The models that were compared, and the error of the reference.
   subroutine write_model(model, buffer)
     type(model_budget), intent(in) :: model
     type(text_buffer), intent(inout) :: buffer

@@ -55,17 +55,17 @@ contains
       places = decimals
       ! The original cuts the average number of points to a whole one.
       if (row == points_row .and. column == 3) places = 2
-      before = fixed(table%historic(row, column), decimals)
-      after = fixed(table%corrected(row, column), places)
+      before = fixed_text(table%historic(row, column), decimals)
+      after = fixed_text(table%corrected(row, column), places)
       reason = ''
       if (abs(table%historic(row, column)) > after_division_by_zero) then
         reason = 'no contact at its limit: the original divided by zero'
-      else if (fixed(table%historic(row, column), places) /= after) then
+      else if (fixed_text(table%historic(row, column), places) /= after) then
         do stage = 1, size(table%change, 3)
           if (abs(table%change(row, column, stage)) < 0.5_real64 * 10.0_real64**(-places)) cycle
           if (reason /= '') reason = reason // ', '
           reason = reason // stage_name(table, stage, row) // ' ' // &
-                   signed(table%change(row, column, stage), places)
+                   signed_text(table%change(row, column, stage), places)
         end do
         if (reason == '') reason = 'changes below half a printed unit add up'
       end if
@@ -77,7 +77,7 @@ contains
   end subroutine write_corrected_table
 
   ! A number with so many decimals, right-justified.
-  pure function fixed(value, decimals) result(text)
+  pure function fixed_text(value, decimals) result(text)
     real(real64), intent(in) :: value
     integer, intent(in) :: decimals
     character(len=11) :: text
@@ -90,10 +90,10 @@ contains
     write (format, '("(f11.", i0, ")")') decimals
     write (text, format) value
     if (decimals == 0) text = ' ' // text(:10)
-  end function fixed
+  end function fixed_text
 
   ! A change with its sign.
-  pure function signed(value, decimals) result(text)
+  pure function signed_text(value, decimals) result(text)
     real(real64), intent(in) :: value
     integer, intent(in) :: decimals
     character(len=:), allocatable :: text
@@ -101,6 +101,6 @@ contains
     text = real_text(value, 'sp, es24.3e3')
     if (abs(value) < 10.0_real64**(14 - max(decimals, 1))) &
       text = real_text(value, 'sp, f16.' // decimal_text(max(decimals, 1)))
-  end function signed
+  end function signed_text
 
 end module asperity_corrected_table_text

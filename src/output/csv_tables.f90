@@ -21,7 +21,7 @@ contains
   !> Writes one line a row, under the names of the columns.
   subroutine write_results(which, results, buffer, comment)
     integer, intent(in) :: which                !! table, of `asperity_result_table`
-    type(scene_results), intent(in) :: results  !! solved; contacts need them kept
+    type(scene_results), intent(in) :: results  !! results of a run; contacts need their rows
     type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=*), intent(in), optional :: comment  !! a line before the names
     type(result_table) :: table

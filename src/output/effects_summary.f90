@@ -1,8 +1,8 @@
-!> What `asperity solve` prints of the effects: which were simulated where, why, and how it ended.
+!> The effects in the summary of `asperity solve`: where each was simulated, why, and how it ended.
 module asperity_effects_summary
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
-  use asperity_position_lists, only: counted, percent, positions_text, readable
+  use asperity_number_format, only: count_text, percent_text, positions_text, number_text
   use asperity_problems, only: decimal_text, real_text
   use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: effect_auto, effect_words
@@ -11,23 +11,23 @@ module asperity_effects_summary
   implicit none
   private
 
-  public :: told_line, list_effects, write_effects, effects_in_words
+  public :: effect_sentence, list_effects, write_effects, effects_in_words
 
   integer, parameter :: widest = 100, indent = 15
   ! A sentence lists positions up to half of this length.
   integer, parameter :: longest = 1000
 
   !> A sentence about an effect.
-  type :: told_line
+  type :: effect_sentence
     character(len=11) :: effect = ''         !! its name in its first sentence, blank in the others
     character(len=longest) :: text = ''      !! the sentence
-  end type told_line
+  end type effect_sentence
 
 contains
 
   !> `interaction auto, friction on`.
   pure function effects_in_words(results) result(text)
-    type(scene_results), intent(in) :: results  !! solved
+    type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text
     integer :: e
 
@@ -44,9 +44,9 @@ contains
 
   !> One paragraph an effect, below a heading.
   subroutine write_effects(results, buffer)
-    type(scene_results), intent(in) :: results  !! solved
+    type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! the text
-    type(told_line), allocatable :: lines(:)
+    type(effect_sentence), allocatable :: lines(:)
     integer :: i
 
     call list_effects(results, lines)
@@ -54,7 +54,7 @@ contains
     call buffer%line('')
     call buffer%line('Effects, relative to the vertical load without the effect')
     do i = 1, size(lines)
-      call paragraph(trim(lines(i)%effect), trim(lines(i)%text), buffer)
+      call write_paragraph(trim(lines(i)%effect), trim(lines(i)%text), buffer)
     end do
   end subroutine write_effects
 
@@ -62,8 +62,8 @@ contains
   !> measured influence, the largest estimate left out, how the solves ended; the estimated
   !> influence of each that is off.
   subroutine list_effects(results, lines)
-    type(scene_results), intent(in) :: results              !! solved
-    type(told_line), allocatable, intent(out) :: lines(:)   !! none where there are no effects
+    type(scene_results), intent(in) :: results              !! results of a run
+    type(effect_sentence), allocatable, intent(out) :: lines(:)   !! none where there are no effects
     character(len=:), allocatable :: text
     real(real64) :: share
     integer :: e, worst
@@ -78,9 +78,9 @@ contains
       worst = maxloc(results%positions%left_out(e), 1)
       share = results%positions(worst)%left_out(e)
       if (.not. share > not_computed) cycle
-      text = 'off: estimated influence on the load ' // percent(share)
+      text = 'off: estimated influence on the load ' // percent_text(share)
       if (size(results%positions) > 1) text = text // ' (position ' // decimal_text(worst) // ')'
-      lines = [lines, told_line(known_effects(e)%name, text)]
+      lines = [lines, effect_sentence(known_effects(e)%name, text)]
     end do
   end subroutine list_effects
 
@@ -88,7 +88,7 @@ contains
     type(scene_results), intent(in) :: results
     type(effect_header), intent(in) :: header
     integer, intent(in) :: e
-    type(told_line), allocatable, intent(inout) :: lines(:)
+    type(effect_sentence), allocatable, intent(inout) :: lines(:)
     logical, allocatable :: simulated(:), so(:)
     real(real64), allocatable :: area(:), closing(:), influence(:), left_out(:), residual(:)
     character(len=:), allocatable :: word, head, text, why
@@ -124,54 +124,56 @@ contains
     first = maxloc(residual, 1)
     text = ''
     if (simulated_at > 0) &
-      text = ', largest residual ' // readable(residual(first), 2) // at_position(first)
+      text = ', largest residual ' // number_text(residual(first), 2) // at_position(first)
     if (header%modes(e) == effect_auto) then
-      call add(head, word // ', tolerance ' // percent(header%tolerance) // &
-               ': estimated at ' // counted(number, 'position') // ', simulated at ' // &
+      call add_sentence(head, word // ', tolerance ' // percent_text(header%tolerance) // &
+               ': estimated at ' // count_text(number, 'position') // ', simulated at ' // &
                decimal_text(simulated_at) // text)
     else
-      call add(head, word // ': simulated at ' // counted(simulated_at, 'position') // text)
+      call add_sentence(head, word // ': simulated at ' // count_text(simulated_at, 'position') // &
+                        text)
     end if
     if (has_pixels) then
-      call add('', 'perfectly plastic pixels: pressures up to plastic_hardness = ' // &
-               readable(header%hardness, 6))
+      call add_sentence('', 'perfectly plastic pixels: pressures up to plastic_hardness = ' // &
+               number_text(header%hardness, 6))
     else if (header%names(e) == 'plasticity') then
-      call add('', 'the ' // header%plastic_body // ' body yields')
+      call add_sentence('', 'the ' // header%plastic_body // ' body yields')
     end if
     if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
-      call add('', 'plasticity index ' // &
+      call add_sentence('', 'plasticity index ' // &
                real_text(header%plasticity_index, 'g10.3'))
     end if
 
-    ! The ways in which it was simulated, in the order in which they first occur.
+    ! The modes in which it was simulated, in the order in which they first occur.
     so = .not. simulated
     do while (.not. all(so))
       first = findloc(so, .false., 1)
       word = trim(results%positions(first)%effects(e)%simulated)
       why = trim(results%positions(first)%effects(e)%why)
-      call one_way(word, why)
+      call describe_mode(word, why)
     end do
     if (simulated_at > 0) then
       first = maxloc(abs(influence), 1)
       text = ''
       if (all(influence > not_computed)) then
-        text = 'influence ' // percent(influence(first)) // at_position(first)
+        text = 'influence ' // percent_text(influence(first)) // at_position(first)
         if (number > 1) text = text // ', smallest ' // &
-                               percent(influence(minloc(abs(influence), 1, simulated)))
+                               percent_text(influence(minloc(abs(influence), 1, simulated)))
       end if
       if (any(closing > not_computed)) text = text // trim(merge('; ', '  ', text /= '')) // &
-        ' at the prescribed load: compression ' // greatest(closing) // ', area ' // greatest(area)
-      if (text /= '') call add('', trim(adjustl(text)))
+        ' at the prescribed load: compression ' // largest_change(closing) // ', area ' // &
+        largest_change(area)
+      if (text /= '') call add_sentence('', trim(adjustl(text)))
     end if
     if (simulated_at < number .and. header%modes(e) == effect_auto) then
       first = maxloc(left_out, 1)
-      call add('', 'largest estimated influence left out ' // &
-          percent(left_out(first)) // at_position(first))
+      call add_sentence('', 'largest estimated influence left out ' // &
+          percent_text(left_out(first)) // at_position(first))
     end if
 
   contains
 
-    subroutine one_way(word, why)
+    subroutine describe_mode(word, why)
       character(len=*), intent(in) :: word, why
       logical :: this_way(size(so))
       integer :: i
@@ -183,19 +185,19 @@ contains
       so = so .or. this_way
       if (header%modes(e) /= effect_auto) return
       if (why == '') then
-        call add('', word // ' at ' // positions_text(this_way))
+        call add_sentence('', word // ' at ' // positions_text(this_way))
       else
-        call add('', word // ' (' // why // ') at ' // positions_text(this_way))
+        call add_sentence('', word // ' (' // why // ') at ' // positions_text(this_way))
       end if
-    end subroutine one_way
+    end subroutine describe_mode
 
-    subroutine add(effect, text)
+    subroutine add_sentence(effect, text)
       character(len=*), intent(in) :: effect, text
-      lines = [lines, told_line(effect, text)]
-    end subroutine add
+      lines = [lines, effect_sentence(effect, text)]
+    end subroutine add_sentence
 
     ! The greatest of the changes that were measured, with its sign.
-    function greatest(changes) result(text)
+    function largest_change(changes) result(text)
       real(real64), intent(in) :: changes(:)
       character(len=:), allocatable :: text
       integer :: at
@@ -210,9 +212,9 @@ contains
         text = '0 %'
         return
       end if
-      text = percent(changes(at)) // at_position(at)
+      text = percent_text(changes(at)) // at_position(at)
       if (changes(at) > 0.0_real64) text = '+' // text
-    end function greatest
+    end function largest_change
 
     function at_position(position) result(text)
       integer, intent(in) :: position
@@ -225,7 +227,7 @@ contains
   end subroutine list_effect
 
   ! A text in lines, after a word.
-  subroutine paragraph(head, text, buffer)
+  subroutine write_paragraph(head, text, buffer)
     character(len=*), intent(in) :: head, text
     type(text_buffer), intent(inout) :: buffer
     character(len=indent) :: margin
@@ -245,6 +247,6 @@ contains
       from = to + verify(text(to + 1:), ' ')
       if (from == to) return
     end do
-  end subroutine paragraph
+  end subroutine write_paragraph
 
 end module asperity_effects_summary

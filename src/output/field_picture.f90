@@ -5,10 +5,10 @@ module asperity_field_picture
   use asperity_height_map, only: height_map, is_measured
   use asperity_kinds, only: not_computed, real64
   use asperity_map_summits, only: map_summits
+  use asperity_number_format, only: count_text, number_text
   use asperity_plan_drawing, only: add_dots, add_frame, add_image, add_line, add_text, at_begin, &
                                    at_end, at_middle, colour_blank, colour_missing, first_colour, &
                                    last_colour, plan_drawing, write_svg
-  use asperity_position_lists, only: counted, readable
   use asperity_problems, only: decimal_text
   use asperity_svg_plot, only: round_step
   use asperity_text_buffer, only: text_buffer
@@ -20,7 +20,7 @@ module asperity_field_picture
   public :: plan_of_gap, plan_of_pressure
   public :: width_of_page, width_of_picture
 
-  !> What the colours are.
+  !> Quantities shown as colours.
   integer, parameter :: plan_of_pressure = 1, plan_of_gap = 2
 
   !> Longer side of the map in points: on a page, where letters must be legible on a phone, and in a
@@ -42,7 +42,7 @@ module asperity_field_picture
   ! More dots make the file large: the highest summits are drawn.
   integer, parameter :: most_dots = 20000
 
-  ! What a plan shows, and where.
+  ! Content and place of a plan.
   type :: plan_frame
     real(real64) :: low(2) = 0.0_real64        ! coordinates of the lower left corner [length]
     real(real64) :: side(2) = 0.0_real64       ! sides along x and y [length]
@@ -116,7 +116,7 @@ contains
     drawn = highest_of(summits%height)
     call add_dots(drawing, place_across(frame, 1, pack(summits%x, drawn)), &
                   place_across(frame, 2, pack(summits%y, drawn)), merge(2, 4, number > 2000))
-    text = counted(number, 'summit') // ' (dots)'
+    text = count_text(number, 'summit') // ' (dots)'
     if (number > most_dots) text = text // ', the highest ' // decimal_text(most_dots) // ' drawn'
     call add_text(drawing, [left, top + frame%points(2) + fourth_line], at_begin, text)
     call write_svg(drawing, title, .false., buffer)
@@ -169,7 +169,7 @@ contains
     room = max(points(2), 2 * least)
     drawing%width = left + points(1) + beside + bar + numbers
     drawing%height = top + max(points(2) + below, room + third_line)
-    if (title /= '') call add_text(drawing, [8, 18], at_begin, cut(title, drawing%width), &
+    if (title /= '') call add_text(drawing, [8, 18], at_begin, cut_text(title, drawing%width), &
                                    is_bold=.true.)
     call add_image(drawing, left, top, points(1), points(2), colours_of(mean, frame))
     call add_frame(drawing, left, top, points(1), points(2))
@@ -201,11 +201,11 @@ contains
         if (axis == 1) then
           call add_line(drawing, [left + at, top + points(2)], [left + at, top + points(2) + mark])
           call add_text(drawing, [left + at, top + points(2) + first_line], at_middle, &
-                        readable(value, digits))
+                        number_text(value, digits))
         else
           call add_line(drawing, [left - mark, top + points(2) - at], [left, top + points(2) - at])
           call add_text(drawing, [left - mark - 4, top + points(2) - at + 4], at_end, &
-                        readable(value, digits))
+                        number_text(value, digits))
         end if
       end do
     end subroutine put_axis
@@ -224,7 +224,7 @@ contains
       associate (low => frame%range(1), high => frame%range(2))
         if (.not. high > low) then
           call add_text(drawing, [from + bar + mark + 4, top + room + 4], at_begin, &
-                        readable(low, digits))
+                        number_text(low, digits))
           return
         end if
         step = round_step((high - low) / max(1, min(6, room / distance(2))))
@@ -232,7 +232,7 @@ contains
           at = top + room - nint((k * step - low) / (high - low) * room)
           call add_line(drawing, [from + bar, at], [from + bar + mark, at])
           call add_text(drawing, [from + bar + mark + 4, at + 4], at_begin, &
-                        readable(k * step, digits))
+                        number_text(k * step, digits))
         end do
       end associate
     end subroutine put_colour_bar
@@ -249,7 +249,7 @@ contains
       call add_line(drawing, [to, foot - 4], [to, foot + 4])
       call add_line(drawing, [left, foot], [to, foot])
       call add_text(drawing, [to + 8, foot + 4], at_begin, &
-                    trim(readable(length, 1) // ' ' // frame%unit))
+                    trim(number_text(length, 1) // ' ' // frame%unit))
     end subroutine put_scale_bar
 
     ! A colour that stands beside the colour bar, and what it means.
@@ -267,7 +267,7 @@ contains
   end subroutine draw_pixels
 
   ! A text in a room of so many points.
-  pure function cut(text, room) result(line)
+  pure function cut_text(text, room) result(line)
     character(len=*), intent(in) :: text
     integer, intent(in) :: room
     character(len=:), allocatable :: line
@@ -275,7 +275,7 @@ contains
 
     line = text
     if (len(line) > room / widest_letter) line = line(:room / widest_letter - 3) // '...'
-  end function cut
+  end function cut_text
 
   ! Mean values of squares of measured pixels; `not_computed` where none was measured.
   pure subroutine average_squares(values, most_pixels, mean)

@@ -8,7 +8,7 @@ module asperity_html_page
 
   public :: begin_page, end_page, begin_section, end_section
   public :: begin_table, put_row, end_table, put_lines
-  public :: escaped
+  public :: escaped_text
 
 contains
 
@@ -31,12 +31,12 @@ contains
                      'style-src ''unsafe-inline''' // &
                      script // '"/>')
     call buffer%line('<meta name="viewport" content="width=device-width, initial-scale=1"/>')
-    call buffer%line('<title>' // escaped(title) // '</title>')
+    call buffer%line('<title>' // escaped_text(title) // '</title>')
     call put_style(buffer)
     call buffer%line('</head>')
     call buffer%line('<body>')
     call buffer%line('<main>')
-    call buffer%line('<h1>' // escaped(title) // '</h1>')
+    call buffer%line('<h1>' // escaped_text(title) // '</h1>')
   end subroutine begin_page
 
   ! Two sets of colours, each with a contrast of 4.5 or more of text to paper; one column of any
@@ -111,7 +111,7 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! the page
 
     call buffer%line('<section aria-labelledby="' // name // '">')
-    call buffer%line('<h2 id="' // name // '">' // escaped(heading) // '</h2>')
+    call buffer%line('<h2 id="' // name // '">' // escaped_text(heading) // '</h2>')
   end subroutine begin_section
 
   !> Its end.
@@ -129,12 +129,12 @@ contains
     integer :: i
 
     call buffer%line('<div class="scroll" role="region" tabindex="0" aria-label="' // &
-                     escaped(caption) // '">')
+                     escaped_text(caption) // '">')
     call buffer%line('<table>')
-    call buffer%line('<caption>' // escaped(caption) // '</caption>')
+    call buffer%line('<caption>' // escaped_text(caption) // '</caption>')
     call buffer%append('<thead><tr>')
     do i = 1, size(headers)
-      call buffer%append('<th scope="col">' // escaped(trim(headers(i))) // '</th>')
+      call buffer%append('<th scope="col">' // escaped_text(trim(headers(i))) // '</th>')
     end do
     call buffer%line('</tr></thead>')
     call buffer%line('<tbody>')
@@ -146,9 +146,9 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! the page
     integer :: i
 
-    call buffer%append('<tr><th scope="row">' // escaped(trim(cells(1))) // '</th>')
+    call buffer%append('<tr><th scope="row">' // escaped_text(trim(cells(1))) // '</th>')
     do i = 2, size(cells)
-      call buffer%append('<td>' // escaped(trim(cells(i))) // '</td>')
+      call buffer%append('<td>' // escaped_text(trim(cells(i))) // '</td>')
     end do
     call buffer%line('</tr>')
   end subroutine put_row
@@ -169,13 +169,14 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! the page
     integer :: first, last
 
-    call buffer%line('<pre role="region" tabindex="0" aria-label="' // escaped(label) // '">')
+    call buffer%line('<pre role="region" tabindex="0" aria-label="' // escaped_text(label) // '">')
     first = 1
     do while (first <= len(text))
       last = first + scan(text(first:), new_line('a')) - 2
       if (last < first - 1) last = len(text)
       ! A carriage return before the end of a line is a part of that end.
-      call buffer%line(escaped(text(first:last - merge(1, 0, ends_with_return(text(first:last))))))
+      call buffer%line(escaped_text(text(first:last - merge(1, 0, &
+                                                            ends_with_return(text(first:last))))))
       first = last + 2
     end do
     call buffer%line('</pre>')
@@ -190,7 +191,7 @@ contains
 
   !> One line of text for a page, between tags or in quotes: what has a meaning there is written by
   !> name, a tab is a blank, what cannot be shown is a question mark.
-  pure function escaped(text) result(safe)
+  pure function escaped_text(text) result(safe)
     character(len=*), intent(in) :: text    !! any bytes
     character(len=:), allocatable :: safe   !! a piece of a page
     type(text_buffer) :: buffer
@@ -217,6 +218,6 @@ contains
       end select
     end do
     safe = buffer%text()
-  end function escaped
+  end function escaped_text
 
 end module asperity_html_page

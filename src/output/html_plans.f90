@@ -4,9 +4,9 @@ module asperity_html_plans
   use asperity_contact_records, only: contact_radius, contact_row, position_result, state_row
   use asperity_decimal, only: decimal_to_real64
   use asperity_height_map, only: height_map
-  use asperity_html_page, only: begin_table, end_table, escaped, put_row
+  use asperity_html_page, only: begin_table, end_table, escaped_text, put_row
   use asperity_kinds, only: not_computed, real64
-  use asperity_position_lists, only: counted, readable
+  use asperity_number_format, only: count_text, number_text
   use asperity_problems, only: decimal_text
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: scene, scene_surface
@@ -99,7 +99,7 @@ contains
     if (map%columns == 0) return
     associate (low => -0.5_real64 * map%spacing, &
                high => map%spacing * ([map%columns, map%rows] - 0.5_real64))
-      points = rectangle(low, high)
+      points = rectangle_corners(low, high)
     end associate
   end function map_in_plan
 
@@ -117,7 +117,8 @@ contains
     base = min(max(surface%height, 0.0_real64), surface%radius)
     base = sqrt(base) * sqrt(surface%radius + (surface%radius - base))
     associate (x => surface%x, y => surface%y)
-      points = rectangle([minval(x - base), minval(y - base)], [maxval(x + base), maxval(y + base)])
+      points = rectangle_corners([minval(x - base), minval(y - base)], [maxval(x + base), &
+                                                                        maxval(y + base)])
       if (size(x) <= most_summits) points = reshape([points, transpose(reshape([x, y], &
                                                     [size(x), 2]))], [2, 4 + size(x)])
     end associate
@@ -126,12 +127,12 @@ contains
   end function surface_in_plan
 
   ! Four corners, one after the other around.
-  pure function rectangle(low, high) result(corners)
+  pure function rectangle_corners(low, high) result(corners)
     real(real64), intent(in) :: low(2), high(2)
     real(real64) :: corners(2, 4)
 
     corners = reshape([low, high(1), low(2), high, low(1), high(2)], [2, 4])
-  end function rectangle
+  end function rectangle_corners
 
   ! A frame around the contacts and surfaces of all positions.
   subroutine find_frame(results, frame)
@@ -147,8 +148,8 @@ contains
     do m = 1, size(results%positions)
       last = state_in_plan(results, m)
       if (last%last_row < last%first_row) cycle
-      call enclose(frame%lower, [0.0_real64, 0.0_real64])
-      call enclose(frame%upper, displacement(results, m))
+      call enclose_points(frame%lower, [0.0_real64, 0.0_real64])
+      call enclose_points(frame%upper, displacement_of(results, m))
       do i = last%first_row, last%last_row
         associate (row => results%positions(m)%rows(i))
           ! A patch that spans a periodic map has no centre, and no circle.
@@ -175,13 +176,13 @@ contains
 
   contains
 
-    subroutine enclose(points, shift)
+    subroutine enclose_points(points, shift)
       real(real64), intent(in) :: points(:, :), shift(2)
 
       if (size(points, 2) == 0) return
       low = min(low, minval(points(:, :4), 2) + shift)
       high = max(high, maxval(points(:, :4), 2) + shift)
-    end subroutine enclose
+    end subroutine enclose_points
 
   end subroutine find_frame
 
@@ -202,13 +203,13 @@ contains
   end function state_in_plan
 
   ! Displacement of the upper surface.
-  pure function displacement(results, m) result(shift)
+  pure function displacement_of(results, m) result(shift)
     type(scene_results), intent(in) :: results
     integer, intent(in) :: m
     real(real64) :: shift(2)
 
     shift = [results%positions(m)%x_displacement, results%positions(m)%y_displacement]
-  end function displacement
+  end function displacement_of
 
   ! The legend of a plan.
   subroutine put_legend(scene_in, frame, buffer)
@@ -260,8 +261,8 @@ contains
     reached = last%last_row - last%first_row < frame%stops
     if (reached) frame%stops = frame%stops - (last%last_row - last%first_row + 1)
     frame%plans = frame%plans + 1
-    title = counted(last%last_row - last%first_row + 1, 'contact') // ', load ' // &
-            readable(last%load)
+    title = count_text(last%last_row - last%first_row + 1, 'contact') // ', load ' // &
+            number_text(last%load)
     if (step < size(results%positions(m)%states)) &
       title = 'step ' // decimal_text(step) // ': ' // title
     if (size(results%positions) > 1) title = 'position ' // decimal_text(m) // ': ' // title
@@ -272,28 +273,28 @@ contains
     else
       call buffer%line('<div>')
     end if
-    call plot%begin('plan of contacts, ' // title, frame%across, frame%up, buffer, &
+    call plot%begin_plot('plan of contacts, ' // title, frame%across, frame%up, buffer, &
                     is_true=.true., is_again=frame%plans > 1)
     if (frame%plans == 1) then
-      frame%first = displacement(results, m)
+      frame%first = displacement_of(results, m)
       frame%upper = frame%upper + spread(frame%first, 2, size(frame%upper, 2))
-      if (size(frame%lower) > 0) call plot%surface('lower', frame%lower, buffer)
-      if (size(frame%upper) > 0) call plot%surface('upper', frame%upper, buffer)
+      if (size(frame%lower) > 0) call plot%add_surface('lower', frame%lower, buffer)
+      if (size(frame%upper) > 0) call plot%add_surface('upper', frame%upper, buffer)
     else
-      if (size(frame%lower) > 0) call plot%again('lower', [0.0_real64, 0.0_real64], buffer)
+      if (size(frame%lower) > 0) call plot%repeat_surface('lower', [0.0_real64, 0.0_real64], buffer)
       if (size(frame%upper) > 0) &
-        call plot%again('upper', displacement(results, m) - frame%first, buffer)
+        call plot%repeat_surface('upper', displacement_of(results, m) - frame%first, buffer)
     end if
     if (.not. reached) call buffer%line('<g class="patch many">')
     do i = last%first_row, last_circle
       associate (row => results%positions(m)%rows(i))
         if (min(row%x, row%y) > not_computed) &
-          call plot%circle(row%x, row%y, contact_radius(row), text_of(row, reached), reached, &
+          call plot%add_circle(row%x, row%y, contact_radius(row), text_of(row, reached), reached, &
                            buffer)
       end associate
     end do
     if (.not. reached) call buffer%line('</g>')
-    call plot%finish(buffer)
+    call plot%end_plot(buffer)
     if (last_in_table >= last%first_row) then
       call begin_table('contacts, ' // title, [character(len=16) :: 'area_no', 'x', 'y', &
                        'contact_radius', 'load', 'average_pressure', 'maximum_pressure'], buffer)
@@ -317,7 +318,7 @@ contains
       cells(1) = decimal_text(row%area_no)
       do k = 1, size(values)
         cells(k + 1) = ''
-        if (values(k) > not_computed) cells(k + 1) = readable(values(k))
+        if (values(k) > not_computed) cells(k + 1) = number_text(values(k))
       end do
       call put_row(cells, buffer)
     end subroutine put_contact
@@ -330,9 +331,9 @@ contains
     logical, intent(in) :: at_length
     character(len=:), allocatable :: text
 
-    text = decimal_text(row%area_no) // ': load ' // readable(row%load, 4)
-    if (at_length) text = text // ', radius ' // readable(contact_radius(row), 4) // &
-                          ', pressure up to ' // readable(row%maximum_pressure, 4)
+    text = decimal_text(row%area_no) // ': load ' // number_text(row%load, 4)
+    if (at_length) text = text // ', radius ' // number_text(contact_radius(row), 4) // &
+                          ', pressure up to ' // number_text(row%maximum_pressure, 4)
   end function text_of
 
 end module asperity_html_plans

@@ -27,7 +27,7 @@ module asperity_map_file
     integer :: used = 0
     character(len=:), allocatable :: failure
   contains
-    procedure :: put
+    procedure :: put_bytes
     procedure :: flush => flush_block
   end type byte_writer
 
@@ -37,7 +37,7 @@ contains
   !> their bits. `failure` is allocated when the file cannot be written.
   subroutine write_map_file(path, map, problems, failure)
     character(len=*), intent(in) :: path                    !! the file
-    type(height_map), intent(in) :: map                     !! checked
+    type(height_map), intent(in) :: map                     !! height map, checked
     type(problem_list), intent(inout) :: problems           !! what the format does not hold
     character(len=:), allocatable, intent(out) :: failure   !! why it was not written
     character(len=:), allocatable :: head
@@ -60,7 +60,7 @@ contains
   !> to standard output.
   subroutine stage_map_file(path, map, problems, failure)
     character(len=*), intent(in) :: path                    !! the file; empty: standard output
-    type(height_map), intent(in) :: map                     !! checked
+    type(height_map), intent(in) :: map                     !! height map, checked
     type(problem_list), intent(inout) :: problems           !! what the format does not hold
     character(len=:), allocatable, intent(out) :: failure   !! why it was not written
     character(len=:), allocatable :: ending, head, place
@@ -90,7 +90,7 @@ contains
     call make_header(path, ending_of(path), map, head, problems)
   end subroutine check_map_path
 
-  ! What stands behind the last point, in small letters; text for standard output.
+  ! The ending behind the last point, in small letters; text for standard output.
   pure function ending_of(path) result(ending)
     character(len=*), intent(in) :: path
     character(len=:), allocatable :: ending
@@ -135,20 +135,20 @@ contains
     integer :: column, row
 
     file%descriptor = descriptor
-    call file%put(head)
+    call file%put_bytes(head)
     do row = 1, map%rows
       do column = 1, map%columns
         if (allocated(file%failure)) exit
-        call file%put(pixel(map%height(column, row)))
+        call file%put_bytes(pixel_bytes(map%height(column, row)))
       end do
-      if (ending == 'txt') call file%put(new_line('a'))
+      if (ending == 'txt') call file%put_bytes(new_line('a'))
     end do
     call file%flush()
     if (allocated(file%failure)) call move_alloc(file%failure, failure)
 
   contains
 
-    pure function pixel(height) result(bytes)
+    pure function pixel_bytes(height) result(bytes)
       real(real64), intent(in) :: height
       character(len=:), allocatable :: bytes
 
@@ -164,7 +164,7 @@ contains
       else
         bytes = 'NaN '
       end if
-    end function pixel
+    end function pixel_bytes
 
   end subroutine write_map
 
@@ -180,17 +180,18 @@ contains
     wide = merge(2, 4, max(map%columns, map%rows) <= most_of_iso_1)
     head = 'bISO-' // merge('1.0', '2.0', wide == 2) // 'asperity  ' // repeat('0', 24) // &
            bytes_of(int(map%columns, int64), wide) // bytes_of(int(map%rows, int64), wide) // &
-           double(map%spacing(1) * metres) // double(map%spacing(2) * metres) // double(metres) // &
-           double(-1.0_real64) // char(0) // char(binary64) // char(0)
+           double_bytes(map%spacing(1) * metres) // double_bytes(map%spacing(2) * metres) // &
+           double_bytes(metres) // &
+           double_bytes(-1.0_real64) // char(0) // char(binary64) // char(0)
 
   contains
 
-    pure function double(number) result(bytes)
+    pure function double_bytes(number) result(bytes)
       real(real64), intent(in) :: number
       character(len=8) :: bytes
 
       bytes = bytes_of(transfer(number, 0_int64), 8)
-    end function double
+    end function double_bytes
 
   end function surface_data_header
 
@@ -241,7 +242,7 @@ contains
   end function bytes_of
 
   ! Adds bytes.
-  subroutine put(self, bytes)
+  subroutine put_bytes(self, bytes)
     class(byte_writer), intent(inout) :: self
     character(len=*), intent(in) :: bytes
 
@@ -249,7 +250,7 @@ contains
     if (allocated(self%failure)) return
     self%block(self%used + 1:self%used + len(bytes)) = bytes
     self%used = self%used + len(bytes)
-  end subroutine put
+  end subroutine put_bytes
 
   ! Writes what has not been written yet.
   subroutine flush_block(self)

@@ -3,9 +3,9 @@
 !> Lengths are in points, from the upper left corner to the right and down. All images share one
 !> palette, of which the PNG is made as well.
 module asperity_plan_drawing
-  use asperity_html_page, only: escaped
+  use asperity_html_page, only: escaped_text
   use asperity_kinds, only: real64
-  use asperity_png_image, only: base64, png_bytes
+  use asperity_png_image, only: base64_text, png_bytes
   use asperity_problems, only: decimal_text
   use asperity_text_buffer, only: text_buffer
   implicit none
@@ -169,7 +169,7 @@ contains
 
     call buffer%append('<svg viewBox="0 0 ' // decimal_text(drawing%width) // ' ' // &
                        decimal_text(drawing%height) // '" role="img" aria-label="' // &
-                       escaped(label) // '"')
+                       escaped_text(label) // '"')
     if (.not. in_page) call buffer%append(' xmlns="http://www.w3.org/2000/svg" width="' // &
                                           decimal_text(drawing%width) // '" height="' // &
                                           decimal_text(drawing%height) // '"')
@@ -180,11 +180,13 @@ contains
     end if
     do i = 1, size(drawing%images)
       associate (image => drawing%images(i))
-        call buffer%append('<image' // number('x', image%left) // number('y', image%top) // &
-                           number('width', image%width) // number('height', image%height) // &
+        call buffer%append('<image' // attribute_text('x', image%left) // attribute_text('y', &
+                                                                                     image%top) // &
+                           attribute_text('width', image%width) // attribute_text('height', &
+                                                                                  image%height) // &
                            ' preserveAspectRatio="none" style="image-rendering:pixelated" ' // &
                            'href="data:image/png;base64,')
-        call buffer%append(base64(png_bytes(image%colour, palette())))
+        call buffer%append(base64_text(png_bytes(image%colour, colour_palette())))
         call buffer%line('"/>')
       end associate
     end do
@@ -208,22 +210,23 @@ contains
     end if
     do i = 1, size(drawing%texts)
       associate (text => drawing%texts(i))
-        call buffer%append('<text' // number('x', text%at(1)) // number('y', text%at(2)) // &
+        call buffer%append('<text' // attribute_text('x', text%at(1)) // attribute_text('y', &
+                                                                                    text%at(2)) // &
                            ' text-anchor="' // trim(anchors(text%anchor)) // '"')
         if (text%is_bold) call buffer%append(' style="font-weight:bold"')
-        call buffer%line('>' // escaped(text%text) // '</text>')
+        call buffer%line('>' // escaped_text(text%text) // '</text>')
       end associate
     end do
     call buffer%line('</svg>')
   end subroutine write_svg
 
-  pure function number(name, value) result(attribute)
+  pure function attribute_text(name, value) result(attribute)
     character(len=*), intent(in) :: name
     integer, intent(in) :: value
     character(len=:), allocatable :: attribute
 
     attribute = ' ' // name // '="' // decimal_text(value) // '"'
-  end function number
+  end function attribute_text
 
   !> The drawing as a PNG of two pixels a point.
   function png_of(drawing) result(png)
@@ -256,7 +259,7 @@ contains
     do k = 1, size(drawing%texts)
       call put_text(drawing%texts(k))
     end do
-    png = png_bytes(canvas, palette())
+    png = png_bytes(canvas, colour_palette())
 
   contains
 
@@ -305,18 +308,18 @@ contains
     number = iachar(letter)
     if (number < 32 .or. number > 126) number = iachar('?')
     at = 2 * (glyph_width * (number - 32) + column) - 1
-    bits = 16 * digit(glyphs(at:at)) + digit(glyphs(at + 1:at + 1))
+    bits = 16 * hexadecimal_digit(glyphs(at:at)) + hexadecimal_digit(glyphs(at + 1:at + 1))
     has_dot = btest(bits, row - 1)
   end function has_dot
 
-  pure integer function digit(letter)
+  pure integer function hexadecimal_digit(letter)
     character(len=1), intent(in) :: letter
 
-    digit = index('0123456789ABCDEF', letter) - 1
-  end function digit
+    hexadecimal_digit = index('0123456789ABCDEF', letter) - 1
+  end function hexadecimal_digit
 
   ! Red, green and blue of all places of the palette.
-  pure function palette() result(colours)
+  pure function colour_palette() result(colours)
     integer :: colours(3, 0:last_colour)
     real(real64) :: at
     integer :: i, k
@@ -330,6 +333,6 @@ contains
       k = min(int(at), size(viridis, 2) - 2)
       colours(:, i) = nint(viridis(:, k + 1) + (at - k) * (viridis(:, k + 2) - viridis(:, k + 1)))
     end do
-  end function palette
+  end function colour_palette
 
 end module asperity_plan_drawing

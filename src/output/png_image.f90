@@ -6,7 +6,7 @@ module asperity_png_image
   implicit none
   private
 
-  public :: base64, png_bytes
+  public :: base64_text, png_bytes
 
   character(len=*), parameter :: signature = char(137) // 'PNG' // achar(13) // achar(10) // &
     achar(26) // achar(10)
@@ -33,13 +33,14 @@ contains
     end do
     call bytes%append(signature)
     ! Eight bits a pixel of a palette (type 3), neither filtered nor interlaced.
-    call add_chunk('IHDR', word(int(size(shade, 1), int64)) // word(int(size(shade, 2), int64)) // &
+    call add_chunk('IHDR', word_bytes(int(size(shade, 1), int64)) // word_bytes(int(size(shade, &
+                                                                                    2), int64)) // &
                    achar(8) // achar(3) // repeat(achar(0), 3), bytes)
     do i = 1, size(palette, 2)
       call colours%append(char(palette(1, i)) // char(palette(2, i)) // char(palette(3, i)))
     end do
     call add_chunk('PLTE', colours%text(), bytes)
-    call add_chunk('IDAT', stored(rows%text()), bytes)
+    call add_chunk('IDAT', stored_stream(rows%text()), bytes)
     call add_chunk('IEND', '', bytes)
     png = bytes%text()
   end function png_bytes
@@ -61,11 +62,12 @@ contains
         check = ieor(shiftr(check, 1), merge(polynomial, 0_int64, btest(check, 0)))
       end do
     end do
-    call bytes%append(word(int(len(content), int64)) // named // word(ieor(check, all_32)))
+    call bytes%append(word_bytes(int(len(content), int64)) // named // word_bytes(ieor(check, &
+                                                                                       all_32)))
   end subroutine add_chunk
 
   ! A zlib stream (RFC 1950) of stored blocks, with its check sum.
-  pure function stored(bytes) result(stream)
+  pure function stored_stream(bytes) result(stream)
     character(len=*), intent(in) :: bytes
     character(len=:), allocatable :: stream
     type(text_buffer) :: buffer
@@ -75,8 +77,8 @@ contains
     call buffer%append(char(120) // achar(1))
     do first = 1, len(bytes), longest_block
       length = min(longest_block, len(bytes) - first + 1)
-      call buffer%append(char(merge(1, 0, first + length > len(bytes))) // little(length) // &
-                         little(longest_block - length) // bytes(first:first + length - 1))
+      call buffer%append(char(merge(1, 0, first + length > len(bytes))) // little_bytes(length) // &
+                         little_bytes(longest_block - length) // bytes(first:first + length - 1))
     end do
     a = 1_int64
     b = 0_int64
@@ -84,12 +86,12 @@ contains
       a = mod(a + iachar(bytes(i:i)), 65521_int64)
       b = mod(b + a, 65521_int64)
     end do
-    call buffer%append(word(65536_int64 * b + a))
+    call buffer%append(word_bytes(65536_int64 * b + a))
     stream = buffer%text()
-  end function stored
+  end function stored_stream
 
   ! 32 bits, the highest byte first.
-  pure function word(value) result(bytes)
+  pure function word_bytes(value) result(bytes)
     integer(int64), intent(in) :: value
     character(len=4) :: bytes
     integer :: i
@@ -97,18 +99,18 @@ contains
     do i = 1, 4
       bytes(i:i) = char(int(ibits(value, 32 - 8 * i, 8)))
     end do
-  end function word
+  end function word_bytes
 
   ! 16 bits, the lowest byte first.
-  pure function little(value) result(bytes)
+  pure function little_bytes(value) result(bytes)
     integer, intent(in) :: value
     character(len=2) :: bytes
 
     bytes = char(ibits(value, 0, 8)) // char(ibits(value, 8, 8))
-  end function little
+  end function little_bytes
 
   !> Bytes as letters.
-  pure function base64(bytes) result(text)
+  pure function base64_text(bytes) result(text)
     character(len=*), intent(in) :: bytes                    !! any
     character(len=:), allocatable :: text                    !! without line ends
     character(len=3) :: three
@@ -126,6 +128,6 @@ contains
       end do
     end do
     text(len(text) - modulo(-len(bytes), 3) + 1:) = '=='
-  end function base64
+  end function base64_text
 
 end module asperity_png_image

@@ -36,9 +36,9 @@ contains
   !> that were not kept have no rows.
   subroutine make_arrays(which, results, arrays, failure)
     integer, intent(in) :: which                           !! of `asperity_result_table`
-    type(scene_results), intent(in) :: results             !! solved
+    type(scene_results), intent(in) :: results             !! results of a run
     type(array_table), intent(out) :: arrays               !! the table
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(result_table) :: table
     character(len=word_length) :: word
     integer :: column, i, row

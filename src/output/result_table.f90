@@ -20,11 +20,11 @@ module asperity_result_table
 
   !> The tables.
   integer, parameter :: of_positions = 1, of_states = 2, of_contacts = 3
-  !> What they are called.
+  !> Their names.
   character(len=*), parameter :: table_names(3) = [character(len=9) :: 'positions', 'states', &
     'contacts']
 
-  !> What a column holds: doubles, which may be `not_computed`; whole numbers, or 1 and 0 for yes
+  !> Kinds of columns: doubles, which may be `not_computed`; whole numbers, or 1 and 0 for yes
   !> and no; whole numbers that may be `not_computed`; words.
   integer, parameter :: cell_real = 1, cell_whole = 2, cell_count = 3, cell_word = 4
 
@@ -64,7 +64,7 @@ contains
   subroutine begin(self, which, results)
     class(result_table), intent(out) :: self    !! gets the columns
     integer, intent(in) :: which                !! one of the `of_` numbers
-    type(scene_results), intent(in) :: results  !! solved; contacts need them kept
+    type(scene_results), intent(in) :: results  !! results of a run; contacts need their rows
     integer :: m, most
 
     self%which = which
@@ -103,7 +103,7 @@ contains
 
   !> Goes to the next row. `found` is false behind the last.
   subroutine next(self, results, found)
-    class(result_table), intent(inout) :: self  !! begun
+    class(result_table), intent(inout) :: self  !! table with named columns
     type(scene_results), intent(in) :: results  !! the same
     logical, intent(out) :: found               !! there is one
 
@@ -207,7 +207,7 @@ contains
     call self%put('error_estimate', position%error_estimate)
   end subroutine fill_estimates
 
-  ! What an effect did at a position: how it was simulated (off: left out), the share of the
+  ! Record of an effect at a position: how it was simulated (off: left out), the share of the
   ! vertical load that was estimated and that measured, and how its solve ended.
   subroutine fill_effect(self, name, effect)
     class(result_table), intent(inout) :: self

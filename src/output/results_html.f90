@@ -3,15 +3,15 @@
 module asperity_results_html
   use asperity_contact_field, only: contact_field, parts_in_words
   use asperity_contact_records, only: state_row
-  use asperity_effects_summary, only: list_effects, told_line
   use asperity_effect_names, only: known_effects
+  use asperity_effects_summary, only: list_effects, effect_sentence
   use asperity_field_picture, only: draw_plan, plan_of_gap, plan_of_pressure, width_of_page
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
-                                end_table, escaped, put_lines, put_row
+                                end_table, escaped_text, put_lines, put_row
   use asperity_html_plans, only: put_plans
   use asperity_kinds, only: not_computed, real64
+  use asperity_number_format, only: number_text
   use asperity_plan_drawing, only: plan_drawing, write_svg
-  use asperity_position_lists, only: readable
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_inputs, only: input_file
   use asperity_scene_results, only: kinds_of_warnings, last_state, scene_results
@@ -99,7 +99,7 @@ contains
     if (parts_in_words(fields(size(fields))) /= '') &
       call buffer%line('<p>The pixels have the sides <code>field_spacing</code>; ' // &
                        'pressures of contacts: ' // &
-                       escaped(parts_in_words(fields(size(fields)))) // '.</p>')
+                       escaped_text(parts_in_words(fields(size(fields)))) // '.</p>')
     call buffer%line('<div class="plots">')
     do i = 1, size(quantities)
       call draw_plan(fields(size(fields)), quantities(i), '', units, width_of_page, most_pixels, &
@@ -118,7 +118,7 @@ contains
     first = 1
     do while (first <= len(lines))
       last = first + index(lines(first:), new_line('a')) - 2
-      call buffer%line('<p' // attributes // '>' // escaped(lines(first:last)) // '</p>')
+      call buffer%line('<p' // attributes // '>' // escaped_text(lines(first:last)) // '</p>')
       first = last + 2
     end do
   end subroutine put_paragraphs
@@ -145,7 +145,7 @@ contains
       cells(1) = lines(i)%name
       if (lines(i)%remark /= '') cells(1) = trim(lines(i)%name) // ', ' // lines(i)%remark
       do k = 1, lines(i)%known
-        cells(k + 1) = readable(lines(i)%numbers(k))
+        cells(k + 1) = number_text(lines(i)%numbers(k))
       end do
       call put_row(cells(:lines(i)%known + 1), buffer)
     end do
@@ -164,7 +164,7 @@ contains
   subroutine put_effects(results, buffer)
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
-    type(told_line), allocatable :: lines(:)
+    type(effect_sentence), allocatable :: lines(:)
     integer :: i
 
     call list_effects(results, lines)
@@ -177,8 +177,8 @@ contains
     call buffer%line('<dl>')
     do i = 1, size(lines)
       if (lines(i)%effect /= '') &
-        call buffer%line('<dt>' // escaped(trim(lines(i)%effect)) // '</dt>')
-      call buffer%line('<dd>' // escaped(trim(lines(i)%text)) // '</dd>')
+        call buffer%line('<dt>' // escaped_text(trim(lines(i)%effect)) // '</dt>')
+      call buffer%line('<dd>' // escaped_text(trim(lines(i)%text)) // '</dd>')
     end do
     call buffer%line('</dl>')
   end subroutine put_effects
@@ -223,13 +223,13 @@ contains
       call begin_table('states', names(:columns), buffer)
       do i = 1, min(size(states), most_rows)
         cells(1) = decimal_text(i)
-        cells(2) = readable(states(i)%approach)
-        cells(3) = readable(states(i)%closing)
+        cells(2) = number_text(states(i)%approach)
+        cells(3) = number_text(states(i)%closing)
         cells(4) = decimal_text(states(i)%contacts)
-        cells(5) = readable(states(i)%load)
-        cells(6) = readable(states(i)%vertical_load)
-        cells(7) = readable(states(i)%area)
-        if (columns > 7) cells(8) = readable(states(i)%mean_gap)
+        cells(5) = number_text(states(i)%load)
+        cells(6) = number_text(states(i)%vertical_load)
+        cells(7) = number_text(states(i)%area)
+        if (columns > 7) cells(8) = number_text(states(i)%mean_gap)
         call put_row(cells(:columns), buffer)
       end do
       call end_table(buffer)
@@ -247,20 +247,20 @@ contains
     type(svg_plot) :: plot
     integer :: every, i
 
-    call plot%begin(name_y // ' against ' // name_x, axis_over(name_x, unit_x, x, .false.), &
+    call plot%begin_plot(name_y // ' against ' // name_x, axis_over(name_x, unit_x, x, .false.), &
                     axis_over(name_y, unit_y, y, .false.), buffer)
     every = 1 + (size(x) - 1) / most_points
     associate (chosen => [(i, i = 1, size(x) - 1, every), size(x)])
-      call plot%curve(x(chosen), y(chosen), buffer)
-      if (present(path)) call plot%arrows(x(chosen), y(chosen), path(chosen), buffer)
+      call plot%add_curve(x(chosen), y(chosen), buffer)
+      if (present(path)) call plot%add_arrows(x(chosen), y(chosen), path(chosen), buffer)
     end associate
     if (size(x) <= most_dots) then
       do i = 1, size(x)
-        call plot%dot(x(i), y(i), name_x // ' ' // readable(x(i)) // ', ' // name_y // &
-                      ' ' // readable(y(i)), buffer)
+        call plot%add_dot(x(i), y(i), name_x // ' ' // number_text(x(i)) // ', ' // name_y // &
+                      ' ' // number_text(y(i)), buffer)
       end do
     end if
-    call plot%finish(buffer)
+    call plot%end_plot(buffer)
   end subroutine put_plot
 
   ! Curves and table of the last states of all positions.
@@ -306,13 +306,13 @@ contains
     do m = 1, min(size(results%positions), most_rows)
       associate (position => results%positions(m), last => ends(m))
         cells(1) = decimal_text(m)
-        cells(2) = readable(position%x_displacement)
-        cells(3) = readable(position%y_displacement)
-        cells(4) = readable(last%approach)
+        cells(2) = number_text(position%x_displacement)
+        cells(3) = number_text(position%y_displacement)
+        cells(4) = number_text(last%approach)
         cells(5) = decimal_text(last%contacts)
-        cells(6) = readable(last%load)
-        cells(7) = readable(last%vertical_load)
-        cells(8) = readable(last%area)
+        cells(6) = number_text(last%load)
+        cells(7) = number_text(last%vertical_load)
+        cells(8) = number_text(last%area)
         cells(9) = merge('yes', 'no ', position%limit_reached)
         cells(10) = decimal_text(kinds_of_warnings(position))
         do i = 1, columns - own
@@ -349,7 +349,7 @@ contains
     call begin_table('files read', [character(len=20) :: 'file', 'checksum (FNV-1a)'], buffer)
     do i = 1, size(inputs)
       if (inputs(i)%path == '') cycle
-      call buffer%line('<tr><th scope="row">' // escaped(inputs(i)%path) // '</th><td>' // &
+      call buffer%line('<tr><th scope="row">' // escaped_text(inputs(i)%path) // '</th><td>' // &
                        inputs(i)%checksum // '</td></tr>')
     end do
     call end_table(buffer)

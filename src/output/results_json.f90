@@ -27,7 +27,7 @@ contains
     type(scene_results), intent(in) :: results             !! with their contacts
     type(problem_list), intent(in) :: warnings             !! a line a kind
     type(text_buffer), intent(inout) :: buffer             !! the text
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(array_table) :: table
     integer :: i
 

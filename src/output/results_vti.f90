@@ -1,8 +1,8 @@
 !> A contact field for ParaView: VTK's XML file of image data (.vti), values of cells, appended as
 !> raw bytes.
 module asperity_results_vti
-  use asperity_contact_field, only: contact_field
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use asperity_contact_field, only: contact_field
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_problems, only: decimal_text
   use asperity_text_buffer, only: text_buffer

@@ -19,7 +19,7 @@ contains
   subroutine write_vtk(results, buffer, failure)
     type(scene_results), intent(in) :: results             !! with their contacts
     type(text_buffer), intent(inout) :: buffer             !! the text
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(array_table) :: table
     integer :: i, x, y
 

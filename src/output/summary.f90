@@ -1,4 +1,4 @@
-!> What `asperity solve` prints: a short readable summary.
+!> The summary that `asperity solve` prints.
 module asperity_summary
   use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: asked_nothing, position_result, state_row
@@ -6,7 +6,7 @@ module asperity_summary
   use asperity_effect_names, only: known_effects
   use asperity_effects_summary, only: effects_in_words, write_effects
   use asperity_kinds, only: not_computed, real64
-  use asperity_position_lists, only: counted, percent, positions_listed, readable
+  use asperity_number_format, only: count_text, percent_text, positions_listed, number_text
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_scene_results, only: last_state, map_record, scene_results
   use asperity_scene_values, only: control_compression, control_limit, control_load, &
@@ -53,7 +53,7 @@ contains
     character(len=:), allocatable :: model
 
     call buffer%line(scene_in%file // ': ' // surfaces_in_words(scene_in) // ', ' // &
-                     counted(size(results%positions), 'position'))
+                     count_text(size(results%positions), 'position'))
     model = effects_in_words(results)
     if (model == 'none') model = 'elastic, frictionless, non-interacting contacts (Hertz)'
     call buffer%line('model: ' // model // '; control: ' // &
@@ -75,7 +75,7 @@ contains
   !> `error estimate: load 1.2 %, contact area 0.9 %`, the largest over the positions; under load
   !> control it is that of the compression in place of the load. Empty where none is known.
   pure function errors_in_words(results) result(text)
-    type(scene_results), intent(in) :: results  !! solved
+    type(scene_results), intent(in) :: results  !! results of a run
     character(len=:), allocatable :: text       !! one line
     real(real64) :: area_error
     integer :: column, m
@@ -84,7 +84,7 @@ contains
     if (any(results%positions%error_estimate > not_computed)) &
       text = trim(merge('load       ', 'compression', &
                         all(last_asked(results%positions) == asked_nothing))) // ' ' // &
-             percent(maxval(results%positions%error_estimate))
+             percent_text(maxval(results%positions%error_estimate))
     area_error = not_computed
     if (allocated(results%effects)) then
       column = findloc(results%effects%state_columns, 'area_error_estimate', 1)
@@ -94,7 +94,7 @@ contains
     end if
     if (area_error > not_computed) then
       if (text /= '') text = text // ', '
-      text = text // 'contact area ' // percent(area_error)
+      text = text // 'contact area ' // percent_text(area_error)
     end if
     if (text /= '') text = 'error estimate: ' // text
   end function errors_in_words
@@ -122,8 +122,8 @@ contains
     if (asks_for_limit(scene_in) .or. any(results%positions%limit_reached)) &
       call buffer%line('limit reached at ' // &
                        decimal_text(count(results%positions%limit_reached)) // ' of ' // &
-                       counted(size(results%positions), 'position'))
-    if (without > 0) call buffer%line('no contact at ' // counted(without, 'position'))
+                       count_text(size(results%positions), 'position'))
+    if (without > 0) call buffer%line('no contact at ' // count_text(without, 'position'))
     if (any(results%positions%overlapping_circles > 0)) &
       call buffer%line(overlap_text(results%positions%overlapping_circles, &
                                     scene_in%effects%mode('interaction') == effect_off))
@@ -140,7 +140,7 @@ contains
       if (parts_in_words(field) /= '') &
         call buffer%line('fields on ' // decimal_text(field%columns) // ' x ' // &
                          decimal_text(field%rows) // ' pixels of ' // &
-                         trim(readable(field%spacing(1)) // ' ' // &
+                         trim(number_text(field%spacing(1)) // ' ' // &
                               unit_of(scene_in, is_length)) // &
                          '; pressures of contacts: ' // parts_in_words(field))
     end associate
@@ -176,7 +176,7 @@ contains
       before = 0.0_real64
       allocate (lost(0))
       do i = 1, size(values)
-        at = last + findloc(abs(controlled(states(last + 1:)) - values(i)) <= &
+        at = last + findloc(abs(controlled_value(states(last + 1:)) - values(i)) <= &
                             load_is_met * maxval(abs(values)), .true., 1)
         if (at == last) cycle
         call put_state('end ' // decimal_text(i), states(at))
@@ -195,29 +195,29 @@ contains
     text = with_unit('energy lost in each cycle', unit_of(scene_in, is_moment)) // ': '
     do i = 1, size(lost)
       if (i > 1) text = text // ', '
-      text = text // readable(lost(i))
+      text = text // number_text(lost(i))
     end do
     call buffer%line(text)
 
   contains
 
     ! The quantity that the path prescribes.
-    elemental real(real64) function controlled(state)
+    elemental real(real64) function controlled_value(state)
       type(state_row), intent(in) :: state
 
       select case (scene_in%loading%control)
       case (control_load)
-        controlled = state%load
+        controlled_value = state%load
       case (control_vertical_load)
-        controlled = state%vertical_load
+        controlled_value = state%vertical_load
       case (control_pressure)
-        controlled = state%vertical_load / results%nominal_area
+        controlled_value = state%vertical_load / results%nominal_area
       case (control_compression)
-        controlled = state%closing
+        controlled_value = state%closing
       case default
-        controlled = state%approach
+        controlled_value = state%approach
       end select
-    end function controlled
+    end function controlled_value
 
     subroutine put_state(name, state)
       character(len=*), intent(in) :: name
@@ -227,7 +227,7 @@ contains
                 real(state%contacts, real64)]
       line = name
       do k = 1, size(values)
-        cell = readable(values(k))
+        cell = number_text(values(k))
         line(20 * k - 7:) = adjustr(cell)
       end do
       call buffer%line(trim(line))
@@ -271,13 +271,13 @@ contains
 
   !> Whether the results are those of the samples of a map.
   pure logical function uses_samples(results) result(uses)
-    type(scene_results), intent(in) :: results  !! solved
+    type(scene_results), intent(in) :: results  !! results of a run
 
     uses = .false.
     if (allocated(results%effects)) uses = any(results%effects%state_columns == 'sample_area')
   end function uses_samples
 
-  !> Which way of computing was chosen for the accuracy asked for.
+  !> The method that was chosen for the accuracy asked for.
   subroutine write_choice(accuracy, results, buffer)
     real(real64), intent(in) :: accuracy        !! asked for, relative
     type(scene_results), intent(in) :: results  !! the way taken and its error bound
@@ -293,7 +293,7 @@ contains
     do e = 1, size(known_effects)
       share = maxval(results%positions%left_out(e))
       if (share > not_computed) off = off // ' (' // trim(known_effects(e)%name) // &
-                                      ' off, estimated influence ' // percent(share) // ')'
+                                      ' off, estimated influence ' // percent_text(share) // ')'
     end do
     call buffer%line('accuracy' // asked // ': fastest method ' // results%way_taken // ', ' // &
                      trim(merge('estimated error', 'error bound    ', &
@@ -307,7 +307,7 @@ contains
     logical, intent(in) :: independent  !! neighbours were not counted
     character(len=:), allocatable :: text
 
-    text = counted(sum(circles), 'pair') // ' of contact circles overlap'
+    text = count_text(sum(circles), 'pair') // ' of contact circles overlap'
     if (sum(circles) == 1) text = text // 's'
     if (size(circles) > 1) text = text // ', at ' // &
       trim(merge('position ', 'positions', count(circles > 0) == 1)) // ' ' // &
@@ -341,7 +341,7 @@ contains
     character(len=:), allocatable :: text
 
     call buffer%line('')
-    call buffer%line('Summits against boundary elements on ' // resolution(record) // &
+    call buffer%line('Summits against boundary elements on ' // resolution_text(record) // &
                      ' at the same load')
     text = '  difference in separation ' // with_sign(record%difference) // ' rms heights'
     if (record%coarser > 1) text = text // ' (uncertainty ' // &
@@ -352,24 +352,24 @@ contains
       with_sign(100 * record%stiffness_difference) // ' %'
     call buffer%line(text)
     associate (shares => record%shares)
-      call buffer%line('  load: ' // percent(shares%on_edge) // ' at the edge, ' // &
-                       percent(shares%without_summit) // ' without a summit, ' // &
-                       percent(shares%on_lines) // ' on scan lines, ' // &
-                       percent(shares%on_spikes) // ' on outliers')
+      call buffer%line('  load: ' // percent_text(shares%on_edge) // ' at the edge, ' // &
+                       percent_text(shares%without_summit) // ' without a summit, ' // &
+                       percent_text(shares%on_lines) // ' on scan lines, ' // &
+                       percent_text(shares%on_spikes) // ' on outliers')
     end associate
     if (.not. used) &
       call buffer%line('  the difference is too large: the results are those of the pixels')
   end subroutine write_map_table
 
   ! On how fine a map.
-  pure function resolution(record) result(text)
+  pure function resolution_text(record) result(text)
     type(map_record), intent(in) :: record
     character(len=:), allocatable :: text
 
     text = 'all pixels'
     if (record%coarser > 1) text = 'pixels of ' // decimal_text(record%coarser) // ' x ' // &
                                    decimal_text(record%coarser) // ' pixels of the map'
-  end function resolution
+  end function resolution_text
 
   pure function with_sign(number) result(text)
     real(real64), intent(in) :: number

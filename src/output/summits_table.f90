@@ -1,13 +1,13 @@
-!> What `asperity summits` prints.
+!> The map and its summits as a table.
 module asperity_summits_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_height_map, only: height_map, level_names
-  use asperity_problems, only: decimal_text
   use asperity_kinds, only: int64, real64
-  use asperity_map_statistics, only: map_statistics
   use asperity_map_levelling, only: is_flat
+  use asperity_map_statistics, only: map_statistics
   use asperity_map_summits, only: map_summits, rule_contact, rule_names
   use asperity_printable, only: printable
+  use asperity_problems, only: decimal_text
   use asperity_summit_spheres, only: radius_names
   use asperity_summits_of_file, only: summit_choices
   use asperity_text_buffer, only: text_buffer
@@ -39,40 +39,40 @@ contains
                      trim(merge(', edge: periodic', '                ', map%periodic)))
     if (is_flat(map)) call buffer%line('The map is flat: its heights differ by rounding alone.')
     call buffer%line('')
-    call whole('samples', found%samples)
-    call whole('missing', found%missing)
-    if (spikes >= 0_int64) call whole('spikes removed', spikes)
-    call whole('summits', size(summits%x, kind=int64))
-    if (choices%rule == rule_contact) call whole('  on ridges', int(summits%on_ridges, int64))
+    call put_count('samples', found%samples)
+    call put_count('missing', found%missing)
+    if (spikes >= 0_int64) call put_count('spikes removed', spikes)
+    call put_count('summits', size(summits%x, kind=int64))
+    if (choices%rule == rule_contact) call put_count('  on ridges', int(summits%on_ridges, int64))
     call buffer%line('')
-    call put('', '', '', 'Nayak expects')
-    call number('spacing along x', map%spacing(1), 1)
-    call number('spacing along y', map%spacing(2), 1)
-    call number('rms height', found%rms_height, 1)
-    call number('rms slope', found%rms_slope, 0)
-    call number('m0', found%m0, 2)
-    call number('m2 along x', found%m2(1), 0)
-    call number('m2 along y', found%m2(2), 0)
-    call number('m4 along x', found%m4(1), -2)
-    call number('m4 along y', found%m4(2), -2)
-    call number('Nayak''s alpha', found%alpha, 0)
-    call number('density of summits', found%density, -2, found%expected_density)
-    call number('mean summit height', found%mean_height, 1, found%expected_height)
-    call number('deviation of heights', found%height_deviation, 1, found%expected_deviation)
-    call number('mean summit curvature', found%mean_curvature, -1, found%expected_curvature)
-    call number('mean summit radius', found%mean_radius, 1)
+    call put_line('', '', '', 'Nayak expects')
+    call put_value('spacing along x', map%spacing(1), 1)
+    call put_value('spacing along y', map%spacing(2), 1)
+    call put_value('rms height', found%rms_height, 1)
+    call put_value('rms slope', found%rms_slope, 0)
+    call put_value('m0', found%m0, 2)
+    call put_value('m2 along x', found%m2(1), 0)
+    call put_value('m2 along y', found%m2(2), 0)
+    call put_value('m4 along x', found%m4(1), -2)
+    call put_value('m4 along y', found%m4(2), -2)
+    call put_value('Nayak''s alpha', found%alpha, 0)
+    call put_value('density of summits', found%density, -2, found%expected_density)
+    call put_value('mean summit height', found%mean_height, 1, found%expected_height)
+    call put_value('deviation of heights', found%height_deviation, 1, found%expected_deviation)
+    call put_value('mean summit curvature', found%mean_curvature, -1, found%expected_curvature)
+    call put_value('mean summit radius', found%mean_radius, 1)
 
   contains
 
-    subroutine whole(name, value)
+    subroutine put_count(name, value)
       character(len=*), intent(in) :: name
       integer(int64), intent(in) :: value
 
-      call put(name, decimal_text(value), '', '')
-    end subroutine whole
+      call put_line(name, decimal_text(value), '', '')
+    end subroutine put_count
 
     ! A value in a power of the unit of length, and what theory expects.
-    subroutine number(name, value, power, theory)
+    subroutine put_value(name, value, power, theory)
       character(len=*), intent(in) :: name
       real(real64), intent(in) :: value
       integer, intent(in) :: power
@@ -90,10 +90,10 @@ contains
       if (power == 2 .and. map%unit /= '') unit = map%unit // '2'
       if (power < 0 .and. map%unit /= '') unit = '1/' // map%unit
       if (power == -2 .and. map%unit /= '') unit = '1/' // map%unit // '2'
-      call put(name, trim(adjustl(digits(1))), trim(unit), trim(adjustl(digits(2))))
-    end subroutine number
+      call put_line(name, trim(adjustl(digits(1))), trim(unit), trim(adjustl(digits(2))))
+    end subroutine put_value
 
-    subroutine put(name, value, unit, theory)
+    subroutine put_line(name, value, unit, theory)
       character(len=*), intent(in) :: name, value, unit, theory
       character(len=80) :: line
 
@@ -102,7 +102,7 @@ contains
       line(unit_column:) = unit
       line(theory_column + merge(1, 0, theory(:min(1, len(theory))) /= '-'):) = theory
       call buffer%line(line)
-    end subroutine put
+    end subroutine put_line
 
   end subroutine write_summits_table
 

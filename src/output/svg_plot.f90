@@ -1,9 +1,9 @@
 !> A drawing with two axes inside a page (SVG): curves, arrows, dots, circles, surfaces in plan.
 !> Colours are those of the page's style (`asperity_html_page`).
 module asperity_svg_plot
-  use asperity_html_page, only: escaped
+  use asperity_html_page, only: escaped_text
   use asperity_kinds, only: real64
-  use asperity_position_lists, only: readable
+  use asperity_number_format, only: number_text
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -35,7 +35,7 @@ module asperity_svg_plot
   real(real64), parameter :: shortest_branch = 12.0_real64
   integer, parameter :: most_arrows = 24
 
-  !> What stands along an edge of the frame.
+  !> Axis along an edge of the frame.
   type :: plot_axis
     character(len=60) :: name = ''           !! quantity
     character(len=20) :: unit = ''           !! of the quantity; blank: a plain number
@@ -50,14 +50,14 @@ module asperity_svg_plot
     type(plot_axis) :: up                    !! upwards
     real(real64) :: frame(2) = 0.0_real64    !! its size in the drawing's points
   contains
-    procedure :: begin    !! frame and axes
-    procedure :: curve    !! points joined by straight lines
-    procedure :: arrows   !! direction of a curve that turns back
-    procedure :: dot      !! one point, with what it says
-    procedure :: circle   !! a circle of a true size
-    procedure :: surface  !! outline and summits of a surface in plan
-    procedure :: again    !! the same surface, displaced
-    procedure :: finish   !! the end
+    procedure :: begin_plot    !! frame and axes
+    procedure :: add_curve    !! points joined by straight lines
+    procedure :: add_arrows   !! direction of a curve that turns back
+    procedure :: add_dot      !! one point, with what it says
+    procedure :: add_circle   !! a circle of a true size
+    procedure :: add_surface  !! outline and summits of a surface in plan
+    procedure :: repeat_surface    !! the same surface, displaced
+    procedure :: end_plot   !! the end
   end type svg_plot
 
 contains
@@ -90,7 +90,7 @@ contains
   end function axis_over
 
   !> Begins a drawing: frame, marks, names of the axes.
-  subroutine begin(self, label, across, up, buffer, is_true, is_again)
+  subroutine begin_plot(self, label, across, up, buffer, is_true, is_again)
     class(svg_plot), intent(out) :: self          !! the drawing
     character(len=*), intent(in) :: label         !! what it shows, for screen readers
     type(plot_axis), intent(in) :: across         !! to the right
@@ -110,12 +110,12 @@ contains
                    (width / max(across%high - across%low, up%high - up%low))
       foot = below + bar_line
     end if
-    call buffer%line('<svg viewBox="' // number(-real(left, real64)) // ' ' // &
-                     number(-real(above, real64)) // ' ' // &
-                     number(real(left + right + width, real64)) // ' ' // &
-                     number(self%frame(2) + above + foot) // '" role="' // &
+    call buffer%line('<svg viewBox="' // point_text(-real(left, real64)) // ' ' // &
+                     point_text(-real(above, real64)) // ' ' // &
+                     point_text(real(left + right + width, real64)) // ' ' // &
+                     point_text(self%frame(2) + above + foot) // '" role="' // &
                      trim(merge('group', 'img  ', present(is_true))) // '" aria-label="' // &
-                     escaped(label) // '">')
+                     escaped_text(label) // '">')
     if (present(is_again)) then
       if (is_again) then
         call buffer%line('<use href="#axes" aria-hidden="true"/>')
@@ -125,18 +125,19 @@ contains
     call buffer%line('<g' // trim(merge(' id="axes"', '          ', present(is_true))) // &
                      ' aria-hidden="true">')
     call put_marks(self, 1, name, buffer)
-    call buffer%line('<text x="' // number(self%frame(1)) // '" y="' // &
-                     number(self%frame(2) + 36) // '" text-anchor="end"' // &
-                     fitted(name, self%frame(1) + left - 8) // '>' // escaped(name) // '</text>')
+    call buffer%line('<text x="' // point_text(self%frame(1)) // '" y="' // &
+                     point_text(self%frame(2) + 36) // '" text-anchor="end"' // &
+                     fitted_length(name, self%frame(1) + left - 8) // '>' // escaped_text(name) // &
+                     '</text>')
     call put_marks(self, 2, name, buffer)
-    call buffer%line('<text x="' // number(8.0_real64 - left) // '" y="-16"' // &
-                     fitted(name, real(left + right + width - 16, real64)) // '>' // &
-                     escaped(name) // '</text>')
-    call buffer%line('<rect class="grid" x="0" y="0" width="' // number(self%frame(1)) // &
-                     '" height="' // number(self%frame(2)) // '"/>')
+    call buffer%line('<text x="' // point_text(8.0_real64 - left) // '" y="-16"' // &
+                     fitted_length(name, real(left + right + width - 16, real64)) // '>' // &
+                     escaped_text(name) // '</text>')
+    call buffer%line('<rect class="grid" x="0" y="0" width="' // point_text(self%frame(1)) // &
+                     '" height="' // point_text(self%frame(2)) // '"/>')
     if (present(is_true)) call put_bar(self, buffer)
     call buffer%line('</g>')
-  end subroutine begin
+  end subroutine begin_plot
 
   ! Numbers along one axis: decades, or multiples of 1, 2 or 5 times a power of ten. `name` gets
   ! the quantity, an offset and a power of ten where the numbers would be long, and the unit.
@@ -177,28 +178,30 @@ contains
     shown(:marks) = values(:marks) - offset
     power = 0
     do k = 1, marks
-      if (len(readable(shown(k), digits)) > longest_number .and. .not. axis%is_log) &
+      if (len(number_text(shown(k), digits)) > longest_number .and. .not. axis%is_log) &
         power = max(-300, floor(log10(maxval(abs(shown(:marks))))))
     end do
     do k = 1, marks
-      at = number(place_of(self, which, values(k)))
+      at = point_text(place_of(self, which, values(k)))
       if (which == 1) then
-        call buffer%append('<path class="grid" d="M' // at // ' 0V' // number(self%frame(2)) // &
-                           '"/><text x="' // at // '" y="' // number(self%frame(2) + 17) // &
+        call buffer%append('<path class="grid" d="M' // at // ' 0V' // &
+                           point_text(self%frame(2)) // &
+                           '"/><text x="' // at // '" y="' // point_text(self%frame(2) + 17) // &
                            '" text-anchor="middle">')
       else
-        call buffer%append('<path class="grid" d="M0 ' // at // 'H' // number(self%frame(1)) // &
+        call buffer%append('<path class="grid" d="M0 ' // at // 'H' // &
+                           point_text(self%frame(1)) // &
                            '"/><text x="-6" y="' // &
-                           number(place_of(self, 2, values(k)) + 4.5_real64) // &
+                           point_text(place_of(self, 2, values(k)) + 4.5_real64) // &
                            '" text-anchor="end">')
       end if
-      call buffer%line(readable(shown(k) / 10.0_real64**power, digits) // '</text>')
+      call buffer%line(number_text(shown(k) / 10.0_real64**power, digits) // '</text>')
     end do
     name = trim(axis%name)
     if (abs(offset) > 0.0_real64) name = name // merge(' - ', ' + ', offset > 0.0_real64) // &
-                                         readable(abs(offset), 15)
+                                         number_text(abs(offset), 15)
     unit = trim(axis%unit)
-    if (power /= 0) unit = trim(readable(10.0_real64**power, 1) // ' ' // unit)
+    if (power /= 0) unit = trim(number_text(10.0_real64**power, 1) // ' ' // unit)
     if (unit /= '') name = name // ' [' // unit // ']'
 
   contains
@@ -244,17 +247,18 @@ contains
 
     length = round_step((self%across%high - self%across%low) / 6)
     points = length * (self%frame(1) / (self%across%high - self%across%low))
-    foot = number(self%frame(2) + below + 8)
-    name = trim(readable(length, 1) // ' ' // self%across%unit)
-    if (self%across%unit == 'length') name = readable(length, 1)
-    call buffer%line('<path class="bar" d="M0 ' // foot // 'v6m0-3h' // number(points) // &
-                     'm0-3v6"/><text x="' // number(points + 8) // '" y="' // &
-                     number(self%frame(2) + below + 15) // '"' // &
-                     fitted(name, width + right - points - 16) // '>' // escaped(name) // '</text>')
+    foot = point_text(self%frame(2) + below + 8)
+    name = trim(number_text(length, 1) // ' ' // self%across%unit)
+    if (self%across%unit == 'length') name = number_text(length, 1)
+    call buffer%line('<path class="bar" d="M0 ' // foot // 'v6m0-3h' // point_text(points) // &
+                     'm0-3v6"/><text x="' // point_text(points + 8) // '" y="' // &
+                     point_text(self%frame(2) + below + 15) // '"' // &
+                     fitted_length(name, width + right - points - 16) // '>' // &
+                     escaped_text(name) // '</text>')
   end subroutine put_bar
 
   ! Condenses a text that may be wider than its room.
-  pure function fitted(text, room) result(attribute)
+  pure function fitted_length(text, room) result(attribute)
     character(len=*), intent(in) :: text
     real(real64), intent(in) :: room
     character(len=:), allocatable :: attribute
@@ -269,12 +273,12 @@ contains
     end do
     attribute = ''
     if (needed > room) &
-      attribute = ' textLength="' // number(room) // '" lengthAdjust="spacingAndGlyphs"'
-  end function fitted
+      attribute = ' textLength="' // point_text(room) // '" lengthAdjust="spacingAndGlyphs"'
+  end function fitted_length
 
   !> Points joined by straight lines.
-  subroutine curve(self, x, y, buffer)
-    class(svg_plot), intent(in) :: self          !! begun
+  subroutine add_curve(self, x, y, buffer)
+    class(svg_plot), intent(in) :: self          !! plot that has axes
     real(real64), intent(in) :: x(:)             !! across
     real(real64), intent(in) :: y(:)             !! up, as many
     type(text_buffer), intent(inout) :: buffer   !! the page
@@ -282,15 +286,15 @@ contains
 
     call buffer%append('<path class="curve" d="')
     do i = 1, size(x)
-      call buffer%append(merge('M', 'L', i == 1) // number(place_of(self, 1, x(i))) // ' ' // &
-                         number(place_of(self, 2, y(i))))
+      call buffer%append(merge('M', 'L', i == 1) // point_text(place_of(self, 1, x(i))) // ' ' // &
+                         point_text(place_of(self, 2, y(i))))
     end do
     call buffer%line('"/>')
-  end subroutine curve
+  end subroutine add_curve
 
   !> Arrows along the curve of a path that turns back, one between two reversals.
-  subroutine arrows(self, x, y, path, buffer)
-    class(svg_plot), intent(in) :: self          !! begun
+  subroutine add_arrows(self, x, y, path, buffer)
+    class(svg_plot), intent(in) :: self          !! plot that has axes
     real(real64), intent(in) :: x(:)             !! across
     real(real64), intent(in) :: y(:)             !! up, as many
     real(real64), intent(in) :: path(:)          !! rises and falls between the reversals, as many
@@ -325,34 +329,35 @@ contains
                          0.4_real64 * length(last)) + 1
         move = at(:, k) - at(:, k - 1)
         call buffer%line('<path class="arrow" d="M7 0L-5 4.5V-4.5z" transform="translate(' // &
-                         number(sum(at(1, k - 1:k)) / 2) // ' ' // &
-                         number(sum(at(2, k - 1:k)) / 2) // ')rotate(' // &
-                         number(atan2(move(2), move(1)) * degrees) // ')"/>')
+                         point_text(sum(at(1, k - 1:k)) / 2) // ' ' // &
+                         point_text(sum(at(2, k - 1:k)) / 2) // ')rotate(' // &
+                         point_text(atan2(move(2), move(1)) * degrees) // ')"/>')
         drawn = drawn + 1
       end if
       turn = last
     end subroutine put_arrow
 
-  end subroutine arrows
+  end subroutine add_arrows
 
   !> One point.
-  subroutine dot(self, x, y, text, buffer)
-    class(svg_plot), intent(in) :: self         !! begun
+  subroutine add_dot(self, x, y, text, buffer)
+    class(svg_plot), intent(in) :: self         !! plot that has axes
     real(real64), intent(in) :: x               !! across
     real(real64), intent(in) :: y               !! up
     character(len=*), intent(in) :: text        !! what it is
     type(text_buffer), intent(inout) :: buffer  !! the page
 
-    call buffer%line('<circle class="dot" cx="' // number(place_of(self, 1, x)) // '" cy="' // &
-                     number(place_of(self, 2, y)) // '" r="3"><title>' // escaped(text) // &
+    call buffer%line('<circle class="dot" cx="' // point_text(place_of(self, 1, x)) // '" cy="' // &
+                     point_text(place_of(self, 2, y)) // '" r="3"><title>' // &
+                     escaped_text(text) // &
                      '</title></circle>')
-  end subroutine dot
+  end subroutine add_dot
 
   !> A circle at its place and of its size, but no smaller than a dot. `stops`: it can be reached
   !> with the keyboard, and its text appears above the frame then; the others show theirs to the
   !> mouse alone.
-  subroutine circle(self, x, y, radius, text, stops, buffer)
-    class(svg_plot), intent(in) :: self         !! begun, `is_true`
+  subroutine add_circle(self, x, y, radius, text, stops, buffer)
+    class(svg_plot), intent(in) :: self         !! plot with equal scales
     real(real64), intent(in) :: x               !! across
     real(real64), intent(in) :: y               !! up
     real(real64), intent(in) :: radius          !! in the unit of the axes
@@ -361,35 +366,39 @@ contains
     type(text_buffer), intent(inout) :: buffer  !! the page
     character(len=:), allocatable :: drawn
 
-    drawn = '<circle cx="' // number(place_of(self, 1, x)) // '" cy="' // &
-            number(place_of(self, 2, y)) // '" r="' // &
-            readable(max(least_radius, radius * &
+    drawn = '<circle cx="' // point_text(place_of(self, 1, x)) // '" cy="' // &
+            point_text(place_of(self, 2, y)) // '" r="' // &
+            number_text(max(least_radius, radius * &
                          (self%frame(1) / (self%across%high - self%across%low))), 3) // &
-            '"><title>' // escaped(text) // '</title></circle>'
+            '"><title>' // escaped_text(text) // '</title></circle>'
     if (stops) then
-      call buffer%line('<g class="patch" tabindex="0" role="img" aria-label="' // escaped(text) // &
-                       '">' // drawn // '<text class="note" x="' // number(8.0_real64 - left) // &
-                       '" y="-31"' // fitted(text, real(left + right + width - 16, real64)) // &
-                       '>' // escaped(text) // '</text></g>')
+      call buffer%line('<g class="patch" tabindex="0" role="img" aria-label="' // &
+                       escaped_text(text) // &
+                       '">' // drawn // '<text class="note" x="' // &
+                       point_text(8.0_real64 - left) // &
+                       '" y="-31"' // fitted_length(text, real(left + right + width - 16, &
+                                                               real64)) // &
+                       '>' // escaped_text(text) // '</text></g>')
     else
       call buffer%line(drawn)
     end if
-  end subroutine circle
+  end subroutine add_circle
 
   !> Outline and summits of a surface in plan.
-  subroutine surface(self, name, points, buffer)
-    class(svg_plot), intent(in) :: self         !! begun, `is_true`
+  subroutine add_surface(self, name, points, buffer)
+    class(svg_plot), intent(in) :: self         !! plot with equal scales
     character(len=*), intent(in) :: name        !! upper or lower
     real(real64), intent(in) :: points(:, :)    !! x and y of four corners, then of the summits
     type(text_buffer), intent(inout) :: buffer  !! the page
     integer :: i
 
     call buffer%line('<g id="' // name // '" aria-hidden="true"><path class="' // name // &
-                     ' outline" d="M' // place(1) // 'L' // place(2) // 'L' // place(3) // 'L' // &
-                     place(4) // 'z"/>')
+                     ' outline" d="M' // place_text(1) // 'L' // place_text(2) // 'L' // &
+                     place_text(3) // 'L' // &
+                     place_text(4) // 'z"/>')
     if (size(points, 2) > 4) call buffer%append('<path class="' // name // ' summits" d="')
     do i = 5, size(points, 2)
-      call buffer%append('M' // place(i) // trim(merge('h0            ', 'm-3 0h6m-3-3v6', &
+      call buffer%append('M' // place_text(i) // trim(merge('h0            ', 'm-3 0h6m-3-3v6', &
                                                        name == 'lower')))
     end do
     if (size(points, 2) > 4) call buffer%line('"/>')
@@ -397,39 +406,40 @@ contains
 
   contains
 
-    function place(i) result(text)
+    function place_text(i) result(text)
       integer, intent(in) :: i
       character(len=:), allocatable :: text
 
-      text = number(place_of(self, 1, points(1, i))) // ' ' // &
-             number(place_of(self, 2, points(2, i)))
-    end function place
+      text = point_text(place_of(self, 1, points(1, i))) // ' ' // &
+             point_text(place_of(self, 2, points(2, i)))
+    end function place_text
 
-  end subroutine surface
+  end subroutine add_surface
 
   !> A surface that an earlier drawing has, displaced from its place there.
-  subroutine again(self, name, shift, buffer)
-    class(svg_plot), intent(in) :: self         !! begun, `is_true`
+  subroutine repeat_surface(self, name, shift, buffer)
+    class(svg_plot), intent(in) :: self         !! plot with equal scales
     character(len=*), intent(in) :: name        !! upper or lower
     real(real64), intent(in) :: shift(2)        !! along x and y, in the unit of the axes
     type(text_buffer), intent(inout) :: buffer  !! the page
     real(real64) :: points(2)
 
     points = shift * self%frame / [self%across%high - self%across%low, self%up%high - self%up%low]
-    call buffer%line('<use href="#' // name // '" transform="translate(' // number(points(1)) // &
-                     ' ' // number(-points(2)) // ')" aria-hidden="true"/>')
-  end subroutine again
+    call buffer%line('<use href="#' // name // '" transform="translate(' // &
+                     point_text(points(1)) // &
+                     ' ' // point_text(-points(2)) // ')" aria-hidden="true"/>')
+  end subroutine repeat_surface
 
   !> The end of a drawing.
-  subroutine finish(self, buffer)
-    class(svg_plot), intent(in) :: self         !! begun
+  subroutine end_plot(self, buffer)
+    class(svg_plot), intent(in) :: self         !! plot that has axes
     type(text_buffer), intent(inout) :: buffer  !! the page
 
     if (self%frame(1) > 0.0_real64) call buffer%line('</svg>')
-  end subroutine finish
+  end subroutine end_plot
 
   ! Where a value stands in the drawing; its y grows downwards.
-  pure real(real64) function place_of(self, which, value) result(place)
+  pure real(real64) function place_of(self, which, value) result(place_text)
     class(svg_plot), intent(in) :: self
     integer, intent(in) :: which
     real(real64), intent(in) :: value
@@ -437,22 +447,22 @@ contains
 
     axis = self%across
     if (which == 2) axis = self%up
-    place = min(max(value, axis%low), axis%high)
+    place_text = min(max(value, axis%low), axis%high)
     if (axis%is_log) then
-      place = log(place / axis%low) / log(axis%high / axis%low)
+      place_text = log(place_text / axis%low) / log(axis%high / axis%low)
     else
-      place = (place - axis%low) / (axis%high - axis%low)
+      place_text = (place_text - axis%low) / (axis%high - axis%low)
     end if
-    place = place * self%frame(which)
-    if (which == 2) place = self%frame(2) - place
+    place_text = place_text * self%frame(which)
+    if (which == 2) place_text = self%frame(2) - place_text
   end function place_of
 
   ! A place with two decimals.
-  pure function number(value) result(text)
+  pure function point_text(value) result(text)
     real(real64), intent(in) :: value
     character(len=:), allocatable :: text
 
-    text = readable(anint(100 * value) / 100, 6)
-  end function number
+    text = number_text(anint(100 * value) / 100, 6)
+  end function point_text
 
 end module asperity_svg_plot

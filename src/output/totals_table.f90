@@ -4,7 +4,7 @@ module asperity_totals_table
   use asperity_contact_field, only: parts_in_words
   use asperity_contact_records, only: position_result, state_row
   use asperity_kinds, only: not_computed, real64
-  use asperity_position_lists, only: readable
+  use asperity_number_format, only: number_text
   use asperity_scene_results, only: last_state, nominal_values, scene_results
   use asperity_scene_values, only: scene
   use asperity_text_buffer, only: text_buffer
@@ -80,8 +80,8 @@ contains
       line = lines(i)%name
       do k = 1, lines(i)%known
         line(widest + 14 * (k - 1) + 1:) = &
-          repeat(' ', 14 - len(readable(lines(i)%numbers(k)))) // &
-          readable(lines(i)%numbers(k))
+          repeat(' ', 14 - len(number_text(lines(i)%numbers(k)))) // &
+          number_text(lines(i)%numbers(k))
       end do
       if (lines(i)%remark /= '') line = trim(line) // '   ' // lines(i)%remark
       call buffer%line(trim(line))
@@ -217,20 +217,20 @@ contains
       new%numbers = known(1)
     else
       new%known = 3
-      new%numbers = [maxval(known), minval(known), average(known)]
+      new%numbers = [maxval(known), minval(known), mean_value(known)]
     end if
     lines = [lines, new]
   end subroutine add_line
 
   ! The average; a sum beyond the range of a double is not needed for it.
-  pure real(real64) function average(column)
+  pure real(real64) function mean_value(column)
     real(real64), intent(in) :: column(:)
 
     if (maxval(abs(column)) > huge(column) / size(column)) then
-      average = sum(column / size(column))
+      mean_value = sum(column / size(column))
     else
-      average = sum(column) / size(column)
+      mean_value = sum(column) / size(column)
     end if
-  end function average
+  end function mean_value
 
 end module asperity_totals_table

@@ -1,7 +1,7 @@
 !> The warnings of a run: one line a kind, for the worst position.
 module asperity_warning_lines
   use asperity_kinds, only: real64
-  use asperity_position_lists, only: counted, percent
+  use asperity_number_format, only: count_text, percent_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_scene_results, only: scene_results
   use asperity_theory_warnings, only: class_names, theory_warning, warning_kinds
@@ -16,7 +16,7 @@ contains
   !> applies anywhere, in the order of the kinds; N is the position where it is worst.
   pure subroutine list_warnings(file, results, lines)
     character(len=*), intent(in) :: file         !! the scene, as the user named it; may be empty
-    type(scene_results), intent(in) :: results   !! solved
+    type(scene_results), intent(in) :: results   !! results of a run
     type(problem_list), intent(inout) :: lines   !! gets a line a kind
     type(theory_warning) :: worst
     character(len=:), allocatable :: more, prefix
@@ -36,7 +36,7 @@ contains
 
   !> Adds `NAME CLASS` for every line of `list_warnings`, in the same order.
   pure subroutine list_warning_kinds(results, lines)
-    type(scene_results), intent(in) :: results   !! solved
+    type(scene_results), intent(in) :: results   !! results of a run
     type(problem_list), intent(inout) :: lines   !! gets a line a kind
     type(theory_warning) :: worst
     integer :: kind, at, positions
@@ -79,11 +79,11 @@ contains
     character(len=12) :: digits
 
     associate (kind => warning_kinds(warning%kind))
-      text = named(kind%what)
+      text = with_effect(kind%what)
       if (warning%whose /= '' .and. index(kind%what, '*') == 0) &
         text = text // ' (' // trim(warning%whose) // ')'
       if (kind%is_share) then
-        text = text // ', ' // percent(warning%size)
+        text = text // ', ' // percent_text(warning%size)
       else
         write (digits, '(g12.3)') warning%size
         if (abs(warning%size - anint(warning%size)) <= 0.0_real64 .and. &
@@ -92,18 +92,18 @@ contains
         if (text(len(text):) == '.') text = text(:len(text) - 1)
       end if
       text = text // ' ' // trim(kind%measure)
-      if (warning%contacts > 0) text = text // ' at ' // counted(warning%contacts, 'contact')
+      if (warning%contacts > 0) text = text // ' at ' // count_text(warning%contacts, 'contact')
       if (warning%whose /= '' .and. kind%other_advice /= '') then
         text = text // ', ' // trim(kind%other_advice)
       else
-        text = text // ', ' // named(kind%advice)
+        text = text // ', ' // with_effect(kind%advice)
       end if
     end associate
 
   contains
 
     ! A phrase with the effect in the place of its star.
-    pure function named(phrase) result(text)
+    pure function with_effect(phrase) result(text)
       character(len=*), intent(in) :: phrase
       character(len=:), allocatable :: text
       integer :: at
@@ -111,7 +111,7 @@ contains
       text = trim(phrase)
       at = index(text, '*')
       if (at > 0) text = text(:at - 1) // trim(warning%whose) // text(at + 1:)
-    end function named
+    end function with_effect
 
   end function in_words
 

@@ -13,8 +13,8 @@ module asperity_area_study
   use asperity_problems, only: decimal_text, real_text
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
-  use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
-                                  gather_round, is_own, shared_work
+  use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, gather_round, &
+                                  is_own, shared_work
   use asperity_study_spec, only: reference_largest, study_spec
   use asperity_version, only: version
   implicit none
@@ -59,11 +59,11 @@ contains
   !> Runs the study: every image studies surfaces, image 1 gathers them in order and keeps them.
   !> Only there `study` is filled, and not by a part. `failure` is allocated on all images alike.
   subroutine run_area_study(spec, plan, options, study, failure)
-    type(study_spec), intent(in) :: spec                   !! checked
+    type(study_spec), intent(in) :: spec                   !! specification, checked
     type(study_plan), intent(in) :: plan                   !! its plan
     type(run_options), intent(in) :: options               !! its images, progress and kept file
     type(area_study), intent(out) :: study                 !! the results
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(surface_plan) :: plans(2)
     type(kept_work) :: kept
     type(shared_work) :: work
@@ -141,7 +141,7 @@ contains
 
   !> Evaluates the numbers of all surfaces.
   pure subroutine evaluate_study(spec, plan, numbers, study)
-    type(study_spec), intent(in) :: spec        !! checked
+    type(study_spec), intent(in) :: spec        !! specification, checked
     type(study_plan), intent(in) :: plan        !! the plan
     real(real64), intent(in) :: numbers(:, :)   !! a column a surface, from study_surface
     type(area_study), intent(out) :: study      !! the results

@@ -1,4 +1,4 @@
-!> What a study of the representative area does: separation, studied region, sections.
+!> The plan of a study of the representative area: separation, studied region, sections.
 module asperity_area_study_plan
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generation_values, only: exact_value
@@ -42,9 +42,9 @@ contains
 
   !> Makes the plan. `failure` is allocated when the specification cannot be studied.
   subroutine plan_study(spec, plan, failure)
-    type(study_spec), intent(in) :: spec                   !! checked
+    type(study_spec), intent(in) :: spec                   !! specification, checked
     type(study_plan), intent(out) :: plan                  !! the plan
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     real(real64) :: separation, margin, depth
 
     plan%law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, &
@@ -119,7 +119,7 @@ contains
 
   !> The sections of one size on one surface.
   pure subroutine section_places(spec, plan, size_number, member, squares)
-    type(study_spec), intent(in) :: spec                !! checked
+    type(study_spec), intent(in) :: spec                !! specification, checked
     type(study_plan), intent(in) :: plan                !! the plan
     integer, intent(in) :: size_number                  !! which size
     integer, intent(in) :: member                       !! which surface
@@ -158,8 +158,9 @@ contains
     along = aint(plan%extent / plan%sizes(size_number) * (1 + 1.0e-12_real64))
   end function squares_along
 
-  !> What is left out along the border. A contact needs both its asperities, so its reach; and near
-  !> the border asperities that keep a distance stand denser, which twice the distance leaves out.
+  !> Width of the border that is left out. A contact needs both its asperities, so its reach; and
+  !> near the border asperities that keep a distance stand denser, which twice the distance leaves
+  !> out.
   pure real(real64) function margin_at(spec, depth)
     type(study_spec), intent(in) :: spec
     real(real64), intent(in) :: depth

@@ -38,9 +38,9 @@ contains
     numbers_of_a_surface = leading_numbers + quantities * plan%total
   end function numbers_of_a_surface
 
-  !> What the surfaces of the ensemble share.
+  !> Plans the surfaces of the ensemble.
   pure subroutine prepare_surfaces(spec, plans)
-    type(study_spec), intent(in) :: spec            !! checked
+    type(study_spec), intent(in) :: spec            !! specification, checked
     type(surface_plan), intent(out) :: plans(2)     !! upper and lower side
 
     call plan_surface(spec%surfaces, 1, plans(1))
@@ -49,12 +49,12 @@ contains
 
   !> Studies one surface. `failure` is allocated when it cannot be made or solved.
   subroutine study_surface(spec, plan, plans, member, numbers, failure)
-    type(study_spec), intent(in) :: spec                   !! checked
+    type(study_spec), intent(in) :: spec                   !! specification, checked
     type(study_plan), intent(in) :: plan                   !! the plan
     type(surface_plan), intent(in) :: plans(2)             !! from prepare_surfaces
     integer, intent(in) :: member                          !! which surface, from 1
     real(real64), intent(out) :: numbers(:)                !! leading ones, sections of all sizes
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene) :: pressed
     type(scene_results) :: results
     type(contact_row), allocatable :: contacts(:)
@@ -139,7 +139,7 @@ contains
     contacts%vertical_load = contacts%load
   end subroutine press_on_plane
 
-  !> What each section has on its area.
+  !> Sums over the contacts of each section, over its area.
   pure subroutine cut_sections(contacts, squares, side, numbers)
     type(contact_row), intent(in) :: contacts(:)
     type(section_square), intent(in) :: squares(:)

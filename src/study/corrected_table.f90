@@ -65,7 +65,7 @@ contains
     table%marching = marching_name(exact_arithmetic)
   end function correct_table
 
-  !> What a stage is called in print, for a row of the table.
+  !> Name of a stage in print, for a row of the table.
   function stage_name(table, stage, row) result(name)
     type(corrected_table), intent(in) :: table   !! the deck's
     integer, intent(in) :: stage                 !! from 1, as in `change`
@@ -99,7 +99,7 @@ contains
       name = 'overshoot'
       if (.not. all(records%positions%limit_reached)) name = name // ' or approaches run out'
       if (.not. any(records%positions%limit_reached)) name = 'approaches run out'
-      ! What the deck's displacement was before the first step.
+      ! The deck's displacement before the first step.
       if (max(abs(2 * first%x_displacement - next%x_displacement), &
               abs(2 * first%y_displacement - next%y_displacement)) > 1.0e-9_real64) &
         name = name // ' and displacement of the deck'
@@ -145,13 +145,13 @@ contains
         values(m, total_area_row) = last%area
         values(m, points_row) = real(last%contacts, real64)
         values(m, approach_row) = last%approach
-        values(m, total_difference_row) = percent(last%area, last%projected_area)
+        values(m, total_difference_row) = area_difference(last%area, last%projected_area)
         at_limit = .not. as_original
         do i = last%first_row, last%last_row
           at_limit = at_limit .or. position%rows(i)%limit_exceeded
           if (.not. (at_limit .and. position%rows(i)%load > 0.0_real64)) cycle
           contacts = contacts + 1
-          difference = percent(position%rows(i)%area, position%rows(i)%projected_area)
+          difference = area_difference(position%rows(i)%area, position%rows(i)%projected_area)
           slopes = slopes + position%rows(i)%slope
           differences = differences + difference
           table(slope_row, 1) = max(table(slope_row, 1), position%rows(i)%slope)
@@ -194,11 +194,11 @@ contains
   end function vertical_loads
 
   !> By how much the projected area falls short of the area, %.
-  pure real(real64) function percent(area, projected)
+  pure real(real64) function area_difference(area, projected)
     real(real64), intent(in) :: area, projected
 
-    percent = 0.0_real64
-    if (area > 0.0_real64) percent = 100 * (area - projected) / area
-  end function percent
+    area_difference = 0.0_real64
+    if (area > 0.0_real64) area_difference = 100 * (area - projected) / area
+  end function area_difference
 
 end module asperity_corrected_table

@@ -31,7 +31,7 @@ module asperity_error_budget
     real(real64) :: step = 0.0_real64         !! largest over the positions; exact events have none
   end type budget_line
 
-  ! What is known of the model's share in a total.
+  ! State of the model's share in a total.
   integer, parameter :: share_unknown = 1   !! not estimated
   integer, parameter :: share_measured = 2  !! against `boundary`
   integer, parameter :: share_given = 3     !! the total is given: it has none
@@ -74,7 +74,7 @@ contains
     type(run_options), intent(in) :: options               !! threads and progress of the runs
     type(scene_results), intent(in) :: results             !! its results, by exact events
     type(error_budget), intent(out) :: budget              !! plus-or-minus of the totals
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene_results) :: reference, plain
     real(real64) :: have(4), want(4)
     type(run_options) :: beside
@@ -95,10 +95,10 @@ contains
     budget%lines%name = [character(len=14) :: 'total load', 'vertical load', 'contact area', &
                          'separation']
     do m = 1, size(results%positions)
-      have = totals(results, m)
+      have = last_totals(results, m)
       budget%lines%value = budget%lines%value + have / size(results%positions)
-      if (budget%without_effects) have = totals(plain, m)
-      want = totals(reference, m)
+      if (budget%without_effects) have = last_totals(plain, m)
+      want = last_totals(reference, m)
       ! The reference itself is handed over as doubles.
       budget%lines%arithmetic = max(budget%lines%arithmetic, abs(have - want) + 0.5 * spacing(want))
     end do
@@ -106,7 +106,7 @@ contains
   end subroutine measure_budget
 
   !> Load, vertical load, area and approach of the last state.
-  pure function totals(results, m) result(row)
+  pure function last_totals(results, m) result(row)
     type(scene_results), intent(in) :: results
     integer, intent(in) :: m
     real(real64) :: row(4)
@@ -114,7 +114,7 @@ contains
 
     last = last_state(results%positions(m))
     row = [last%load, last%vertical_load, last%area, last%approach]
-  end function totals
+  end function last_totals
 
   !> Measures the model's share. What cannot be measured stays unknown: that is no failure.
   subroutine measure_model(scene_in, options, results, model)
@@ -226,11 +226,11 @@ contains
 
   !> Runs a scene with `interaction` set, all its other effects as they are, to the last state only.
   subroutine run_model(scene_in, interaction, options, results, failure)
-    type(scene), intent(in) :: scene_in                    !! checked values
+    type(scene), intent(in) :: scene_in                    !! scene, checked
     integer, intent(in) :: interaction                     !! one of the `effect_` numbers
     type(run_options), intent(in) :: options               !! in doubles
     type(scene_results), intent(out) :: results            !! all positions
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene) :: copy
 
     copy = scene_in
@@ -241,7 +241,7 @@ contains
 
   !> Why the contacts of a solved scene are too many for cells; empty when they are not.
   pure function too_many_for_cells(results) result(why)
-    type(scene_results), intent(in) :: results   !! of any way of taking them together
+    type(scene_results), intent(in) :: results   !! of any method of taking them together
     character(len=:), allocatable :: why
     real(real64) :: squares
     integer :: m, most

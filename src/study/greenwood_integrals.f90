@@ -44,7 +44,7 @@ contains
 
   !> The statistics of a specification.
   pure function greenwood_law_of(spec, elastic_modulus, poisson_ratio, with_plane) result(law)
-    type(generation_spec), intent(in) :: spec               !! checked
+    type(generation_spec), intent(in) :: spec               !! specification, checked
     type(decimal_value), intent(in) :: elastic_modulus(2)   !! upper, lower
     type(decimal_value), intent(in) :: poisson_ratio(2)     !! upper, lower
     logical, intent(in) :: with_plane                       !! the upper surface against a plane
@@ -70,8 +70,8 @@ contains
     law%modulus = 1 / sum((1 - ratio) * (1 + ratio) / modulus)
   end function greenwood_law_of
 
-  !> What large surfaces have on an area, at a separation of the reference planes at which no pair
-  !> of spheres could come level.
+  !> Contacts, area and loads of large surfaces over their area, at a separation of the reference
+  !> planes at which no pair of spheres could come level.
   pure function densities_at(law, separation, shallow) result(values)
     type(greenwood_law), intent(in) :: law         !! the statistics
     real(real64), intent(in) :: separation         !! length
@@ -115,7 +115,7 @@ contains
     type(greenwood_law), intent(in) :: law                 !! the statistics
     real(real64), intent(in) :: pressure                   !! more than 0
     real(real64), intent(out) :: separation                !! of the reference planes
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(root_bracket) :: bracket
     real(real64) :: deepest, place, miss, values(quantities)
     logical :: inside

@@ -68,7 +68,7 @@ contains
       part%deviation = exact_value(heights(i)%deviation)
       part%lowest = heights(i)%lowest
       part%highest = heights(i)%highest
-      part%mass = chance((part%lowest - part%mean) / part%deviation, &
+      part%mass = normal_probability((part%lowest - part%mean) / part%deviation, &
                          (part%highest - part%mean) / part%deviation)
       law%parts = law%parts + 1
       law%part(law%parts) = part
@@ -103,59 +103,61 @@ contains
       call place_points(sqrt(max(kinks(i), separation) - separation), &
                         sqrt(kinks(i + 1) - separation), pieces_of_heights, v, weights)
       do k = 1, size(v)
-        moments = moments + 2 * weights(k) * density(law, separation + v(k)**2) * &
+        moments = moments + 2 * weights(k) * height_density(law, separation + v(k)**2) * &
                   v(k)**(doubled_powers + 1)
       end do
     end do
   end subroutine excess_moments
 
   !> Density of the heights at u, between the least and the largest.
-  pure real(real128) function density(law, u)
+  pure real(real128) function height_density(law, u)
     type(height_law), intent(in) :: law
     real(real128), intent(in) :: u
-    real(real128) :: both, middle, spread, from, to
+    real(real128) :: sum_deviation, part_mean, part_deviation, from, to
 
-    density = 0.0_real128
+    height_density = 0.0_real128
     associate (first => law%part(1), second => law%part(2))
       if (law%parts == 1) then
-        density = bell((u - law%fixed - first%mean) / first%deviation) / &
+        height_density = normal_density((u - law%fixed - first%mean) / first%deviation) / &
                   (first%deviation * first%mass)
         return
       end if
-      both = hypot(first%deviation, second%deviation)
-      spread = first%deviation * second%deviation / both
+      sum_deviation = hypot(first%deviation, second%deviation)
+      part_deviation = first%deviation * second%deviation / sum_deviation
       ! Mean of the first part, given the sum.
-      middle = first%mean + (u - first%mean - second%mean) * (first%deviation / both)**2
+      part_mean = first%mean + (u - first%mean - second%mean) * (first%deviation / sum_deviation)**2
       from = max(first%lowest, u - second%highest)
       to = min(first%highest, u - second%lowest)
       if (.not. to > from) return
-      density = bell((u - first%mean - second%mean) / both) / both * &
-                chance((from - middle) / spread, (to - middle) / spread) / &
+      height_density = normal_density((u - first%mean - second%mean) / sum_deviation) / &
+        sum_deviation * &
+                normal_probability((from - part_mean) / part_deviation, &
+                                   (to - part_mean) / part_deviation) / &
                 (first%mass * second%mass)
     end associate
-  end function density
+  end function height_density
 
   !> Density of the normal distribution.
-  elemental real(real128) function bell(x)
+  elemental real(real128) function normal_density(x)
     real(real128), intent(in) :: x
 
-    bell = exp(-x**2 / 2) / sqrt(2 * pi_128)
-  end function bell
+    normal_density = exp(-x**2 / 2) / sqrt(2 * pi_128)
+  end function normal_density
 
   !> Probability of the normal distribution between two places; by the tails on the far side of 0,
   !> where a difference loses no digits.
-  elemental real(real128) function chance(from, to)
+  elemental real(real128) function normal_probability(from, to)
     real(real128), intent(in) :: from, to
     real(real128), parameter :: root = sqrt(2.0_real128)
 
     if (from > 0) then
-      chance = (erfc(from / root) - erfc(to / root)) / 2
+      normal_probability = (erfc(from / root) - erfc(to / root)) / 2
     else if (to < 0) then
-      chance = (erfc(-to / root) - erfc(-from / root)) / 2
+      normal_probability = (erfc(-to / root) - erfc(-from / root)) / 2
     else
-      chance = 1 - (erfc(-from / root) + erfc(to / root)) / 2
+      normal_probability = 1 - (erfc(-from / root) + erfc(to / root)) / 2
     end if
-  end function chance
+  end function normal_probability
 
   !> The means for two distributions of the radius.
   pure subroutine means_over_radii(radii, means)

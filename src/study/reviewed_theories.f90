@@ -1,32 +1,32 @@
 !> Closed forms in the place of a simulation: the theories of contact that the thesis reviews in its
 !> chapter on the literature, on the statistics of the surfaces at hand.
 !>
-!> Those that give a load or an area become lines beside the ways of computing; those whose
+!> Those that give a load or an area become lines beside the methods of computing; those whose
 !> equations lack a constant in the thesis are named with what they lack. The criteria of the
 !> elastic limit are brought to one number: the least hardness with which contact stays elastic.
 module asperity_reviewed_theories
   use asperity_constants, only: pi
+  use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_generation_values, only: generation_spec
   use asperity_greenwood_integrals, only: area_per_area, densities_at, greenwood_law, &
                                           greenwood_law_of, separation_at_pressure, &
                                           vertical_per_area
   use asperity_kinds, only: not_computed, real128, real64
+  use asperity_method_totals, only: method_totals
   use asperity_numeral, only: rounded_decimal
   use asperity_plastic_surface, only: combined_radius, height_deviation, surface_hardness
   use asperity_scene_values, only: combined_modulus, is_load, scene, scene_surface
-  use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_way_totals, only: way_totals
   implicit none
   private
 
-  public :: elastic_criterion, reviewed_theory, theories_of
+  public :: elastic_criterion, reviewed_theory, evaluate_theories
 
   !> Fewer summits have no statistics.
   integer, parameter :: least_summits = 10
   ! Deviations beyond which a Gaussian of the theories is cut: less than 1e-14 is there.
   real(real128), parameter :: cut = 8.0_real128
 
-  !> What a theory gives.
+  !> Errors of a theory.
   type :: reviewed_theory
     character(len=32) :: name = ''             !! of its authors
     real(real64) :: load = not_computed        !! error of the load, or at a given one of the
@@ -57,9 +57,9 @@ contains
 
   !> The theories and criteria on the surfaces of a scene, compared with the totals of the reference
   !> solution. `why_not` is the reason why there are none; empty: there are.
-  subroutine theories_of(scene_in, truth, theories, criteria, why_not)
+  subroutine evaluate_theories(scene_in, truth, theories, criteria, why_not)
     type(scene), intent(in) :: scene_in                             !! without a map
-    type(way_totals), intent(in) :: truth                           !! of the best way
+    type(method_totals), intent(in) :: truth                           !! of the best method
     type(reviewed_theory), allocatable, intent(out) :: theories(:)  !! in the thesis' order
     type(elastic_criterion), allocatable, intent(out) :: criteria(:)  !! in the thesis' order
     character(len=:), allocatable, intent(out) :: why_not
@@ -67,7 +67,7 @@ contains
     real(real64) :: hardness, modulus
 
     allocate (theories(0), criteria(0))
-    call measure(scene_in, summits, why_not)
+    call measure_surfaces(scene_in, summits, why_not)
     if (why_not /= '') return
     hardness = surface_hardness(scene_in)
     modulus = combined_modulus(scene_in)
@@ -75,11 +75,13 @@ contains
     deallocate (theories)
     allocate (theories(6))
     theories(1) = bowden_and_tabor(hardness, truth)
-    theories(2) = lacks('D''yachenko, cones', 'alpha, "related to mean height", has no value')
+    theories(2) = incomplete_theory('D''yachenko, cones', &
+                                    'alpha, "related to mean height", has no value')
     theories(3) = greenwood_and_tripp_plastic(summits, hardness, &
                                               is_load(scene_in%loading%control), truth)
-    theories(4) = lacks('Kragelskii, rods', 'those of the height distribution have no value')
-    theories(5) = lacks('Kragelskii, hemispheres', 'K2, b and nu have no values')
+    theories(4) = incomplete_theory('Kragelskii, rods', &
+                                    'those of the height distribution have no value')
+    theories(5) = incomplete_theory('Kragelskii, hemispheres', 'K2, b and nu have no values')
     theories(6) = greenwood_elastic(scene_in, summits, truth)
     ! Blok: h/(2 l) < H/(pi E), h from peak to valley, l from peak to peak. Halliday: tan theta <
     ! 0.84 (1 - nu^2) H/E, for caps of one material, whose E/(1 - nu^2) is twice the combined
@@ -92,11 +94,11 @@ contains
                                   sqrt(summits%deviation / combined_radius(scene_in))), &
                 elastic_criterion('as simulated, greatest pressure', &
                                   truth%greatest_pressure / 0.6_real64)]
-  end subroutine theories_of
+  end subroutine evaluate_theories
 
   ! Statistics of the surfaces; the nominal area is that of the scene, else that of the smaller
   ! box about summits.
-  subroutine measure(scene_in, summits, why_not)
+  subroutine measure_surfaces(scene_in, summits, why_not)
     type(scene), intent(in) :: scene_in
     type(summit_statistics), intent(out) :: summits
     character(len=:), allocatable, intent(out) :: why_not
@@ -116,10 +118,10 @@ contains
     summits%density = summits%density**(1.0_real64 / sides)
     summits%radius = summits%radius / sides
     summits%deviation = sqrt(summits%deviation)
-    ! Two alike bodies of half the compliance each have the modulus of the scene, whatever its way
-    ! of naming it.
+    ! Two alike bodies of half the compliance each have the modulus of the scene, whatever its
+    ! method of naming it.
     modulus = rounded_decimal(2 * combined_modulus(scene_in), 17)
-    ! The law wants two; on a plane it does not look at the other.
+    ! The law has two sides; on a plane the second is not used.
     if (sides == 1) spec%sides(2) = spec%sides(1)
     summits%law = greenwood_law_of(spec, modulus, ratio, sides == 1)
 
@@ -164,20 +166,20 @@ contains
       end associate
     end subroutine add_side
 
-  end subroutine measure
+  end subroutine measure_surfaces
 
   ! A theory that is left out: its equation in the thesis lacks the value of a constant.
-  pure type(reviewed_theory) function lacks(name, what) result(theory)
+  pure type(reviewed_theory) function incomplete_theory(name, what) result(theory)
     character(len=*), intent(in) :: name, what
 
     theory%name = name
     theory%left_out = 'the thesis'' equation lacks a constant: ' // what
-  end function lacks
+  end function incomplete_theory
 
   ! A = W/p_m (II B 1): the mean yield pressure is the hardness.
   pure type(reviewed_theory) function bowden_and_tabor(hardness, truth) result(theory)
     real(real64), intent(in) :: hardness
-    type(way_totals), intent(in) :: truth
+    type(method_totals), intent(in) :: truth
     integer :: ends(size(truth%first) - 1)
 
     theory%name = 'Bowden and Tabor'
@@ -185,8 +187,8 @@ contains
       theory%left_out = 'needs a hardness: expected &limit hardness, or plastic_yield_stress'
       return
     end if
-    ends = deepest(truth)
-    theory%area = miss(sum(truth%vertical(ends)) / hardness, sum(truth%area(ends)))
+    ends = deepest_states(truth)
+    theory%area = relative_error(sum(truth%vertical(ends)) / hardness, sum(truth%area(ends)))
   end function bowden_and_tabor
 
   ! A = pi^2 (eta beta sigma)^2 A_nom F2(h), P = 2 H A, as the thesis has them (II B 1), with F2 of
@@ -196,7 +198,7 @@ contains
     type(summit_statistics), intent(in) :: summits
     real(real64), intent(in) :: hardness
     logical, intent(in) :: by_load
-    type(way_totals), intent(in) :: truth
+    type(method_totals), intent(in) :: truth
     integer :: ends(size(truth%first) - 1), i
     real(real64) :: area, factor, u
 
@@ -205,9 +207,10 @@ contains
       theory%left_out = 'needs a hardness: expected &limit hardness, or plastic_yield_stress'
       return
     end if
-    ends = deepest(truth)
+    ends = deepest_states(truth)
     if (by_load) then
-      theory%area = miss(sum(truth%vertical(ends)) / (2 * hardness), sum(truth%area(ends)))
+      theory%area = relative_error(sum(truth%vertical(ends)) / (2 * hardness), &
+                                   sum(truth%area(ends)))
       return
     end if
     factor = (pi * summits%density * summits%radius * summits%deviation)**2 * summits%area
@@ -217,8 +220,8 @@ contains
       area = area + factor * ((1 + u**2) * erfc(u / sqrt(2.0_real64)) / 2 - &
                               u * exp(-u**2 / 2) / sqrt(2 * pi))
     end do
-    theory%area = miss(area, sum(truth%area(ends)))
-    theory%load = miss(2 * hardness * area, sum(truth%vertical(ends)))
+    theory%area = relative_error(area, sum(truth%area(ends)))
+    theory%load = relative_error(2 * hardness * area, sum(truth%vertical(ends)))
   end function greenwood_and_tripp_plastic
 
   ! Greenwood and Tripp, or Greenwood and Williamson on a plane: A = pi^2 (eta beta sigma)^2 A_nom
@@ -226,7 +229,7 @@ contains
   function greenwood_elastic(scene_in, summits, truth) result(theory)
     type(scene), intent(in) :: scene_in
     type(summit_statistics), intent(in) :: summits
-    type(way_totals), intent(in) :: truth
+    type(method_totals), intent(in) :: truth
     type(reviewed_theory) :: theory
     integer :: ends(size(truth%first) - 1), i
     real(real64) :: area, load, missed, separation, values(4)
@@ -234,7 +237,7 @@ contains
     theory%name = 'Greenwood and Tripp, elastic'
     if (scene_in%upper%is_plane .or. scene_in%lower%is_plane) &
       theory%name = 'Greenwood and Williamson'
-    ends = deepest(truth)
+    ends = deepest_states(truth)
     area = 0.0_real64
     load = 0.0_real64
     missed = 0.0_real64
@@ -251,33 +254,33 @@ contains
       area = area + values(area_per_area) * summits%area
       load = load + values(vertical_per_area) * summits%area
     end do
-    theory%area = miss(area, sum(truth%area(ends)))
+    theory%area = relative_error(area, sum(truth%area(ends)))
     if (is_load(scene_in%loading%control)) then
-      theory%load = miss(missed, 0.0_real64)
+      theory%load = relative_error(missed, 0.0_real64)
       if (sum(truth%closing(ends)) > 0.0_real64) &
         theory%load = missed / sum(truth%closing(ends))
     else
-      theory%load = miss(load, sum(truth%vertical(ends)))
+      theory%load = relative_error(load, sum(truth%vertical(ends)))
     end if
   end function greenwood_elastic
 
   ! The deepest state of each position.
-  pure function deepest(truth) result(ends)
-    type(way_totals), intent(in) :: truth
+  pure function deepest_states(truth) result(ends)
+    type(method_totals), intent(in) :: truth
     integer :: ends(size(truth%first) - 1), m
 
     do m = 1, size(ends)
       ends(m) = truth%first(m) - 1 + &
                 maxloc(truth%closing(truth%first(m):truth%first(m + 1) - 1), 1)
     end do
-  end function deepest
+  end function deepest_states
 
   ! A relative error; none is known of nothing.
-  pure real(real64) function miss(have, want)
+  pure real(real64) function relative_error(have, want)
     real(real64), intent(in) :: have, want
 
-    miss = not_computed
-    if (want > 0.0_real64) miss = abs(have / want - 1.0_real64)
-  end function miss
+    relative_error = not_computed
+    if (want > 0.0_real64) relative_error = abs(have / want - 1.0_real64)
+  end function relative_error
 
 end module asperity_reviewed_theories

@@ -8,10 +8,10 @@ module asperity_timing
 
   ! So often at least everything is run, unless a pass takes so many times the time to spend.
   integer, parameter :: least_passes = 3
-  real(real64), parameter :: long = 3.0_real64
+  real(real64), parameter :: most_times = 3.0_real64
   ! A median is steady when twice the spread over the root of the number of samples, some 1.1 of its
   ! standard errors, is less than this, and there are so many samples.
-  real(real64), parameter :: steady = 0.01_real64
+  real(real64), parameter :: steady_median = 0.01_real64
   integer, parameter :: many_passes = 9
 
   !> Time that may be spent on work of several pieces.
@@ -56,7 +56,7 @@ contains
   end subroutine allowance_begin
 
   real(real64) function allowance_left(self) result(seconds)
-    class(time_allowance), intent(in) :: self  !! begun
+    class(time_allowance), intent(in) :: self  !! time that has begun
     integer(int64) :: now, rate
 
     call system_clock(now, rate)
@@ -92,34 +92,34 @@ contains
     real(real64), intent(in) :: seconds        !! time to spend
 
     samples_are_enough = self%total() >= seconds .and. self%passes() >= least_passes .or. &
-                         self%total() > long * seconds
+                         self%total() > most_times * seconds
     if (samples_are_enough .or. self%passes() < many_passes) return
-    samples_are_enough = 2 * self%spread() < steady * sqrt(real(self%passes(), real64))
+    samples_are_enough = 2 * self%spread() < steady_median * sqrt(real(self%passes(), real64))
   end function samples_are_enough
 
   pure real(real64) function samples_median(self)
     class(timing_samples), intent(in) :: self  !! at least one sample
 
-    samples_median = quantile(self%samples, 0.5_real64)
+    samples_median = sample_quantile(self%samples, 0.5_real64)
   end function samples_median
 
   pure real(real64) function samples_spread(self)
     class(timing_samples), intent(in) :: self  !! at least one sample
 
-    samples_spread = 0.5_real64 * (quantile(self%samples, 0.75_real64) - &
-                                   quantile(self%samples, 0.25_real64)) / self%median()
+    samples_spread = 0.5_real64 * (sample_quantile(self%samples, 0.75_real64) - &
+                                   sample_quantile(self%samples, 0.25_real64)) / self%median()
   end function samples_spread
 
   !> The value below which a share of sorted samples lies.
-  pure real(real64) function quantile(sorted, share)
+  pure real(real64) function sample_quantile(sorted, share)
     real(real64), intent(in) :: sorted(:), share
     real(real64) :: place
     integer :: below
 
     place = 1.0_real64 + share * (size(sorted) - 1)
     below = min(int(place), size(sorted))
-    quantile = sorted(below) + (place - below) * &
+    sample_quantile = sorted(below) + (place - below) * &
                (sorted(min(below + 1, size(sorted))) - sorted(below))
-  end function quantile
+  end function sample_quantile
 
 end module asperity_timing

@@ -1,94 +1,96 @@
-!> What accuracy costs, for any scene: every way that can serve it, its time and its error against
-!> the best that the time allows.
-module asperity_way_study
+!> Run time and error of every method that applies to a scene, against the most accurate one that
+!> fits into the time.
+module asperity_method_study
   use asperity_contact_records, only: state_row
-  use asperity_front, only: on_front
   use asperity_kinds, only: int64, not_computed, real64
+  use asperity_method_totals, only: error_of_area, error_of_pressure, errors_of, mean_of_ends, &
+                                    original_totals, totals_of, method_errors, method_totals
   use asperity_original, only: run_in_arithmetic
   use asperity_original_records, only: original_records, original_request
+  use asperity_pareto_front, only: on_front
   use asperity_problems, only: real_text
   use asperity_progress, only: progress_line
   use asperity_reviewed_theories, only: elastic_criterion
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: effect_auto, effect_boundary, effect_off, scene
-  use asperity_scene_ways, only: as_the_scene_asks, list_ways, of_arithmetic, of_effects, &
-                                 of_neighbours, of_steps, run_way, scene_way, simulated_effects
+  use asperity_study_methods, only: method_of_scene, list_methods, of_arithmetic, of_effects, &
+                                    of_neighbours, of_steps, run_method, study_method, &
+                                    simulated_effects
   use asperity_timing, only: time_allowance, timing_samples
-  use asperity_way_totals, only: error_of_area, error_of_pressure, errors_of, mean_ends, &
-                                 original_totals, totals_of, way_errors, way_totals
   implicit none
   private
 
-  public :: run_way_study, way_row, way_table
+  public :: run_method_study, method_row, method_table
 
   ! Run time estimated for a method that has not run, measured on dense scenes of 20 to 2000
   ! contacts: boundary elements to 0.01 take about 5 ms a contact; a tolerance ten times smaller, of
   ! boundary elements or of `auto`, takes up to ten times as long.
-  real(real64), parameter :: seconds_a_contact = 5.0e-3_real64, times_a_decade = 10.0_real64
+  real(real64), parameter :: seconds_per_contact = 5.0e-3_real64, decade_factor = 10.0_real64
   ! The other arithmetics over real64, at most: docs/theory/accuracy.md.
   real(real64), parameter :: times_arithmetic = 40.0_real64
   ! Largest estimated run time of a method, as a fraction of the remaining time.
-  real(real64), parameter :: share_of_a_way = 0.9_real64
-  ! The scene as it asks may take so much: the rest is for ways that are cheaper.
+  real(real64), parameter :: share_of_method = 0.9_real64
+  ! The scene as it asks may take so much: the rest is for methods that are cheaper.
   real(real64), parameter :: share_of_scene = 0.5_real64
 
   character(len=*), parameter :: too_long = 'takes longer than --seconds'
 
-  !> One way: its cost and its errors.
-  type :: way_row
-    type(scene_way) :: way                     !! what it is
+  !> One method: its cost and its errors.
+  type :: method_row
+    type(study_method) :: method                     !! what it is
     real(real64) :: seconds = not_computed     !! all positions, median, from the scene read on
     real(real64) :: spread = not_computed      !! half the quartile distance of the time, relative
-    type(way_errors) :: total = way_errors()   !! against the reference
-    type(way_errors) :: own = way_errors()     !! against what differs in its family alone
-    real(real64) :: own_estimate = not_computed  !! what it says of itself: `error_estimate`
+    type(method_errors) :: total = method_errors()   !! against the reference
+    type(method_errors) :: own = method_errors()     !! against what differs in its family alone
+    real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of its run
     !> Load, approach and area of the last states, mean over the positions.
     real(real64) :: ends(3) = not_computed
-    logical :: is_reference = .false.          !! the others are held against it
+    logical :: is_reference = .false.          !! the others are compared with it
     logical :: on_front = .false.              !! no other is clearly better
-    logical :: on_own_front = .false.          !! the same of arithmetics and steps, own errors
+    logical :: on_own_front = .false.          !! on that of arithmetics and steps
     character(len=:), allocatable :: left_out  !! why it was not run; not allocated: it was
-  end type way_row
+  end type method_row
 
-  !> All ways.
-  type :: way_table
-    type(way_row), allocatable :: rows(:)          !! in a fixed order
-    integer :: reference = 1                       !! the row that the others are held against
-    type(way_totals) :: truth                      !! its totals
+  !> All methods.
+  type :: method_table
+    type(method_row), allocatable :: rows(:)          !! in a fixed order
+    integer :: reference = 1                       !! the row that the others are compared with
+    type(method_totals) :: truth                      !! its totals
     integer :: next_best = 0                       !! the row that is best but for it; 0: none
     real(real64) :: next_best_differs = 0.0_real64 !! from the reference, as an error
-    type(way_totals) :: plain                      !! of real64 without effects; not allocated: none
+    type(method_totals) :: plain  !! of real64 without effects; not allocated: none
     type(elastic_criterion), allocatable :: criteria(:)  !! of the elastic limit
-    real(real64) :: exponent = not_computed        !! with which the area grows with the load
+    real(real64) :: area_exponent = not_computed        !! with which the area grows with the load
     character(len=:), allocatable :: no_neighbours !! why none takes neighbours; empty: some do
     character(len=:), allocatable :: no_theories   !! why there are none; empty: there are
-  end type way_table
+  end type method_table
 
 contains
 
   !> Runs the study. `failure` is allocated when the scene as it asks cannot be solved in the time.
-  subroutine run_way_study(scene_in, least_seconds, allowance, progress, table, failure)
-    type(scene), intent(in) :: scene_in               !! checked values
-    real(real64), intent(in) :: least_seconds         !! to spend on a way, s
+  subroutine run_method_study(scene_in, least_seconds, allowance, progress, table, failure)
+    type(scene), intent(in) :: scene_in               !! scene, checked
+    real(real64), intent(in) :: least_seconds         !! to spend on a method, s
     type(time_allowance), intent(in) :: allowance     !! time that may be spent
-    type(progress_line), intent(inout) :: progress    !! begun; a piece is a way
-    type(way_table), intent(out) :: table             !! all ways
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    type(progress_line), intent(inout) :: progress    !! progress; a piece is a method
+    type(method_table), intent(out) :: table             !! all methods
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene_results) :: results
-    type(scene_way), allocatable :: ways(:)
-    type(way_totals), allocatable :: totals(:)
-    type(way_row) :: row
+    type(study_method), allocatable :: methods(:)
+    type(method_totals), allocatable :: totals(:)
+    type(method_row) :: row
     type(time_allowance) :: others
     real(real64) :: closing, left, most
     integer :: contacts, i
 
     most = allowance%left()
-    row%way = as_the_scene_asks()
+    row%method = method_of_scene()
     allocate (totals(1))
-    call run_row(scene_in, least_seconds, share_of_scene * most, row, totals(1), &
+    call time_method(scene_in, least_seconds, share_of_scene * most, row, totals(1), &
                  results)
-    ! What the scene takes beyond its share, as not all of it can be stopped, is not the others'.
+    ! A scene that takes more than its share, as it cannot be interrupted everywhere, takes nothing
+    ! from the other methods.
     others = allowance
     if (others%left() < (1.0_real64 - share_of_scene) * most) &
       call others%begin((1.0_real64 - share_of_scene) * most)
@@ -99,27 +101,27 @@ contains
         failure = row%left_out
         return
       end if
-      ! What was solved of it before its time was over is not all of it.
+      ! The results of an interrupted run are incomplete.
       results = scene_results()
       allocate (results%positions(0))
     else
       closing = maxval(totals(1)%closing)
     end if
     contacts = contacts_of(results)
-    call list_ways(scene_in, simulated_effects(scene_in, results), closing, ways, &
+    call list_methods(scene_in, simulated_effects(scene_in, results), closing, methods, &
                    table%no_neighbours)
     deallocate (totals)
-    allocate (table%rows(size(ways) + 1), totals(size(ways) + 1))
+    allocate (table%rows(size(methods) + 1), totals(size(methods) + 1))
     table%rows(1) = row
     totals(1) = totals_of(results)
     call progress%step()
-    do i = 1, size(ways)
-      row = way_row(way=ways(i))
+    do i = 1, size(methods)
+      row = method_row(method=methods(i))
       ! A step takes a quarter of the remaining time at most: its time is not estimated well.
-      left = others%left() * merge(0.25_real64, 1.0_real64, row%way%family == of_steps)
+      left = others%left() * merge(0.25_real64, 1.0_real64, row%method%family == of_steps)
       call estimate_time(table%rows(:i), contacts, left, row)
       if (.not. allocated(row%left_out)) &
-        call run_row(scene_in, least_seconds, left, row, totals(i + 1), results)
+        call time_method(scene_in, least_seconds, left, row, totals(i + 1), results)
       if (contacts == 0 .and. .not. allocated(row%left_out)) contacts = contacts_of(results)
       table%rows(i + 1) = row
       call progress%step()
@@ -133,7 +135,7 @@ contains
       call measure_errors(scene_in, others, table, totals)
       call mark_fronts(table%rows)
     end if
-  end subroutine run_way_study
+  end subroutine run_method_study
 
   ! Contacts of all positions at last.
   integer function contacts_of(results) result(contacts)
@@ -150,64 +152,66 @@ contains
 
   ! Leaves a method out where its estimated run time is too long.
   pure subroutine estimate_time(before, contacts, left, row)
-    type(way_row), intent(in) :: before(:)
+    type(method_row), intent(in) :: before(:)
     integer, intent(in) :: contacts
     real(real64), intent(in) :: left
-    type(way_row), intent(inout) :: row
+    type(method_row), intent(inout) :: row
     real(real64) :: seconds
     integer :: last, plain
 
     last = size(before)
-    plain = findloc(before%way%family == of_arithmetic .and. before%way%arithmetic == 'real64', &
+    plain = findloc(before%method%family == of_arithmetic .and. &
+                    before%method%arithmetic == 'real64', &
                     .true., 1)
     seconds = max(0.0_real64, before(1)%seconds)
     if (plain > 0) seconds = max(0.0_real64, before(plain)%seconds)
-    select case (row%way%family)
+    select case (row%method%family)
     case (of_arithmetic, of_steps)
-      if (row%way%arithmetic /= 'real64') seconds = times_arithmetic * seconds
+      if (row%method%arithmetic /= 'real64') seconds = times_arithmetic * seconds
     case (of_neighbours)
-      if (row%way%interaction /= effect_off) seconds = last_seconds()
-      if (row%way%interaction == effect_boundary) then
-        if (before(last)%way%interaction == effect_boundary) then
-          seconds = times_a_decade * seconds
+      if (row%method%interaction /= effect_off) seconds = last_seconds()
+      if (row%method%interaction == effect_boundary) then
+        if (before(last)%method%interaction == effect_boundary) then
+          seconds = decade_factor * seconds
         else
-          seconds = max(seconds, seconds_a_contact * contacts)
+          seconds = max(seconds, seconds_per_contact * contacts)
         end if
-      else if (row%way%interaction == effect_auto) then
-        seconds = sqrt(times_a_decade) * seconds
+      else if (row%method%interaction == effect_auto) then
+        seconds = sqrt(decade_factor) * seconds
       end if
     case default
       seconds = max(0.0_real64, before(1)%seconds)
     end select
-    if (seconds > share_of_a_way * left) &
+    if (seconds > share_of_method * left) &
       row%left_out = 'estimated to take ' // seconds_text(seconds) // ' s, ' // &
                      seconds_text(max(0.0_real64, left)) // ' s are left'
 
   contains
 
-    ! Of the last way of neighbours; of one that was left out a decade more than that before it.
+    ! Time of the last method with neighbours; a method that was left out counts a decade more than
+    ! the method before it.
     pure real(real64) function last_seconds()
       integer :: i
 
       last_seconds = 0.0_real64
       do i = 1, last
-        if (before(i)%way%family /= of_neighbours) cycle
+        if (before(i)%method%family /= of_neighbours) cycle
         if (before(i)%seconds > 0.0_real64) then
           last_seconds = before(i)%seconds
         else
-          last_seconds = times_a_decade * last_seconds
+          last_seconds = decade_factor * last_seconds
         end if
       end do
     end function last_seconds
 
   end subroutine estimate_time
 
-  ! One way on the clock, again and again until the median is steady or the time is spent.
-  subroutine run_row(scene_in, least_seconds, most_seconds, row, totals, results)
+  ! One method on the clock, again and again until the median is steady or the time is spent.
+  subroutine time_method(scene_in, least_seconds, most_seconds, row, totals, results)
     type(scene), intent(in) :: scene_in
     real(real64), intent(in) :: least_seconds, most_seconds
-    type(way_row), intent(inout) :: row
-    type(way_totals), intent(out) :: totals
+    type(method_row), intent(inout) :: row
+    type(method_totals), intent(out) :: totals
     type(scene_results), intent(inout) :: results
     type(timing_samples) :: timing
     type(run_options) :: options
@@ -221,16 +225,16 @@ contains
     call allowance%begin(most_seconds)
     do while (.not. timing%are_enough(least_seconds))
       call system_clock(from, rate)
-      if (row%way%is_original) then
-        call run_in_arithmetic(row%way%arithmetic, scene_in%deck, original_request(), records, &
+      if (row%method%is_original) then
+        call run_in_arithmetic(row%method%arithmetic, scene_in%deck, original_request(), records, &
                                row%left_out)
       else
-        call run_way(scene_in, row%way, options, results, row%left_out)
+        call run_method(scene_in, row%method, options, results, row%left_out)
       end if
       call system_clock(until)
       if (allocated(row%left_out)) exit
       ! A pass that is ended early leaves no totals.
-      if (.not. row%way%is_original) totals = totals_of(results)
+      if (.not. row%method%is_original) totals = totals_of(results)
       call timing%add(real(until - from, real64) / real(rate, real64))
       if (allowance%left() < 0.0_real64) exit
     end do
@@ -240,23 +244,23 @@ contains
       return
     end if
     if (allocated(row%left_out)) deallocate (row%left_out)
-    if (row%way%is_original) then
+    if (row%method%is_original) then
       ! It is timed without its contacts, which have the pressure of the first step.
-      call run_in_arithmetic(row%way%arithmetic, scene_in%deck, &
+      call run_in_arithmetic(row%method%arithmetic, scene_in%deck, &
                              original_request(keep_contacts=.true.), records, failure)
-      totals = original_totals(records, row%way%step)
+      totals = original_totals(records, row%method%step)
     end if
     row%seconds = timing%median()
     row%spread = timing%spread()
     row%own_estimate = totals%own_estimate
-    row%ends = mean_ends(totals)
-  end subroutine run_row
+    row%ends = mean_of_ends(totals)
+  end subroutine time_method
 
-  ! Chooses the reference: the way that says of itself that it errs least, of those that know
-  ! neighbours, or the scene as it asks.
+  ! Chooses the reference: the method with interaction whose own error estimate is the least, or the
+  ! scene as it is.
   subroutine choose_reference(table, totals)
-    type(way_table), intent(inout) :: table
-    type(way_totals), intent(in) :: totals(:)
+    type(method_table), intent(inout) :: table
+    type(method_totals), intent(in) :: totals(:)
     real(real64) :: estimate, least
     integer :: best, i, plain, precise, second
 
@@ -266,9 +270,9 @@ contains
     do i = 1, size(totals)
       associate (row => table%rows(i))
         if (allocated(row%left_out)) cycle
-        if (row%way%family /= of_neighbours .or. row%way%interaction == effect_off) cycle
+        if (row%method%family /= of_neighbours .or. row%method%interaction == effect_off) cycle
         estimate = row%own_estimate
-        ! Of those that say nothing the last one is the finest.
+        ! The last method without an estimate is the finest.
         if (.not. estimate > not_computed) estimate = least
         if (estimate > least) then
           second = i
@@ -280,8 +284,8 @@ contains
       end associate
     end do
     ! Without effects the arithmetic alone is left.
-    plain = place_of(table%rows, 'real64')
-    precise = place_of(table%rows, 'real128')
+    plain = row_of(table%rows, 'real64')
+    precise = row_of(table%rows, 'real128')
     if (best == 1 .and. precise > 0 .and. .not. table%rows(1)%own_estimate > not_computed) then
       if (difference_of(totals, 1, plain) <= epsilon(least)) best = precise
       second = plain
@@ -296,18 +300,19 @@ contains
     table%truth = totals(best)
   end subroutine choose_reference
 
-  ! Holds every way against the reference, and against what its family is about.
+  ! Measures the error of every method against the reference, and its own: against the same model
+  ! without the approximation of its family.
   subroutine measure_errors(scene_in, allowance, table, totals)
     type(scene), intent(in) :: scene_in
     type(time_allowance), intent(in) :: allowance
-    type(way_table), intent(inout) :: table
-    type(way_totals), intent(in) :: totals(:)
-    type(way_totals) :: exact
+    type(method_table), intent(inout) :: table
+    type(method_totals), intent(in) :: totals(:)
+    type(method_totals) :: exact
     real(real64) :: step
     integer :: i, plain, precise
 
-    plain = place_of(table%rows, 'real64')
-    precise = place_of(table%rows, 'real128')
+    plain = row_of(table%rows, 'real64')
+    precise = row_of(table%rows, 'real128')
     if (plain > 0) table%plain = totals(plain)
     if (plain > 0) exact = totals(plain)
     if (precise > 0) exact = totals(precise)
@@ -316,10 +321,10 @@ contains
       associate (row => table%rows(i))
         if (allocated(row%left_out)) cycle
         row%total = errors_of(totals(i), table%truth)
-        select case (row%way%family)
+        select case (row%method%family)
         case (of_arithmetic, of_steps)
-          if (row%way%step > 0.0_real64) call find_pressures(row%way%step)
-          if (precise > 0 .or. plain > 0 .and. row%way%family == of_steps) &
+          if (row%method%step > 0.0_real64) call find_pressures(row%method%step)
+          if (precise > 0 .or. plain > 0 .and. row%method%family == of_steps) &
             row%own = errors_of(totals(i), exact)
         case (of_effects)
           if (allocated(totals(1)%load)) row%own = errors_of(totals(i), totals(1))
@@ -342,7 +347,8 @@ contains
       step = new_step
       options = run_options(keep_contacts=.false., threads=1)
       call options%interrupt%end_within(allowance%left())
-      call run_way(scene_in, scene_way(family=of_arithmetic, arithmetic='real128', step=step), &
+      call run_method(scene_in, study_method(family=of_arithmetic, arithmetic='real128', &
+                                             step=step), &
                    options, results, failure)
       exact%pressure(:) = not_computed
       if (.not. allocated(failure)) exact%pressure = results%positions%first_step_pressure
@@ -351,21 +357,22 @@ contains
   end subroutine measure_errors
 
   ! The row of exact events in an arithmetic; 0: it was not run.
-  pure integer function place_of(rows, arithmetic)
-    type(way_row), intent(in) :: rows(:)
+  pure integer function row_of(rows, arithmetic)
+    type(method_row), intent(in) :: rows(:)
     character(len=*), intent(in) :: arithmetic
 
-    place_of = findloc(rows%way%family == of_arithmetic .and. rows%way%arithmetic == arithmetic, &
+    row_of = findloc(rows%method%family == of_arithmetic .and. &
+                     rows%method%arithmetic == arithmetic, &
                        .true., 1)
-    if (place_of == 0) return
-    if (allocated(rows(place_of)%left_out)) place_of = 0
-  end function place_of
+    if (row_of == 0) return
+    if (allocated(rows(row_of)%left_out)) row_of = 0
+  end function row_of
 
   ! The error of a row against another one; without that one it is huge.
   real(real64) function difference_of(totals, i, j) result(largest)
-    type(way_totals), intent(in) :: totals(:)
+    type(method_totals), intent(in) :: totals(:)
     integer, intent(in) :: i, j
-    type(way_errors) :: errors
+    type(method_errors) :: errors
 
     largest = huge(largest)
     if (j == 0) return
@@ -373,28 +380,28 @@ contains
     largest = errors%largest
   end function difference_of
 
-  ! Marks the ways that are worth their time, of those that were run: by the error against the
+  ! Marks the Pareto fronts of the methods that were run: by the error against the
   ! reference, where what is below the error of the reference itself is no gain; and, of
   ! arithmetics and steps, by the largest own error of load, separation, area and pressure.
   pure subroutine mark_fronts(rows)
-    type(way_row), intent(inout) :: rows(:)
+    type(method_row), intent(inout) :: rows(:)
     integer, allocatable :: own(:), run(:)
-    real(real64) :: floor
+    real(real64) :: least_error
     integer :: i
 
-    floor = 0.0_real64
+    least_error = 0.0_real64
     if (any(rows%is_reference)) &
-      floor = max(0.0_real64, rows(findloc(rows%is_reference, .true., 1))%own_estimate)
+      least_error = max(0.0_real64, rows(findloc(rows%is_reference, .true., 1))%own_estimate)
     allocate (own(0), run(0))
     do i = 1, size(rows)
       if (allocated(rows(i)%left_out)) cycle
       run = [run, i]
-      if (any(rows(i)%way%family == [of_arithmetic, of_steps]) .and. &
+      if (any(rows(i)%method%family == [of_arithmetic, of_steps]) .and. &
           rows(i)%own%largest > not_computed) own = [own, i]
     end do
     rows(own)%on_own_front = on_front(rows(own)%seconds, max(rows(own)%own%largest, &
       rows(own)%own%quantity(error_of_area), rows(own)%own%quantity(error_of_pressure)))
-    rows(run)%on_front = on_front(rows(run)%seconds, max(rows(run)%total%largest, floor))
+    rows(run)%on_front = on_front(rows(run)%seconds, max(rows(run)%total%largest, least_error))
   end subroutine mark_fronts
 
   ! Seconds with two digits.
@@ -406,4 +413,4 @@ contains
     if (seconds < 1.0e5_real64) text = real_text(seconds, 'f9.2')
   end function seconds_text
 
-end module asperity_way_study
+end module asperity_method_study

@@ -1,11 +1,11 @@
 !> Numbers, counts, shares and lists of positions in words.
-module asperity_position_lists
+module asperity_number_format
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
   implicit none
   private
 
-  public :: counted, percent, positions_text, positions_listed, readable
+  public :: count_text, percent_text, positions_text, positions_listed, number_text
 
   ! A longer list is in the CSV file.
   integer, parameter :: most_characters = 400
@@ -16,14 +16,14 @@ module asperity_position_lists
 contains
 
   !> `1 position`, `2 positions`.
-  pure function counted(number, noun) result(text)
+  pure function count_text(number, noun) result(text)
     integer, intent(in) :: number          !! how many there are
     character(len=*), intent(in) :: noun   !! of one of them
     character(len=:), allocatable :: text  !! number and noun
 
     text = decimal_text(number) // ' ' // noun
     if (number /= 1) text = text // 's'
-  end function counted
+  end function count_text
 
   !> `3: 18, 56-58`; a long list ends with `...`.
   pure function positions_text(chosen) result(text)
@@ -58,7 +58,7 @@ contains
   end function positions_listed
 
   !> A share as a percentage with three digits.
-  pure function percent(share) result(text)
+  pure function percent_text(share) result(text)
     real(real64), intent(in) :: share      !! 1: all of it
     character(len=:), allocatable :: text  !! with its sign
 
@@ -74,10 +74,10 @@ contains
       text = '0 %'
       if (abs(share) > 0.0_real64) text = real_text(100.0_real64 * share, 'es12.1e3') // ' %'
     end if
-  end function percent
+  end function percent_text
 
   !> A number for reading: so many significant digits at most, no zeros behind the last.
-  pure function readable(value, most_digits) result(text)
+  pure function number_text(value, most_digits) result(text)
     real(real64), intent(in) :: value       !! finite
     integer, intent(in), optional :: most_digits  !! from 1 to 15; absent: 6
     character(len=:), allocatable :: text   !! without blanks
@@ -109,6 +109,6 @@ contains
       write (format, '(i0)') power
       text = cell(:last) // 'e' // trim(format)
     end if
-  end function readable
+  end function number_text
 
-end module asperity_position_lists
+end module asperity_number_format

@@ -1,13 +1,13 @@
-!> The totals of all positions in some way of computing, and how far those of another way are off.
-module asperity_way_totals
+!> Totals of all positions by some method, and their errors against another method.
+module asperity_method_totals
   use asperity_kinds, only: not_computed, real64
   use asperity_original_records, only: original_positions, original_records
   use asperity_scene_results, only: scene_results
   implicit none
   private
 
-  public :: way_errors, way_totals
-  public :: errors_of, mean_ends, no_errors, original_totals, totals_of
+  public :: method_errors, method_totals
+  public :: errors_of, mean_of_ends, no_errors, original_totals, totals_of
   public :: error_of_area, error_of_pressure, quantity_names
 
   ! Quantities whose errors are measured one by one.
@@ -22,7 +22,7 @@ module asperity_way_totals
     'load', 'area', 'pressure', 'separation', 'contacts']
 
   !> Totals of the states of all positions.
-  type :: way_totals
+  type :: method_totals
     integer, allocatable :: first(:)             !! state of a position; one more: past the last
     real(real64), allocatable :: load(:)         !! sum of the normal forces
     real(real64), allocatable :: vertical(:)     !! sum of their vertical parts
@@ -36,10 +36,10 @@ module asperity_way_totals
     real(real64) :: greatest_pressure = 0.0_real64    !! at any point of a last state
     real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of the positions
     logical :: is_held = .false.                 !! states in time follow
-  end type way_totals
+  end type method_totals
 
-  !> How far a way is off.
-  type :: way_errors
+  !> Errors of a method.
+  type :: method_errors
     !> Largest over the positions: relative, of the load, or of the approach over the closing.
     real(real64) :: largest = not_computed
     real(real64) :: mean = not_computed    !! the same, mean over the positions
@@ -47,25 +47,25 @@ module asperity_way_totals
     !> Relative errors by quantity, largest and mean over the positions.
     real(real64) :: quantity(number_of_quantities) = not_computed
     real(real64) :: quantity_mean(number_of_quantities) = not_computed
-  end type way_errors
+  end type method_errors
 
   !> Errors of a method that agrees with the other.
-  type(way_errors), parameter :: no_errors = way_errors( &
+  type(method_errors), parameter :: no_errors = method_errors( &
     largest=0.0_real64, mean=0.0_real64, quantity=0.0_real64, quantity_mean=0.0_real64)
 
 contains
 
   !> The totals of results.
   pure function totals_of(results) result(totals)
-    type(scene_results), intent(in) :: results  !! of a way
-    type(way_totals) :: totals
+    type(scene_results), intent(in) :: results  !! of a method
+    type(method_totals) :: totals
     integer :: i, k, m, number
 
     number = 0
     do m = 1, size(results%positions)
       number = number + size(results%positions(m)%states)
     end do
-    call make_room(totals, size(results%positions), number)
+    call allocate_totals(totals, size(results%positions), number)
     k = 0
     do m = 1, size(results%positions)
       totals%first(m) = k + 1
@@ -85,7 +85,7 @@ contains
         totals%pressure(m) = position%first_step_pressure
         totals%greatest_pressure = max(totals%greatest_pressure, &
                                        position%states(size(position%states))%greatest_pressure)
-        ! It is of the last state, and says nothing of a path that came back.
+        ! The estimate is that of the last state, not of a path that came back.
         if (totals%is_held .or. maxval(totals%closing(totals%first(m):k)) <= totals%closing(k)) &
           totals%own_estimate = max(totals%own_estimate, position%error_estimate)
       end associate
@@ -97,10 +97,10 @@ contains
   pure function original_totals(records, step) result(totals)
     type(original_records), intent(in) :: records  !! of a run that kept its contacts
     real(real64), intent(in) :: step               !! its step of the separation [length]
-    type(way_totals) :: totals
+    type(method_totals) :: totals
     integer :: i, m
 
-    call make_room(totals, original_positions, original_positions)
+    call allocate_totals(totals, original_positions, original_positions)
     totals%first = [(m, m=1, original_positions + 1)]
     totals%load = records%positions%load
     totals%vertical = not_computed
@@ -121,23 +121,23 @@ contains
     end do
   end function original_totals
 
-  pure subroutine make_room(totals, positions, states)
-    type(way_totals), intent(inout) :: totals
+  pure subroutine allocate_totals(totals, positions, states)
+    type(method_totals), intent(inout) :: totals
     integer, intent(in) :: positions, states
 
     allocate (totals%first(positions + 1), totals%load(states), totals%vertical(states), &
               totals%approach(states), totals%closing(states), totals%area(states), &
               totals%contacts(states), totals%pressure(positions))
-  end subroutine make_room
+  end subroutine allocate_totals
 
-  !> How far a way is off from another one: at every state of a position where both have as many,
+  !> Errors of a method against another one: at every state of a position where both have as many,
   !> else at the last one of a hold, else at the deepest. The error of a load, of the normal forces
   !> or of their vertical parts, is relative to the largest of the position, that of the approach to
   !> its largest closing; the largest counts, as one of them is asked for.
   function errors_of(totals, reference) result(errors)
-    type(way_totals), intent(in) :: totals     !! of a way
-    type(way_totals), intent(in) :: reference  !! of the way it is held against
-    type(way_errors) :: errors
+    type(method_totals), intent(in) :: totals     !! of a method
+    type(method_totals), intent(in) :: reference  !! of the method it is compared with
+    type(method_errors) :: errors
     real(real64) :: error, by_quantity(number_of_quantities)
     integer :: have, k, last, m, positions, pressures, want
     logical, parameter :: is_pressure(number_of_quantities) = &
@@ -150,17 +150,18 @@ contains
       last = reference%first(m + 1) - 1
       have = totals%first(m)
       if (totals%first(m + 1) - have == last - want + 1) then
-        call compare([(have + k, k=0, last - want)], [(k, k=want, last)])
+        call compare_states([(have + k, k=0, last - want)], [(k, k=want, last)])
       else if (reference%is_held) then
-        call compare([totals%first(m + 1) - 1], [last])
+        call compare_states([totals%first(m + 1) - 1], [last])
       else
-        call compare([have - 1 + maxloc(totals%closing(have:totals%first(m + 1) - 1), 1)], &
+        call compare_states([have - 1 + maxloc(totals%closing(have:totals%first(m + 1) - 1), 1)], &
                      [want - 1 + maxloc(reference%closing(want:last), 1)])
       end if
       by_quantity(error_of_pressure) = 0.0_real64
       if (min(totals%pressure(m), reference%pressure(m)) > 0.0_real64) then
         pressures = pressures + 1
-        by_quantity(error_of_pressure) = share(abs(totals%pressure(m) - reference%pressure(m)), &
+        by_quantity(error_of_pressure) = relative_to(abs(totals%pressure(m) - &
+                                                         reference%pressure(m)), &
                                                reference%pressure(m))
       end if
       errors%mean = errors%mean + error
@@ -182,46 +183,48 @@ contains
   contains
 
     ! States of the one against states of the other.
-    subroutine compare(one, other)
+    subroutine compare_states(one, other)
       integer, intent(in) :: one(:), other(:)
 
-      by_quantity(error_of_load) = share(maxval(abs(totals%load(one) - reference%load(other))), &
+      by_quantity(error_of_load) = relative_to(maxval(abs(totals%load(one) - &
+                                                          reference%load(other))), &
                                          maxval(abs(reference%load(other))))
-      by_quantity(error_of_area) = share(maxval(abs(totals%area(one) - reference%area(other))), &
+      by_quantity(error_of_area) = relative_to(maxval(abs(totals%area(one) - &
+                                                          reference%area(other))), &
                                          maxval(reference%area(other)))
       by_quantity(error_of_separation) = &
-        share(maxval(abs(totals%approach(one) - reference%approach(other))), &
+        relative_to(maxval(abs(totals%approach(one) - reference%approach(other))), &
               maxval(reference%closing(other)))
       by_quantity(error_of_contacts) = &
-        share(maxval(abs(totals%contacts(one) - reference%contacts(other))), &
+        relative_to(maxval(abs(totals%contacts(one) - reference%contacts(other))), &
               maxval(reference%contacts(other)))
       error = max(by_quantity(error_of_load), by_quantity(error_of_separation), &
-                  share(maxval(abs(totals%vertical(one) - reference%vertical(other)), &
+                  relative_to(maxval(abs(totals%vertical(one) - reference%vertical(other)), &
                                totals%vertical(one) > not_computed), &
                         maxval(abs(reference%vertical(other)))))
-    end subroutine compare
+    end subroutine compare_states
 
   end function errors_of
 
   !> Load, approach and area of the last states, mean over the positions.
-  pure function mean_ends(totals) result(means)
-    type(way_totals), intent(in) :: totals  !! of a way
+  pure function mean_of_ends(totals) result(means)
+    type(method_totals), intent(in) :: totals  !! of a method
     real(real64) :: means(3)
 
     associate (ends => totals%first(2:) - 1)
       means = [sum(totals%load(ends)), sum(totals%approach(ends)), sum(totals%area(ends))] / &
               size(ends)
     end associate
-  end function mean_ends
+  end function mean_of_ends
 
   ! A difference over what it is of; all of it where there is none of that.
-  pure real(real64) function share(difference, whole)
+  pure real(real64) function relative_to(difference, whole)
     real(real64), intent(in) :: difference, whole
 
-    share = 0.0_real64
+    relative_to = 0.0_real64
     if (.not. difference > 0.0_real64) return
-    share = 1.0_real64
-    if (whole > difference * tiny(whole)) share = difference / whole
-  end function share
+    relative_to = 1.0_real64
+    if (whole > difference * tiny(whole)) relative_to = difference / whole
+  end function relative_to
 
-end module asperity_way_totals
+end module asperity_method_totals

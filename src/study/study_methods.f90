@@ -1,6 +1,6 @@
-!> The ways in which any scene can be computed, from the shortest arithmetic to neighbours resolved
-!> on cells: what they are, and how one is run.
-module asperity_scene_ways
+!> The methods in which any scene can be computed, from the shortest arithmetic to neighbours
+!> resolved on cells: what they are, and how one is run.
+module asperity_study_methods
   use asperity_arithmetics, only: solver_in
   use asperity_contact_records, only: by_events, by_marching, overlap_original, overlap_stable, &
                                       solve_method
@@ -15,20 +15,20 @@ module asperity_scene_ways
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: scene_results
   use asperity_scene_values, only: control_compression, control_limit, control_separation, &
-                                   criterion_load, effect_auto, effect_boundary, &
-                                   effect_coupled, effect_off, has_hardness, is_thesis_sweep, &
-                                   scene, scene_effects
+                                   criterion_load, effect_auto, effect_boundary, effect_coupled, &
+                                   effect_off, has_hardness, is_thesis_sweep, scene, scene_effects
   use asperity_solve, only: solve
   use asperity_surface_solve, only: solve_in_arithmetic
   implicit none
   private
 
-  public :: as_the_scene_asks, list_ways, most_ways, run_way, scene_way, simulated_effects, &
-            without_map
+  public :: method_of_scene, list_methods, most_methods, run_method, study_method, &
+            simulated_effects, &
+            replace_map
   public :: of_scene, of_arithmetic, of_steps, of_neighbours, of_effects, of_input, of_theory, &
             family_words
 
-  ! What a way differs in.
+  ! Families: the approximation of a method.
   integer, parameter :: of_scene = 1       !! nothing: the scene as it asks
   integer, parameter :: of_arithmetic = 2  !! its arithmetic; no effects
   integer, parameter :: of_steps = 3       !! steps in place of exact events; no effects
@@ -45,11 +45,11 @@ module asperity_scene_ways
   ! Step of the original program, cm.
   real(real64), parameter :: original_step = 1.0e-3_real64
 
-  !> What `auto` may leave out of other effects beside a given way of taking neighbours.
-  type(decimal_value), parameter :: hardly_anything = decimal_value(1_int64, -4)
+  !> What `auto` may leave out of other effects beside a given method of taking neighbours.
+  type(decimal_value), parameter :: tolerance_of_others = decimal_value(1_int64, -4)
 
-  !> One way.
-  type :: scene_way
+  !> One method.
+  type :: study_method
     integer :: family = of_scene               !! one of the numbers above
     character(len=40) :: name = ''             !! in words
     character(len=7) :: arithmetic = 'real64'  !! one of `arithmetic_names`
@@ -62,16 +62,16 @@ module asperity_scene_ways
     type(decimal_value) :: tolerance = decimal_value()  !! of `auto` or of the cells
     character(len=11) :: without = ''          !! an effect that is left out
     logical :: is_original = .false.           !! the original program
-  end type scene_way
+  end type study_method
 
 contains
 
   !> The scene as it asks.
-  pure function as_the_scene_asks() result(way)
-    type(scene_way) :: way
+  pure function method_of_scene() result(method)
+    type(study_method) :: method
 
-    way%name = 'as in the scene'
-  end function as_the_scene_asks
+    method%name = 'as in the scene'
+  end function method_of_scene
 
   ! Whether a scene goes to a limit load: all its methods without effects are compared.
   pure logical function is_sweep(scene_in)
@@ -81,17 +81,17 @@ contains
                scene_in%limit%criterion == criterion_load .and. .not. allocated(scene_in%map)
   end function is_sweep
 
-  !> So many ways there are at most: the scene, 8 of arithmetic and steps, 44 of a sweep, 8 of
+  !> So many methods there are at most: the scene, 8 of arithmetic and steps, 44 of a sweep, 8 of
   !> neighbours, 4 of effects.
-  pure integer function most_ways(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values
+  pure integer function most_methods(scene_in)
+    type(scene), intent(in) :: scene_in  !! scene, checked
 
-    most_ways = merge(57, 21, is_sweep(scene_in))
-  end function most_ways
+    most_methods = merge(57, 21, is_sweep(scene_in))
+  end function most_methods
 
   !> Which effects were simulated at some position, or are on.
   pure function simulated_effects(scene_in, results) result(simulated)
-    type(scene), intent(in) :: scene_in         !! checked values
+    type(scene), intent(in) :: scene_in         !! scene, checked
     type(scene_results), intent(in) :: results  !! of the scene as it asks
     logical :: simulated(size(known_effects))   !! in the order of the list
     integer :: e, m, place
@@ -110,37 +110,37 @@ contains
 
   !> All methods except that of the scene, by family, each from the fastest on. `left_out` is the
   !> reason in one line why no method includes interaction; empty: some do.
-  subroutine list_ways(scene_in, simulated, closing, ways, left_out)
-    type(scene), intent(in) :: scene_in                   !! checked values
+  subroutine list_methods(scene_in, simulated, closing, methods, left_out)
+    type(scene), intent(in) :: scene_in                   !! scene, checked
     logical, intent(in) :: simulated(:)                   !! as `simulated_effects` has it
     real(real64), intent(in) :: closing                   !! the largest of the scene as it asks
-    type(scene_way), allocatable, intent(out) :: ways(:)  !! at least one
+    type(study_method), allocatable, intent(out) :: methods(:)  !! at least one
     character(len=:), allocatable, intent(out) :: left_out
     integer :: e, k
 
-    allocate (ways(0))
-    call add_arithmetics(scene_in, closing, ways)
+    allocate (methods(0))
+    call add_arithmetics(scene_in, closing, methods)
     do e = 1, size(known_effects)
       if (.not. simulated(e) .or. known_effects(e)%name == 'interaction') cycle
-      k = size(ways) + 1
-      ways = [ways, scene_way(family=of_effects, without=known_effects(e)%name)]
-      ways(k)%name = 'without ' // known_effects(e)%name
+      k = size(methods) + 1
+      methods = [methods, study_method(family=of_effects, without=known_effects(e)%name)]
+      methods(k)%name = 'without ' // known_effects(e)%name
     end do
     left_out = ''
     do e = 1, size(known_effects)
       if (simulated(e) .and. left_out == '') &
         left_out = why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'coupled')
     end do
-    if (left_out == '') call add_neighbours(scene_in, simulated, ways)
-  end subroutine list_ways
+    if (left_out == '') call add_neighbours(scene_in, simulated, methods)
+  end subroutine list_methods
 
   ! Without effects: every arithmetic by exact events, and steps of a tenth, a hundredth and a
   ! thousandth of the closing. Of a sweep to a limit load besides steps of about the closing, all of
   ! them in every arithmetic and with both overlaps, and the original program where it can be run.
-  subroutine add_arithmetics(scene_in, closing, ways)
+  subroutine add_arithmetics(scene_in, closing, methods)
     type(scene), intent(in) :: scene_in
     real(real64), intent(in) :: closing
-    type(scene_way), allocatable, intent(inout) :: ways(:)
+    type(study_method), allocatable, intent(inout) :: methods(:)
     character(len=7), parameter :: names(4) = [character(len=7) :: 'real64', 'real128', 'real32', &
                                                'ibm370']
     character(len=24) :: steps
@@ -151,69 +151,69 @@ contains
     sweep = is_sweep(scene_in)
     step = 0.0_real64
     if (sweep .and. closing > 0.0_real64) step = 10.0_real64**(floor(log10(closing)) - 1)
-    call add(of_arithmetic, by_events, size(names), ', exact events')
+    call add_methods(of_arithmetic, by_events, size(names), ', exact events')
     if (is_thesis_sweep(scene_in)) then
       step = original_step
-      call add(of_steps, by_marching, size(names), ', original program, 1976')
+      call add_methods(of_steps, by_marching, size(names), ', original program, 1976')
     end if
     if (any(scene_in%loading%control == [control_separation, control_compression]) .or. &
         .not. closing > 0.0_real64) return
     do k = merge(0, 1, sweep), 3
       step = 10.0_real64**(floor(log10(closing)) - k)
       write (steps, '(", steps ", es7.1e2)') step
-      call add(of_steps, by_marching, merge(size(names), 1, sweep), trim(steps))
+      call add_methods(of_steps, by_marching, merge(size(names), 1, sweep), trim(steps))
     end do
 
   contains
 
-    ! Adds a way in arithmetics; in a sweep also with the overlap of the original.
-    subroutine add(family, path, arithmetics, words)
+    ! Adds a method in arithmetics; in a sweep also with the overlap of the original.
+    subroutine add_methods(family, path, arithmetics, label)
       integer, intent(in) :: family, path, arithmetics
-      character(len=*), intent(in) :: words
-      type(scene_way) :: way
+      character(len=*), intent(in) :: label
+      type(study_method) :: method
       integer :: a, overlap
       logical :: is_original
 
-      is_original = index(words, 'original program') > 0
+      is_original = index(label, 'original program') > 0
       do a = 1, arithmetics
         do overlap = merge(overlap_original, overlap_stable, is_original), &
                      merge(overlap_original, overlap_stable, sweep)
-          way = scene_way(family=family, arithmetic=names(a), path=path, overlap=overlap, &
+          method = study_method(family=family, arithmetic=names(a), path=path, overlap=overlap, &
                           step=step, is_original=is_original)
-          way%name = trim(names(a)) // words
+          method%name = trim(names(a)) // label
           if (overlap == overlap_original .and. .not. is_original) &
-            way%name = trim(way%name) // ', original overlap'
-          ways = [ways, way]
+            method%name = trim(method%name) // ', original overlap'
+          methods = [methods, method]
         end do
       end do
-    end subroutine add
+    end subroutine add_methods
 
   end subroutine add_arithmetics
 
   ! Contacts each alone, as circles together, circles or cells by estimate, all on cells.
-  subroutine add_neighbours(scene_in, simulated, ways)
+  subroutine add_neighbours(scene_in, simulated, methods)
     type(scene), intent(in) :: scene_in
     logical, intent(in) :: simulated(:)
-    type(scene_way), allocatable, intent(inout) :: ways(:)
+    type(study_method), allocatable, intent(inout) :: methods(:)
     type(decimal_value), parameter :: of_auto(3) = [decimal_value(1_int64, -2), &
                                                     decimal_value(3_int64, -3), &
                                                     decimal_value(1_int64, -3)]
-    type(scene_way) :: way
+    type(study_method) :: method
     character(len=:), allocatable :: on_cells, unit
     integer :: e, k
 
     unit = 'contacts'
     if (allocated(scene_in%map)) unit = 'summits'
-    way = scene_way(family=of_neighbours, interaction=effect_off)
-    way%name = 'isolated ' // unit
-    ways = [ways, way]
-    way%interaction = effect_coupled
-    way%name = unit // ' coupled'
-    ways = [ways, way]
+    method = study_method(family=of_neighbours, interaction=effect_off)
+    method%name = 'isolated ' // unit
+    methods = [methods, method]
+    method%interaction = effect_coupled
+    method%name = unit // ' coupled'
+    methods = [methods, method]
     if (scene_in%loading%control == control_limit .and. allocated(scene_in%map)) return
     ! A hardness is that of pixels: `auto` solves these alone.
     if (has_hardness(scene_in)) then
-      call add_pixels(ways)
+      call add_pixel_method(methods)
       return
     end if
     on_cells = ''
@@ -222,79 +222,82 @@ contains
         why_not_together(trim(known_effects(e)%name), 'on', 'interaction', 'boundary')
     end do
     if (on_cells /= '') return
-    way%interaction = effect_auto
+    method%interaction = effect_auto
     do k = 1, size(of_auto)
-      way%tolerance = of_auto(k)
-      way%name = 'auto, tolerance ' // share_text(of_auto(k))
-      ways = [ways, way]
+      method%tolerance = of_auto(k)
+      method%name = 'auto, tolerance ' // tolerance_text(of_auto(k))
+      methods = [methods, method]
     end do
     if (allocated(scene_in%map)) then
-      if (.not. any(simulated .and. known_effects%name /= 'interaction')) call add_pixels(ways)
+      if (.not. any(simulated .and. &
+                    known_effects%name /= 'interaction')) call add_pixel_method(methods)
       return
     end if
-    way%interaction = effect_boundary
+    method%interaction = effect_boundary
     do k = -2, -4, -1
-      way%tolerance = decimal_value(1_int64, k)
-      way%name = 'boundary elements, ' // share_text(way%tolerance)
-      ways = [ways, way]
+      method%tolerance = decimal_value(1_int64, k)
+      method%name = 'boundary elements, ' // tolerance_text(method%tolerance)
+      methods = [methods, method]
     end do
   end subroutine add_neighbours
 
   ! The pixels of a map.
-  subroutine add_pixels(ways)
-    type(scene_way), allocatable, intent(inout) :: ways(:)
-    type(scene_way) :: way
+  subroutine add_pixel_method(methods)
+    type(study_method), allocatable, intent(inout) :: methods(:)
+    type(study_method) :: method
 
-    way = scene_way(family=of_neighbours, interaction=effect_boundary, tolerance=hardly_anything)
-    way%name = 'pixels of the map'
-    ways = [ways, way]
-  end subroutine add_pixels
+    method = study_method(family=of_neighbours, interaction=effect_boundary, &
+                          tolerance=tolerance_of_others)
+    method%name = 'pixels of the map'
+    methods = [methods, method]
+  end subroutine add_pixel_method
 
   ! A tolerance as .01.
-  pure function share_text(share) result(text)
+  pure function tolerance_text(share) result(text)
     type(decimal_value), intent(in) :: share
     character(len=:), allocatable :: text
 
     text = '0.' // repeat('0', -share%exponent - 1) // achar(iachar('0') + int(share%digits))
-  end function share_text
+  end function tolerance_text
 
-  !> Runs a scene in a way, all positions, the ends of its path alone. The original program is not
-  !> run here.
-  subroutine run_way(scene_in, way, options, results, failure)
-    type(scene), intent(in) :: scene_in                    !! checked values
-    type(scene_way), intent(in) :: way                     !! one of its ways
+  !> Runs a scene in a method, all positions, the ends of its path alone. The original program is
+  !> not run here.
+  subroutine run_method(scene_in, method, options, results, failure)
+    type(scene), intent(in) :: scene_in                    !! scene, checked
+    type(study_method), intent(in) :: method                     !! one of its methods
     type(run_options), intent(in) :: options               !! threads, and when it shall end
     type(scene_results), intent(out) :: results            !! all positions
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(run_options) :: chosen
     type(scene) :: copy
 
     copy = scene_in
     copy%loading%points = 0
     chosen = options
-    if (any(way%family == [of_arithmetic, of_steps])) then
-      if (allocated(copy%map)) call without_map(scene_in, copy, failure)
+    if (any(method%family == [of_arithmetic, of_steps])) then
+      if (allocated(copy%map)) call replace_map(scene_in, copy, failure)
       if (allocated(failure)) return
-      call leave_effects_out(copy)
+      call remove_effects(copy)
       copy%loading%points = 0
-      chosen%arithmetic = way%arithmetic
-      if (way%path == by_marching) then
-        call march(copy, way, options%interrupt, results, failure)
+      chosen%arithmetic = method%arithmetic
+      if (method%path == by_marching) then
+        call march_positions(copy, method, options%interrupt, results, failure)
       else
-        call solve_in_arithmetic(copy, solve_method(overlap=way%overlap, step=way%step), chosen, &
+        call solve_in_arithmetic(copy, solve_method(overlap=method%overlap, step=method%step), &
+                                 chosen, &
                                  results, failure)
       end if
       return
     end if
-    if (way%without /= '') call copy%effects%call_for(trim(way%without), effect_off)
-    if (way%interaction /= as_it_is) then
-      call copy%effects%call_for('interaction', way%interaction)
-      call copy%effects%set('tolerance', hardly_anything)
-      if (way%interaction == effect_auto) call copy%effects%set('tolerance', way%tolerance)
-      if (way%interaction == effect_boundary) &
-        call copy%effects%set('boundary_tolerance', way%tolerance)
-      ! Of a map the summits alone: the scene as it asks presses the map beside them.
-      if (allocated(copy%map) .and. any(way%interaction == [effect_off, effect_coupled])) &
+    if (method%without /= '') call copy%effects%call_for(trim(method%without), effect_off)
+    if (method%interaction /= as_it_is) then
+      call copy%effects%call_for('interaction', method%interaction)
+      call copy%effects%set('tolerance', tolerance_of_others)
+      if (method%interaction == effect_auto) call copy%effects%set('tolerance', method%tolerance)
+      if (method%interaction == effect_boundary) &
+        call copy%effects%set('boundary_tolerance', method%tolerance)
+      ! For a map the summits alone: the scene as it is solves the pixels too.
+      if (allocated(copy%map) .and. any(method%interaction == [effect_off, effect_coupled])) &
         call take_summits(failure)
       if (allocated(failure)) return
     end if
@@ -306,26 +309,27 @@ contains
       character(len=:), allocatable, intent(out) :: failure
       type(scene) :: plain
 
-      call without_map(copy, plain, failure)
+      call replace_map(copy, plain, failure)
       if (allocated(failure)) return
       ! Summits have no hardness: they are elastic.
       if (has_hardness(copy)) call plain%effects%call_for('plasticity', effect_off)
       copy = plain
     end subroutine take_summits
 
-  end subroutine run_way
+  end subroutine run_method
 
   ! In steps, all positions. A load that was asked for is overshot, as it is meant to be.
-  subroutine march(scene_in, way, interrupt, results, failure)
+  subroutine march_positions(scene_in, method, interrupt, results, failure)
     type(scene), intent(in) :: scene_in
-    type(scene_way), intent(in) :: way
+    type(study_method), intent(in) :: method
     type(interruption), intent(in) :: interrupt
     type(scene_results), intent(inout) :: results
     character(len=:), allocatable, intent(out) :: failure
     class(position_solver), allocatable :: solver
     integer :: m
 
-    call solver_in(way%arithmetic, scene_in, solve_method(way%path, way%overlap, way%step), &
+    call solver_in(method%arithmetic, scene_in, solve_method(method%path, method%overlap, &
+                                                             method%step), &
                    solver, failure)
     if (allocated(failure)) return
     allocate (results%positions(solver%positions))
@@ -335,27 +339,27 @@ contains
         call solver%solve(m, .false., results%positions(m), failure)
       if (allocated(failure)) return
     end do
-  end subroutine march
+  end subroutine march_positions
 
   !> The summits of a map in its place.
-  subroutine without_map(scene_in, plain, failure)
+  subroutine replace_map(scene_in, plain, failure)
     type(scene), intent(in) :: scene_in                    !! with a map
     type(scene), intent(out) :: plain                      !! without one
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(height_map) :: map
     type(map_summits) :: summits
 
     call join_maps(scene_in, map, failure)
     if (.not. allocated(failure)) call summits_of_scene(scene_in, map, plain, summits, failure)
-  end subroutine without_map
+  end subroutine replace_map
 
   ! Effects, and what several values lead up to: the deepest of them stays.
-  subroutine leave_effects_out(copy)
+  subroutine remove_effects(copy)
     type(scene), intent(inout) :: copy
     type(scene_effects) :: none
 
     copy%effects = none
     if (allocated(copy%loading%path)) deallocate (copy%loading%path)
-  end subroutine leave_effects_out
+  end subroutine remove_effects
 
-end module asperity_scene_ways
+end module asperity_study_methods
