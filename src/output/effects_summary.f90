@@ -1,5 +1,6 @@
 !> The effects in the summary of `asperity solve`: where each was simulated, why, and how it ended.
 module asperity_effects_summary
+  use asperity_contact_records, only: effect_record
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: not_computed, real64
   use asperity_number_format, only: count_text, percent_text, positions_text, number_text
@@ -79,152 +80,130 @@ contains
       share = results%positions(worst)%left_out(e)
       if (.not. share > not_computed) cycle
       text = 'off: estimated influence on the load ' // percent_text(share)
-      if (size(results%positions) > 1) text = text // ' (position ' // decimal_text(worst) // ')'
-      lines = [lines, effect_sentence(known_effects(e)%name, text)]
+      call add_sentence(known_effects(e)%name, &
+                        text // at_position(worst, size(results%positions)), lines)
     end do
   end subroutine list_effects
 
+  ! The sentences about one effect.
   subroutine list_effect(results, header, e, lines)
     type(scene_results), intent(in) :: results
     type(effect_header), intent(in) :: header
     integer, intent(in) :: e
     type(effect_sentence), allocatable, intent(inout) :: lines(:)
-    logical, allocatable :: simulated(:), so(:)
-    real(real64), allocatable :: area(:), closing(:), influence(:), left_out(:), residual(:)
-    character(len=:), allocatable :: word, head, text, why
-    integer :: first, m, number, simulated_at
-    logical :: has_pixels
+    type(effect_record) :: outcomes(size(results%positions))
+    logical, dimension(size(results%positions)) :: alike, is_named, is_simulated
+    character(len=:), allocatable :: mode, text
+    integer :: first, m
 
-    number = size(results%positions)
-    allocate (simulated(number), so(number), influence(number), left_out(number), &
-              residual(number), area(number), closing(number))
-    influence = 0.0_real64
-    left_out = -1.0_real64
-    residual = 0.0_real64
-    ! On pixels the load without plasticity is not computed.
-    has_pixels = header%names(e) == 'plasticity' .and. header%hardness > 0.0_real64
-    do m = 1, number
-      associate (outcome => results%positions(m)%effects(e))
-        simulated(m) = outcome%simulated /= 'off'
-        closing(m) = outcome%closing_change
-        area(m) = outcome%area_change
-        if (simulated(m)) then
-          influence(m) = 0.0_real64
-          if (outcome%influence > not_computed) influence(m) = outcome%influence
-          if (has_pixels) influence(m) = not_computed
-          residual(m) = outcome%ending%residual
-        else
-          left_out(m) = max(0.0_real64, outcome%estimate)
-        end if
-      end associate
-    end do
-    simulated_at = count(simulated)
-    head = trim(header%names(e))
-    word = trim(effect_words(header%modes(e)))
-    first = maxloc(residual, 1)
+    outcomes = [(results%positions(m)%effects(e), m=1, size(outcomes))]
+    is_simulated = outcomes%simulated /= 'off'
     text = ''
-    if (simulated_at > 0) &
-      text = ', largest residual ' // number_text(residual(first), 2) // at_position(first)
+    if (any(is_simulated)) then
+      first = maxloc(merge(outcomes%ending%residual, 0.0_real64, is_simulated), 1)
+      text = ', largest residual ' // number_text(outcomes(first)%ending%residual, 2) // &
+             at_position(first, size(outcomes))
+    end if
+    mode = trim(effect_words(header%modes(e)))
     if (header%modes(e) == effect_auto) then
-      call add_sentence(head, word // ', tolerance ' // percent_text(header%tolerance) // &
-               ': estimated at ' // count_text(number, 'position') // ', simulated at ' // &
-               decimal_text(simulated_at) // text)
+      mode = mode // ', tolerance ' // percent_text(header%tolerance) // ': estimated at ' // &
+             count_text(size(outcomes), 'position') // ', simulated at ' // &
+             decimal_text(count(is_simulated))
     else
-      call add_sentence(head, word // ': simulated at ' // count_text(simulated_at, 'position') // &
-                        text)
+      mode = mode // ': simulated at ' // count_text(count(is_simulated), 'position')
     end if
-    if (has_pixels) then
-      call add_sentence('', 'perfectly plastic pixels: pressures up to plastic_hardness = ' // &
-               number_text(header%hardness, 6))
-    else if (header%names(e) == 'plasticity') then
-      call add_sentence('', 'the ' // header%plastic_body // ' body yields')
-    end if
-    if (header%names(e) == 'plasticity' .and. .not. header%plasticity_index < 0.0_real64) then
-      call add_sentence('', 'plasticity index ' // &
-               real_text(header%plasticity_index, 'g10.3'))
-    end if
-
-    ! The modes in which it was simulated, in the order in which they first occur.
-    so = .not. simulated
-    do while (.not. all(so))
-      first = findloc(so, .false., 1)
-      word = trim(results%positions(first)%effects(e)%simulated)
-      why = trim(results%positions(first)%effects(e)%why)
-      call describe_mode(word, why)
-    end do
-    if (simulated_at > 0) then
-      first = maxloc(abs(influence), 1)
-      text = ''
-      if (all(influence > not_computed)) then
-        text = 'influence ' // percent_text(influence(first)) // at_position(first)
-        if (number > 1) text = text // ', smallest ' // &
-                               percent_text(influence(minloc(abs(influence), 1, simulated)))
-      end if
-      if (any(closing > not_computed)) text = text // trim(merge('; ', '  ', text /= '')) // &
-        ' at the prescribed load: compression ' // largest_change(closing) // ', area ' // &
-        largest_change(area)
-      if (text /= '') call add_sentence('', trim(adjustl(text)))
-    end if
-    if (simulated_at < number .and. header%modes(e) == effect_auto) then
-      first = maxloc(left_out, 1)
-      call add_sentence('', 'largest estimated influence left out ' // &
-          percent_text(left_out(first)) // at_position(first))
-    end if
-
-  contains
-
-    subroutine describe_mode(word, why)
-      character(len=*), intent(in) :: word, why
-      logical :: this_way(size(so))
-      integer :: i
-
-      do i = 1, size(so)
-        this_way(i) = .not. so(i)
-        if (this_way(i)) this_way(i) = results%positions(i)%effects(e)%simulated == word
-      end do
-      so = so .or. this_way
-      if (header%modes(e) /= effect_auto) return
-      if (why == '') then
-        call add_sentence('', word // ' at ' // positions_text(this_way))
+    call add_sentence(trim(header%names(e)), mode // text, lines)
+    if (header%names(e) == 'plasticity') then
+      if (header%hardness > 0.0_real64) then
+        call add_sentence('', 'perfectly plastic pixels: pressures up to plastic_hardness = ' // &
+                          number_text(header%hardness), lines)
       else
-        call add_sentence('', word // ' (' // why // ') at ' // positions_text(this_way))
+        call add_sentence('', 'the ' // header%plastic_body // ' body yields', lines)
       end if
-    end subroutine describe_mode
-
-    subroutine add_sentence(effect, text)
-      character(len=*), intent(in) :: effect, text
-      lines = [lines, effect_sentence(effect, text)]
-    end subroutine add_sentence
-
-    ! The greatest of the changes that were measured, with its sign.
-    function largest_change(changes) result(text)
-      real(real64), intent(in) :: changes(:)
-      character(len=:), allocatable :: text
-      integer :: at
-
-      at = maxloc(abs(changes), 1, changes > not_computed)
-      if (at == 0) then
-        text = 'unknown'
-        return
-      end if
-      ! A load is met to this share.
-      if (abs(changes(at)) < load_is_met) then
-        text = '0 %'
-        return
-      end if
-      text = percent_text(changes(at)) // at_position(at)
-      if (changes(at) > 0.0_real64) text = '+' // text
-    end function largest_change
-
-    function at_position(position) result(text)
-      integer, intent(in) :: position
-      character(len=:), allocatable :: text
-
-      text = ''
-      if (number > 1) text = ' (position ' // decimal_text(position) // ')'
-    end function at_position
-
+      if (.not. header%plasticity_index < 0.0_real64) &
+        call add_sentence('', 'plasticity index ' // &
+                          real_text(header%plasticity_index, 'g10.3'), lines)
+    end if
+    ! The modes in which it was simulated, in the order in which they first occur.
+    is_named = .not. is_simulated .or. header%modes(e) /= effect_auto
+    do while (.not. all(is_named))
+      first = findloc(is_named, .false., 1)
+      alike = .not. is_named .and. outcomes%simulated == outcomes(first)%simulated
+      text = trim(outcomes(first)%simulated)
+      if (outcomes(first)%why /= '') text = text // ' (' // trim(outcomes(first)%why) // ')'
+      call add_sentence('', text // ' at ' // positions_text(alike), lines)
+      is_named = is_named .or. alike
+    end do
+    ! On pixels the load without plasticity is not computed.
+    if (any(is_simulated)) call list_influence(outcomes, is_simulated, header%names(e) == &
+                                               'plasticity' .and. header%hardness > 0.0_real64, &
+                                               lines)
+    if (all(is_simulated) .or. header%modes(e) /= effect_auto) return
+    first = maxloc(merge(-1.0_real64, max(0.0_real64, outcomes%estimate), is_simulated), 1)
+    call add_sentence('', 'largest estimated influence left out ' // &
+                      percent_text(max(0.0_real64, outcomes(first)%estimate)) // &
+                      at_position(first, size(outcomes)), lines)
   end subroutine list_effect
+
+  ! The measured influence of an effect on the load, and on compression and area at a given load.
+  subroutine list_influence(outcomes, is_simulated, is_unknown, lines)
+    type(effect_record), intent(in) :: outcomes(:)
+    logical, intent(in) :: is_simulated(:), is_unknown
+    type(effect_sentence), allocatable, intent(inout) :: lines(:)
+    real(real64) :: influence(size(outcomes))
+    character(len=:), allocatable :: text
+    integer :: first
+
+    text = ''
+    if (.not. is_unknown) then
+      influence = merge(outcomes%influence, 0.0_real64, &
+                        is_simulated .and. outcomes%influence > not_computed)
+      first = maxloc(abs(influence), 1)
+      text = 'influence ' // percent_text(influence(first)) // at_position(first, size(outcomes))
+      if (size(outcomes) > 1) text = text // ', smallest ' // &
+        percent_text(influence(minloc(abs(influence), 1, is_simulated)))
+    end if
+    if (any(outcomes%closing_change > not_computed)) then
+      if (text /= '') text = text // '; '
+      text = text // 'at the prescribed load: compression ' // &
+             largest_change(outcomes%closing_change) // ', area ' // &
+             largest_change(outcomes%area_change)
+    end if
+    if (text /= '') call add_sentence('', text, lines)
+  end subroutine list_influence
+
+  subroutine add_sentence(effect, text, lines)
+    character(len=*), intent(in) :: effect, text
+    type(effect_sentence), allocatable, intent(inout) :: lines(:)
+
+    lines = [lines, effect_sentence(effect, text)]
+  end subroutine add_sentence
+
+  ! The largest of the changes that were measured, with its sign; a load is met to `load_is_met`.
+  function largest_change(changes) result(text)
+    real(real64), intent(in) :: changes(:)
+    character(len=:), allocatable :: text
+    integer :: at
+
+    at = maxloc(abs(changes), 1, changes > not_computed)
+    if (at == 0) then
+      text = 'unknown'
+    else if (abs(changes(at)) < load_is_met) then
+      text = '0 %'
+    else
+      text = percent_text(changes(at)) // at_position(at, size(changes))
+      if (changes(at) > 0.0_real64) text = '+' // text
+    end if
+  end function largest_change
+
+  ! ` (position 3)`; empty where there is only one.
+  pure function at_position(position, number) result(text)
+    integer, intent(in) :: position, number
+    character(len=:), allocatable :: text
+
+    text = ''
+    if (number > 1) text = ' (position ' // decimal_text(position) // ')'
+  end function at_position
 
   ! A text in lines, after a word.
   subroutine write_paragraph(head, text, buffer)

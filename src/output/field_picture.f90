@@ -46,7 +46,7 @@ module asperity_field_picture
   type :: plan_frame
     real(real64) :: low(2) = 0.0_real64        ! coordinates of the lower left corner [length]
     real(real64) :: side(2) = 0.0_real64       ! sides along x and y [length]
-    real(real64) :: range(2) = 0.0_real64      ! values of the first and of the last colour
+    real(real64) :: limits(2) = 0.0_real64     ! values of the first and of the last colour
     character(len=:), allocatable :: name      ! of the values, with their unit
     character(len=:), allocatable :: unit      ! of length; empty: not known
     character(len=:), allocatable :: blank     ! what a value of 0 is; not allocated: a value
@@ -80,7 +80,7 @@ contains
       frame%name = with_unit('gap', trim(units(1)))
       frame%blank = 'contact'
     end if
-    frame%range(2) = maxval([0.0_real64, maxval(mean)])
+    frame%limits(2) = maxval([0.0_real64, maxval(mean)])
     frame%is_missing = .not. all(field%pressure > not_computed)
     call draw_pixels(mean, frame, title, longest, drawing)
   end subroutine draw_plan
@@ -103,7 +103,7 @@ contains
     associate (is_known => mean > not_computed)
       middle = sum(mean, is_known) / count(is_known)
       deviation = sqrt(sum((mean - middle)**2, is_known) / count(is_known))
-      frame%range = [max(middle - most_deviations * deviation, minval(mean, is_known)), &
+      frame%limits = [max(middle - most_deviations * deviation, minval(mean, is_known)), &
                      min(middle + most_deviations * deviation, maxval(mean, is_known))]
     end associate
     frame%low = -0.5_real64 * map%spacing
@@ -162,7 +162,7 @@ contains
     character(len=*), intent(in) :: title
     integer, intent(in) :: longest
     type(plan_drawing), intent(out) :: drawing
-    integer :: i, points(2), room
+    integer :: from, i, points(2), room
 
     points = max(least, nint(longest * frame%side / maxval(frame%side)))
     frame%points = points
@@ -173,98 +173,86 @@ contains
                                    is_bold=.true.)
     call add_image(drawing, left, top, points(1), points(2), colours_of(mean, frame))
     call add_frame(drawing, left, top, points(1), points(2))
-    call put_axis(1, frame%low(1), frame%low(1) + frame%side(1))
-    call put_axis(2, frame%low(2), frame%low(2) + frame%side(2))
+    associate (high => frame%low + frame%side, foot => top + points(2))
+      call put_marks(drawing, 1, [left, foot], points(1), [frame%low(1), high(1)])
+      call put_marks(drawing, 2, [left, foot], points(2), [frame%low(2), high(2)])
+    end associate
     call add_text(drawing, [left + points(1), top + points(2) + second_line], at_end, &
                   with_unit('x', frame%unit))
     call add_text(drawing, [left - 8, top - 12], at_end, with_unit('y', frame%unit))
-    call put_colour_bar()
-    call put_scale_bar()
-    if (allocated(frame%blank)) call put_swatch(left, colour_blank, frame%blank)
+    from = left + points(1) + beside
+    call add_text(drawing, [drawing%width - 8, top - 12], at_end, frame%name)
+    call add_image(drawing, from, top, bar, room, &
+                   reshape([(i, i = last_colour, first_colour, -1)], &
+                           [1, last_colour - first_colour + 1]))
+    call add_frame(drawing, from, top, bar, room)
+    call put_marks(drawing, 3, [from + bar, top + room], room, frame%limits)
+    call put_scale_bar(drawing, frame)
+    if (allocated(frame%blank)) call put_swatch(drawing, frame, left, colour_blank, frame%blank)
     if (frame%is_missing) &
-      call put_swatch(left + merge(120, 240, allocated(frame%blank)), colour_missing, &
-                      'not measured')
-
-  contains
-
-    ! Marks and numbers along an edge of the map.
-    subroutine put_axis(axis, low, high)
-      integer, intent(in) :: axis
-      real(real64), intent(in) :: low, high
-      real(real64) :: step, value
-      integer :: at, k
-
-      step = round_step((high - low) / max(1, min(6, points(axis) / distance(axis))))
-      do k = ceiling(low / step), floor(high / step)
-        value = k * step
-        at = nint((value - low) / (high - low) * points(axis))
-        if (axis == 1) then
-          call add_line(drawing, [left + at, top + points(2)], [left + at, top + points(2) + mark])
-          call add_text(drawing, [left + at, top + points(2) + first_line], at_middle, &
-                        number_text(value, digits))
-        else
-          call add_line(drawing, [left - mark, top + points(2) - at], [left, top + points(2) - at])
-          call add_text(drawing, [left - mark - 4, top + points(2) - at + 4], at_end, &
-                        number_text(value, digits))
-        end if
-      end do
-    end subroutine put_axis
-
-    ! The colours of the range, beside the map.
-    subroutine put_colour_bar()
-      integer :: at, from, k
-      real(real64) :: step
-
-      from = left + points(1) + beside
-      call add_text(drawing, [drawing%width - 8, top - 12], at_end, frame%name)
-      call add_image(drawing, from, top, bar, room, &
-                     reshape([(i, i = last_colour, first_colour, -1)], &
-                             [1, last_colour - first_colour + 1]))
-      call add_frame(drawing, from, top, bar, room)
-      associate (low => frame%range(1), high => frame%range(2))
-        if (.not. high > low) then
-          call add_text(drawing, [from + bar + mark + 4, top + room + 4], at_begin, &
-                        number_text(low, digits))
-          return
-        end if
-        step = round_step((high - low) / max(1, min(6, room / distance(2))))
-        do k = ceiling(low / step), floor(high / step)
-          at = top + room - nint((k * step - low) / (high - low) * room)
-          call add_line(drawing, [from + bar, at], [from + bar + mark, at])
-          call add_text(drawing, [from + bar + mark + 4, at + 4], at_begin, &
-                        number_text(k * step, digits))
-        end do
-      end associate
-    end subroutine put_colour_bar
-
-    ! A length below the map: a sixth of its width, or somewhat more.
-    subroutine put_scale_bar()
-      real(real64) :: length
-      integer :: foot, to
-
-      length = round_step(frame%side(1) / 6)
-      to = left + min(points(1), nint(length / frame%side(1) * points(1)))
-      foot = top + points(2) + third_line - 10
-      call add_line(drawing, [left, foot - 4], [left, foot + 4])
-      call add_line(drawing, [to, foot - 4], [to, foot + 4])
-      call add_line(drawing, [left, foot], [to, foot])
-      call add_text(drawing, [to + 8, foot + 4], at_begin, &
-                    trim(number_text(length, 1) // ' ' // frame%unit))
-    end subroutine put_scale_bar
-
-    ! A colour that stands beside the colour bar, and what it means.
-    subroutine put_swatch(from, which, meaning)
-      integer, intent(in) :: from, which
-      character(len=*), intent(in) :: meaning
-      integer, parameter :: swatch = 12
-
-      call add_image(drawing, from, top + points(2) + fourth_line - swatch + 1, swatch, swatch, &
-                     reshape([which], [1, 1]))
-      call add_frame(drawing, from, top + points(2) + fourth_line - swatch + 1, swatch, swatch)
-      call add_text(drawing, [from + swatch + 6, top + points(2) + fourth_line], at_begin, meaning)
-    end subroutine put_swatch
-
+      call put_swatch(drawing, frame, left + merge(120, 240, allocated(frame%blank)), &
+                      colour_missing, 'not measured')
   end subroutine draw_pixels
+
+  ! Marks and numbers along an edge from its lower left end on: 1 below the map, 2 left of it, 3
+  ! right of the colour bar.
+  subroutine put_marks(drawing, edge, corner, length, ends)
+    type(plan_drawing), intent(inout) :: drawing
+    integer, intent(in) :: edge, corner(2), length
+    real(real64), intent(in) :: ends(2)
+    integer, parameter :: anchors(3) = [at_middle, at_end, at_begin]
+    integer, parameter :: outward(2, 3) = reshape([0, mark, -mark, 0, mark, 0], [2, 3])
+    integer, parameter :: to_text(2, 3) = &
+      reshape([0, first_line, -mark - 4, 4, mark + 4, 4], [2, 3])
+    integer :: at, k, place(2)
+    real(real64) :: step
+
+    if (.not. ends(2) > ends(1)) then
+      call add_text(drawing, corner + to_text(:, edge), anchors(edge), &
+                    number_text(ends(1), digits))
+      return
+    end if
+    step = round_step((ends(2) - ends(1)) / max(1, min(6, length / distance(min(edge, 2)))))
+    do k = ceiling(ends(1) / step), floor(ends(2) / step)
+      at = nint((k * step - ends(1)) / (ends(2) - ends(1)) * length)
+      place = corner + merge([at, 0], [0, -at], edge == 1)
+      call add_line(drawing, place + min(outward(:, edge), 0), place + max(outward(:, edge), 0))
+      call add_text(drawing, place + to_text(:, edge), anchors(edge), &
+                    number_text(k * step, digits))
+    end do
+  end subroutine put_marks
+
+  ! A length below the map: a sixth of its width, or somewhat more.
+  subroutine put_scale_bar(drawing, frame)
+    type(plan_drawing), intent(inout) :: drawing
+    type(plan_frame), intent(in) :: frame
+    real(real64) :: length
+    integer :: foot, to
+
+    length = round_step(frame%side(1) / 6)
+    to = left + min(frame%points(1), nint(length / frame%side(1) * frame%points(1)))
+    foot = top + frame%points(2) + third_line - 10
+    call add_line(drawing, [left, foot - 4], [left, foot + 4])
+    call add_line(drawing, [to, foot - 4], [to, foot + 4])
+    call add_line(drawing, [left, foot], [to, foot])
+    call add_text(drawing, [to + 8, foot + 4], at_begin, &
+                  trim(number_text(length, 1) // ' ' // frame%unit))
+  end subroutine put_scale_bar
+
+  ! A colour that stands beside the colour bar, and its meaning.
+  subroutine put_swatch(drawing, frame, from, which, meaning)
+    type(plan_drawing), intent(inout) :: drawing
+    type(plan_frame), intent(in) :: frame
+    integer, intent(in) :: from, which
+    character(len=*), intent(in) :: meaning
+    integer, parameter :: swatch = 12
+    integer :: foot
+
+    foot = top + frame%points(2) + fourth_line
+    call add_image(drawing, from, foot - swatch + 1, swatch, swatch, reshape([which], [1, 1]))
+    call add_frame(drawing, from, foot - swatch + 1, swatch, swatch)
+    call add_text(drawing, [from + swatch + 6, foot], at_begin, meaning)
+  end subroutine put_swatch
 
   ! A text in a room of so many points.
   pure function cut_text(text, room) result(line)
@@ -309,10 +297,10 @@ contains
       do i = 1, size(mean, 1)
         associate (at => colour(i, size(mean, 2) + 1 - j), value => mean(i, j))
           at = first_colour
-          if (frame%range(2) > frame%range(1)) &
+          if (frame%limits(2) > frame%limits(1)) &
             at = first_colour + nint((last_colour - first_colour) * &
-                                     ((min(max(value, frame%range(1)), frame%range(2)) - &
-                                       frame%range(1)) / (frame%range(2) - frame%range(1))))
+                                     ((min(max(value, frame%limits(1)), frame%limits(2)) - &
+                                       frame%limits(1)) / (frame%limits(2) - frame%limits(1))))
           if (allocated(frame%blank) .and. .not. abs(value) > 0.0_real64) at = colour_blank
           if (.not. value > not_computed) at = colour_missing
         end associate

@@ -9,12 +9,13 @@ module asperity_results_html
   use asperity_html_page, only: begin_page, begin_section, begin_table, end_page, end_section, &
                                 end_table, escaped_text, put_lines, put_row
   use asperity_html_plans, only: put_plans
-  use asperity_kinds, only: not_computed, real64
+  use asperity_kinds, only: real64
   use asperity_number_format, only: number_text
   use asperity_plan_drawing, only: plan_drawing, write_svg
   use asperity_problems, only: decimal_text, problem_list
+  use asperity_result_table, only: cell_whole, cell_word, of_positions, of_states, result_table
   use asperity_scene_inputs, only: input_file
-  use asperity_scene_results, only: kinds_of_warnings, last_state, scene_results
+  use asperity_scene_results, only: last_state, scene_results
   use asperity_scene_values, only: scene
   use asperity_summary, only: errors_in_words, uses_samples, write_heading, write_map_table, &
                               write_path, write_remarks
@@ -188,14 +189,9 @@ contains
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
-    character(len=16), parameter :: names(8) = [character(len=16) :: 'step', 'separation', &
-      'compression', 'contacts', 'load', 'vertical_load', 'area', 'mean_gap']
     character(len=20) :: units(3)
-    character(len=24) :: cells(8)
     character(len=:), allocatable :: pressure
-    integer :: columns, i
 
-    columns = merge(size(cells), size(cells) - 1, uses_samples(results))
     units = axis_units(scene_in)
     associate (states => results%positions(1)%states)
       if (size(states) > 1) then
@@ -220,21 +216,11 @@ contains
         call buffer%line('<p>One state: <code>points = 20</code> in <code>&amp;loading</code> ' // &
                          'gives the load curve.</p>')
       end if
-      call begin_table('states', names(:columns), buffer)
-      do i = 1, min(size(states), most_rows)
-        cells(1) = decimal_text(i)
-        cells(2) = number_text(states(i)%approach)
-        cells(3) = number_text(states(i)%closing)
-        cells(4) = decimal_text(states(i)%contacts)
-        cells(5) = number_text(states(i)%load)
-        cells(6) = number_text(states(i)%vertical_load)
-        cells(7) = number_text(states(i)%area)
-        if (columns > 7) cells(8) = number_text(states(i)%mean_gap)
-        call put_row(cells(:columns), buffer)
-      end do
-      call end_table(buffer)
-      call put_cut(size(states), 'states', '--curve', buffer)
     end associate
+    call put_result_table(of_states, 'states', '--curve', [character(len=16) :: 'step', &
+                          'separation', 'compression', 'contacts', 'load', 'vertical_load', &
+                          'area', merge('mean_gap', '        ', uses_samples(results))], &
+                          results, buffer)
   end subroutine put_states
 
   ! One quantity over another; each point shows both. Arrows show the direction where `path`, the
@@ -268,23 +254,16 @@ contains
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
-    integer, parameter :: own = 10
+    character(len=16) :: effects(size(known_effects))
     type(state_row) :: ends(size(results%positions))
     real(real64) :: place(size(ends))
     character(len=24) :: across
     character(len=20) :: units(3), unit
-    character(len=16) :: names(own + size(known_effects))
-    character(len=24) :: cells(size(names))
-    integer :: columns, i, m
+    integer :: m
 
-    names(:own) = [character(len=16) :: 'position', 'x_displacement', 'y_displacement', &
-                   'separation', 'contacts', 'load', 'vertical_load', 'area', 'limit_reached', &
-                   'warnings']
-    columns = own
-    if (allocated(results%effects)) then
-      columns = own + size(results%effects%names)
-      names(own + 1:columns) = results%effects%names
-    end if
+    effects = ''
+    if (allocated(results%effects)) &
+      effects(:size(results%effects%names)) = results%effects%names
     ends = [(last_state(results%positions(m)), m = 1, size(ends))]
     units = axis_units(scene_in)
     across = 'position'
@@ -302,40 +281,47 @@ contains
     call put_plot(trim(across), unit, place, 'contact area', units(2), ends%area, buffer)
     call put_plot(trim(across), unit, place, 'separation', units(1), ends%approach, buffer)
     call buffer%line('</div>')
-    call begin_table('positions, each at its last state', names(:columns), buffer)
-    do m = 1, min(size(results%positions), most_rows)
-      associate (position => results%positions(m), last => ends(m))
-        cells(1) = decimal_text(m)
-        cells(2) = number_text(position%x_displacement)
-        cells(3) = number_text(position%y_displacement)
-        cells(4) = number_text(last%approach)
-        cells(5) = decimal_text(last%contacts)
-        cells(6) = number_text(last%load)
-        cells(7) = number_text(last%vertical_load)
-        cells(8) = number_text(last%area)
-        cells(9) = merge('yes', 'no ', position%limit_reached)
-        cells(10) = decimal_text(kinds_of_warnings(position))
-        do i = 1, columns - own
-          cells(own + i) = position%effects(i)%simulated
-        end do
-      end associate
-      call put_row(cells(:columns), buffer)
-    end do
-    call end_table(buffer)
-    call put_cut(size(results%positions), 'positions', '--positions', buffer)
+    call put_result_table(of_positions, 'positions, each at its last state', '--positions', &
+                          [character(len=16) :: 'position', 'x_displacement', 'y_displacement', &
+                           'separation', 'contacts', 'load', 'vertical_load', 'area', &
+                           'limit_reached', 'warnings', effects], results, buffer)
   end subroutine put_positions
 
-  ! Where a table ends early, and the option that writes all rows.
-  subroutine put_cut(rows, what, option, buffer)
-    integer, intent(in) :: rows
-    character(len=*), intent(in) :: what, option
+  ! Some columns of a table of the results, those that it has; an option writes all rows.
+  subroutine put_result_table(which, caption, option, wanted, results, buffer)
+    integer, intent(in) :: which
+    character(len=*), intent(in) :: caption, option, wanted(:)
+    type(scene_results), intent(in) :: results
     type(text_buffer), intent(inout) :: buffer
+    type(result_table) :: table
+    integer, allocatable :: columns(:)
+    character(len=24) :: cells(size(wanted))
+    integer :: i, row
+    logical :: found
 
-    if (rows > most_rows) &
+    call table%begin(which, results)
+    columns = [(findloc(table%names, wanted(i), 1), i=1, size(wanted))]
+    columns = pack(columns, columns > 0)
+    call begin_table(caption, table%names(columns), buffer)
+    do row = 1, min(table%rows, most_rows)
+      call table%next(results, found)
+      do i = 1, size(columns)
+        associate (k => columns(i))
+          cells(i) = number_text(table%numbers(k))
+          if (table%kinds(k) == cell_whole) cells(i) = decimal_text(nint(table%numbers(k)))
+          if (table%kinds(k) == cell_word) cells(i) = table%words(k)
+          if (table%names(k) == 'limit_reached') &
+            cells(i) = merge('yes', 'no ', table%numbers(k) > 0.0_real64)
+        end associate
+      end do
+      call put_row(cells(:size(columns)), buffer)
+    end do
+    call end_table(buffer)
+    if (table%rows > most_rows) &
       call buffer%line('<p>The first ' // decimal_text(most_rows) // ' of ' // &
-                       decimal_text(rows) // ' ' // what // '; <code>' // option // &
-                       ' FILE</code> writes all.</p>')
-  end subroutine put_cut
+                       decimal_text(table%rows) // ' ' // caption(:scan(caption // ',', ',') - 1) &
+                       // '; <code>' // option // ' FILE</code> writes all.</p>')
+  end subroutine put_result_table
 
   subroutine put_origin(scene_in, inputs, results, buffer)
     type(scene), intent(in) :: scene_in
