@@ -299,31 +299,30 @@ contains
       call begin_table('contacts, ' // title, [character(len=16) :: 'area_no', 'x', 'y', &
                        'contact_radius', 'load', 'average_pressure', 'maximum_pressure'], buffer)
       do i = last%first_row, last_in_table
-        call put_contact(results%positions(m)%rows(i))
+        call put_contact(results%positions(m)%rows(i), buffer)
       end do
       call end_table(buffer)
     end if
     call buffer%line(trim(merge('</details>', '</div>    ', size(results%positions) > 1)))
-
-  contains
-
-    subroutine put_contact(row)
-      type(contact_row), intent(in) :: row
-      real(real64) :: values(6)
-      character(len=24) :: cells(7)
-      integer :: k
-
-      values = [row%x, row%y, contact_radius(row), row%load, row%average_pressure, &
-                row%maximum_pressure]
-      cells(1) = decimal_text(row%area_no)
-      do k = 1, size(values)
-        cells(k + 1) = ''
-        if (values(k) > not_computed) cells(k + 1) = number_text(values(k))
-      end do
-      call put_row(cells, buffer)
-    end subroutine put_contact
-
   end subroutine put_plan
+
+  ! A row of the table of contacts.
+  subroutine put_contact(row, buffer)
+    type(contact_row), intent(in) :: row
+    type(text_buffer), intent(inout) :: buffer
+    real(real64) :: values(6)
+    character(len=24) :: cells(7)
+    integer :: k
+
+    values = [row%x, row%y, contact_radius(row), row%load, row%average_pressure, &
+              row%maximum_pressure]
+    cells(1) = decimal_text(row%area_no)
+    do k = 1, size(values)
+      cells(k + 1) = ''
+      if (values(k) > not_computed) cells(k + 1) = number_text(values(k))
+    end do
+    call put_row(cells, buffer)
+  end subroutine put_contact
 
   ! Number and values of a contact.
   function text_of(row, at_length) result(text)

@@ -8,7 +8,7 @@ module asperity_map_file
   use asperity_kinds, only: int64, real64
   use asperity_npy_map, only: npy_magic
   use asperity_output_files, only: close_part, open_part
-  use asperity_problems, only: decimal_text, problem_list
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_system_calls, only: posix_close, posix_creat, system_reason
   implicit none
   private
@@ -160,7 +160,7 @@ contains
       else if (ending == 'npy') then
         bytes = bytes_of(transfer(ieee_value(height, ieee_quiet_nan), 0_int64), 8)
       else if (is_measured(height)) then
-        bytes = number_text(height) // ' '
+        bytes = real_text(height, 'es24.16e3') // ' '
       else
         bytes = 'NaN '
       end if
@@ -214,20 +214,10 @@ contains
 
     head = ''
     if (all(map%spacing > 0.0_real64)) &
-      head = '# Spacing: ' // number_text(map%spacing(1)) // ' ' // number_text(map%spacing(2)) // &
-             new_line('a')
+      head = '# Spacing: ' // real_text(map%spacing(1), 'es24.16e3') // ' ' // &
+             real_text(map%spacing(2), 'es24.16e3') // new_line('a')
     if (map%unit /= '') head = head // '# Units: ' // map%unit // new_line('a')
   end function text_header
-
-  ! 17 significant digits.
-  pure function number_text(number) result(text)
-    real(real64), intent(in) :: number
-    character(len=:), allocatable :: text
-    character(len=24) :: digits
-
-    write (digits, '(es24.16e3)') number
-    text = trim(adjustl(digits))
-  end function number_text
 
   ! The lowest byte first.
   pure function bytes_of(bits, wide) result(bytes)

@@ -4,7 +4,7 @@ module asperity_results_json
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_kinds, only: int32, real64
   use asperity_printable, only: printable
-  use asperity_problems, only: problem_list
+  use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_result_arrays, only: array_table, make_arrays
   use asperity_result_table, only: of_contacts, table_names
   use asperity_scene_inputs, only: input_file
@@ -75,19 +75,8 @@ contains
     end if
     call buffer%line('},')
     if (.not. allocated(results%effects)) return
-    call buffer%append('"tolerance": ')
-    call put_number(results%effects%tolerance, buffer)
-    call buffer%line(',')
+    call buffer%line('"tolerance": ' // real_text(results%effects%tolerance, 'es25.16e3') // ',')
   end subroutine put_effects
-
-  subroutine put_number(value, buffer)
-    real(real64), intent(in) :: value
-    type(text_buffer), intent(inout) :: buffer
-    character(len=25) :: cell
-
-    write (cell, '(es25.16e3)') value
-    call buffer%append(trim(adjustl(cell)))
-  end subroutine put_number
 
   ! Lines as a list of texts.
   subroutine put_lines(name, lines, buffer)
@@ -158,14 +147,15 @@ contains
   pure subroutine put_reals(values, buffer)
     real(real64), intent(in) :: values(:)       !! finite, or NaN
     type(text_buffer), intent(inout) :: buffer  !! the text
-    character(len=25) :: cell
     integer :: i
 
     call buffer%append('[')
     do i = 1, size(values)
-      cell = 'null'
-      if (.not. ieee_is_nan(values(i))) write (cell, '(es25.16e3)') values(i)
-      call put_item(i, cell, buffer)
+      if (ieee_is_nan(values(i))) then
+        call put_item(i, 'null', buffer)
+      else
+        call put_item(i, real_text(values(i), 'es25.16e3'), buffer)
+      end if
     end do
     call buffer%append(']')
   end subroutine put_reals
@@ -174,13 +164,11 @@ contains
   pure subroutine put_wholes(values, buffer)
     integer(int32), intent(in) :: values(:)     !! any
     type(text_buffer), intent(inout) :: buffer  !! the text
-    character(len=12) :: cell
     integer :: i
 
     call buffer%append('[')
     do i = 1, size(values)
-      write (cell, '(i0)') values(i)
-      call put_item(i, cell, buffer)
+      call put_item(i, decimal_text(values(i)), buffer)
     end do
     call buffer%append(']')
   end subroutine put_wholes
@@ -211,7 +199,7 @@ contains
     if (number > 1) call buffer%append(',')
     ! A line of bearable length, for editors.
     if (number > 1 .and. mod(number, 8) == 1) call buffer%append(new_line('a'))
-    call buffer%append(trim(adjustl(item)))
+    call buffer%append(item)
   end subroutine put_item
 
 end module asperity_results_json

@@ -70,9 +70,9 @@ contains
     call buffer%line('</Piece>')
     call buffer%line('</ImageData>')
     call buffer%append('<AppendedData encoding="raw">_')
-    call put_reals(field%pressure)
-    call put_reals(field%gap)
-    call put_reals(field%displacement)
+    call put_reals(field%pressure, buffer)
+    call put_reals(field%gap, buffer)
+    call put_reals(field%displacement, buffer)
     call buffer%append(transfer(pixels, repeat('a', int(count_bytes))))
     do j = 1, field%rows
       call buffer%append(marks_of(field%pressure(:, j)))
@@ -100,25 +100,23 @@ contains
                        'format="ascii">' // decimal_text(number) // '</DataArray>')
     end subroutine put_number
 
-    subroutine put_reals(values)
-      real(real64), intent(in) :: values(:, :)
-      integer :: j
-
-      call buffer%append(transfer(real_bytes * pixels, repeat('a', int(count_bytes))))
-      do j = 1, size(values, 2)
-        call buffer%append(bytes_of(values(:, j)))
-      end do
-    end subroutine put_reals
-
   end subroutine write_vti
 
-  ! Numbers of one row of pixels; NaN where one was not computed.
-  function bytes_of(row) result(bytes)
-    real(real64), intent(in) :: row(:)
-    character(len=8 * size(row)) :: bytes
+  ! Numbers of all pixels with the count of their bytes; NaN where one was not computed.
+  subroutine put_reals(values, buffer)
+    real(real64), intent(in) :: values(:, :)
+    type(text_buffer), intent(inout) :: buffer
+    integer :: j
 
-    bytes = transfer(merge(row, ieee_value(row(1), ieee_quiet_nan), row > not_computed), bytes)
-  end function bytes_of
+    call buffer%append(transfer(real_bytes * size(values, kind=int64), &
+                                repeat('a', int(count_bytes))))
+    do j = 1, size(values, 2)
+      associate (row => values(:, j))
+        call buffer%append(transfer(merge(row, ieee_value(row(1), ieee_quiet_nan), &
+                                          row > not_computed), repeat('a', 8 * size(row))))
+      end associate
+    end do
+  end subroutine put_reals
 
   ! A byte a pixel of a row: 1 in contact.
   pure function marks_of(row) result(bytes)

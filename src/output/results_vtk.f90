@@ -2,7 +2,7 @@
 module asperity_results_vtk
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_kinds, only: real64
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_result_arrays, only: array_column, array_table, make_arrays
   use asperity_result_table, only: of_contacts
   use asperity_scene_results, only: scene_results
@@ -36,9 +36,8 @@ contains
     call buffer%line('<Points>')
     call buffer%line('<DataArray type="Float64" NumberOfComponents="3" format="ascii">')
     do i = 1, table%rows
-      call put_real(table%columns(x)%reals(i), ' ')
-      call put_real(table%columns(y)%reals(i), ' ')
-      call buffer%line('0')
+      call buffer%line(real_cell(table%columns(x)%reals(i), ' ') // &
+                       real_cell(table%columns(y)%reals(i), ' ') // '0')
     end do
     call buffer%line('</DataArray>')
     call buffer%line('</Points>')
@@ -85,7 +84,7 @@ contains
       if (allocated(column%reals)) then
         call buffer%line('<DataArray type="Float64" Name="' // column%name // '" format="ascii">')
         do k = 1, table%rows
-          call put_real(column%reals(k), new_line('a'))
+          call buffer%append(real_cell(column%reals(k), new_line('a')))
         end do
       else
         call buffer%line('<DataArray type="Int32" Name="' // column%name // '" format="ascii">')
@@ -96,16 +95,16 @@ contains
       call buffer%line('</DataArray>')
     end subroutine put_column
 
-    subroutine put_real(value, behind)
-      real(real64), intent(in) :: value
-      character(len=1), intent(in) :: behind
-      character(len=25) :: cell
-
-      cell = 'nan'
-      if (.not. ieee_is_nan(value)) write (cell, '(es25.16e3)') value
-      call buffer%append(trim(adjustl(cell)) // behind)
-    end subroutine put_real
-
   end subroutine write_vtk
+
+  ! A number with 17 digits, and what separates it from the next one.
+  pure function real_cell(value, behind) result(text)
+    real(real64), intent(in) :: value
+    character(len=1), intent(in) :: behind
+    character(len=:), allocatable :: text
+
+    text = 'nan' // behind
+    if (.not. ieee_is_nan(value)) text = real_text(value, 'es25.16e3') // behind
+  end function real_cell
 
 end module asperity_results_vtk

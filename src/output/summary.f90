@@ -176,7 +176,8 @@ contains
       before = 0.0_real64
       allocate (lost(0))
       do i = 1, size(values)
-        at = last + findloc(abs(controlled_value(states(last + 1:)) - values(i)) <= &
+        at = last + findloc(abs(controlled_value(states(last + 1:), &
+                            scene_in%loading%control, results%nominal_area) - values(i)) <= &
                             load_is_met * maxval(abs(values)), .true., 1)
         if (at == last) cycle
         call put_state('end ' // decimal_text(i), states(at))
@@ -201,24 +202,6 @@ contains
 
   contains
 
-    ! The quantity that the path prescribes.
-    elemental real(real64) function controlled_value(state)
-      type(state_row), intent(in) :: state
-
-      select case (scene_in%loading%control)
-      case (control_load)
-        controlled_value = state%load
-      case (control_vertical_load)
-        controlled_value = state%vertical_load
-      case (control_pressure)
-        controlled_value = state%vertical_load / results%nominal_area
-      case (control_compression)
-        controlled_value = state%closing
-      case default
-        controlled_value = state%approach
-      end select
-    end function controlled_value
-
     subroutine put_state(name, state)
       character(len=*), intent(in) :: name
       type(state_row), intent(in) :: state
@@ -234,6 +217,26 @@ contains
     end subroutine put_state
 
   end subroutine write_path
+
+  ! The quantity of a state that a load path prescribes under a control.
+  elemental real(real64) function controlled_value(state, control, nominal_area)
+    type(state_row), intent(in) :: state
+    integer, intent(in) :: control
+    real(real64), intent(in) :: nominal_area
+
+    select case (control)
+    case (control_load)
+      controlled_value = state%load
+    case (control_vertical_load)
+      controlled_value = state%vertical_load
+    case (control_pressure)
+      controlled_value = state%vertical_load / nominal_area
+    case (control_compression)
+      controlled_value = state%closing
+    case default
+      controlled_value = state%approach
+    end select
+  end function controlled_value
 
   ! How many asperities there are, or on what plane.
   function surfaces_in_words(scene_in) result(text)

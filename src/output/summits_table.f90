@@ -7,7 +7,7 @@ module asperity_summits_table
   use asperity_map_statistics, only: map_statistics
   use asperity_map_summits, only: map_summits, rule_contact, rule_names
   use asperity_printable, only: printable
-  use asperity_problems, only: decimal_text
+  use asperity_problems, only: decimal_text, real_text
   use asperity_summit_spheres, only: radius_names
   use asperity_summits_of_file, only: summit_choices
   use asperity_text_buffer, only: text_buffer
@@ -45,7 +45,7 @@ contains
     call put_count('summits', size(summits%x, kind=int64))
     if (choices%rule == rule_contact) call put_count('  on ridges', int(summits%on_ridges, int64))
     call buffer%line('')
-    call put_line('', '', '', 'Nayak expects')
+    call put_line('', '', '', 'Nayak expects', buffer)
     call put_value('spacing along x', map%spacing(1), 1)
     call put_value('spacing along y', map%spacing(2), 1)
     call put_value('rms height', found%rms_height, 1)
@@ -68,7 +68,7 @@ contains
       character(len=*), intent(in) :: name
       integer(int64), intent(in) :: value
 
-      call put_line(name, decimal_text(value), '', '')
+      call put_line(name, decimal_text(value), '', '', buffer)
     end subroutine put_count
 
     ! A value in a power of the unit of length, and what theory expects.
@@ -77,33 +77,35 @@ contains
       real(real64), intent(in) :: value
       integer, intent(in) :: power
       real(real64), intent(in), optional :: theory
-      character(len=24) :: digits(2)
-      character(len=8) :: unit
+      character(len=:), allocatable :: expected, unit
 
-      digits(2) = ''
-      write (digits(1), '(es22.14e3)') value
-      if (present(theory)) write (digits(2), '(es12.4e3)') theory
-      if (ieee_is_nan(value)) digits(1) = '-'
-      if (ieee_is_nan(found%alpha)) digits(2) = ''
-      unit = ''
-      if (power > 0) unit = map%unit
-      if (power == 2 .and. map%unit /= '') unit = map%unit // '2'
-      if (power < 0 .and. map%unit /= '') unit = '1/' // map%unit
-      if (power == -2 .and. map%unit /= '') unit = '1/' // map%unit // '2'
-      call put_line(name, trim(adjustl(digits(1))), trim(unit), trim(adjustl(digits(2))))
+      expected = ''
+      if (present(theory) .and. .not. ieee_is_nan(found%alpha)) &
+        expected = real_text(theory, 'es12.4e3')
+      unit = map%unit
+      if (power == 0) unit = ''
+      if (abs(power) == 2 .and. unit /= '') unit = unit // '2'
+      if (power < 0 .and. unit /= '') unit = '1/' // unit
+      if (ieee_is_nan(value)) then
+        call put_line(name, '-', unit, expected, buffer)
+      else
+        call put_line(name, real_text(value, 'es22.14e3'), unit, expected, buffer)
+      end if
     end subroutine put_value
 
-    subroutine put_line(name, value, unit, theory)
-      character(len=*), intent(in) :: name, value, unit, theory
-      character(len=80) :: line
-
-      line = name
-      line(value_column + merge(1, 0, value(:min(1, len(value))) /= '-'):) = value
-      line(unit_column:) = unit
-      line(theory_column + merge(1, 0, theory(:min(1, len(theory))) /= '-'):) = theory
-      call buffer%line(line)
-    end subroutine put_line
-
   end subroutine write_summits_table
+
+  ! A line of the table; numbers with a sign begin one column earlier.
+  subroutine put_line(name, value, unit, theory, buffer)
+    character(len=*), intent(in) :: name, value, unit, theory
+    type(text_buffer), intent(inout) :: buffer
+    character(len=80) :: line
+
+    line = name
+    line(value_column + merge(0, 1, index(value, '-') == 1):) = value
+    line(unit_column:) = unit
+    line(theory_column + merge(0, 1, index(theory, '-') == 1):) = theory
+    call buffer%line(line)
+  end subroutine put_line
 
 end module asperity_summits_table

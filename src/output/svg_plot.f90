@@ -157,7 +157,7 @@ contains
     offset = 0.0_real64
     marks = 0
     digits = 1
-    if (axis%is_log) call list_decades()
+    if (axis%is_log) call list_decades(axis, values, marks)
     if (marks < 2) then
       step = round_step((axis%high - axis%low) / max(3, min(8, int(self%frame(which)) / &
                                                                distance(which))))
@@ -203,27 +203,27 @@ contains
     unit = trim(axis%unit)
     if (power /= 0) unit = trim(number_text(10.0_real64**power, 1) // ' ' // unit)
     if (unit /= '') name = name // ' [' // unit // ']'
-
-  contains
-
-    ! Powers of ten; of less than two decades their doubles and fives, too.
-    subroutine list_decades()
-      integer, parameter :: parts(3) = [1, 2, 5]
-      real(real64) :: decades, value
-      integer :: part, power
-
-      decades = log10(axis%high / axis%low)
-      do power = floor(log10(axis%low)), floor(log10(axis%high)), 1 + int(decades / 7.0_real64)
-        do part = 1, merge(size(parts), 1, decades < 2.0_real64)
-          value = parts(part) * 10.0_real64**power
-          if (value < axis%low .or. value > axis%high) cycle
-          marks = marks + 1
-          values(marks) = value
-        end do
-      end do
-    end subroutine list_decades
-
   end subroutine put_marks
+
+  ! Powers of ten within an axis; for less than two decades their doubles and fives, too.
+  pure subroutine list_decades(axis, values, marks)
+    type(plot_axis), intent(in) :: axis
+    real(real64), intent(inout) :: values(:)
+    integer, intent(inout) :: marks
+    integer, parameter :: parts(3) = [1, 2, 5]
+    real(real64) :: decades, value
+    integer :: part, power
+
+    decades = log10(axis%high / axis%low)
+    do power = floor(log10(axis%low)), floor(log10(axis%high)), 1 + int(decades / 7.0_real64)
+      do part = 1, merge(size(parts), 1, decades < 2.0_real64)
+        value = parts(part) * 10.0_real64**power
+        if (value < axis%low .or. value > axis%high) cycle
+        marks = marks + 1
+        values(marks) = value
+      end do
+    end do
+  end subroutine list_decades
 
   !> The least of 1, 2, 5 times a power of ten that is not below a length.
   pure real(real64) function round_step(length) result(step)
