@@ -107,19 +107,16 @@ contains
 
   contains
 
-    ! From the fastest on.
+    ! The methods of the Pareto front, from the fastest on.
     subroutine put_front(time, level)
       real(real64), intent(in) :: time(:), level(:)
       real(real64) :: x(size(time)), y(size(time))
-      logical :: left(size(time))
-      integer :: k, next
+      integer :: i, place
 
-      left = .true.
-      do k = 1, size(time)
-        next = minloc(time, 1, left)
-        left(next) = .false.
-        x(k) = max(time(next), 1.0e-9_real64)
-        y(k) = level(next)
+      do i = 1, size(time)
+        place = 1 + count(time < time(i)) + count(.not. abs(time(:i - 1) - time(i)) > 0.0_real64)
+        x(place) = max(time(i), 1.0e-9_real64)
+        y(place) = level(i)
       end do
       call plot%add_curve(x, y, buffer)
     end subroutine put_front

@@ -104,7 +104,7 @@ contains
       if (.not. rows(i)%method%step > 0.0_real64) cycle
       write (line, '(a1, 1x, a40, es9.1e2, f7.0, "%", f9.1, 5(2x, a17))') &
         merge('*', ' ', rows(i)%on_own_front), rows(i)%method%name, rows(i)%seconds, &
-        100 * rows(i)%spread, ratio_of(rows, i), &
+        100 * rows(i)%time_spread, ratio_of(rows, i), &
         (short_number(rows(i)%own%quantity(k)) // ' (' // &
          trim(adjustl(short_number(rows(i)%own%quantity_mean(k)))) // ')' // repeat(' ', 7), &
          k = 1, size(quantity_names))
@@ -120,7 +120,7 @@ contains
 
     ratio_of = not_computed
     if (rows(i)%seconds > not_computed .and. rows(i)%method%family /= of_theory) &
-      ratio_of = rows(i)%seconds / minval(rows%seconds, rows%spread > not_computed)
+      ratio_of = rows(i)%seconds / minval(rows%seconds, rows%time_spread > not_computed)
   end function ratio_of
 
   ! Error estimate of the reference in words.
@@ -198,7 +198,7 @@ contains
         call line%put(trim(method%arithmetic))
         call line%put(merge(method%step, 0.0_real64, method%path == by_marching))
         call line%put(trim(merge('original', 'stable  ', method%overlap == overlap_original)))
-        call line%put([row%seconds, row%spread, ratio_of(table%rows, i), row%total%largest, &
+        call line%put([row%seconds, row%time_spread, ratio_of(table%rows, i), row%total%largest, &
                        row%total%mean])
         if (row%total%worst > 0) then
           call line%put(row%total%worst)

@@ -36,7 +36,7 @@ module asperity_field_picture
   ! Distance of the numbers along an axis, points: more than they take.
   integer, parameter :: distance(2) = [100, 40]
   ! Significant digits of the numbers along an axis.
-  integer, parameter :: digits = 4
+  integer, parameter :: digits_of_axis = 4
   ! The first and the last colour of heights are so many deviations from the mean.
   real(real64), parameter :: most_deviations = 3.0_real64
   ! More dots make the file large: the highest summits are drawn.
@@ -209,7 +209,7 @@ contains
 
     if (.not. ends(2) > ends(1)) then
       call add_text(drawing, corner + to_text(:, edge), anchors(edge), &
-                    number_text(ends(1), digits))
+                    number_text(ends(1), digits_of_axis))
       return
     end if
     step = round_step((ends(2) - ends(1)) / max(1, min(6, length / distance(min(edge, 2)))))
@@ -218,7 +218,7 @@ contains
       place = corner + merge([at, 0], [0, -at], edge == 1)
       call add_line(drawing, place + min(outward(:, edge), 0), place + max(outward(:, edge), 0))
       call add_text(drawing, place + to_text(:, edge), anchors(edge), &
-                    number_text(k * step, digits))
+                    number_text(k * step, digits_of_axis))
     end do
   end subroutine put_marks
 

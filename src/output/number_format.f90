@@ -82,20 +82,20 @@ contains
     integer, intent(in), optional :: most_digits  !! from 1 to 15; absent: 6
     character(len=:), allocatable :: text   !! without blanks
     character(len=32) :: cell, format
-    integer :: digits, last, power
+    integer :: number_of_digits, last, power
 
-    digits = usual_digits
-    if (present(most_digits)) digits = most_digits
+    number_of_digits = usual_digits
+    if (present(most_digits)) number_of_digits = most_digits
     ! The exponent after rounding.
-    write (format, '("(es32.", i0, "e3)")') digits - 1
+    write (format, '("(es32.", i0, "e3)")') number_of_digits - 1
     write (cell, format) value
     read (cell(29:), *) power
-    if (power >= -4 .and. power < max(digits, 6)) then
-      write (format, '("(f32.", i0, ")")') max(0, digits - 1 - power)
+    if (power >= -4 .and. power < max(number_of_digits, 6)) then
+      write (format, '("(f32.", i0, ")")') max(0, number_of_digits - 1 - power)
       write (cell, format) value
       cell = adjustl(cell)
       last = len_trim(cell)
-      if (power < digits - 1) last = verify(trim(cell), '0', back=.true.)
+      if (power < number_of_digits - 1) last = verify(trim(cell), '0', back=.true.)
       if (cell(last:last) == '.') last = last - 1
       text = cell(:last)
       if (text == '-0' .or. text == '') text = '0'
@@ -104,7 +104,7 @@ contains
     else
       cell = adjustl(cell)
       last = index(cell, 'E') - 1
-      if (digits > 1) last = verify(cell(:last), '0', back=.true.)
+      if (number_of_digits > 1) last = verify(cell(:last), '0', back=.true.)
       if (cell(last:last) == '.') last = last - 1
       write (format, '(i0)') power
       text = cell(:last) // 'e' // trim(format)

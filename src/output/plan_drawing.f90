@@ -24,6 +24,8 @@ module asperity_plan_drawing
   integer, parameter :: first_colour = 4, last_colour = 255
   character(len=*), parameter :: anchors(3) = [character(len=6) :: 'start', 'middle', 'end']
 
+  ! Letters of a text at most: a title is cut to the width of its drawing before.
+  integer, parameter :: longest_text = 200
   ! Dots of a PNG for a point, and dots of a PNG for a dot of a letter.
   integer, parameter :: dots = 2
   ! Viridis (S. van der Walt and N. Smith, 2015) at equal steps; straight lines between.
@@ -62,7 +64,7 @@ module asperity_plan_drawing
   type :: drawn_text
     integer :: at(2), anchor                 ! foot of the letters
     logical :: is_bold
-    character(len=:), allocatable :: text
+    character(len=longest_text) :: text
   end type drawn_text
 
   !> The drawing.
@@ -139,23 +141,11 @@ contains
     type(plan_drawing), intent(inout) :: drawing   !! gets it
     integer, intent(in) :: at(2)                   !! foot of the letters
     integer, intent(in) :: anchor                  !! `at_begin`, `at_middle` or `at_end`
-    character(len=*), intent(in) :: text           !! as it stands
-    logical, intent(in), optional :: is_bold       !! absent: it is not
-    type(drawn_text), allocatable :: more(:)
-    integer :: i, number
+    character(len=*), intent(in) :: text           !! at most `longest_text` letters
+    logical, intent(in), optional :: is_bold       !! present: letters are bold
 
-    number = 0
-    if (allocated(drawing%texts)) number = size(drawing%texts)
-    allocate (more(number + 1))
-    do i = 1, number
-      more(i) = drawing%texts(i)
-    end do
-    more(number + 1)%at = at
-    more(number + 1)%anchor = anchor
-    more(number + 1)%is_bold = .false.
-    if (present(is_bold)) more(number + 1)%is_bold = is_bold
-    more(number + 1)%text = text
-    call move_alloc(more, drawing%texts)
+    if (.not. allocated(drawing%texts)) allocate (drawing%texts(0))
+    drawing%texts = [drawing%texts, drawn_text(at, anchor, present(is_bold), text)]
   end subroutine add_text
 
   !> The drawing as SVG. Inside a page it has the colours of the page's style and no background.
@@ -214,7 +204,7 @@ contains
                                                                                     text%at(2)) // &
                            ' text-anchor="' // trim(anchors(text%anchor)) // '"')
         if (text%is_bold) call buffer%append(' style="font-weight:bold"')
-        call buffer%line('>' // escaped_text(text%text) // '</text>')
+        call buffer%line('>' // escaped_text(trim(text%text)) // '</text>')
       end associate
     end do
     call buffer%line('</svg>')
@@ -275,11 +265,11 @@ contains
       integer :: column, letter, left, row, x, y
 
       left = dots * text%at(1)
-      associate (length => dots * ((glyph_width + 1) * len(text%text) - 1))
+      associate (length => dots * ((glyph_width + 1) * len_trim(text%text) - 1))
         if (text%anchor == at_middle) left = left - length / 2
         if (text%anchor == at_end) left = left - length
       end associate
-      do letter = 1, len(text%text)
+      do letter = 1, len_trim(text%text)
         do column = 1, glyph_width
           do row = 1, glyph_height
             if (.not. has_dot(text%text(letter:letter), column, row)) cycle

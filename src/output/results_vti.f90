@@ -83,13 +83,13 @@ contains
 
   contains
 
-    subroutine put_head(kind, name)
-      character(len=*), intent(in) :: kind, name
-      character(len=20) :: digits
+    subroutine put_head(type_name, name)
+      character(len=*), intent(in) :: type_name, name
+      character(len=20) :: offset_text
 
-      write (digits, '(i0)') offset
-      call buffer%line('<DataArray type="' // kind // '" Name="' // name // &
-                       '" format="appended" offset="' // trim(digits) // '"/>')
+      write (offset_text, '(i0)') offset
+      call buffer%line('<DataArray type="' // type_name // '" Name="' // name // &
+                       '" format="appended" offset="' // trim(offset_text) // '"/>')
     end subroutine put_head
 
     subroutine put_number(name, number)

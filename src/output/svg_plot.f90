@@ -150,18 +150,18 @@ contains
     character(len=:), allocatable :: at, unit
     type(plot_axis) :: axis
     real(real64) :: values(most), shown(most), step, offset
-    integer :: digits, k, marks, power
+    integer :: number_of_digits, k, marks, power
 
     axis = self%across
     if (which == 2) axis = self%up
     offset = 0.0_real64
     marks = 0
-    digits = 1
+    number_of_digits = 1
     if (axis%is_log) call list_decades(axis, values, marks)
     if (marks < 2) then
       step = round_step((axis%high - axis%low) / max(3, min(8, int(self%frame(which)) / &
                                                                distance(which))))
-      digits = 2 + int(max(0.0_real64, log10(max(abs(axis%low), abs(axis%high)) / step)))
+      number_of_digits = 2 + int(max(0.0_real64, log10(max(abs(axis%low), abs(axis%high)) / step)))
       marks = 0
       do k = 0, most - 1
         ! Zero, but for rounding.
@@ -169,16 +169,16 @@ contains
         if (abs(values(marks + 1)) < 0.5_real64 * step) values(marks + 1) = 0.0_real64
         if (values(marks + 1) >= axis%low .and. values(marks + 1) <= axis%high) marks = marks + 1
       end do
-      if (digits > most_digits) then
+      if (number_of_digits > most_digits) then
         offset = values(1)
-        digits = 2
+        number_of_digits = 2
       end if
     end if
     shown = 0.0_real64
     shown(:marks) = values(:marks) - offset
     power = 0
     do k = 1, marks
-      if (len(number_text(shown(k), digits)) > longest_number .and. .not. axis%is_log) &
+      if (len(number_text(shown(k), number_of_digits)) > longest_number .and. .not. axis%is_log) &
         power = max(-300, floor(log10(maxval(abs(shown(:marks))))))
     end do
     do k = 1, marks
@@ -195,7 +195,7 @@ contains
                            point_text(place_of(self, 2, values(k)) + 4.5_real64) // &
                            '" text-anchor="end">')
       end if
-      call buffer%line(number_text(shown(k) / 10.0_real64**power, digits) // '</text>')
+      call buffer%line(number_text(shown(k) / 10.0_real64**power, number_of_digits) // '</text>')
     end do
     name = trim(axis%name)
     if (abs(offset) > 0.0_real64) name = name // merge(' - ', ' + ', offset > 0.0_real64) // &

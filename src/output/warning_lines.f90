@@ -20,10 +20,10 @@ contains
     type(problem_list), intent(inout) :: lines   !! gets a line a kind
     type(theory_warning) :: worst
     character(len=:), allocatable :: more, prefix
-    integer :: kind, at, positions
+    integer :: which, at, positions
 
-    do kind = 1, size(warning_kinds)
-      call find_worst(results, kind, worst, at, positions)
+    do which = 1, size(warning_kinds)
+      call find_worst(results, which, worst, at, positions)
       if (positions == 0) cycle
       more = ''
       if (positions > 1) more = ' and ' // decimal_text(positions - 1) // ' more'
@@ -39,19 +39,19 @@ contains
     type(scene_results), intent(in) :: results   !! results of a run
     type(problem_list), intent(inout) :: lines   !! gets a line a kind
     type(theory_warning) :: worst
-    integer :: kind, at, positions
+    integer :: which, at, positions
 
-    do kind = 1, size(warning_kinds)
-      call find_worst(results, kind, worst, at, positions)
-      if (positions > 0) call lines%add(trim(warning_kinds(kind)%name) // ' ' // &
-                                        trim(class_names(warning_kinds(kind)%class)))
+    do which = 1, size(warning_kinds)
+      call find_worst(results, which, worst, at, positions)
+      if (positions > 0) call lines%add(trim(warning_kinds(which)%name) // ' ' // &
+                                        trim(class_names(warning_kinds(which)%class)))
     end do
   end subroutine list_warning_kinds
 
   ! The worst warning of a kind, its position, and at how many there is one.
-  pure subroutine find_worst(results, kind, worst, at, positions)
+  pure subroutine find_worst(results, which, worst, at, positions)
     type(scene_results), intent(in) :: results
-    integer, intent(in) :: kind
+    integer, intent(in) :: which
     type(theory_warning), intent(out) :: worst
     integer, intent(out) :: at, positions
     integer :: i, m
@@ -62,7 +62,7 @@ contains
       if (.not. allocated(results%positions(m)%warnings)) cycle
       associate (found => results%positions(m)%warnings)
         do i = 1, size(found)
-          if (found(i)%kind /= kind) cycle
+          if (found(i)%kind /= which) cycle
           positions = positions + 1
           if (at > 0 .and. found(i)%size <= worst%size) cycle
           at = m
@@ -76,27 +76,27 @@ contains
   pure function in_words(warning) result(text)
     type(theory_warning), intent(in) :: warning
     character(len=:), allocatable :: text
-    character(len=12) :: digits
+    character(len=12) :: size_text
 
-    associate (kind => warning_kinds(warning%kind))
-      text = with_effect(kind%what)
-      if (warning%whose /= '' .and. index(kind%what, '*') == 0) &
+    associate (which => warning_kinds(warning%kind))
+      text = with_effect(which%what)
+      if (warning%whose /= '' .and. index(which%what, '*') == 0) &
         text = text // ' (' // trim(warning%whose) // ')'
-      if (kind%is_share) then
+      if (which%is_share) then
         text = text // ', ' // percent_text(warning%size)
       else
-        write (digits, '(g12.3)') warning%size
+        write (size_text, '(g12.3)') warning%size
         if (abs(warning%size - anint(warning%size)) <= 0.0_real64 .and. &
-            warning%size < 1.0e6_real64) digits = decimal_text(nint(warning%size))
-        text = text // ', ' // trim(adjustl(digits))
+            warning%size < 1.0e6_real64) size_text = decimal_text(nint(warning%size))
+        text = text // ', ' // trim(adjustl(size_text))
         if (text(len(text):) == '.') text = text(:len(text) - 1)
       end if
-      text = text // ' ' // trim(kind%measure)
+      text = text // ' ' // trim(which%measure)
       if (warning%contacts > 0) text = text // ' at ' // count_text(warning%contacts, 'contact')
-      if (warning%whose /= '' .and. kind%other_advice /= '') then
-        text = text // ', ' // trim(kind%other_advice)
+      if (warning%whose /= '' .and. which%other_advice /= '') then
+        text = text // ', ' // trim(which%other_advice)
       else
-        text = text // ', ' // with_effect(kind%advice)
+        text = text // ', ' // with_effect(which%advice)
       end if
     end associate
 

@@ -53,10 +53,9 @@ contains
     stage(:, :, 0) = historic%variance
     stage(:, :, start_value) = without_start_values(historic)
     stage(:, :, rounding) = without_start_values(exact_arithmetic)
-    stage(:, :, marching) = table_of(results, as_original=.true.)
-    stage(:, :, counting) = table_of(results, as_original=.false.)
-    stage(:, :, vertical) = stage(:, :, counting)
-    stage(total_load_row, :, vertical) = vertical_loads(results)
+    stage(:, :, marching) = table_of(results, as_original=.true., is_vertical=.false.)
+    stage(:, :, counting) = table_of(results, as_original=.false., is_vertical=.false.)
+    stage(:, :, vertical) = table_of(results, as_original=.false., is_vertical=.true.)
     table%historic = stage(:, :, 0)
     table%corrected = stage(:, :, vertical)
     do number = 1, vertical
@@ -124,10 +123,11 @@ contains
   end function without_start_values
 
   !> Table VI of the present-day results. `as_original` keeps the original's averages: contacts from
-  !> the first at its limit on, and the sum over positions divided by their count.
-  function table_of(results, as_original) result(table)
+  !> the first at its limit on, and the sum over positions divided by their count. `is_vertical`:
+  !> the loads are the vertical ones.
+  function table_of(results, as_original, is_vertical) result(table)
     type(scene_results), intent(in) :: results
-    logical, intent(in) :: as_original
+    logical, intent(in) :: as_original, is_vertical
     real(real64) :: table(7, 3)
     real(real64) :: values(size(results%positions), 7), difference, slopes, differences
     integer :: contacts, i, m
@@ -141,7 +141,7 @@ contains
     do m = 1, size(results%positions)
       associate (position => results%positions(m), &
                  last => results%positions(m)%states(size(results%positions(m)%states)))
-        values(m, total_load_row) = last%load
+        values(m, total_load_row) = merge(last%vertical_load, last%load, is_vertical)
         values(m, total_area_row) = last%area
         values(m, points_row) = real(last%contacts, real64)
         values(m, approach_row) = last%approach
@@ -179,19 +179,6 @@ contains
     table(slope_row, 3) = slopes / max(1, contacts)
     table(individual_difference_row, 3) = differences / max(1, contacts)
   end function table_of
-
-  !> Maximum, minimum and average of the vertical loads.
-  function vertical_loads(results) result(row)
-    type(scene_results), intent(in) :: results
-    real(real64) :: row(3)
-    real(real64) :: loads(size(results%positions))
-    integer :: m
-
-    do m = 1, size(loads)
-      loads(m) = results%positions(m)%states(size(results%positions(m)%states))%vertical_load
-    end do
-    row = [maxval(loads), minval(loads), sum(loads) / size(loads)]
-  end function vertical_loads
 
   !> By how much the projected area falls short of the area, %.
   pure real(real64) function area_difference(area, projected)

@@ -94,9 +94,9 @@ contains
       pairs = real(law%density(1), real128) * real(law%density(2), real128)
       associate (t => moments(1), t_2 => moments(2), t_5_2 => moments(3), t_3 => moments(4), &
                  t_7_2 => moments(5), radii => law%radii)
-        found(contacts_per_area) = 2 * pi * pairs * (radii%sum * t - beyond * t_2 / 2)
+        found(contacts_per_area) = 2 * pi * pairs * (radii%radius_sum * t - beyond * t_2 / 2)
         found(area_per_area) = 2 * pi**2 * pairs * &
-                               (radii%product * t_2 / 2 - beyond * radii%combined * t_3 / 3)
+                               (radii%radius_product * t_2 / 2 - beyond * radii%combined * t_3 / 3)
         pairs = 8 * pi / 3 * law%modulus * pairs
         found(load_per_area) = pairs * (radii%root_sum * t_5_2 / 2.5_real128 - &
                                         beyond * radii%root * t_7_2 / 3.5_real128)

@@ -39,8 +39,8 @@ module asperity_greenwood_moments
 
   !> Means over pairs of radii r1 and r2, with s = r1 + r2 and R = r1 r2/s.
   type :: radius_means
-    real(real128) :: sum = 0.0_real128            !! of s
-    real(real128) :: product = 0.0_real128        !! of R s
+    real(real128) :: radius_sum = 0.0_real128     !! of s
+    real(real128) :: radius_product = 0.0_real128 !! of R s
     real(real128) :: combined = 0.0_real128       !! of R
     real(real128) :: root = 0.0_real128           !! of sqrt(R)
     real(real128) :: root_sum = 0.0_real128       !! of sqrt(R) s
@@ -176,8 +176,8 @@ contains
         weight = upper_weights(i) * lower_weights(j)
         s = upper(i) + lower(j)
         combined = upper(i) * lower(j) / s
-        means%sum = means%sum + weight * s
-        means%product = means%product + weight * upper(i) * lower(j)
+        means%radius_sum = means%radius_sum + weight * s
+        means%radius_product = means%radius_product + weight * upper(i) * lower(j)
         means%combined = means%combined + weight * combined
         means%root = means%root + weight * sqrt(combined)
         means%root_sum = means%root_sum + weight * sqrt(combined) * s

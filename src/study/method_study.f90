@@ -17,7 +17,7 @@ module asperity_method_study
   use asperity_study_methods, only: method_of_scene, list_methods, of_arithmetic, of_effects, &
                                     of_neighbours, of_steps, run_method, study_method, &
                                     simulated_effects
-  use asperity_timing, only: time_allowance, timing_samples
+  use asperity_timing, only: add_sample, are_enough, sample_quantile, time_allowance
   implicit none
   private
 
@@ -40,7 +40,7 @@ module asperity_method_study
   type :: method_row
     type(study_method) :: method                     !! what it is
     real(real64) :: seconds = not_computed     !! all positions, median, from the scene read on
-    real(real64) :: spread = not_computed      !! half the quartile distance of the time, relative
+    real(real64) :: time_spread = not_computed !! half the quartile distance of the time, relative
     type(method_errors) :: total = method_errors()   !! against the reference
     type(method_errors) :: own = method_errors()     !! against what differs in its family alone
     real(real64) :: own_estimate = not_computed  !! largest `error_estimate` of its run
@@ -213,7 +213,7 @@ contains
     type(method_row), intent(inout) :: row
     type(method_totals), intent(out) :: totals
     type(scene_results), intent(inout) :: results
-    type(timing_samples) :: timing
+    real(real64), allocatable :: samples(:)
     type(run_options) :: options
     type(time_allowance) :: allowance
     type(original_records) :: records
@@ -223,7 +223,8 @@ contains
     options = run_options(keep_contacts=.false., threads=1)
     call options%interrupt%end_within(most_seconds)
     call allowance%begin(most_seconds)
-    do while (.not. timing%are_enough(least_seconds))
+    allocate (samples(0))
+    do while (.not. are_enough(samples, least_seconds))
       call system_clock(from, rate)
       if (row%method%is_original) then
         call run_in_arithmetic(row%method%arithmetic, scene_in%deck, original_request(), records, &
@@ -235,10 +236,10 @@ contains
       if (allocated(row%left_out)) exit
       ! A pass that is ended early leaves no totals.
       if (.not. row%method%is_original) totals = totals_of(results)
-      call timing%add(real(until - from, real64) / real(rate, real64))
+      call add_sample(samples, real(until - from, real64) / real(rate, real64))
       if (allowance%left() < 0.0_real64) exit
     end do
-    if (timing%passes() == 0) then
+    if (size(samples) == 0) then
       if (index(row%left_out, 'interrupted') > 0 .or. allowance%left() < 0.0_real64) &
         row%left_out = too_long // ', ' // seconds_text(most_seconds) // ' s were left'
       return
@@ -250,8 +251,9 @@ contains
                              original_request(keep_contacts=.true.), records, failure)
       totals = original_totals(records, row%method%step)
     end if
-    row%seconds = timing%median()
-    row%spread = timing%spread()
+    row%seconds = sample_quantile(samples, 0.5_real64)
+    row%time_spread = 0.5_real64 * (sample_quantile(samples, 0.75_real64) - &
+                               sample_quantile(samples, 0.25_real64)) / row%seconds
     row%own_estimate = totals%own_estimate
     row%ends = mean_of_ends(totals)
   end subroutine time_method

@@ -59,11 +59,17 @@ contains
   !> solution. `why_not` is the reason why there are none; empty: there are.
   subroutine evaluate_theories(scene_in, truth, theories, criteria, why_not)
     type(scene), intent(in) :: scene_in                             !! without a map
-    type(method_totals), intent(in) :: truth                           !! of the best method
+    type(method_totals), intent(in) :: truth                        !! of the reference
     type(reviewed_theory), allocatable, intent(out) :: theories(:)  !! in the thesis' order
     type(elastic_criterion), allocatable, intent(out) :: criteria(:)  !! in the thesis' order
     character(len=:), allocatable, intent(out) :: why_not
     type(summit_statistics) :: summits
+    character(len=32), parameter :: names(6) = [character(len=32) :: 'Bowden and Tabor', &
+      'D''yachenko, cones', 'Greenwood and Tripp, plastic', 'Kragelskii, rods', &
+      'Kragelskii, hemispheres', 'Greenwood and Tripp, elastic']
+    character(len=*), parameter :: lacks = 'the thesis'' equation lacks a constant: ', &
+      no_hardness = 'needs a hardness: expected &limit hardness, or plastic_yield_stress'
+    integer :: ends(size(truth%first) - 1)
     real(real64) :: hardness, modulus
 
     allocate (theories(0), criteria(0))
@@ -71,18 +77,23 @@ contains
     if (why_not /= '') return
     hardness = surface_hardness(scene_in)
     modulus = combined_modulus(scene_in)
-    ! One by one: a list of them in brackets would lose their texts.
     deallocate (theories)
-    allocate (theories(6))
-    theories(1) = bowden_and_tabor(hardness, truth)
-    theories(2) = incomplete_theory('D''yachenko, cones', &
-                                    'alpha, "related to mean height", has no value')
-    theories(3) = greenwood_and_tripp_plastic(summits, hardness, &
-                                              is_load(scene_in%loading%control), truth)
-    theories(4) = incomplete_theory('Kragelskii, rods', &
-                                    'those of the height distribution have no value')
-    theories(5) = incomplete_theory('Kragelskii, hemispheres', 'K2, b and nu have no values')
-    theories(6) = greenwood_elastic(scene_in, summits, truth)
+    allocate (theories(size(names)))
+    theories%name = names
+    theories(2)%left_out = lacks // 'alpha, "related to mean height", has no value'
+    theories(4)%left_out = lacks // 'those of the height distribution have no value'
+    theories(5)%left_out = lacks // 'K2, b and nu have no values'
+    ends = deepest_states(truth)
+    if (hardness > 0.0_real64) then
+      ! Bowden and Tabor, A = W/p_m (II B 1): the mean yield pressure is the hardness.
+      theories(1)%area = relative_error(sum(truth%vertical(ends)) / hardness, sum(truth%area(ends)))
+      call apply_plastic_theory(summits, hardness, is_load(scene_in%loading%control), truth, &
+                                theories(3))
+    else
+      theories(1)%left_out = no_hardness
+      theories(3)%left_out = no_hardness
+    end if
+    call apply_elastic_theory(scene_in, summits, truth, theories(6))
     ! Blok: h/(2 l) < H/(pi E), h from peak to valley, l from peak to peak. Halliday: tan theta <
     ! 0.84 (1 - nu^2) H/E, for caps of one material, whose E/(1 - nu^2) is twice the combined
     ! modulus. Greenwood and Williamson: an index of 0.6. What was simulated: the greatest pressure
@@ -168,45 +179,17 @@ contains
 
   end subroutine measure_surfaces
 
-  ! A theory that is left out: its equation in the thesis lacks the value of a constant.
-  pure type(reviewed_theory) function incomplete_theory(name, what) result(theory)
-    character(len=*), intent(in) :: name, what
-
-    theory%name = name
-    theory%left_out = 'the thesis'' equation lacks a constant: ' // what
-  end function incomplete_theory
-
-  ! A = W/p_m (II B 1): the mean yield pressure is the hardness.
-  pure type(reviewed_theory) function bowden_and_tabor(hardness, truth) result(theory)
-    real(real64), intent(in) :: hardness
-    type(method_totals), intent(in) :: truth
-    integer :: ends(size(truth%first) - 1)
-
-    theory%name = 'Bowden and Tabor'
-    if (.not. hardness > 0.0_real64) then
-      theory%left_out = 'needs a hardness: expected &limit hardness, or plastic_yield_stress'
-      return
-    end if
-    ends = deepest_states(truth)
-    theory%area = relative_error(sum(truth%vertical(ends)) / hardness, sum(truth%area(ends)))
-  end function bowden_and_tabor
-
   ! A = pi^2 (eta beta sigma)^2 A_nom F2(h), P = 2 H A, as the thesis has them (II B 1), with F2 of
   ! the Gaussian in closed form.
-  pure type(reviewed_theory) function greenwood_and_tripp_plastic(summits, hardness, by_load, &
-                                                                  truth) result(theory)
+  pure subroutine apply_plastic_theory(summits, hardness, by_load, truth, theory)
     type(summit_statistics), intent(in) :: summits
     real(real64), intent(in) :: hardness
     logical, intent(in) :: by_load
     type(method_totals), intent(in) :: truth
+    type(reviewed_theory), intent(inout) :: theory
     integer :: ends(size(truth%first) - 1), i
     real(real64) :: area, factor, u
 
-    theory%name = 'Greenwood and Tripp, plastic'
-    if (.not. hardness > 0.0_real64) then
-      theory%left_out = 'needs a hardness: expected &limit hardness, or plastic_yield_stress'
-      return
-    end if
     ends = deepest_states(truth)
     if (by_load) then
       theory%area = relative_error(sum(truth%vertical(ends)) / (2 * hardness), &
@@ -222,19 +205,18 @@ contains
     end do
     theory%area = relative_error(area, sum(truth%area(ends)))
     theory%load = relative_error(2 * hardness * area, sum(truth%vertical(ends)))
-  end function greenwood_and_tripp_plastic
+  end subroutine apply_plastic_theory
 
   ! Greenwood and Tripp, or Greenwood and Williamson on a plane: A = pi^2 (eta beta sigma)^2 A_nom
   ! F2(h) (II B 2). The thesis has no equation of the load; it is that of their paper.
-  function greenwood_elastic(scene_in, summits, truth) result(theory)
+  subroutine apply_elastic_theory(scene_in, summits, truth, theory)
     type(scene), intent(in) :: scene_in
     type(summit_statistics), intent(in) :: summits
     type(method_totals), intent(in) :: truth
-    type(reviewed_theory) :: theory
+    type(reviewed_theory), intent(inout) :: theory
     integer :: ends(size(truth%first) - 1), i
     real(real64) :: area, load, missed, separation, values(4)
 
-    theory%name = 'Greenwood and Tripp, elastic'
     if (scene_in%upper%is_plane .or. scene_in%lower%is_plane) &
       theory%name = 'Greenwood and Williamson'
     ends = deepest_states(truth)
@@ -262,7 +244,7 @@ contains
     else
       theory%load = relative_error(load, sum(truth%vertical(ends)))
     end if
-  end function greenwood_elastic
+  end subroutine apply_elastic_theory
 
   ! The deepest state of each position.
   pure function deepest_states(truth) result(ends)
