@@ -196,8 +196,9 @@ contains
     type(radius_means) :: means
 
     call means_over_radii([wide(1000, 200, 6000, 16000), wide(800, 100, 5000, 11000)], means)
-    call check_all(error, real([means%radius_sum, means%radius_product, means%combined, means%root, &
-                                means%root_sum, means%upper, means%root_upper], real64), &
+    call check_all(error, real([means%radius_sum, means%radius_product, means%combined, &
+                                means%root, means%root_sum, means%upper, means%root_upper], &
+                               real64), &
                    [1.8101565979349758_real64, 0.80812527834798064_real64, &
                     0.44097665386191635_real64, 0.66305501604704309_real64, &
                     1.2076935140472496_real64, 1.0101565979349758_real64, &
