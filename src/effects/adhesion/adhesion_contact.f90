@@ -12,8 +12,18 @@
 !> and Roberts have no range: spheres adhere from first touch on. In the limit of Derjaguin, Muller
 !> and Toporov nothing snaps: the load decreases linearly from 0 at h0 to -2 pi w R at first touch,
 !> on separation along the same line.
+!>
+!> Johnson, Kendall and Roberts (1971), with the contact radius a, the combined modulus E and the
+!> combined radius R (Johnson, Contact Mechanics, 1985, section 5.5):
+!>
+!>     load    = 4 E a**3/(3 R) - sqrt(8 pi w E a**3)
+!>     overlap = a**2/R - sqrt(2 pi w a/E)
+!>     p(r)    = 2 E sqrt(a**2 - r**2)/(pi R) - sqrt(2 E w/(pi a))/sqrt(1 - r**2/a**2)
+!>
+!> With a = L t**2, L**3 = 2 pi w R**2/E, the overlap is (L**2/R) (t**4 - t) and the load (E L**3/R)
+!> (4/3 t**6 - 2 t**3): one curve for all contacts. The overlap is least at 4 t**3 = 1, with the
+!> load -5/6 pi w R; the load is least at 4 t**3 = 3: -3/2 pi w R.
 module asperity_adhesion_contact
-  use asperity_adhesion_jkr, only: answer_jkr, snap_off_jkr
   use asperity_adhesion_maugis, only: central_answer, follow_maugis, maugis_curve, new_maugis
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
@@ -35,6 +45,10 @@ module asperity_adhesion_contact
   ! Range of the constant stress over z0, w/(sigma0 z0) = 9 sqrt(3)/16. Derived (Maugis 1992). Test:
   ! adhesion_curves_suite.
   real(real64), parameter :: range_of_attraction = 0.97427857925749364_real64
+
+  ! Least overlap of the curve of Johnson, Kendall and Roberts, from 4 t**3 = 1. Derived.
+  real(real64), parameter :: last_t = 0.62996052494743658238_real64
+  real(real64), parameter :: last_overlap = -0.75_real64 * last_t  ! derived
 
   !> Parameters of all contacts, in one set of units.
   type :: adhesion_numbers
@@ -69,7 +83,7 @@ contains
                     (radius / numbers%distance)
     if (contact%tabor > least_of_jkr) then
       contact%model = model_jkr
-      contact%snap_off = snap_off_jkr(numbers%modulus, radius, numbers%work)
+      contact%snap_off = last_overlap * jkr_unit(numbers, radius)**2 / radius
       contact%pull_off = 1.5_real64 * pi * numbers%work * radius
     else if (contact%tabor < most_of_dmt) then
       contact%model = model_dmt
@@ -109,8 +123,7 @@ contains
     associate (modulus => numbers%modulus, radius => contact%radius)
       select case (contact%model)
       case (model_jkr)
-        call answer_jkr(modulus, radius, numbers%work, overlap, answer%load, &
-                        answer%contact_radius, answer%stiffness, answer%pressure)
+        call answer_jkr(numbers, radius, overlap, answer)
       case (model_maugis)
         unit = radius_unit(numbers, radius)
         call follow_maugis(contact%curve, (overlap / unit) * (radius / unit), answer)
@@ -133,6 +146,56 @@ contains
       end select
     end associate
   end subroutine answer_along_centres
+
+  ! Response of an adhering contact by Johnson, Kendall and Roberts.
+  pure subroutine answer_jkr(numbers, radius, overlap, answer)
+    type(adhesion_numbers), intent(in) :: numbers
+    real(real64), intent(in) :: radius, overlap
+    type(central_answer), intent(out) :: answer
+    real(real64) :: length, t, cube
+
+    length = jkr_unit(numbers, radius)
+    t = largest_root((overlap / length) * (radius / length))
+    cube = t**3
+    associate (modulus => numbers%modulus, contact_radius => answer%contact_radius)
+      contact_radius = length * t**2
+      answer%load = modulus * contact_radius * ((4.0_real64 / 3.0_real64) * &
+                    contact_radius**2 / radius - 2.0_real64 * (length / radius) * length * t)
+      answer%stiffness = 2.0_real64 * modulus * contact_radius * (4.0_real64 * cube - 3.0_real64) &
+                         / max(4.0_real64 * cube - 1.0_real64, epsilon(cube))
+      answer%pressure = modulus * (length / radius) * (2.0_real64 * t**2 - 1.0_real64 / t) / pi
+    end associate
+  end subroutine answer_jkr
+
+  ! Largest root of t**4 - t = y by Newton's method. The left side is convex, so iterates that begin
+  ! above the root decrease to it. Both starts are above: the parabola at the least overlap lies
+  ! below the curve, and (s + 1)**4 - (s + 1) > s**4. The second is close for large y, the first
+  ! near the least overlap.
+  pure function largest_root(y) result(t)
+    real(real64), intent(in) :: y
+    real(real64) :: t, step
+    ! Chosen: bounds the loop, which ends by its last test.
+    integer, parameter :: most_turns = 100
+    integer :: turn
+
+    t = last_t + sqrt(max(y - last_overlap, 0.0_real64) / 6.0_real64) / last_t
+    if (y > 0.0_real64) t = min(t, sqrt(sqrt(y)) + 1.0_real64)
+    do turn = 1, most_turns
+      step = (t * (t**3 - 1.0_real64) - y) / max(4.0_real64 * t**3 - 1.0_real64, epsilon(t))
+      ! At the root a step changes sign by rounding.
+      if (.not. step > 0.25_real64 * epsilon(t) * t) exit
+      t = max(t - step, last_t)
+    end do
+  end function largest_root
+
+  ! L, the unit of the contact radius of Johnson, Kendall and Roberts.
+  pure real(real64) function jkr_unit(numbers, radius)
+    type(adhesion_numbers), intent(in) :: numbers
+    real(real64), intent(in) :: radius
+
+    jkr_unit = radius * &
+               (2.0_real64 * pi * (numbers%work / numbers%modulus / radius))**(1.0_real64 / 3)
+  end function jkr_unit
 
   ! Maugis' unit of the contact radius, (pi w R**2/K)**(1/3).
   pure real(real64) function radius_unit(numbers, radius)
