@@ -10,9 +10,9 @@ module asperity_pair_search_row
 
   !> Asperities in the order of x.
   type :: summit_row
-    real(real64), allocatable :: x(:)        !! positions along x, ascending
-    real(real64), allocatable :: y(:)        !! positions along y
-    integer(int32), allocatable :: index(:)  !! number of the asperity in its surface, from 1
+    real(real64), allocatable :: x(:)           !! positions along x, ascending
+    real(real64), allocatable :: y(:)           !! positions along y
+    integer(int32), allocatable :: asperity(:)  !! number of the asperity in its surface, from 1
   end type summit_row
 
 contains
@@ -23,10 +23,10 @@ contains
     real(real64), contiguous, intent(in) :: x(:)  !! positions along x, finite
     real(real64), contiguous, intent(in) :: y(:)  !! positions along y, as many as x
 
-    allocate (row%x(size(x)), row%y(size(x)), row%index(size(x)))
-    call sort_keys(x, row%index)
-    row%x(:) = x(row%index)
-    row%y(:) = y(row%index)
+    allocate (row%x(size(x)), row%y(size(x)), row%asperity(size(x)))
+    call sort_keys(x, row%asperity)
+    row%x(:) = x(row%asperity)
+    row%y(:) = y(row%asperity)
   end subroutine build_row
 
   !> Index of the first asperity of the row that is not left of `x`; size + 1 when there is none.
