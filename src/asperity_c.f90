@@ -15,9 +15,9 @@ module asperity_c
                       run_in_arithmetic, run_options, scene_results, scene_surface, solve, &
                       surface_plan, text_buffer, thesis_tables, write_report, write_summary
   use asperity_c_arguments, only: require_text, take_asperities, take_word
-  use asperity_c_outcome, only: begin, finish, finish_scene, look_at, outcome, set_surface, &
-                                set_text, table_upper, text_notes, text_of, text_report, &
-                                text_warning_kinds, text_warnings
+  use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, look_at, outcome, &
+                                set_surface, set_text, table_upper, text_notes, text_of, &
+                                text_report, text_warning_kinds, text_warnings
   use, intrinsic :: iso_fortran_env, only: real64
   implicit none
   private
@@ -42,7 +42,7 @@ contains
     type(c_ptr), value :: path  !! of a scene or a card deck
     type(outcome), pointer :: new
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     allocate (new%scene_in)
     call require_text('scene', path, new%problems)
@@ -59,7 +59,7 @@ contains
     type(outcome), pointer :: new
     type(scene_surface) :: surfaces(2)
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     allocate (new%scene_in)
     if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
@@ -126,7 +126,7 @@ contains
     type(text_buffer) :: summary
     integer :: which
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call look_at(of_scene, from)
     if (associated(from)) call new%problems%append(from%problems)
@@ -162,7 +162,7 @@ contains
         if (.not. allocated(new%failure)) call name_units(from%scene_in, new%tables(which))
       end do
     end if
-    call finish(new)
+    call finish_outcome(new)
   end function solve_chosen
 
   ! Reads the options of a run. A value out of its range is a problem.
@@ -202,7 +202,7 @@ contains
     integer(c_int), pointer :: printed(:)
     integer :: i, which
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call require_text('deck', path, new%problems)
     if (new%problems%count() == 0) call read_card_deck(text_of(path), deck, new%problems)
@@ -232,7 +232,7 @@ contains
       end if
       call set_text(new, text_notes, deck%notes%text() // records%notes%text())
     end if
-    call finish(new)
+    call finish_outcome(new)
   end function c_report
 
   !> `asperity_generate`.
@@ -248,7 +248,7 @@ contains
     real(real64), allocatable :: x(:), y(:), height(:), radius(:)
     integer :: side
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     if (c_associated(groups)) then
       call parse_generation_spec('specification', text_of(groups), spec, new%problems)
@@ -273,7 +273,7 @@ contains
       call surface%reals(x, y, height, radius)
       call set_surface(x, y, height, radius, new%tables(table_upper + side - 1), '')
     end do
-    call finish(new)
+    call finish_outcome(new)
   end function c_generate
 
 end module asperity_c

@@ -1,4 +1,4 @@
-!> What C looks at in an outcome of a call: its status, texts, problems, tables; and its end.
+!> Parts of the outcome of a call that C reads: status, texts, problems, tables; and its release.
 module asperity_c_answers
   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_char, c_int, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr

@@ -1,4 +1,4 @@
-!> The library for C: what its arguments hold, checked and copied.
+!> The library for C: checks and copies of its arguments.
 module asperity_c_arguments
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr
   use, intrinsic :: iso_fortran_env, only: int64
@@ -12,28 +12,28 @@ module asperity_c_arguments
 
   !> `asperity_surface` of the header.
   type, bind(c) :: c_surface
-    integer(c_int) :: count             !! asperities; 0: a plane
-    integer(c_int) :: radii             !! 1, or as many
-    type(c_ptr) :: x, y, height, radius !! their numbers
+    integer(c_int) :: asperities        !! number of asperities; 0: a plane
+    integer(c_int) :: radii             !! number of radii: 1, or one for each
+    type(c_ptr) :: x, y, height, radius !! addresses of their numbers
   end type c_surface
 
   !> `asperity_height_map` of the header.
   type, bind(c) :: c_height_map
-    integer(c_int) :: columns, rows  !! pixels along x and along y
-    type(c_ptr) :: height            !! (column, row); NaN where missing
-    real(c_double) :: spacing(2)     !! along x and y; 0, 0: not given
-    type(c_ptr) :: unit              !! name; null or empty: none
-    integer(c_int) :: periodic       !! 1: yes, 0: no, -1: not known
+    integer(c_int) :: columns, rows     !! pixels along x and along y
+    type(c_ptr) :: height               !! (column, row); NaN where missing
+    real(c_double) :: pixel_spacing(2)  !! along x and y; 0, 0: not given
+    type(c_ptr) :: unit                 !! name; null or empty: none
+    integer(c_int) :: periodic          !! 1: yes, 0: no, -1: unknown
   end type c_height_map
 
 contains
 
-  !> The asperities of a surface, or a plane.
+  !> Takes the asperities of a surface, or a plane.
   subroutine take_asperities(which, given, surface, problems)
     character(len=*), intent(in) :: which          !! name of the surface, for the messages
-    type(c_ptr), intent(in) :: given               !! `c_surface`
-    type(scene_surface), intent(out) :: surface    !! a copy
-    type(problem_list), intent(inout) :: problems  !! what is wrong
+    type(c_ptr), intent(in) :: given               !! address of a `c_surface`
+    type(scene_surface), intent(out) :: surface    !! copy of the surface
+    type(problem_list), intent(inout) :: problems  !! faults of the argument
     type(c_surface), pointer :: numbers
     real(c_double), pointer :: x(:), y(:), height(:), radius(:)
     integer :: before
@@ -44,38 +44,38 @@ contains
       return
     end if
     call c_f_pointer(given, numbers)
-    if (numbers%count == 0_c_int) then
+    if (numbers%asperities == 0_c_int) then
       surface = plane_surface()
       return
     end if
     before = problems%count()
-    if (numbers%count < 0_c_int) then
-      call problems%add(which // '.count: found ' // decimal_text(numbers%count) // &
+    if (numbers%asperities < 0_c_int) then
+      call problems%add(which // '.count: found ' // decimal_text(numbers%asperities) // &
                         ', expected 0 for a plane, or more')
-    else if (all(numbers%radii /= [1_c_int, numbers%count])) then
+    else if (all(numbers%radii /= [1_c_int, numbers%asperities])) then
       call problems%add(which // '.radii: found ' // decimal_text(numbers%radii) // &
-                        ', expected 1 or ' // decimal_text(numbers%count) // ', as many as x')
+                        ', expected 1 or ' // decimal_text(numbers%asperities) // ', as many as x')
     end if
     call require_numbers(which // '.x', numbers%x, problems)
     call require_numbers(which // '.y', numbers%y, problems)
     call require_numbers(which // '.height', numbers%height, problems)
     call require_numbers(which // '.radius', numbers%radius, problems)
     if (problems%count() == before) then
-      call c_f_pointer(numbers%x, x, [numbers%count])
-      call c_f_pointer(numbers%y, y, [numbers%count])
-      call c_f_pointer(numbers%height, height, [numbers%count])
+      call c_f_pointer(numbers%x, x, [numbers%asperities])
+      call c_f_pointer(numbers%y, y, [numbers%asperities])
+      call c_f_pointer(numbers%height, height, [numbers%asperities])
       call c_f_pointer(numbers%radius, radius, [numbers%radii])
       call take_surface(which, x, y, height, radius, surface, problems)
     end if
   end subroutine take_asperities
 
-  !> A height map. `failure` is allocated when there is no memory for it.
+  !> Takes a height map. `failure` is allocated when memory is short.
   subroutine take_heights(which, given, map, problems, failure)
     character(len=*), intent(in) :: which          !! name of the map, for the messages
-    type(c_ptr), intent(in) :: given               !! `c_height_map`
-    type(height_map), intent(out) :: map           !! a copy
-    type(problem_list), intent(inout) :: problems  !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure  !! why there is no map
+    type(c_ptr), intent(in) :: given               !! address of a `c_height_map`
+    type(height_map), intent(out) :: map           !! copy of the map
+    type(problem_list), intent(inout) :: problems  !! faults of the argument
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no map
     type(c_height_map), pointer :: numbers
     real(c_double), pointer :: height(:, :)
     integer :: before
@@ -104,7 +104,7 @@ contains
       return
     end if
     call c_f_pointer(numbers%height, height, [numbers%columns, numbers%rows])
-    call take_map(which, height, numbers%spacing, text_of(numbers%unit), &
+    call take_map(which, height, numbers%pixel_spacing, text_of(numbers%unit), &
                   int(numbers%periodic) + 1, map, problems, failure)
   end subroutine take_heights
 
@@ -119,9 +119,9 @@ contains
 
   !> Refuses a path that is missing.
   subroutine require_text(name, address, problems)
-    character(len=*), intent(in) :: name           !! of the argument
-    type(c_ptr), intent(in) :: address             !! of the path
-    type(problem_list), intent(inout) :: problems  !! what is wrong
+    character(len=*), intent(in) :: name           !! name of the argument
+    type(c_ptr), intent(in) :: address             !! address of the path
+    type(problem_list), intent(inout) :: problems  !! faults of the argument
 
     if (.not. c_associated(address)) then
       call problems%add(name // ': found NULL, expected a path')
@@ -130,13 +130,13 @@ contains
     end if
   end subroutine require_text
 
-  !> A word of a list; a null pointer leaves the choice as it is.
+  !> Finds a word in a list; a null pointer leaves the choice unchanged.
   subroutine take_word(name, word, known, choice, problems)
-    character(len=*), intent(in) :: name           !! of the argument
-    type(c_ptr), intent(in) :: word                !! its text
-    character(len=*), intent(in) :: known(:)       !! the words
-    integer, intent(inout) :: choice               !! which of them; 0: none
-    type(problem_list), intent(inout) :: problems  !! what is wrong
+    character(len=*), intent(in) :: name           !! name of the argument
+    type(c_ptr), intent(in) :: word                !! address of its text
+    character(len=*), intent(in) :: known(:)       !! list of the words
+    integer, intent(inout) :: choice               !! number of the word; 0: none
+    type(problem_list), intent(inout) :: problems  !! faults of the argument
     character(len=:), allocatable :: list
     integer :: i
 

@@ -6,8 +6,8 @@ module asperity_c_fields
   use, intrinsic :: iso_fortran_env, only: real64
   use asperity, only: add_reals, add_wholes, array_table, contact_field, decimal_text, &
                       not_computed, not_enough_memory, of_contacts, of_positions
-  use asperity_c_outcome, only: begin, finish, look_at, outcome, set_text, table_fields, &
-                                table_map, text_unit
+  use asperity_c_outcome, only: begin_outcome, finish_outcome, look_at, outcome, set_text, &
+                                table_fields, table_map, text_unit
   implicit none
   private
 
@@ -24,7 +24,7 @@ contains
     type(outcome), pointer :: from, new
     integer :: which
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call look_at(solved, from)
     if (.not. associated(from)) then
@@ -47,7 +47,7 @@ contains
                               states_in_words(from%fields) // ', or -1 for the last')
       end if
     end if
-    call finish(new)
+    call finish_outcome(new)
   end function c_fields
 
   ! The fields of a state; 0: there are none.

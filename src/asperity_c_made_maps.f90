@@ -6,8 +6,8 @@ module asperity_c_made_maps
                       read_generation_spec, usual_level
   use asperity_c_arguments, only: require_text, take_heights
   use asperity_c_maps, only: power_of, set_map
-  use asperity_c_outcome, only: begin, finish, outcome, set_text, table_map, table_spectra, &
-                                text_of, text_unit
+  use asperity_c_outcome, only: begin_outcome, finish_outcome, outcome, set_text, table_map, &
+                                table_spectra, text_of, text_unit
   implicit none
   private
 
@@ -24,7 +24,7 @@ contains
     type(generation_spec) :: spec
     type(height_map) :: map
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     if (c_associated(groups)) then
       call parse_generation_spec('specification', text_of(groups), spec, new%problems)
@@ -44,7 +44,7 @@ contains
         call add_wholes(new%tables(table_map), 'periodic', [merge(1, 0, map%periodic)])
       end if
     end if
-    call finish(new)
+    call finish_outcome(new)
   end function c_generate_map
 
   !> `asperity_power_spectrum`.
@@ -56,7 +56,7 @@ contains
     type(power_spectrum) :: spectra(3)
     integer :: k
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. all(map%spacing > 0.0)) &
@@ -77,7 +77,7 @@ contains
         end associate
       end do
     end if
-    call finish(new)
+    call finish_outcome(new)
   end function c_power_spectrum
 
 end module asperity_c_made_maps

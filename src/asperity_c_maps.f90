@@ -10,9 +10,9 @@ module asperity_c_maps
                       summits_of_array, summits_of_file, text_buffer, write_map_file, &
                       write_summits_table
   use asperity_c_arguments, only: require_text, take_asperities, take_heights, take_word
-  use asperity_c_outcome, only: begin, finish, finish_scene, outcome, set_surface, set_text, &
-                                table_map, table_pixels, table_statistics, table_summits, &
-                                text_notes, text_of, text_report, text_unit
+  use asperity_c_outcome, only: begin_outcome, finish_outcome, finish_scene, outcome, set_surface, &
+                                set_text, table_map, table_pixels, table_statistics, &
+                                table_summits, text_notes, text_of, text_report, text_unit
   implicit none
   private
 
@@ -29,7 +29,7 @@ module asperity_c_maps
   !> `asperity_summits_options` of the header.
   type, bind(c) :: c_summits_options
     type(c_ptr) :: rule, level, radius, unit  !! names; null: the default
-    real(c_double) :: spacing(2)              !! of a matrix; 0 elsewhere
+    real(c_double) :: pixel_spacing(2)        !! distances of a matrix; 0 elsewhere
     integer(c_int) :: despike                 !! not 0: single outliers are removed
   end type c_summits_options
 
@@ -44,7 +44,7 @@ contains
     type(outcome), pointer :: new
     type(scene_side) :: sides(2)
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     allocate (new%scene_in)
     if (.not. c_associated(groups)) call new%problems%add('groups: found NULL, expected a text')
@@ -106,7 +106,7 @@ contains
     type(map_summits) :: summits
     integer(int64) :: spikes
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     chosen%periodic = periodic
     call set_choices(choices, chosen, new%problems)
@@ -127,7 +127,7 @@ contains
     type(map_summits) :: summits
     integer(int64) :: spikes
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call set_choices(choices, chosen, new%problems)
     call take_heights('map', given, map, new%problems, new%failure)
@@ -149,7 +149,7 @@ contains
     call take_word('level', options%level, level_names, chosen%level, problems)
     call take_word('radius', options%radius, radius_names, chosen%radius, problems)
     call take_word('unit', options%unit, length_units, chosen%unit, problems)
-    chosen%spacing = options%spacing
+    chosen%spacing = options%pixel_spacing
     chosen%despike = options%despike /= 0_c_int
   end subroutine set_choices
 
@@ -197,13 +197,13 @@ contains
                        power_of(map%unit, -1))
       end associate
     end if
-    call finish(new)
+    call finish_outcome(new)
   end subroutine finish_summits
 
   !> A power of a unit of length; empty where the unit is not known.
   pure function power_of(unit, power) result(text)
-    character(len=*), intent(in) :: unit     !! name
-    integer, intent(in) :: power             !! not 0
+    character(len=*), intent(in) :: unit     !! name of the unit
+    integer, intent(in) :: power             !! exponent, not 0
     character(len=:), allocatable :: text    !! for instance `1/um2`
 
     text = trim(unit)
@@ -221,33 +221,34 @@ contains
     type(outcome), pointer :: new
     type(height_map) :: map
     real(c_double), pointer :: given(:)
-    real(real64) :: spacing(2)
+    real(real64) :: pixel_spacing(2)
     integer :: which
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call require_text('map', path, new%problems)
     which = 0
     call take_word('unit', unit, length_units, which, new%problems)
-    spacing = 0.0_real64
+    pixel_spacing = 0.0_real64
     if (c_associated(along)) then
       call c_f_pointer(along, given, [2])
-      spacing = given
+      pixel_spacing = given
     end if
     if (new%problems%count() == 0) &
-      call read_height_map(text_of(path), spacing, .false., map, new%problems, new%failure)
+      call read_height_map(text_of(path), pixel_spacing, .false., map, new%problems, &
+                           new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
       if (which > 0) call put_in_unit(map, which)
       call set_map(new, text_of(path), map)
     end if
-    call finish(new)
+    call finish_outcome(new)
   end function c_read_map
 
-  !> The tables and texts of a map. Missing pixels are NaN there.
+  !> Fills the tables and texts of a map. Missing pixels are NaN there.
   subroutine set_map(new, name, map)
-    type(outcome), intent(inout) :: new    !! gets them, or a failure
-    character(len=*), intent(in) :: name   !! of the map, for a message
-    type(height_map), intent(in) :: map    !! the map
+    type(outcome), intent(inout) :: new    !! outcome with them, or with a failure
+    character(len=*), intent(in) :: name   !! name of the map, for a message
+    type(height_map), intent(in) :: map    !! map that is returned
     integer :: row, status
 
     call set_text(new, text_unit, map%unit)
@@ -284,13 +285,13 @@ contains
     type(outcome), pointer :: new
     type(height_map) :: map
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call require_text('path', path, new%problems)
     call take_heights('map', given, map, new%problems, new%failure)
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) &
       call write_map_file(text_of(path), map, new%problems, new%failure)
-    call finish(new)
+    call finish_outcome(new)
   end function c_write_map
 
 end module asperity_c_maps

@@ -1,4 +1,4 @@
-!> What a call of the library for C gave, as memory that C can look at: texts that end with a null
+!> Outcome of a call of the library for C, as memory that C reads: texts that end with a null
 !> character, tables, problems.
 module asperity_c_outcome
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_loc, &
@@ -9,10 +9,10 @@ module asperity_c_outcome
   implicit none
   private
 
-  public :: c_letters, outcome, begin, finish, finish_scene, look_at, has_column, &
+  public :: c_letters, outcome, begin_outcome, finish_outcome, finish_scene, look_at, has_column, &
             set_surface, set_text, text_of
 
-  !> As in the header: what became of a call, its texts, its tables, types of columns.
+  !> Numbers of the header: status of a call, texts, tables, types of columns.
   integer(c_int), parameter, public :: done = 0_c_int, not_computed = 1_c_int, bad_input = 2_c_int
   integer, parameter, public :: text_failure = 1, text_problems = 2, text_warnings = 3, &
                                 text_notes = 4, text_report = 5, text_warning_kinds = 6, &
@@ -27,42 +27,42 @@ module asperity_c_outcome
 
   !> A text that ends with a null character.
   type :: c_letters
-    character(kind=c_char), allocatable :: letters(:)  !! the null character included
+    character(kind=c_char), allocatable :: letters(:)  !! characters with the final null
   end type c_letters
 
-  !> What a call gave.
+  !> Outcome of a call.
   type :: outcome
-    integer(c_int) :: status = done                        !! what became of it
-    type(scene), allocatable :: scene_in                   !! that it read or built
-    type(c_letters) :: texts(texts)                        !! by the `text_` numbers
-    type(array_table) :: tables(tables)                    !! by the `table_` numbers
-    type(problem_list) :: problems                         !! what is wrong with the input
-    type(c_letters), allocatable :: files(:), messages(:)  !! of each problem
-    type(problem_place), allocatable :: places(:)          !! of each problem
-    type(c_letters), allocatable :: names(:, :)            !! of columns (column, table)
-    type(c_letters), allocatable :: units(:, :)            !! of columns (column, table)
+    integer(c_int) :: status = done                        !! status of the call
+    type(scene), allocatable :: scene_in                   !! scene that was read or built
+    type(c_letters) :: texts(texts)                        !! texts by the `text_` numbers
+    type(array_table) :: tables(tables)                    !! tables by the `table_` numbers
+    type(problem_list) :: problems                         !! problems of the input
+    type(c_letters), allocatable :: files(:), messages(:)  !! file and message of each problem
+    type(problem_place), allocatable :: places(:)          !! place of each problem
+    type(c_letters), allocatable :: names(:, :)            !! names of columns (column, table)
+    type(c_letters), allocatable :: units(:, :)            !! units of columns (column, table)
     type(solution_start), allocatable :: solutions(:)      !! by position, for further solves
-    type(contact_field), allocatable :: fields(:)          !! of the states that keep them
-    character(len=:), allocatable :: failure               !! why it was not computed
+    type(contact_field), allocatable :: fields(:)          !! fields of the states that keep them
+    character(len=:), allocatable :: failure               !! reason, when it was not computed
   end type outcome
 
 contains
 
-  !> A new outcome; there is none where memory has ended.
-  subroutine begin(new, handle)
-    type(outcome), pointer, intent(out) :: new  !! not associated: there is no memory
-    type(c_ptr), intent(out) :: handle          !! its address, for C
+  !> Allocates an outcome, unless memory is short.
+  subroutine begin_outcome(new, handle)
+    type(outcome), pointer, intent(out) :: new  !! not associated: memory is short
+    type(c_ptr), intent(out) :: handle          !! address of the outcome for C
     integer :: status
 
     handle = c_null_ptr
     allocate (new, stat=status)
     if (status /= 0) nullify (new)
     if (associated(new)) handle = c_loc(new)
-  end subroutine begin
+  end subroutine begin_outcome
 
-  !> Fills what C reads of an outcome: status, messages, tables and texts.
-  subroutine finish(new)
-    type(outcome), intent(inout) :: new  !! whose work is done
+  !> Fills the parts of an outcome that C reads: status, messages, tables and texts.
+  subroutine finish_outcome(new)
+    type(outcome), intent(inout) :: new  !! outcome of a finished call
     character(len=:), allocatable :: text
     integer :: column, first, i, last, table
 
@@ -95,20 +95,20 @@ contains
       call set_text(new, text_failure, new%failure)
     end if
     if (size(new%messages) > 0 .and. .not. new%problems%lacks_memory) new%status = bad_input
-  end subroutine finish
+  end subroutine finish_outcome
 
-  !> The same for an outcome that has a scene, with the groups of the scene as text.
+  !> Fills an outcome with a scene, including the groups of the scene as text.
   subroutine finish_scene(new)
-    type(outcome), intent(inout) :: new  !! whose scene is read or built
+    type(outcome), intent(inout) :: new  !! outcome with the scene
 
     if (new%problems%count() == 0) call set_text(new, text_groups, list_groups(new%scene_in))
-    call finish(new)
+    call finish_outcome(new)
   end subroutine finish_scene
 
-  !> The outcome behind a handle.
+  !> Finds the outcome of a handle.
   subroutine look_at(handle, it)
-    type(c_ptr), intent(in) :: handle          !! null: there is none
-    type(outcome), pointer, intent(out) :: it  !! not associated: there is none
+    type(c_ptr), intent(in) :: handle          !! address of the outcome; null: none
+    type(outcome), pointer, intent(out) :: it  !! outcome; not associated: none
 
     nullify (it)
     if (c_associated(handle)) call c_f_pointer(handle, it)
@@ -116,8 +116,8 @@ contains
 
   !> Whether an outcome has a column, counted from 0, in a table.
   logical function has_column(it, table, column)
-    type(outcome), pointer, intent(in) :: it     !! may be none
-    integer(c_int), intent(in) :: table, column  !! as C counts them
+    type(outcome), pointer, intent(in) :: it     !! outcome; not associated: none
+    integer(c_int), intent(in) :: table, column  !! numbers as in C
 
     has_column = .false.
     if (.not. associated(it) .or. table < 1_c_int .or. table > tables) return
@@ -131,12 +131,12 @@ contains
     if (allocated(table%columns)) columns_of = size(table%columns)
   end function columns_of
 
-  !> The table of the summits or asperities of a surface.
+  !> Fills the table of the summits or asperities of a surface.
   subroutine set_surface(x, y, height, radius, table, unit)
-    real(real64), intent(in) :: x(:), y(:)             !! places
-    real(real64), intent(in) :: height(:), radius(:)   !! as many
-    type(array_table), intent(inout) :: table          !! gets its columns
-    character(len=*), intent(in) :: unit               !! of length; empty: not known
+    real(real64), intent(in) :: x(:), y(:)             !! positions in plan
+    real(real64), intent(in) :: height(:), radius(:)   !! heights and radii, as many
+    type(array_table), intent(inout) :: table          !! table with its columns
+    character(len=*), intent(in) :: unit               !! unit of length; empty: unknown
 
     call add_reals(table, 'x', x, trim(unit))
     call add_reals(table, 'y', y, trim(unit))
@@ -146,9 +146,9 @@ contains
 
   !> Sets one of the texts.
   subroutine set_text(new, which, text)
-    type(outcome), intent(inout) :: new   !! gets it
+    type(outcome), intent(inout) :: new   !! outcome with the text
     integer, intent(in) :: which          !! one of the `text_` numbers
-    character(len=*), intent(in) :: text  !! without a null character
+    character(len=*), intent(in) :: text  !! text without a null character
 
     call set_letters(new%texts(which), text)
   end subroutine set_text
@@ -167,8 +167,8 @@ contains
 
   !> A text of C; empty for a null pointer.
   function text_of(address) result(text)
-    type(c_ptr), intent(in) :: address     !! of its first letter
-    character(len=:), allocatable :: text  !! without the null character
+    type(c_ptr), intent(in) :: address     !! address of its first character
+    character(len=:), allocatable :: text  !! text without the null character
     character(kind=c_char), pointer :: letters(:)
     integer :: i, length
 

@@ -2,7 +2,7 @@
 module asperity_c_reuse
   use, intrinsic :: iso_c_binding, only: c_associated, c_ptr
   use asperity, only: rebuild_scene
-  use asperity_c_outcome, only: begin, finish_scene, look_at, outcome, text_of
+  use asperity_c_outcome, only: begin_outcome, finish_scene, look_at, outcome, text_of
   implicit none
   private
 
@@ -17,7 +17,7 @@ contains
     type(c_ptr), value :: groups    !! text of all its groups
     type(outcome), pointer :: from, new
 
-    call begin(new, handle)
+    call begin_outcome(new, handle)
     if (.not. associated(new)) return
     allocate (new%scene_in)
     call look_at(of_scene, from)
