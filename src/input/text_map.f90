@@ -242,6 +242,7 @@ contains
     call shown%begin(progress, 'profiles read', map%rows, 0)
     call file%begin_text(layout%first_line)
     cells = layout%cells
+    power = no_power
     do row = 1, map%rows
       call file%next_cells(cells)
       if (cells%missing > 0) &
