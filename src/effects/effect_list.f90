@@ -1,7 +1,5 @@
-!> The effects that a scene names, in the order in which they act.
-!>
-!> A new effect needs a line here, its file, its names in `asperity_effect_names`, a hard case and a
-!> page.
+!> The effects of a scene, in the order in which they act. CONTRIBUTING.md lists the parts of a new
+!> effect.
 module asperity_effect_list
   use asperity_adhesion, only: new_adhesion
   use asperity_contact_effect, only: effect_box
