@@ -63,6 +63,7 @@ contains
     type(error_budget) :: budget
     type(run_options) :: options
     type(work_cost) :: cost
+    character(len=:), allocatable :: units  ! first line of CSV files; not allocated: none
     integer :: i
 
     call read_scene(line%input, scene_in, outcome%problems)
@@ -71,6 +72,7 @@ contains
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
     if (line%output('--keep') == '') call note_kept('; --keep FILE would keep what is solved')
     options = options_of(line, scene_in)
+    if (line%units) units = 'units: ' // units_in_words(scene_in)
     call solve(scene_in, results, outcome%failure, options)
     if (image_number() > 1) return
     if (.not. allocated(outcome%failure) .and. line%budget) &
@@ -139,11 +141,7 @@ contains
       end if
       if (.not. is_last) return
       if (line%output('--histogram') /= '') then
-        if (line%units) then
-          call write_histogram(field, histogram, 'units: ' // units_in_words(scene_in))
-        else
-          call write_histogram(field, histogram)
-        end if
+        call write_histogram(field, histogram, units)
         call stage('--histogram', histogram)
       end if
       if (line%output('--picture') == '') return
@@ -186,11 +184,7 @@ contains
       type(text_buffer) :: csv
 
       if (line%output(option) == '') return
-      if (line%units) then
-        call write_results(which, results, csv, 'units: ' // units_in_words(scene_in))
-      else
-        call write_results(which, results, csv)
-      end if
+      call write_results(which, results, csv, units)
       call stage(option, csv)
     end subroutine write_table
 

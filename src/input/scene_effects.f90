@@ -196,9 +196,9 @@ contains
 
     given = checked%effects%given(findloc(known_effects%name, 'plasticity', 1))
     if (flows_on_pixels(checked)) then
-      if (fields%has('effects', 'plastic_yield_stress')) &
-        call fields%complain_of('effects', 'plastic_yield_stress', 'the pixels of a map yield ' // &
-             'at a pressure: found a stress, expected ' // name // ' in its place')
+      call fields%refuse_name('effects', 'plastic_yield_stress', 'the pixels of a map yield ' // &
+                              'at a pressure: found a stress, expected ' // name // &
+                              ' in its place')
     else if (fields%has('effects', name) .and. &
              (checked%effects%mode('plasticity') /= effect_off .or. given < by_word)) then
       call fields%complain_of('effects', name, 'it limits the pressures on the pixels of a map: ' &

@@ -44,6 +44,7 @@ module asperity_scene_fields
     procedure :: comma_pair         !! two whole numbers with a comma between and no blank
     procedure :: complain_of_group  !! reports a problem at a group
     procedure :: complain_of        !! reports a problem at a name
+    procedure :: refuse_name        !! reports a problem at a name where it is given
     procedure :: require            !! reports that a name is missing
     procedure, private :: in_quotes
     procedure, private :: item_of
@@ -333,6 +334,16 @@ contains
       call self%problems%add(group // '.' // name // ': ' // message)
     end if
   end subroutine complain_of
+
+  !> Reports a problem at a name where that stands in the scene.
+  subroutine refuse_name(self, group, name, message)
+    class(scene_fields), intent(inout) :: self  !! the scene's text
+    character(len=*), intent(in) :: group       !! a known group
+    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: message     !! what is wrong, found, expected
+
+    if (self%has(group, name)) call self%complain_of(group, name, message)
+  end subroutine refuse_name
 
   !> Reports that a required name does not occur in the scene.
   subroutine require(self, group, name, expected)

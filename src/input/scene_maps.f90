@@ -74,9 +74,8 @@ contains
       call fields%take_units('surfaces', 'map_unit', length_units, unit(:1))
       unit(2) = unit(1)
     end if
-    if (fields%has('surfaces', 'radius')) &
-      call fields%complain_of('surfaces', 'radius', 'found beside a map, whose summits have ' // &
-                              'radii of their own, expected none')
+    call fields%refuse_name('surfaces', 'radius', 'found beside a map, whose summits have ' // &
+                            'radii of their own, expected none')
     associate (maps => checked%map)
       maps%periodic = edge == periodic_edge
       maps%despike = despike == 2
@@ -231,9 +230,8 @@ contains
 
     if (.not. allocated(checked%map)) then
       do i = 1, size(own_names)
-        if (fields%has('surfaces', trim(own_names(i)))) &
-          call fields%complain_of('surfaces', trim(own_names(i)), 'found without a map, ' // &
-                                  'expected a map as upper or lower')
+        call fields%refuse_name('surfaces', trim(own_names(i)), 'found without a map, ' // &
+                                'expected a map as upper or lower')
       end do
       return
     end if
@@ -251,9 +249,8 @@ contains
            'solved without its images: found ''coupled'', expected ''boundary'' or ''auto'', ' // &
            'which solve its pixels')
     if (.not. solves_pixels(checked)) return
-    if (fields%has('surfaces', 'field_spacing')) &
-      call fields%complain_of('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
-                              'on its pixels, expected none: the fields are on the pixels')
+    call fields%refuse_name('surfaces', 'field_spacing', 'found beside a map that is solved ' // &
+                            'on its pixels, expected none: the fields are on the pixels')
     if (checked%loading%control == control_limit) &
       call fields%complain_of_group('loading', 'no control: the pixels of a map have no ' // &
            'limit, expected control = ''separation'', ''load'', ''vertical_load'' or ''pressure''')

@@ -210,6 +210,8 @@ contains
   subroutine read_material(fields, checked)
     type(scene_fields), intent(inout) :: fields
     type(scene), intent(inout) :: checked
+    character(len=*), parameter :: beside_modulus = 'found beside contact_modulus, which ' // &
+      'stands for the moduli and ratios of both surfaces, expected one or the other'
     type(decimal_value) :: pair(2)
 
     pair = [checked%upper%elastic_modulus, checked%lower%elastic_modulus]
@@ -222,8 +224,8 @@ contains
     checked%lower%poisson_ratio = pair(2)
     call fields%take_number('material', 'contact_modulus', above_zero, checked%contact_modulus)
     if (fields%has('material', 'contact_modulus')) then
-      call refuse_beside('elastic_modulus')
-      call refuse_beside('poisson_ratio')
+      call fields%refuse_name('material', 'elastic_modulus', beside_modulus)
+      call fields%refuse_name('material', 'poisson_ratio', beside_modulus)
       return
     end if
     if (.not. from_csv(fields)) return
@@ -240,15 +242,6 @@ contains
                                       'bring none, expected ' // name // &
                                       ' = upper, lower in &material')
     end subroutine require
-
-    subroutine refuse_beside(name)
-      character(len=*), intent(in) :: name
-
-      if (fields%has('material', name)) &
-        call fields%complain_of('material', name, 'found beside contact_modulus, which stands ' // &
-                                'for the moduli and ratios of both surfaces, expected one or ' // &
-                                'the other')
-    end subroutine refuse_beside
 
   end subroutine read_material
 

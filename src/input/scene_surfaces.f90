@@ -29,6 +29,10 @@ contains
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files it names
     character(len=:), allocatable :: deck, upper, lower
     type(scene_motion) :: not_asked_for
+    character(len=*), parameter :: beside_deck = 'found beside deck, expected only with ' // &
+      'surfaces from CSV files'
+    character(len=*), parameter :: beside_array = 'found beside a surface that is given as an ' // &
+      'array, expected none'
 
     if (fields%surfaces_kept) return
     call fields%take_number('surfaces', 'nominal_area', above_zero, checked%nominal_area)
@@ -38,12 +42,10 @@ contains
       call fields%take_text('surfaces', 'upper', upper)
       call fields%take_text('surfaces', 'lower', lower)
       if (fields%has('surfaces', 'deck')) then
-        call refuse_beside_arrays('deck')
+        call fields%complain_of('surfaces', 'deck', beside_array)
       else if (any(fields%given .and. named())) then
-        if (fields%given(1) .and. fields%has('surfaces', 'upper')) &
-          call refuse_beside_arrays('upper')
-        if (fields%given(2) .and. fields%has('surfaces', 'lower')) &
-          call refuse_beside_arrays('lower')
+        if (fields%given(1)) call fields%refuse_name('surfaces', 'upper', beside_array)
+        if (fields%given(2)) call fields%refuse_name('surfaces', 'lower', beside_array)
       else if (.not. all(fields%given .or. named())) then
         call fields%complain_of_group('surfaces', 'a surface is missing: found one as an ' // &
              'array, expected the other one as an array, too, or its file or ''plane'' as ' // &
@@ -62,12 +64,11 @@ contains
     call fields%take_text('surfaces', 'upper', upper)
     call fields%take_text('surfaces', 'lower', lower)
     if (fields%has('surfaces', 'deck')) then
-      call refuse_beside_deck(fields, 'upper')
-      call refuse_beside_deck(fields, 'lower')
-      call refuse_beside_deck(fields, 'radius')
-      if (fields%has('surfaces', 'units')) &
-        call fields%complain_of('surfaces', 'units', 'found beside deck, which brings cm and ' // &
-                                'N, expected none')
+      call fields%refuse_name('surfaces', 'upper', beside_deck)
+      call fields%refuse_name('surfaces', 'lower', beside_deck)
+      call fields%refuse_name('surfaces', 'radius', beside_deck)
+      call fields%refuse_name('surfaces', 'units', 'found beside deck, which brings cm and N, ' // &
+                              'expected none')
       if (allocated(deck)) &
         call surfaces_from_deck(beside(path, deck), checked, not_asked_for, other_files)
     else if (fields%has('surfaces', 'upper') .and. fields%has('surfaces', 'lower')) then
@@ -84,13 +85,6 @@ contains
 
       named = [fields%has('surfaces', 'upper'), fields%has('surfaces', 'lower')]
     end function named
-
-    subroutine refuse_beside_arrays(name)
-      character(len=*), intent(in) :: name
-
-      call fields%complain_of('surfaces', name, 'found beside a surface that is given as an ' // &
-                              'array, expected none')
-    end subroutine refuse_beside_arrays
 
   end subroutine read_surfaces
 
@@ -267,16 +261,6 @@ contains
     surface%is_plane = .true.
     allocate (surface%x(0), surface%y(0), surface%height(0), surface%radius(0))
   end function plane_surface
-
-  !> A deck brings both surfaces and their radii.
-  subroutine refuse_beside_deck(fields, name)
-    type(scene_fields), intent(inout) :: fields
-    character(len=*), intent(in) :: name
-
-    if (fields%has('surfaces', name)) &
-      call fields%complain_of('surfaces', name, 'found beside deck, expected only with ' // &
-                              'surfaces from CSV files')
-  end subroutine refuse_beside_deck
 
   !> Fills the numbers of one surface from a CSV file; a common radius of 0 is none.
   subroutine surface_from_csv(path, file, common_radius, surface, has_radius, unit, notes, problems)
