@@ -25,8 +25,8 @@ contains
   !> The whole page.
   subroutine write_accuracy_page(title, table, buffer)
     character(len=*), intent(in) :: title       !! the scene's name
-    type(method_table), intent(in) :: table        !! all methods
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(method_table), intent(in) :: table        !! all methods of a scene
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
     real(real64) :: error(size(table%rows)), own(size(table%rows))
     logical :: is_run(size(table%rows))
     integer :: i
@@ -138,11 +138,11 @@ contains
         cells(1) = row%method%name
         cells(2) = family_words(row%method%family)
         cells(3) = merge('*', ' ', row%on_front)
-        cells(4) = readable_or_blank(row%seconds)
-        cells(5) = readable_or_blank(row%total%largest)
-        cells(6) = readable_or_blank(row%total%quantity(error_of_area))
+        cells(4) = number_text(row%seconds, 2)
+        cells(5) = number_text(row%total%largest, 2)
+        cells(6) = number_text(row%total%quantity(error_of_area), 2)
         if (row%is_reference) cells(5:6) = 'reference'
-        cells(7) = readable_or_blank(row%own%largest)
+        cells(7) = number_text(row%own%largest, 2)
         cells(8) = ''
         if (allocated(row%left_out)) cells(8) = row%left_out
         call put_row(cells, buffer)
@@ -150,15 +150,6 @@ contains
     end do
     call end_table(buffer)
   end subroutine put_methods
-
-  ! A value with two digits; blank: not computed.
-  pure function readable_or_blank(value) result(text)
-    real(real64), intent(in) :: value
-    character(len=:), allocatable :: text
-
-    text = ''
-    if (value > not_computed) text = number_text(value, 2)
-  end function readable_or_blank
 
   ! The data, and the script of the slider: the fastest method for an error, and for a tenth of it.
   subroutine put_script(table, is_run, error, buffer)

@@ -19,8 +19,8 @@ contains
 
   !> One line a method; the front carries a star.
   subroutine write_accuracy_table(table, buffer)
-    type(method_table), intent(in) :: table        !! all methods
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(method_table), intent(in) :: table        !! all methods of a scene
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=160) :: line
     integer :: i
 
@@ -179,8 +179,8 @@ contains
 
   !> The same with all digits. What does not apply to a row is empty.
   subroutine write_accuracy_csv(table, buffer)
-    type(method_table), intent(in) :: table        !! all methods
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(method_table), intent(in) :: table        !! all methods of a scene
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     type(csv_line) :: line
     integer :: i, k
 

@@ -22,9 +22,9 @@ contains
 
   !> The summary for a reader.
   subroutine write_area_table(spec, study, buffer)
-    type(study_spec), intent(in) :: spec        !! what was asked for
-    type(area_study), intent(in) :: study       !! the results
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(study_spec), intent(in) :: spec        !! specification of the study
+    type(area_study), intent(in) :: study       !! results of the study
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=:), allocatable :: against, integral
     character(len=160) :: line
     integer :: i, q
@@ -128,8 +128,8 @@ contains
 
   !> All numbers, a line a size and quantity.
   subroutine write_area_csv(study, buffer)
-    type(area_study), intent(in) :: study       !! the results
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(area_study), intent(in) :: study       !! results of the study
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     type(csv_line) :: line
     integer :: i, q
 

@@ -16,7 +16,7 @@ contains
   subroutine write_budget(budget, positions, buffer)
     type(error_budget), intent(in) :: budget    !! what was measured
     integer, intent(in) :: positions            !! number of positions
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     type(budget_line) :: total
     character(len=100) :: line
     character(len=:), allocatable :: reference

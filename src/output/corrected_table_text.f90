@@ -17,7 +17,7 @@ contains
   !> Table VI before and after, one line a number, with what each correction adds.
   subroutine write_corrected_table(table, buffer)
     type(corrected_table), intent(in) :: table  !! both versions and the changes
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=*), parameter :: columns(3) = &
       [character(len=7) :: 'maximum', 'minimum', 'average']
     ! The port's word for the machine's result of x/0 is 1e27.

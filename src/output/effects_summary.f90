@@ -46,7 +46,7 @@ contains
   !> One paragraph an effect, below a heading.
   subroutine write_effects(results, buffer)
     type(scene_results), intent(in) :: results  !! results of a run
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     type(effect_sentence), allocatable :: lines(:)
     integer :: i
 

@@ -64,7 +64,7 @@ contains
     character(len=*), intent(in) :: units(2)      !! of length and pressure; blank: not known
     integer, intent(in) :: longest                !! longer side of the map, points
     integer, intent(in) :: most_pixels            !! of the image along its longer side
-    type(plan_drawing), intent(out) :: drawing    !! the drawing
+    type(plan_drawing), intent(out) :: drawing    !! gets the plan drawn
     real(real64), allocatable :: mean(:, :)
     type(plan_frame) :: frame
 
@@ -88,7 +88,7 @@ contains
   !> Draws the heights of a map and its summits in plan, from the centre of the first pixel on.
   subroutine draw_map(title, map, summits, buffer)
     character(len=*), intent(in) :: title       !! first line; a long one is cut
-    type(height_map), intent(in) :: map         !! levelled
+    type(height_map), intent(in) :: map         !! levelled height map
     type(map_summits), intent(in) :: summits    !! of this map
     type(text_buffer), intent(inout) :: buffer  !! gets the drawing, an SVG
     type(plan_drawing) :: drawing

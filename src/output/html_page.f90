@@ -15,7 +15,7 @@ contains
   !> Everything before the first section.
   subroutine begin_page(title, buffer, with_script)
     character(len=*), intent(in) :: title         !! what the page is about, as it stands
-    type(text_buffer), intent(inout) :: buffer    !! the page
+    type(text_buffer), intent(inout) :: buffer    !! gets the page
     logical, intent(in), optional :: with_script  !! a script in the page may run
     character(len=:), allocatable :: script
 
@@ -97,7 +97,7 @@ contains
 
   !> Everything behind the last section.
   subroutine end_page(buffer)
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
 
     call buffer%line('</main>')
     call buffer%line('</body>')
@@ -108,7 +108,7 @@ contains
   subroutine begin_section(name, heading, buffer)
     character(len=*), intent(in) :: name        !! one word, another one for every section
     character(len=*), intent(in) :: heading     !! as it stands
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
 
     call buffer%line('<section aria-labelledby="' // name // '">')
     call buffer%line('<h2 id="' // name // '">' // escaped_text(heading) // '</h2>')
@@ -116,7 +116,7 @@ contains
 
   !> Its end.
   subroutine end_section(buffer)
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
 
     call buffer%line('</section>')
   end subroutine end_section
@@ -125,7 +125,7 @@ contains
   subroutine begin_table(caption, headers, buffer)
     character(len=*), intent(in) :: caption      !! what it holds, as it stands
     character(len=*), intent(in) :: headers(:)   !! of its columns; the first heads the rows
-    type(text_buffer), intent(inout) :: buffer   !! the page
+    type(text_buffer), intent(inout) :: buffer   !! gets the page
     integer :: i
 
     call buffer%line('<div class="scroll" role="region" tabindex="0" aria-label="' // &
@@ -143,7 +143,7 @@ contains
   !> A row, as many cells as the table has headers.
   subroutine put_row(cells, buffer)
     character(len=*), intent(in) :: cells(:)    !! as they stand
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
     integer :: i
 
     call buffer%append('<tr><th scope="row">' // escaped_text(trim(cells(1))) // '</th>')
@@ -155,7 +155,7 @@ contains
 
   !> The end of a table.
   subroutine end_table(buffer)
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
 
     call buffer%line('</tbody>')
     call buffer%line('</table>')
@@ -166,7 +166,7 @@ contains
   subroutine put_lines(label, text, buffer)
     character(len=*), intent(in) :: label       !! as it stands
     character(len=*), intent(in) :: text        !! lines, of any bytes
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
     integer :: first, last
 
     call buffer%line('<pre role="region" tabindex="0" aria-label="' // escaped_text(label) // '">')
@@ -192,7 +192,7 @@ contains
   !> One line of text for a page, between tags or in quotes: what has a meaning there is written by
   !> name, a tab is a blank, what cannot be shown is a question mark.
   pure function escaped_text(text) result(safe)
-    character(len=*), intent(in) :: text    !! any bytes
+    character(len=*), intent(in) :: text    !! text of any bytes
     character(len=:), allocatable :: safe   !! a piece of a page
     type(text_buffer) :: buffer
     character(len=len(text)) :: shown

@@ -44,7 +44,7 @@ contains
   subroutine put_plans(scene_in, results, buffer)
     type(scene), intent(in) :: scene_in         !! what was solved
     type(scene_results), intent(in) :: results  !! with their contacts
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
     type(plan_frame) :: frame
     type(state_row) :: last
     integer :: m, plans
@@ -318,8 +318,7 @@ contains
               row%maximum_pressure]
     cells(1) = decimal_text(row%area_no)
     do k = 1, size(values)
-      cells(k + 1) = ''
-      if (values(k) > not_computed) cells(k + 1) = number_text(values(k))
+      cells(k + 1) = number_text(values(k))
     end do
     call put_row(cells, buffer)
   end subroutine put_contact

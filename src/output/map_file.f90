@@ -36,8 +36,8 @@ contains
   !> Writes a map; the ending of the path, .sdf, .npy or .txt, chooses the format. Heights keep all
   !> their bits. `failure` is allocated when the file cannot be written.
   subroutine write_map_file(path, map, problems, failure)
-    character(len=*), intent(in) :: path                    !! the file
-    type(height_map), intent(in) :: map                     !! height map, checked
+    character(len=*), intent(in) :: path                    !! name of the file
+    type(height_map), intent(in) :: map                     !! checked height map
     type(problem_list), intent(inout) :: problems           !! what the format does not hold
     character(len=:), allocatable, intent(out) :: failure   !! why it was not written
     character(len=:), allocatable :: head
@@ -60,7 +60,7 @@ contains
   !> to standard output.
   subroutine stage_map_file(path, map, problems, failure)
     character(len=*), intent(in) :: path                    !! the file; empty: standard output
-    type(height_map), intent(in) :: map                     !! height map, checked
+    type(height_map), intent(in) :: map                     !! checked height map
     type(problem_list), intent(inout) :: problems           !! what the format does not hold
     character(len=:), allocatable, intent(out) :: failure   !! why it was not written
     character(len=:), allocatable :: ending, head, place

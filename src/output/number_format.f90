@@ -1,6 +1,6 @@
 !> Numbers, counts, shares and lists of positions in words.
 module asperity_number_format
-  use asperity_kinds, only: real64
+  use asperity_kinds, only: not_computed, real64
   use asperity_problems, only: decimal_text, real_text
   implicit none
   private
@@ -61,29 +61,30 @@ contains
   pure function percent_text(share) result(text)
     real(real64), intent(in) :: share      !! 1: all of it
     character(len=:), allocatable :: text  !! with its sign
+    integer :: decimals
 
     if (abs(share) >= 1.0e4_real64) then
       text = real_text(share, 'es12.1e3') // ' times'
-    else if (abs(share) >= 0.1_real64) then
-      text = real_text(100.0_real64 * share, 'f12.1') // ' %'
-    else if (abs(share) >= 0.01_real64) then
-      text = real_text(100.0_real64 * share, 'f12.2') // ' %'
     else if (abs(share) >= 0.0001_real64) then
-      text = real_text(100.0_real64 * share, 'f12.3') // ' %'
+      decimals = 3 - count(abs(share) >= [0.01_real64, 0.1_real64])
+      text = real_text(100.0_real64 * share, 'f12.' // decimal_text(decimals)) // ' %'
     else
       text = '0 %'
       if (abs(share) > 0.0_real64) text = real_text(100.0_real64 * share, 'es12.1e3') // ' %'
     end if
   end function percent_text
 
-  !> A number for reading: so many significant digits at most, no zeros behind the last.
+  !> A number for reading: so many significant digits at most, no zeros behind the last. A number
+  !> that was not computed is blank.
   pure function number_text(value, most_digits) result(text)
-    real(real64), intent(in) :: value       !! finite
+    real(real64), intent(in) :: value       !! a finite number, or `not_computed`
     integer, intent(in), optional :: most_digits  !! from 1 to 15; absent: 6
-    character(len=:), allocatable :: text   !! without blanks
+    character(len=:), allocatable :: text   !! text without blanks
     character(len=32) :: cell, format
     integer :: number_of_digits, last, power
 
+    text = ''
+    if (.not. value > not_computed) return
     number_of_digits = usual_digits
     if (present(most_digits)) number_of_digits = most_digits
     ! The exponent after rounding.

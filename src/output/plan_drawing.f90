@@ -82,11 +82,11 @@ contains
 
   !> Adds an image, each of its pixels a rectangle of one colour.
   subroutine add_image(drawing, left, top, width, height, colour)
-    type(plan_drawing), intent(inout) :: drawing  !! gets it
-    integer, intent(in) :: left                   !! of the image
-    integer, intent(in) :: top                    !! of the image
-    integer, intent(in) :: width                  !! 1 or more
-    integer, intent(in) :: height                 !! 1 or more
+    type(plan_drawing), intent(inout) :: drawing  !! gets the new part
+    integer, intent(in) :: left                   !! place of its corner [points]
+    integer, intent(in) :: top                    !! place of its corner [points]
+    integer, intent(in) :: width                  !! size, 1 or more [points]
+    integer, intent(in) :: height                 !! size, 1 or more [points]
     integer, intent(in) :: colour(:, :)           !! places in the palette, the top row first
     type(drawn_image), allocatable :: more(:)
     integer :: i, number
@@ -103,9 +103,9 @@ contains
 
   !> Adds a line across or down.
   subroutine add_line(drawing, from, to)
-    type(plan_drawing), intent(inout) :: drawing  !! gets it
-    integer, intent(in) :: from(2)                !! one end
-    integer, intent(in) :: to(2)                  !! the other end
+    type(plan_drawing), intent(inout) :: drawing  !! gets the new part
+    integer, intent(in) :: from(2)                !! across and down, one end [points]
+    integer, intent(in) :: to(2)                  !! across and down, other end [points]
 
     if (.not. allocated(drawing%lines)) allocate (drawing%lines(0))
     drawing%lines = [drawing%lines, drawn_line(from, to)]
@@ -113,7 +113,7 @@ contains
 
   !> Adds dots, once for a drawing. A PNG has none.
   subroutine add_dots(drawing, across, down, diameter)
-    type(plan_drawing), intent(inout) :: drawing  !! gets them
+    type(plan_drawing), intent(inout) :: drawing  !! gets the new part
     real(real64), intent(in) :: across(:)         !! distance from the left, points
     real(real64), intent(in) :: down(:)           !! distance from the top, points; as many
     integer, intent(in) :: diameter               !! of a dot, points
@@ -124,11 +124,11 @@ contains
 
   !> Adds the four sides of a rectangle.
   subroutine add_frame(drawing, left, top, width, height)
-    type(plan_drawing), intent(inout) :: drawing  !! gets them
-    integer, intent(in) :: left                   !! of the rectangle
-    integer, intent(in) :: top                    !! of the rectangle
-    integer, intent(in) :: width                  !! of the rectangle
-    integer, intent(in) :: height                 !! of the rectangle
+    type(plan_drawing), intent(inout) :: drawing  !! gets the new part
+    integer, intent(in) :: left                   !! place of its corner [points]
+    integer, intent(in) :: top                    !! place of its corner [points]
+    integer, intent(in) :: width                  !! size of the rectangle [points]
+    integer, intent(in) :: height                 !! size of the rectangle [points]
 
     call add_line(drawing, [left, top], [left + width, top])
     call add_line(drawing, [left, top + height], [left + width, top + height])
@@ -138,8 +138,8 @@ contains
 
   !> Adds a text of one line.
   subroutine add_text(drawing, at, anchor, text, is_bold)
-    type(plan_drawing), intent(inout) :: drawing   !! gets it
-    integer, intent(in) :: at(2)                   !! foot of the letters
+    type(plan_drawing), intent(inout) :: drawing   !! gets the new part
+    integer, intent(in) :: at(2)                   !! foot of the letters [points]
     integer, intent(in) :: anchor                  !! `at_begin`, `at_middle` or `at_end`
     character(len=*), intent(in) :: text           !! at most `longest_text` letters
     logical, intent(in), optional :: is_bold       !! present: letters are bold
@@ -150,7 +150,7 @@ contains
 
   !> The drawing as SVG. Inside a page it has the colours of the page's style and no background.
   subroutine write_svg(drawing, label, in_page, buffer)
-    type(plan_drawing), intent(in) :: drawing    !! complete
+    type(plan_drawing), intent(in) :: drawing    !! drawing with all parts
     character(len=*), intent(in) :: label        !! what it shows, for screen readers
     logical, intent(in) :: in_page               !! whether the text is a part of a page
     type(text_buffer), intent(inout) :: buffer   !! gets the text
@@ -220,8 +220,8 @@ contains
 
   !> The drawing as a PNG of two pixels a point.
   function png_of(drawing) result(png)
-    type(plan_drawing), intent(in) :: drawing   !! complete
-    character(len=:), allocatable :: png        !! the file
+    type(plan_drawing), intent(in) :: drawing   !! drawing with all parts
+    character(len=:), allocatable :: png        !! bytes of the file
     integer, allocatable :: canvas(:, :)
     integer :: i, j, k
 

@@ -21,7 +21,7 @@ contains
   pure function png_bytes(shade, palette) result(png)
     integer, intent(in) :: shade(:, :)     !! from 0 to 255; by column and row, the top row first
     integer, intent(in) :: palette(:, :)   !! red, green and blue of each shade, from 0 to 255
-    character(len=:), allocatable :: png   !! the file
+    character(len=:), allocatable :: png   !! bytes of the file
     type(text_buffer) :: bytes, colours, rows
     integer :: i, j
 
@@ -111,7 +111,7 @@ contains
 
   !> Bytes as letters.
   pure function base64_text(bytes) result(text)
-    character(len=*), intent(in) :: bytes                    !! any
+    character(len=*), intent(in) :: bytes                    !! text of any bytes
     character(len=:), allocatable :: text                    !! without line ends
     character(len=3) :: three
     integer :: i, k, bits, digit

@@ -35,9 +35,9 @@ contains
   !> One of the tables of a run. `failure` is allocated when there is no memory for it. Contacts
   !> that were not kept have no rows.
   subroutine make_arrays(which, results, arrays, failure)
-    integer, intent(in) :: which                           !! of `asperity_result_table`
+    integer, intent(in) :: which                           !! table, one of the `of_` numbers
     type(scene_results), intent(in) :: results             !! results of a run
-    type(array_table), intent(out) :: arrays               !! the table
+    type(array_table), intent(out) :: arrays               !! table of columns
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(result_table) :: table
     character(len=word_length) :: word
@@ -89,7 +89,7 @@ contains
   !> Names the units of all columns of a table of a run.
   subroutine name_units(scene_in, arrays)
     type(scene), intent(in) :: scene_in            !! what was solved
-    type(array_table), intent(inout) :: arrays     !! from `make_arrays`
+    type(array_table), intent(inout) :: arrays     !! table by `make_arrays`
     integer :: i
 
     do i = 1, size(arrays%columns)
@@ -101,7 +101,7 @@ contains
   subroutine add_reals(table, name, values, unit)
     type(array_table), intent(inout) :: table  !! without columns, or with some as long
     character(len=*), intent(in) :: name       !! of the column
-    real(real64), intent(in) :: values(:)      !! its cells
+    real(real64), intent(in) :: values(:)      !! cells of the column
     character(len=*), intent(in), optional :: unit  !! its unit; absent: not known
 
     call add_column(table, name)
@@ -116,7 +116,7 @@ contains
   subroutine add_wholes(table, name, values)
     type(array_table), intent(inout) :: table  !! without columns, or with some as long
     character(len=*), intent(in) :: name       !! of the column
-    integer(int32), intent(in) :: values(:)    !! its cells
+    integer(int32), intent(in) :: values(:)    !! cells of the column
 
     call add_column(table, name)
     table%rows = size(values)

@@ -53,9 +53,8 @@ module asperity_result_table
     procedure :: next             !! goes to the next row
     procedure, private :: put_number
     procedure, private :: put_whole
-    procedure, private :: put_logical
     procedure, private :: put_word
-    generic, private :: put => put_number, put_whole, put_logical, put_word
+    generic, private :: put => put_number, put_whole, put_word
   end type result_table
 
 contains
@@ -104,7 +103,7 @@ contains
   !> Goes to the next row. `found` is false behind the last.
   subroutine next(self, results, found)
     class(result_table), intent(inout) :: self  !! table with named columns
-    type(scene_results), intent(in) :: results  !! the same
+    type(scene_results), intent(in) :: results  !! the results of `begin`
     logical, intent(out) :: found               !! there is one
 
     self%at = 0
@@ -167,7 +166,7 @@ contains
     call self%put('load', last%load, is_force)
     call self%put('area', last%area, is_area)
     call self%put('projected_area', last%projected_area, is_area)
-    call self%put('limit_reached', position%limit_reached)
+    call self%put('limit_reached', merge(1, 0, position%limit_reached))
     call self%put('vertical_load', last%vertical_load, is_force)
     call self%put('compression', last%closing, is_length)
     call self%put('overlapping_circles', position%overlapping_circles)
@@ -222,7 +221,7 @@ contains
     call self%put(name // '_estimate', effect%estimate)
     call self%put(name // '_influence', effect%influence)
     call self%put(name // '_residual', ending(1))
-    call self%put(name // '_iterations', ending(2), kind=cell_count)
+    call self%put(name // '_iterations', ending(2), cell=cell_count)
   end subroutine fill_effect
 
   ! One state: the totals on the way to the end.
@@ -306,7 +305,7 @@ contains
       call self%put('load', row%load, is_force)
       call self%put('average_pressure', row%average_pressure, is_pressure)
       call self%put('maximum_pressure', row%maximum_pressure, is_pressure)
-      call self%put('limit_exceeded', row%limit_exceeded)
+      call self%put('limit_exceeded', merge(1, 0, row%limit_exceeded))
       call self%put('vertical_load', row%vertical_load, is_force)
       call self%put('compression', position%states(step)%closing, is_length)
       call self%put('penetration', row%penetration, is_length)
@@ -323,11 +322,11 @@ contains
     end associate
   end subroutine fill_contact
 
-  subroutine put_number(self, name, value, dimension, kind)
+  subroutine put_number(self, name, value, dimension, cell)
     class(result_table), intent(inout) :: self
     character(len=*), intent(in) :: name
     real(real64), intent(in) :: value
-    integer, intent(in), optional :: dimension, kind
+    integer, intent(in), optional :: dimension, cell
 
     self%at = self%at + 1
     if (self%position == 0) then
@@ -335,7 +334,7 @@ contains
       self%kinds(self%at) = cell_real
       self%dimensions(self%at) = is_number
       if (present(dimension)) self%dimensions(self%at) = dimension
-      if (present(kind)) self%kinds(self%at) = kind
+      if (present(cell)) self%kinds(self%at) = cell
     end if
     self%numbers(self%at) = value
   end subroutine put_number
@@ -345,22 +344,14 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: value
 
-    call self%put_number(name, real(value, real64), kind=cell_whole)
+    call self%put_number(name, real(value, real64), cell=cell_whole)
   end subroutine put_whole
-
-  subroutine put_logical(self, name, value)
-    class(result_table), intent(inout) :: self
-    character(len=*), intent(in) :: name
-    logical, intent(in) :: value
-
-    call self%put_whole(name, merge(1, 0, value))
-  end subroutine put_logical
 
   subroutine put_word(self, name, value)
     class(result_table), intent(inout) :: self
     character(len=*), intent(in) :: name, value
 
-    call self%put_number(name, not_computed, kind=cell_word)
+    call self%put_number(name, not_computed, cell=cell_word)
     self%words(self%at) = value
   end subroutine put_word
 

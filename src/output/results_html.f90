@@ -44,7 +44,7 @@ contains
     type(input_file), intent(in) :: inputs(3)    !! the files that it is made of
     type(scene_results), intent(in) :: results   !! with their contacts
     type(problem_list), intent(in) :: warnings   !! a line a kind
-    type(text_buffer), intent(inout) :: buffer   !! the page
+    type(text_buffer), intent(inout) :: buffer   !! gets the page
     type(text_buffer) :: text, map_text
 
     call begin_page(scene_in%file, buffer)

@@ -26,7 +26,7 @@ contains
     type(input_file), intent(in) :: inputs(3)              !! the files that it is made of
     type(scene_results), intent(in) :: results             !! with their contacts
     type(problem_list), intent(in) :: warnings             !! a line a kind
-    type(text_buffer), intent(inout) :: buffer             !! the text
+    type(text_buffer), intent(inout) :: buffer             !! gets the text
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(array_table) :: table
     integer :: i
@@ -117,7 +117,7 @@ contains
 
   !> A text in quotes. Bytes that are no UTF-8 become question marks.
   pure function json_text(text) result(quoted)
-    character(len=*), intent(in) :: text    !! any bytes
+    character(len=*), intent(in) :: text    !! text of any bytes
     character(len=:), allocatable :: quoted !! with its quotes
     type(text_buffer) :: buffer
     character(len=6) :: escape
@@ -146,7 +146,7 @@ contains
   !> A list of doubles with 17 digits; NaN is null.
   pure subroutine put_reals(values, buffer)
     real(real64), intent(in) :: values(:)       !! finite, or NaN
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     integer :: i
 
     call buffer%append('[')
@@ -162,8 +162,8 @@ contains
 
   !> A list of whole numbers.
   pure subroutine put_wholes(values, buffer)
-    integer(int32), intent(in) :: values(:)     !! any
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    integer(int32), intent(in) :: values(:)     !! any whole numbers
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     integer :: i
 
     call buffer%append('[')
@@ -176,7 +176,7 @@ contains
   !> A list of words.
   pure subroutine put_words(letters, buffer)
     character(len=1), intent(in) :: letters(:, :)  !! (letter, word), blanks behind
-    type(text_buffer), intent(inout) :: buffer     !! the text
+    type(text_buffer), intent(inout) :: buffer     !! gets the text
     character(len=size(letters, 1)) :: word
     integer :: i, k
 

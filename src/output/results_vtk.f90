@@ -18,7 +18,7 @@ contains
   !> is allocated when there is no memory for the table. An empty cell is `nan`.
   subroutine write_vtk(results, buffer, failure)
     type(scene_results), intent(in) :: results             !! with their contacts
-    type(text_buffer), intent(inout) :: buffer             !! the text
+    type(text_buffer), intent(inout) :: buffer             !! gets the text
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(array_table) :: table
     integer :: i, x, y

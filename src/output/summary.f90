@@ -28,8 +28,8 @@ contains
   !> The scene and its model, the totals over its positions, their error estimate and warnings, the
   !> ends of a load path, what each effect changed.
   subroutine write_summary(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in         !! the scene
-    type(scene_results), intent(in) :: results  !! its results
+    type(scene), intent(in) :: scene_in         !! scene that was solved
+    type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
 
     call write_heading(scene_in, results, buffer)
@@ -47,8 +47,8 @@ contains
 
   !> Surfaces, model and control, in two lines.
   subroutine write_heading(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in         !! the scene
-    type(scene_results), intent(in) :: results  !! its results
+    type(scene), intent(in) :: scene_in         !! scene that was solved
+    type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
     character(len=:), allocatable :: model
 
@@ -108,8 +108,8 @@ contains
 
   !> Limits reached, positions without contact, overlapping circles.
   subroutine write_remarks(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in         !! the scene
-    type(scene_results), intent(in) :: results  !! its results
+    type(scene), intent(in) :: scene_in         !! scene that was solved
+    type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
     type(state_row) :: last
     integer :: m, without
@@ -148,8 +148,8 @@ contains
 
   !> The state at each value of a load path, and the state of the largest load.
   subroutine write_path(scene_in, results, buffer)
-    type(scene), intent(in) :: scene_in         !! the scene
-    type(scene_results), intent(in) :: results  !! its results
+    type(scene), intent(in) :: scene_in         !! scene that was solved
+    type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines; none without a load path
     character(len=*), parameter :: heads(5) = [character(len=18) :: 'vertical load', &
       'contact area', 'separation', 'compression', 'contacts']
@@ -284,7 +284,7 @@ contains
   subroutine write_choice(accuracy, results, buffer)
     real(real64), intent(in) :: accuracy        !! asked for, relative
     type(scene_results), intent(in) :: results  !! the way taken and its error bound
-    type(text_buffer), intent(inout) :: buffer  !! the text
+    type(text_buffer), intent(inout) :: buffer  !! gets the text
     character(len=9) :: asked, promised
     character(len=:), allocatable :: off
     real(real64) :: share

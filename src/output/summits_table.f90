@@ -26,10 +26,10 @@ contains
     character(len=*), intent(in) :: path          !! the file of the map
     type(summit_choices), intent(in) :: choices   !! how it was done
     integer(int64), intent(in) :: spikes          !! removed; less than 0: not searched for
-    type(height_map), intent(in) :: map           !! levelled
+    type(height_map), intent(in) :: map           !! levelled height map
     type(map_summits), intent(in) :: summits      !! of this map
-    type(map_statistics), intent(in) :: found     !! of both
-    type(text_buffer), intent(inout) :: buffer    !! the text
+    type(map_statistics), intent(in) :: found     !! statistics of both
+    type(text_buffer), intent(inout) :: buffer    !! gets the text
 
     call buffer%line(printable(path) // ': ' // decimal_text(map%columns) // ' x ' // &
                      decimal_text(map%rows) // ' pixels, level: ' // &

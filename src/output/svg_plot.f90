@@ -64,7 +64,7 @@ contains
 
   !> An axis over values, with some room at both ends.
   pure type(plot_axis) function axis_over(name, unit, values, is_log) result(axis)
-    character(len=*), intent(in) :: name      !! quantity
+    character(len=*), intent(in) :: name      !! name of the quantity
     character(len=*), intent(in) :: unit      !! of the quantity; blank: a plain number
     real(real64), intent(in) :: values(:)     !! finite, at least one; more than 0 for decades
     logical, intent(in) :: is_log             !! decades are equally long
@@ -91,11 +91,11 @@ contains
 
   !> Begins a drawing: frame, marks, names of the axes.
   subroutine begin_plot(self, label, across, up, buffer, is_true, is_again)
-    class(svg_plot), intent(out) :: self          !! the drawing
+    class(svg_plot), intent(out) :: self          !! drawing that begins
     character(len=*), intent(in) :: label         !! what it shows, for screen readers
-    type(plot_axis), intent(in) :: across         !! to the right
-    type(plot_axis), intent(in) :: up             !! upwards
-    type(text_buffer), intent(inout) :: buffer    !! the page
+    type(plot_axis), intent(in) :: across         !! axis to the right
+    type(plot_axis), intent(in) :: up             !! the axis upwards
+    type(text_buffer), intent(inout) :: buffer    !! gets the page
     logical, intent(in), optional :: is_true      !! equal scales, with a scale bar
     logical, intent(in), optional :: is_again     !! the axes are those of the first true drawing
     character(len=:), allocatable :: name
@@ -279,9 +279,9 @@ contains
   !> Points joined by straight lines.
   subroutine add_curve(self, x, y, buffer)
     class(svg_plot), intent(in) :: self          !! plot that has axes
-    real(real64), intent(in) :: x(:)             !! across
+    real(real64), intent(in) :: x(:)             !! values across, any number
     real(real64), intent(in) :: y(:)             !! up, as many
-    type(text_buffer), intent(inout) :: buffer   !! the page
+    type(text_buffer), intent(inout) :: buffer   !! gets the page
     integer :: i
 
     call buffer%append('<path class="curve" d="')
@@ -295,10 +295,10 @@ contains
   !> Arrows along the curve of a path that turns back, one between two reversals.
   subroutine add_arrows(self, x, y, path, buffer)
     class(svg_plot), intent(in) :: self          !! plot that has axes
-    real(real64), intent(in) :: x(:)             !! across
+    real(real64), intent(in) :: x(:)             !! values across, any number
     real(real64), intent(in) :: y(:)             !! up, as many
     real(real64), intent(in) :: path(:)          !! rises and falls between the reversals, as many
-    type(text_buffer), intent(inout) :: buffer   !! the page
+    type(text_buffer), intent(inout) :: buffer   !! gets the page
     real(real64) :: at(2, size(x)), length(size(x)), move(2), step
     integer :: drawn, i, k, turn
     logical :: rises, rose
@@ -342,10 +342,10 @@ contains
   !> One point.
   subroutine add_dot(self, x, y, text, buffer)
     class(svg_plot), intent(in) :: self         !! plot that has axes
-    real(real64), intent(in) :: x               !! across
-    real(real64), intent(in) :: y               !! up
-    character(len=*), intent(in) :: text        !! what it is
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    real(real64), intent(in) :: x               !! value across, unit of the axis
+    real(real64), intent(in) :: y               !! value upwards, unit of the axis
+    character(len=*), intent(in) :: text        !! text that names it
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
 
     call buffer%line('<circle class="dot" cx="' // point_text(place_of(self, 1, x)) // '" cy="' // &
                      point_text(place_of(self, 2, y)) // '" r="3"><title>' // &
@@ -358,12 +358,12 @@ contains
   !> mouse alone.
   subroutine add_circle(self, x, y, radius, text, stops, buffer)
     class(svg_plot), intent(in) :: self         !! plot with equal scales
-    real(real64), intent(in) :: x               !! across
-    real(real64), intent(in) :: y               !! up
+    real(real64), intent(in) :: x               !! value across, unit of the axis
+    real(real64), intent(in) :: y               !! value upwards, unit of the axis
     real(real64), intent(in) :: radius          !! in the unit of the axes
-    character(len=*), intent(in) :: text        !! what it is
+    character(len=*), intent(in) :: text        !! text that names it
     logical, intent(in) :: stops                !! with the keyboard, too
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
     character(len=:), allocatable :: drawn
 
     drawn = '<circle cx="' // point_text(place_of(self, 1, x)) // '" cy="' // &
@@ -387,9 +387,9 @@ contains
   !> Outline and summits of a surface in plan.
   subroutine add_surface(self, name, points, buffer)
     class(svg_plot), intent(in) :: self         !! plot with equal scales
-    character(len=*), intent(in) :: name        !! upper or lower
+    character(len=*), intent(in) :: name        !! `upper` or `lower` surface
     real(real64), intent(in) :: points(:, :)    !! x and y of four corners, then of the summits
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
     integer :: i
 
     call buffer%line('<g id="' // name // '" aria-hidden="true"><path class="' // name // &
@@ -419,9 +419,9 @@ contains
   !> A surface that an earlier drawing has, displaced from its place there.
   subroutine repeat_surface(self, name, shift, buffer)
     class(svg_plot), intent(in) :: self         !! plot with equal scales
-    character(len=*), intent(in) :: name        !! upper or lower
+    character(len=*), intent(in) :: name        !! `upper` or `lower` surface
     real(real64), intent(in) :: shift(2)        !! along x and y, in the unit of the axes
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
     real(real64) :: points(2)
 
     points = shift * self%frame / [self%across%high - self%across%low, self%up%high - self%up%low]
@@ -433,7 +433,7 @@ contains
   !> The end of a drawing.
   subroutine end_plot(self, buffer)
     class(svg_plot), intent(in) :: self         !! plot that has axes
-    type(text_buffer), intent(inout) :: buffer  !! the page
+    type(text_buffer), intent(inout) :: buffer  !! gets the page
 
     if (self%frame(1) > 0.0_real64) call buffer%line('</svg>')
   end subroutine end_plot

@@ -62,7 +62,7 @@ contains
   !> Totals of the last states, losses during a hold, totals of the effects.
   subroutine write_totals(scene_in, results, buffer)
     type(scene), intent(in) :: scene_in         !! the scene, for its units
-    type(scene_results), intent(in) :: results  !! its results
+    type(scene_results), intent(in) :: results  !! results of a run
     type(text_buffer), intent(inout) :: buffer  !! gets the lines
     type(total_line), allocatable :: lines(:)
     character(len=*), parameter :: heads(3) = [character(len=8) :: 'largest', 'smallest', 'mean']
@@ -91,7 +91,7 @@ contains
   !> The same as values. A quantity that was computed at no position has no line.
   subroutine list_totals(scene_in, results, lines)
     type(scene), intent(in) :: scene_in                       !! the scene, for its units
-    type(scene_results), intent(in) :: results                !! its results
+    type(scene_results), intent(in) :: results                !! results of a run
     type(total_line), allocatable, intent(out) :: lines(:)    !! in the order of the summary
     character(len=*), parameter :: names(12) = [character(len=18) :: &
       'total load', 'vertical load', 'contact area', 'projected area', 'mean pressure', &

@@ -23,7 +23,7 @@ contains
 
   !> `length mm, force N, area mm2, pressure N/mm2`.
   pure function units_in_words(scene_in) result(text)
-    type(scene), intent(in) :: scene_in    !! with names
+    type(scene), intent(in) :: scene_in    !! scene with unit names
     character(len=:), allocatable :: text  !! one line
 
     text = trim(scene_in%units(1))
@@ -49,23 +49,14 @@ contains
     character(len=:), allocatable :: unit  !! for instance `N/mm2`
     character(len=:), allocatable :: length, force
 
-    unit = ''
     length = length_unit(scene_in)
     force = trim(scene_in%units(2))
-    select case (dimension)
-    case (is_length)
-      unit = length
-    case (is_area)
-      if (length /= '') unit = length // '2'
-    case (is_force)
-      unit = force
-    case (is_pressure)
-      if (force /= '') unit = force // '/' // length // '2'
-    case (is_moment)
-      if (force /= '') unit = force // ' ' // length
-    case default
-      unit = ''
-    end select
+    unit = ''
+    if (dimension == is_length) unit = length
+    if (dimension == is_force) unit = force
+    if (dimension == is_area .and. length /= '') unit = length // '2'
+    if (dimension == is_pressure .and. force /= '') unit = force // '/' // length // '2'
+    if (dimension == is_moment .and. force /= '') unit = force // ' ' // length
   end function unit_of
 
   ! Unit of length of the scene, or of its height map; empty where neither has one.

@@ -59,10 +59,10 @@ contains
   !> Runs the study: every image studies surfaces, image 1 gathers them in order and keeps them.
   !> Only there `study` is filled, and not by a part. `failure` is allocated on all images alike.
   subroutine run_area_study(spec, plan, options, study, failure)
-    type(study_spec), intent(in) :: spec                   !! specification, checked
-    type(study_plan), intent(in) :: plan                   !! its plan
+    type(study_spec), intent(in) :: spec                   !! checked specification of the study
+    type(study_plan), intent(in) :: plan                   !! plan of the study
     type(run_options), intent(in) :: options               !! its images, progress and kept file
-    type(area_study), intent(out) :: study                 !! the results
+    type(area_study), intent(out) :: study                 !! results of the study
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(surface_plan) :: plans(2)
     type(kept_work) :: kept
@@ -141,10 +141,10 @@ contains
 
   !> Evaluates the numbers of all surfaces.
   pure subroutine evaluate_study(spec, plan, numbers, study)
-    type(study_spec), intent(in) :: spec        !! specification, checked
-    type(study_plan), intent(in) :: plan        !! the plan
+    type(study_spec), intent(in) :: spec        !! checked specification of the study
+    type(study_plan), intent(in) :: plan        !! plan of the study
     real(real64), intent(in) :: numbers(:, :)   !! a column a surface, from study_surface
-    type(area_study), intent(out) :: study      !! the results
+    type(area_study), intent(out) :: study      !! results of the study
     type(greenwood_law) :: law
     integer :: i
 

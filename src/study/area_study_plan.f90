@@ -42,8 +42,8 @@ contains
 
   !> Makes the plan. `failure` is allocated when the specification cannot be studied.
   subroutine plan_study(spec, plan, failure)
-    type(study_spec), intent(in) :: spec                   !! specification, checked
-    type(study_plan), intent(out) :: plan                  !! the plan
+    type(study_spec), intent(in) :: spec                   !! checked specification of the study
+    type(study_plan), intent(out) :: plan                  !! plan of the study
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     real(real64) :: separation, margin, depth
 
@@ -119,11 +119,11 @@ contains
 
   !> The sections of one size on one surface.
   pure subroutine section_places(spec, plan, size_number, member, squares)
-    type(study_spec), intent(in) :: spec                !! specification, checked
-    type(study_plan), intent(in) :: plan                !! the plan
-    integer, intent(in) :: size_number                  !! which size
-    integer, intent(in) :: member                       !! which surface
-    type(section_square), allocatable, intent(out) :: squares(:)  !! the sections
+    type(study_spec), intent(in) :: spec                !! checked specification of the study
+    type(study_plan), intent(in) :: plan                !! plan of the study
+    integer, intent(in) :: size_number                  !! number of a size
+    integer, intent(in) :: member                       !! number of a surface
+    type(section_square), allocatable, intent(out) :: squares(:)  !! sections of this size
     integer(int64) :: words(4), cells(2), cell
     real(real64) :: free(2)
     integer :: k

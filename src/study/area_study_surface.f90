@@ -33,14 +33,14 @@ contains
 
   !> How many numbers a surface has: the leading ones, then `quantities` for every section.
   pure integer function numbers_of_a_surface(plan)
-    type(study_plan), intent(in) :: plan  !! the plan
+    type(study_plan), intent(in) :: plan  !! plan of the study
 
     numbers_of_a_surface = leading_numbers + quantities * plan%total
   end function numbers_of_a_surface
 
   !> Plans the surfaces of the ensemble.
   pure subroutine prepare_surfaces(spec, plans)
-    type(study_spec), intent(in) :: spec            !! specification, checked
+    type(study_spec), intent(in) :: spec            !! checked specification of the study
     type(surface_plan), intent(out) :: plans(2)     !! upper and lower side
 
     call plan_surface(spec%surfaces, 1, plans(1))
@@ -49,9 +49,9 @@ contains
 
   !> Studies one surface. `failure` is allocated when it cannot be made or solved.
   subroutine study_surface(spec, plan, plans, member, numbers, failure)
-    type(study_spec), intent(in) :: spec                   !! specification, checked
-    type(study_plan), intent(in) :: plan                   !! the plan
-    type(surface_plan), intent(in) :: plans(2)             !! from prepare_surfaces
+    type(study_spec), intent(in) :: spec                   !! checked specification of the study
+    type(study_plan), intent(in) :: plan                   !! plan of the study
+    type(surface_plan), intent(in) :: plans(2)             !! plans by `prepare_surfaces`
     integer, intent(in) :: member                          !! which surface, from 1
     real(real64), intent(out) :: numbers(:)                !! leading ones, sections of all sizes
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure

@@ -39,7 +39,7 @@ contains
   !> Builds the table from the original's runs on a deck, in its own arithmetic and in real128, and
   !> the present-day results. A deck on which the original goes astray has none.
   function correct_table(deck, results) result(table)
-    type(card_deck), intent(in) :: deck            !! the cards
+    type(card_deck), intent(in) :: deck            !! cards of the deck
     type(scene_results), intent(in) :: results     !! its sweep, with the rows of the last states
     type(corrected_table) :: table
     type(original_records) :: historic, exact_arithmetic
@@ -66,7 +66,7 @@ contains
 
   !> Name of a stage in print, for a row of the table.
   function stage_name(table, stage, row) result(name)
-    type(corrected_table), intent(in) :: table   !! the deck's
+    type(corrected_table), intent(in) :: table   !! table of the deck
     integer, intent(in) :: stage                 !! from 1, as in `change`
     integer, intent(in) :: row                   !! of the table
     character(len=:), allocatable :: name        !! a few words

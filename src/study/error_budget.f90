@@ -59,8 +59,9 @@ module asperity_error_budget
     logical :: without_effects = .false.  !! arithmetic: compared without the scene's effects
   end type error_budget
 
-  ! Contacts of a position, squared and summed over the positions, that are solved on cells: 500 in
-  ! one position, or 5 in each of 10000, take some minutes.
+  ! Largest sum over the positions of the squared number of contacts for boundary elements: 500 in
+  ! one position, or 5 in each of 10000, take some minutes (chosen). `test_too_many_contacts_for_a_
+  ! budget` of test_accuracy.py has 528.
   real(real64), parameter :: squares_allowed = 250000.0_real64
 
 contains
@@ -120,10 +121,11 @@ contains
   subroutine measure_model(scene_in, options, results, model)
     type(scene), intent(in) :: scene_in         !! what was solved
     type(run_options), intent(in) :: options    !! of the runs beside, in doubles
-    type(scene_results), intent(in) :: results  !! its results
+    type(scene_results), intent(in) :: results  !! results of a run
     type(model_budget), intent(out) :: model    !! what the model leaves out
     type(run_options) :: doubles
-    character(len=:), allocatable :: why
+    type(state_row) :: last(size(results%positions))
+    integer :: m
 
     doubles = options
     doubles%arithmetic = 'real64'
@@ -137,10 +139,11 @@ contains
         model%why_not = 'it depends on the load history'
       end if
     end associate
-    if (.not. allocated(model%why_not)) then
-      why = too_many_for_cells(results)
-      if (why /= '') model%why_not = why
-    end if
+    last = [(last_state(results%positions(m)), m=1, size(last))]
+    if (.not. allocated(model%why_not) .and. &
+        sum(real(last%contacts, real64)**2) > squares_allowed) &
+      model%why_not = 'up to ' // decimal_text(maxval(last%contacts)) // &
+                      ' contacts at a position are too many for boundary elements'
     if (allocated(model%why_not)) return
     if (model%interaction == effect_boundary) then
       call use_tolerance(scene_in, results, model)
@@ -226,10 +229,10 @@ contains
 
   !> Runs a scene with `interaction` set, all its other effects as they are, to the last state only.
   subroutine run_model(scene_in, interaction, options, results, failure)
-    type(scene), intent(in) :: scene_in                    !! scene, checked
+    type(scene), intent(in) :: scene_in                    !! scene with checked values
     integer, intent(in) :: interaction                     !! one of the `effect_` numbers
-    type(run_options), intent(in) :: options               !! in doubles
-    type(scene_results), intent(out) :: results            !! all positions
+    type(run_options), intent(in) :: options               !! options of a run in doubles
+    type(scene_results), intent(out) :: results            !! results, all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene) :: copy
 
@@ -238,27 +241,6 @@ contains
     copy%loading%points = 0
     call solve(copy, results, failure, options)
   end subroutine run_model
-
-  !> Why the contacts of a solved scene are too many for cells; empty when they are not.
-  pure function too_many_for_cells(results) result(why)
-    type(scene_results), intent(in) :: results   !! of any method of taking them together
-    character(len=:), allocatable :: why
-    real(real64) :: squares
-    integer :: m, most
-    type(state_row) :: last
-
-    squares = 0.0_real64
-    most = 0
-    do m = 1, size(results%positions)
-      last = last_state(results%positions(m))
-      squares = squares + real(last%contacts, real64)**2
-      most = max(most, last%contacts)
-    end do
-    why = ''
-    if (squares > squares_allowed) &
-      why = 'up to ' // decimal_text(most) // ' contacts at a position are too many for ' // &
-          'boundary elements'
-  end function too_many_for_cells
 
   ! Load with interaction over that of the same contacts isolated, at the only position; 1 where
   ! interaction is off or was left out.

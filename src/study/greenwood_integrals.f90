@@ -44,9 +44,9 @@ contains
 
   !> The statistics of a specification.
   pure function greenwood_law_of(spec, elastic_modulus, poisson_ratio, with_plane) result(law)
-    type(generation_spec), intent(in) :: spec               !! specification, checked
-    type(decimal_value), intent(in) :: elastic_modulus(2)   !! upper, lower
-    type(decimal_value), intent(in) :: poisson_ratio(2)     !! upper, lower
+    type(generation_spec), intent(in) :: spec               !! checked specification of surfaces
+    type(decimal_value), intent(in) :: elastic_modulus(2)   !! of upper and lower surface
+    type(decimal_value), intent(in) :: poisson_ratio(2)     !! of upper and lower surface
     logical, intent(in) :: with_plane                       !! the upper surface against a plane
     type(greenwood_law) :: law
     type(gaussian_spec) :: heights(2), radii(2)
@@ -73,8 +73,8 @@ contains
   !> Contacts, area and loads of large surfaces over their area, at a separation of the reference
   !> planes at which no pair of spheres could come level.
   pure function densities_at(law, separation, shallow) result(values)
-    type(greenwood_law), intent(in) :: law         !! the statistics
-    real(real64), intent(in) :: separation         !! length
+    type(greenwood_law), intent(in) :: law         !! statistics of the surfaces
+    real(real64), intent(in) :: separation         !! separation of the planes [length]
     logical, intent(in), optional :: shallow       !! only the terms of Greenwood and Tripp
     real(real64) :: values(quantities)             !! contacts_per_area and so on
     real(real128) :: moments(5), found(quantities), pairs, beyond
@@ -112,8 +112,8 @@ contains
   !> The separation at which large surfaces bear a mean pressure. `failure` is allocated when they
   !> would have to come so near that pairs penetrate by more than half the sum of their radii.
   pure subroutine separation_at_pressure(law, pressure, separation, failure)
-    type(greenwood_law), intent(in) :: law                 !! the statistics
-    real(real64), intent(in) :: pressure                   !! more than 0
+    type(greenwood_law), intent(in) :: law                 !! statistics of the surfaces
+    real(real64), intent(in) :: pressure                   !! mean pressure, more than 0
     real(real64), intent(out) :: separation                !! of the reference planes
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(root_bracket) :: bracket

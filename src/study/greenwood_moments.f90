@@ -79,7 +79,7 @@ contains
   !> Powers are given doubled, as 5 for 5/2.
   pure subroutine excess_moments(law, separation, doubled_powers, moments)
     type(height_law), intent(in) :: law            !! distribution of u
-    real(real128), intent(in) :: separation        !! separation [length]
+    real(real128), intent(in) :: separation        !! separation of the planes [length]
     integer, intent(in) :: doubled_powers(:)       !! twice the powers, 0 or more
     real(real128), intent(out) :: moments(:)       !! moments, as many [length**power]
     real(real128), allocatable :: v(:), weights(:)

@@ -70,11 +70,11 @@ contains
 
   !> Runs the study. `failure` is allocated when the scene as it asks cannot be solved in the time.
   subroutine run_method_study(scene_in, least_seconds, allowance, progress, table, failure)
-    type(scene), intent(in) :: scene_in               !! scene, checked
+    type(scene), intent(in) :: scene_in               !! scene with checked values
     real(real64), intent(in) :: least_seconds         !! to spend on a method, s
     type(time_allowance), intent(in) :: allowance     !! time that may be spent
     type(progress_line), intent(inout) :: progress    !! progress; a piece is a method
-    type(method_table), intent(out) :: table             !! all methods
+    type(method_table), intent(out) :: table             !! all methods of a scene
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(scene_results) :: results
     type(study_method), allocatable :: methods(:)

@@ -58,7 +58,7 @@ contains
   !> The theories and criteria on the surfaces of a scene, compared with the totals of the reference
   !> solution. `why_not` is the reason why there are none; empty: there are.
   subroutine evaluate_theories(scene_in, truth, theories, criteria, why_not)
-    type(scene), intent(in) :: scene_in                             !! without a map
+    type(scene), intent(in) :: scene_in                             !! scene without a map
     type(method_totals), intent(in) :: truth                        !! of the reference
     type(reviewed_theory), allocatable, intent(out) :: theories(:)  !! in the thesis' order
     type(elastic_criterion), allocatable, intent(out) :: criteria(:)  !! in the thesis' order

@@ -38,9 +38,9 @@ contains
   !> numbers with the same digits; the largest of some draws. Of a map its samples move: a row of
   !> summits, and one of the samples where they are the reference.
   subroutine add_input_error(scene_in, allowance, table)
-    type(scene), intent(in) :: scene_in            !! scene, checked
+    type(scene), intent(in) :: scene_in            !! scene with checked values
     type(time_allowance), intent(in) :: allowance  !! time that may be spent
-    type(method_table), intent(inout) :: table        !! gets the row
+    type(method_table), intent(inout) :: table        !! gets one more row
     real(real64) :: halves(2)
     character(len=32) :: name
 
@@ -96,8 +96,8 @@ contains
 
   !> Adds a row a theory, and the criteria of the elastic limit.
   subroutine add_theories(scene_in, table)
-    type(scene), intent(in) :: scene_in      !! scene, checked
-    type(method_table), intent(inout) :: table  !! gets them
+    type(scene), intent(in) :: scene_in      !! scene with checked values
+    type(method_table), intent(inout) :: table  !! gets a row each
     type(scene) :: plain
     type(reviewed_theory), allocatable :: theories(:)
     type(method_row) :: row
@@ -132,8 +132,8 @@ contains
   !> hundredth of the closing at the position with the greatest load: what Archard's hemispheres on
   !> hemispheres have exponents for.
   subroutine add_exponent(scene_in, table)
-    type(scene), intent(in) :: scene_in      !! scene, checked
-    type(method_table), intent(inout) :: table  !! gets the exponent
+    type(scene), intent(in) :: scene_in      !! scene with checked values
+    type(method_table), intent(inout) :: table  !! gets `area_exponent`, a number
     type(scene) :: one
     type(method_totals) :: less
     type(scene_results) :: results
@@ -181,7 +181,7 @@ contains
   !> Half a unit of the last digit that any number of both surfaces has: of the heights, of the
   !> radii. A whole number that all are is taken as exact. Of a map its samples'; of two the larger.
   pure function half_last_digits(scene_in) result(halves)
-    type(scene), intent(in) :: scene_in  !! scene, checked
+    type(scene), intent(in) :: scene_in  !! scene with checked values
     real(real64) :: halves(2)
 
     if (allocated(scene_in%map)) then
@@ -244,7 +244,7 @@ contains
   !> A scene whose heights and radii are other numbers that would have been written as these, drawn
   !> evenly. Radii that are all equal move together.
   subroutine perturb_scene(scene_in, halves, draw, copy)
-    type(scene), intent(in) :: scene_in      !! scene, checked
+    type(scene), intent(in) :: scene_in      !! scene with checked values
     real(real64), intent(in) :: halves(2)    !! as `half_units` has them; of a map it has its own
     integer, intent(in) :: draw              !! number of the draw, from 1
     type(scene), intent(out) :: copy         !! the other scene

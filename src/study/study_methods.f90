@@ -84,14 +84,14 @@ contains
   !> So many methods there are at most: the scene, 8 of arithmetic and steps, 44 of a sweep, 8 of
   !> neighbours, 4 of effects.
   pure integer function most_methods(scene_in)
-    type(scene), intent(in) :: scene_in  !! scene, checked
+    type(scene), intent(in) :: scene_in  !! scene with checked values
 
     most_methods = merge(57, 21, is_sweep(scene_in))
   end function most_methods
 
   !> Which effects were simulated at some position, or are on.
   pure function simulated_effects(scene_in, results) result(simulated)
-    type(scene), intent(in) :: scene_in         !! scene, checked
+    type(scene), intent(in) :: scene_in         !! scene with checked values
     type(scene_results), intent(in) :: results  !! of the scene as it asks
     logical :: simulated(size(known_effects))   !! in the order of the list
     integer :: e, m, place
@@ -111,7 +111,7 @@ contains
   !> All methods except that of the scene, by family, each from the fastest on. `left_out` is the
   !> reason in one line why no method includes interaction; empty: some do.
   subroutine list_methods(scene_in, simulated, closing, methods, left_out)
-    type(scene), intent(in) :: scene_in                   !! scene, checked
+    type(scene), intent(in) :: scene_in                   !! scene with checked values
     logical, intent(in) :: simulated(:)                   !! as `simulated_effects` has it
     real(real64), intent(in) :: closing                   !! the largest of the scene as it asks
     type(study_method), allocatable, intent(out) :: methods(:)  !! at least one
@@ -263,10 +263,10 @@ contains
   !> Runs a scene in a method, all positions, the ends of its path alone. The original program is
   !> not run here.
   subroutine run_method(scene_in, method, options, results, failure)
-    type(scene), intent(in) :: scene_in                    !! scene, checked
+    type(scene), intent(in) :: scene_in                    !! scene with checked values
     type(study_method), intent(in) :: method                     !! one of its methods
     type(run_options), intent(in) :: options               !! threads, and when it shall end
-    type(scene_results), intent(out) :: results            !! all positions
+    type(scene_results), intent(out) :: results            !! results, all positions
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(run_options) :: chosen
     type(scene) :: copy
@@ -343,8 +343,8 @@ contains
 
   !> The summits of a map in its place.
   subroutine replace_map(scene_in, plain, failure)
-    type(scene), intent(in) :: scene_in                    !! with a map
-    type(scene), intent(out) :: plain                      !! without one
+    type(scene), intent(in) :: scene_in                    !! scene with a map
+    type(scene), intent(out) :: plain                      !! scene of the summits
     character(len=:), allocatable, intent(out) :: failure  !! reason of a failure
     type(height_map) :: map
     type(map_summits) :: summits

@@ -28,7 +28,7 @@ contains
 
   !> Begins the time.
   subroutine begin_allowance(self, seconds)
-    class(time_allowance), intent(inout) :: self  !! the time
+    class(time_allowance), intent(inout) :: self  !! gets the time
     real(real64), intent(in) :: seconds           !! time that may be spent from now on [s]
 
     self%seconds = seconds
