@@ -16,13 +16,19 @@ module asperity_cells_answer
   real(real64), parameter :: power(3) = [0.5_real64, 1.0_real64, 2.0_real64]
   real(real64), parameter :: weight(3) = [8.0_real64, -6.0_real64, 1.0_real64] / 3.0_real64
 
-  ! Root mean square of the relative error of a Hertz load on cells, this over n**2.5 with n cells
-  ! in a radius: 3.0e-3, 5.3e-4, 9.7e-5, 1.3e-5 at 3, 6, 12, 24 (20 to 130 places of the lattice).
+  ! Root mean square of the relative error of a Hertz load on n elements in a radius: load_error
+  ! over n**load_order. Measured: 3.0e-3, 5.3e-4, 9.7e-5, 1.3e-5 at 3, 6, 12, 24 (20 to 130 offsets
+  ! of the lattice).
   real(real64), parameter, public :: load_error = 0.047_real64
-  ! The same of the area of a scene, this over n**1.5, n of the largest contact: 0.83, 0.29 and
-  ! 0.10 % at 6, 12 and 24, five times that at most (178 scenes of 2 to 40 contacts against the
-  ! truth of the harness, together over alone).
-  real(real64), parameter, public :: area_error = 0.12_real64
+  real(real64), parameter :: load_order = 2.5_real64
+  ! Root mean square of the relative error of the area of a scene, n of the largest contact:
+  ! area_error over n**area_order. Measured: 0.83, 0.29 and 0.10 % at 6, 12 and 24, five times that
+  ! at most (178 scenes of 2 to 40 contacts, ratio to isolated contacts, against dense_truth.py).
+  real(real64), parameter, public :: area_error = 0.12_real64, area_order = 1.5_real64
+  ! Width of a slit over the distance x of the elements beside it at no pressure: 4 for the
+  ! logarithm of the wedge at its ends (chosen 3.5 for the mean over elements; test: areas that
+  ! merge in test/regression/test_dense.py).
+  real(real64), parameter :: slit_width = 3.5_real64
 
   !> A contact on cells. Loads, lengths and pressures in the units of the pairs.
   type :: cell_contact
@@ -96,7 +102,7 @@ contains
         one%y = shapes(k)%y + h * moment(2, k) / load
         ! A circle has 8 sides a radius on its rim; where it lies in another it has none.
         radius = max(1.0_real64, sqrt(cells_of(sums(:, k)) / pi))
-        one%error = one%load * load_error / radius**2.5_real64 * &
+        one%error = one%load * load_error / radius**load_order * &
                     min(1.0_real64, free(k) / (8 * radius))
       end associate
     end do
@@ -168,7 +174,7 @@ contains
             if (.not. step > 0.0_real64) cycle
             apart_by = 2 * ends(:, side) / &
                        (step + sqrt(max(0.0_real64, step**2 + 2 * bend * ends(:, side))))
-            lost = 3.5_real64 * exp(0.5_real64 * sum(mean_log(apart_by)) - &
+            lost = slit_width * exp(0.5_real64 * sum(mean_log(apart_by)) - &
                                     pi * sum(force) * lattice%scale / step)
             lost = lost - (1 - counted(force(1), sums(:, a))) - (1 - counted(force(2), sums(:, b)))
             slit([a, b]) = slit([a, b]) + 0.5_real64 * max(0.0_real64, lost) * &

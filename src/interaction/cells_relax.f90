@@ -44,8 +44,11 @@ module asperity_cells_relax
   ! Relative error of the sum of projected forces, over the root of their number: above the rounding
   ! of a sum (chosen; test: loads in test/regression/test_plastic_pixels.py).
   real(real64), parameter :: sum_met = 8 * epsilon(1.0_real64)
-  ! Far more than was ever needed.
+  ! Largest number of iterations (chosen).
   integer, parameter :: iterations_allowed = 2000
+  ! Share of the guaranteed decrease of the energy that a step has to reach (any below 1: Dostal and
+  ! Schoeberl 2005, theorem 4.1; chosen).
+  real(real64), parameter :: least_decrease = 0.5_real64
 
 contains
 
@@ -130,7 +133,7 @@ contains
         end if
         fall = 0.5_real64 * sum((force - next) * (rest + after))
       end if
-      if (.not. fall >= 0.5_real64 * sure) then
+      if (.not. fall >= least_decrease * sure) then
         call go_down(next)
         call find_rest(next, after)
         fresh = .true.

@@ -5,8 +5,8 @@
 !> end of the half-space. The cells are as fine as the load and the area call for.
 module asperity_cells_solver
   use asperity_cell_convolution, only: cell_convolution
-  use asperity_cells_answer, only: area_error, cell_contact, cells_answer, keep_elements, &
-                                   tell
+  use asperity_cells_answer, only: area_error, area_order, cell_contact, cells_answer, &
+                                   keep_elements, tell
   use asperity_cells_influence, only: mean_influence
   use asperity_cells_lattice, only: box_of, cell_lattice, gap_at, gap_shape, lay_cells, &
                                     shape_of_gap
@@ -42,7 +42,8 @@ module asperity_cells_solver
   real(real64), parameter :: filled = 0.6_real64
   ! Width of the margin of the box around the loaded elements, in elements (chosen).
   real(real64), parameter :: beyond = 1.5_real64
-  ! Elements in the least radius of a loaded contact: with fewer, the box has four times as many
+  ! Elements in a radius from which on the load of the isolated contact is taken from them, and that
+  ! the least radius of a loaded contact has to have: with fewer, the box has four times as many
   ! elements along its longer side (chosen: 24 give the load of 120 caps on caps an error of 3 %).
   real(real64), parameter :: least_seen = 2.0_real64
   ! Ratio of the side of an element to the required one below which it is not halved (chosen).
@@ -70,9 +71,6 @@ module asperity_cells_solver
   ! sum (chosen).
   real(real64), parameter :: scatter_told = 2.0_real64, scatter_share = 0.5_real64
 
-  ! Elements in a radius from which on the load of the isolated contact is taken from them (chosen).
-  real(real64), parameter :: least_alone = 2.0_real64
-
   ! Offset of the lattice from the contact with the largest isolated load, in elements of the first
   ! lattice that is halved. A symmetric offset would let the errors of elements at the rim add up.
   real(real64), parameter :: lattice_x = 0.29_real64, lattice_y = 0.13_real64
@@ -88,8 +86,12 @@ module asperity_cells_solver
   ! Least penetration over the radius that is solved: squares of smaller ones underflow.
   real(real64), parameter :: shallowest = 1.0e-120_real64
 
-  ! Number of standard deviations of an area that its tolerance holds.
+  ! Number of standard deviations of an area that its tolerance holds, and of those in its estimate
+  ! (chosen).
   real(real64), parameter :: area_told = 5.5_real64
+  real(real64), parameter, public :: area_scatter_told = 3.0_real64
+  ! Least residual of the gaps, over the deepest penetration, above the rounding of sums (chosen).
+  real(real64), parameter :: least_residual = 1.0e-10_real64
 
   ! The gaps are closed to that times the tolerance, of the penetration. The load is then off by .44
   ! (rms; 1.1 at most) of it: measured on 3 times 130 circles. While the box is sought: to this.
@@ -162,9 +164,9 @@ contains
         min(scatter_told * norm2(answer%together%error), &
             scatter_share * tolerance(1) * max(worth(1), sum(answer%together%load))))
       if (lattice%change > 0.0_real64) answer%area_error = max( &
-        area_left_of_change * lattice%area_change / 3, area_error * (lattice%cells%cell / &
-        max(sqrt(maxval(answer%together%area) / pi), &
-            radius_of(lattice%cells%force > 0.0_real64)))**1.5_real64)
+        area_left_of_change * lattice%area_change / area_scatter_told, area_error * &
+        (lattice%cells%cell / max(sqrt(maxval(answer%together%area) / pi), &
+                                  radius_of(lattice%cells%force > 0.0_real64)))**area_order)
       answer%cells = size(lattice%cells%force)
       if (associated(pairs%pressures)) &
         call keep_elements(lattice%cells, members(shapes%pair), answer%loaded)
@@ -175,7 +177,7 @@ contains
         if (allocated(answer%failure)) exit
         answer%alone(shapes(i)%pair) = hertz_contact(pairs%modulus, shapes(i))
         answer%known_alone(shapes(i)%pair) = shapes(i)%contact_radius > &
-                                             least_alone * lattice%cells%cell
+                                             least_seen * lattice%cells%cell
         if (answer%known_alone(shapes(i)%pair)) call press_alone(shapes(i:i))
       end do
     end if
@@ -270,7 +272,7 @@ contains
       share = allowed()
       radius = sqrt(answer%together%area / pi)
       cell = max(maxval(radius), radius_of(lattice%cells%force > 0.0_real64)) / &
-             (area_told * area_error / share(2))**(2.0_real64 / 3.0_real64)
+             (area_told * area_error / share(2))**(1.0_real64 / area_order)
       if (minval(radius, mask=radius > 0.0_real64) < least_seen * cell) cell = min(cell, &
         maxval(lattice%window(3:) - lattice%window(:2)) / (4 * first_cells))
     end function called_for
@@ -378,7 +380,7 @@ contains
       call influence%prepare(mean_influence(size(next%gap, 1), size(next%gap, 2)))
       if (pairs%interrupt%is_asked()) answer%failure = 'interrupted'
       if (allocated(answer%failure)) return
-      call relax(influence, next%gap, max(1.0e-10_real64, tolerance), next%force, answer%ending, &
+      call relax(influence, next%gap, max(least_residual, tolerance), next%force, answer%ending, &
                  pairs%interrupt, displacement=displacement)
       if (.not. answer%ending%converged) &
         answer%failure = 'the pressures on the boundary elements did not converge'

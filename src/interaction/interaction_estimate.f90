@@ -10,6 +10,9 @@ module asperity_interaction_estimate
 
   public :: estimate_of_interaction
 
+  ! Largest penetration over the height at which the centres are level, where laws end (chosen).
+  real(real64), parameter :: deepest = 0.999999_real64
+
 contains
 
   !> Share of the total vertical load, or of the area, that interaction takes away at most, 0 to 1.
@@ -38,7 +41,7 @@ contains
     set%y = pairs%list(:n)%y
     do i = 1, n
       call law%respond(pairs%list(i), i, min(closing - pairs%list(i)%gap, &
-                       0.999999_real64 * pairs%list(i)%zc), response)
+                       deepest * pairs%list(i)%zc), response)
       set%circle(i) = response%contact_radius
       set%load(i) = response%vertical_load * inclination(response%cosine) / pairs%modulus
       set%stiffness(i) = response%stiffness * inclination(response%cosine) / pairs%modulus

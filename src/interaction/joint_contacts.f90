@@ -9,7 +9,7 @@
 module asperity_joint_contacts
   use asperity_circle_error, only: find_errors, open_about
   use asperity_cells_outside, only: outside_field
-  use asperity_cells_solver, only: any_loaded, cluster_lattice
+  use asperity_cells_solver, only: any_loaded, area_scatter_told, cluster_lattice
   use asperity_circle_field, only: are_close
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
@@ -56,6 +56,9 @@ module asperity_joint_contacts
   ! What circles may leave out of the area: of the tolerance, or of that of areas if more.
   real(real64), parameter :: area_share = 0.7_real64
   integer, parameter :: most_rounds = 30
+  ! Share of the error above the tolerance that is resolved at a time, before its neighbours are
+  ! (chosen: the neighbours may be most of the rest).
+  real(real64), parameter :: gone_at_once = 0.5_real64
   ! Relative residual of the load of one cluster over the tolerance; boundary elements are solved to
   ! half of that (chosen). One common change of the penetrations then meets the load.
   real(real64), parameter :: load_met = 0.01_real64
@@ -68,8 +71,6 @@ module asperity_joint_contacts
   ! the last change of the total load. Changes alternate in sign and contract by q from 0.25 to 0.5,
   ! so the remainder is at most q/(1 + q) = 1/3 of the last change.
   real(real64), parameter :: round_left = 0.33_real64
-  ! Number of standard deviations of the scatter of areas on boundary elements in their estimate.
-  real(real64), parameter :: area_scatter_told = 3.0_real64
   ! Relative error of an area over that of its load: for an ellipse (n = 2) 4/3 of what the load
   ! gains, and a load that is off has the area off by 2/3; twice that, as of circles that all but
   ! touch more is missing: 3.3 at most in 97 of 100 scenes.
@@ -96,7 +97,7 @@ contains
     type(joint_solution), intent(inout) :: solution    !! closing; then all
     real(real64), intent(in), optional :: target       !! normal load
     type(resolved_contacts) :: resolved
-    type(cluster), allocatable :: clusters(:)
+    type(cluster), allocatable :: clusters(:), former(:)
     real(real64), dimension(size(pairs%list)) :: error, shape, area_error, circle
     logical, dimension(size(pairs%list)) :: is_near, is_host
     integer :: hosts(size(pairs%list)), k
@@ -111,7 +112,7 @@ contains
       call find_near_tops(pairs, law, along, expected, is_near, is_host, circle, target)
     allocate (solution%is_resolved(size(error)), source=is_near)
     if (any(is_near)) then
-      ! Contacts that are resolved are no Hertzian contacts: one represents each group.
+      ! First touches that are near are no Hertzian contacts: one represents those near to it.
       if (allocated(solution%coupled%penetration)) &
         deallocate (solution%coupled%penetration, solution%coupled%move)
       solution%coupled%is_near = .false.
@@ -223,7 +224,9 @@ contains
           more = .true.
           do
             if (more) then
+              if (allocated(clusters)) call move_alloc(clusters, former)
               call form_clusters(pairs, coupled, is_one, circle, clusters)
+              if (allocated(former)) call keep_lattices(former, clusters)
               resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
               if (size(clusters) == 1 .and. all(is_one(coupled%set%number))) then
                 call solve_whole(coupled%closing)
@@ -236,6 +239,7 @@ contains
             if (allocated(solution%failure)) return
             call reach_others(pairs, clusters, is_one, more)
             if (more) cycle
+            clusters%is_solved = .false.
             call answer_with(pairs, law, clusters, coupled, resolved, .false.)
             if (failed(solution)) return
             ! The cells know nothing of what the coupling changes from here on. At a given load it
@@ -368,6 +372,7 @@ contains
         if (allocated(clusters(1)%host)) deallocate (clusters(1)%host)
         call coupled%set%make_room(0)
         clusters(1)%members = pack([(k, k=1, size(pairs%list))], resolved%is_one)
+        clusters%is_solved = .false.
         call solve_clusters(pairs, coupled, share, area_tolerance, clusters, solution%failure)
         if (allocated(solution%failure)) return
         call answer_with(pairs, law, clusters, coupled, resolved, .true.)
@@ -422,6 +427,24 @@ contains
     end associate
     if (failed(solution)) return
   end subroutine solve_one_cluster
+
+  ! Clusters whose members stay keep their lattices and, as long as the circles stay, their answers.
+  subroutine keep_lattices(former, clusters)
+    type(cluster), intent(in) :: former(:)
+    type(cluster), intent(inout) :: clusters(:)
+    integer :: i, k
+
+    do k = 1, size(clusters)
+      do i = 1, size(former)
+        if (size(former(i)%members) /= size(clusters(k)%members)) cycle
+        if (any(former(i)%members /= clusters(k)%members)) cycle
+        clusters(k)%lattice = former(i)%lattice
+        clusters(k)%answer = former(i)%answer
+        clusters(k)%is_solved = former(i)%is_solved
+        exit
+      end do
+    end do
+  end subroutine keep_lattices
 
   ! Whether the contacts that are loaded by geometry are near and form one cluster.
   logical function is_one_cluster(pairs, is_near, circle, clusters) result(is_one)
@@ -530,18 +553,6 @@ contains
       call sort_keys(-error, order)
       next = 1
       do
-        over = sum(error, mask=.not. is_one) - 1.0_real64
-        if (.not. over > 0.0_real64) exit
-        ! The largest errors, the more at a time the farther off the rest is.
-        gone = 0.0_real64
-        do while (gone < 0.5_real64 * over .and. next <= size(order))
-          i = order(next)
-          next = next + 1
-          if (is_one(i)) cycle
-          is_one(i) = .true.
-          if (hosts(i) > 0) is_one(hosts(i)) = .true.
-          gone = gone + error(i)
-        end do
         do k = 1, size(first) - 1
           associate (group => set%number(member(first(k):first(k + 1) - 1)))
             is_one(group) = any(is_one(group))
@@ -551,6 +562,18 @@ contains
           do l = tree%first(i), tree%first(i + 1) - 1
             if (is_one(set%number(tree%near(l)))) is_one(number(i)) = .true.
           end do
+        end do
+        over = sum(error, mask=.not. is_one) - 1.0_real64
+        if (.not. over > 0.0_real64) exit
+        ! The largest errors, the more at a time the farther off the rest is.
+        gone = 0.0_real64
+        do while (gone < gone_at_once * over .and. next <= size(order))
+          i = order(next)
+          next = next + 1
+          if (is_one(i)) cycle
+          is_one(i) = .true.
+          if (hosts(i) > 0) is_one(hosts(i)) = .true.
+          gone = gone + error(i)
         end do
       end do
     end associate

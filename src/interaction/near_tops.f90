@@ -11,6 +11,7 @@ module asperity_near_tops
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, raise
   use asperity_index_groups, only: gather_groups
+  use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
   use asperity_source_tree, only: plant_tree, source_tree
   implicit none
@@ -33,7 +34,7 @@ contains
     real(real64), intent(in) :: along                !! sums of radii below which circles touch
     real(real64), intent(inout) :: closing           !! past first touch; at a load: its lower bound
     logical, intent(out) :: is_near(:)               !! by pair
-    logical, intent(out) :: is_host(:)               !! the contact of the largest load in its group
+    logical, intent(out) :: is_host(:)               !! of those near to each other: largest load
     real(real64), intent(out) :: circle(:)           !! radius of the start by pair; 0: open
     real(real64), intent(in), optional :: target     !! normal load
     type(circle_set) :: set
@@ -41,7 +42,8 @@ contains
     type(contact_response) :: answer
     real(real64) :: p(size(pairs%list)), t, ratio
     integer, allocatable :: number(:), one(:), other(:), member(:), first(:)
-    integer :: i, j, k, l
+    integer :: i, k, l
+    integer, allocatable :: order(:)
     logical, allocatable :: tops(:)
 
     is_near = .false.
@@ -104,11 +106,20 @@ contains
       associate (group => member(first(k):first(k + 1) - 1))
         if (.not. any(is_near(number(group)))) cycle
         is_near(number(group)) = .true.
-        j = group(maxloc(set%load(group), 1))
-        is_host(number(j)) = .true.
       end associate
     end do
     circle(number) = set%circle
+    ! Of first touches that are near to each other only one is a host, by falling load.
+    is_host(number) = is_near(number)
+    allocate (order(size(number)))
+    call sort_keys(-set%load, order)
+    do i = 1, size(order)
+      k = order(i)
+      if (.not. is_host(number(k))) cycle
+      do l = tree%first(k), tree%first(k + 1) - 1
+        if (tops(l)) is_host(number(tree%near(l))) = .false.
+      end do
+    end do
 
   contains
 

@@ -21,6 +21,7 @@ module asperity_resolved_clusters
     integer, allocatable :: members(:)              !! places in the list of pairs
     type(cluster_lattice) :: lattice                !! its cells
     type(cells_answer) :: answer                    !! of its cells
+    logical :: is_solved = .false.                  !! for the members and circles as they are
     real(real64), allocatable :: load(:)            !! vertical, by its law; 0: open
     integer, allocatable :: host(:)                 !! member that stands for it among circles
     real(real64) :: lowered = 0.0_real64            !! of the closing, for its cells
@@ -41,6 +42,10 @@ module asperity_resolved_clusters
   ! Chebyshev nodes of a field whose sources are farther off than so many half diagonals: 8 nodes
   ! are right within (3 + sqrt(8))**-8 = 1e-6 of it.
   integer, parameter :: nodes = 8
+  ! Least value of a field between the nodes over the least at them (chosen).
+  real(real64), parameter :: least_between = 0.98_real64
+  ! Reach of a contact that no circle stands for, over its isolated radius (chosen: any small one).
+  real(real64), parameter :: open_reach = 1.0e-3_real64
   real(real64), parameter :: far_off = 3.0_real64
 
 contains
@@ -60,7 +65,7 @@ contains
     number = pack([(i, i=1, size(pairs%list))], is_one)
     allocate (row(size(pairs%list)), source=0)
     row(coupled%set%number) = [(i, i=1, size(coupled%set%number))]
-    reach = 1.0e-3_real64 * sqrt(pairs%list(number)%radius * &
+    reach = open_reach * sqrt(pairs%list(number)%radius * &
                                  (coupled%closing - pairs%list(number)%gap))
     do i = 1, size(number)
       if (row(number(i)) > 0) reach(i) = coupled%set%circle(row(number(i)))
@@ -110,6 +115,7 @@ contains
       associate (one => clusters(k))
         if (allocated(one%outside%at_nodes)) &
           one%outside%at_nodes = one%outside%at_nodes - one%lowered
+        if (one%is_solved) cycle
         call solve_cells(pairs, one%members, coupled%closing - one%lowered, one%outside, &
                          [tolerance, max(area_over_load * tolerance, area_tolerance)], worth, &
                          one%lattice, one%answer)
@@ -118,6 +124,7 @@ contains
     !$omp end parallel do
     do k = 1, size(clusters)
       if (allocated(clusters(k)%answer%failure)) failure = clusters(k)%answer%failure
+      clusters(k)%is_solved = .true.
     end do
   end subroutine solve_clusters
 
@@ -191,8 +198,8 @@ contains
             end do
           end do
           o%at_nodes = reshape(field(1, n + 1:n + nodes**2), [nodes, nodes])
-          ! Between the nodes the field is a little less than at the least of them at most.
-          clusters(k)%lowered = 0.98_real64 * minval(o%at_nodes) + sum(set%load(beside) * &
+          ! A lower bound of the field.
+          clusters(k)%lowered = least_between * minval(o%at_nodes) + sum(set%load(beside) * &
             beside_circle(set%circle(beside), &
                           hypot(abs(o%x - middle_x) + 0.5_real64 * (o%x1 - o%x0), &
                                 abs(o%y - middle_y) + 0.5_real64 * (o%y1 - o%y0))))
