@@ -61,7 +61,7 @@ contains
       low = ibits(square, 0, 24)*mantissa
       high = shiftr(square, 24)*mantissa + shiftr(low, 24)
       low = ibits(low, 0, 24)
-      ! Hex digits to drop so that the root has six: as many as make its exponent whole.
+      ! Number of hex digits to drop: the root has six, and its exponent is a whole number.
       drop = modulo(x%power, 2_int32) + 4_int32
       if (shiftr(high, 4*drop + 24) /= 0_int64) drop = drop + 2_int32
       ! Four times the radicand has twice the root, whose last bit decides the rounding.

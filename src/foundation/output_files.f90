@@ -22,7 +22,7 @@ module asperity_output_files
 
   integer(c_int), parameter :: mode_rw_r_r = int(o'644', c_int), write_only = 1_c_int
   integer(c_int), parameter :: no_such_file = 2_c_int, no_permission = 13_c_int
-  ! Signals that ask a process to end: HUP, INT, QUIT, USR1, USR2, ALRM, TERM, STKFLT, XCPU, VTALRM,
+  ! Signals that end a process: HUP, INT, QUIT, USR1, USR2, ALRM, TERM, STKFLT, XCPU, VTALRM,
   ! PROF, IO, PWR and the real-time ones. PIPE and XFSZ become failures of a write.
   integer :: i_signal
   integer(c_int), parameter :: ending_signals(*) = [1_c_int, 2_c_int, 3_c_int, 10_c_int, 12_c_int, &

@@ -33,7 +33,7 @@ module asperity_problems
   type :: problem_list
     private
     type(text_buffer) :: lines
-    type(problem_place), allocatable :: places(:)  ! of each line
+    type(problem_place), allocatable :: places(:)  ! place of each line
     character(len=:), allocatable :: file  ! file of the places of `add_at`
     integer :: placed = 0, others = 0      ! numbers of problems with a place, and without
     integer :: beyond = 0                  ! number of problems after `most_placed`

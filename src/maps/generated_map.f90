@@ -150,7 +150,7 @@ contains
     integer(int64) :: half, pixels
     integer :: i, j, k, first, lines, lost, order
 
-    ! The largest wave number has so many bits.
+    ! Number of bits of the largest wave number.
     order = 0
     if (which > of_heights) order = bit_size(order) - leadz(waves%most(which))
     ! Bits that a number loses before it is squared, so that the sum of all squares fits.

@@ -31,7 +31,7 @@ contains
   !> Subtracts the plane or the mean. Pixels that all lie in a line have a mean only. Heights that
   !> differ by rounding alone become equal: the map is flat.
   pure subroutine level_map(map, how)
-    type(height_map), intent(inout) :: map  !! at least one pixel measured
+    type(height_map), intent(inout) :: map  !! height map, at least one pixel measured
     integer, intent(in) :: how              !! one of `level_plane`, `level_mean`, `level_none`
     real(real64) :: largest, mean
     integer :: pass

@@ -51,9 +51,9 @@ contains
 
   !> Measures the three spectra of a map as it is: levelled, if it has to be.
   subroutine measure_spectra(name, map, spectra, problems, failure)
-    character(len=*), intent(in) :: name                    !! of the map, for a message
+    character(len=*), intent(in) :: name                    !! name of the map, for a message
     type(height_map), intent(in) :: map                     !! no pixel may be missing
-    type(power_spectrum), intent(out) :: spectra(3)         !! in the order of `spectrum_names`
+    type(power_spectrum), intent(out) :: spectra(3)  !! spectra in the order of `spectrum_names`
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why there are none
     integer(int64) :: missing

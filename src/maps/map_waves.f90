@@ -40,8 +40,8 @@ module asperity_map_waves
     integer(int128), private :: square(2) = 0_int128  ! (q/q_r)**2 of the wave numbers 1
     integer(int128), private :: lowest = 0_int128     ! (q/q_r)**2 of the first and last component
     integer(int128), private :: highest = 0_int128
-    integer(int64), private, allocatable :: series(:, :)  ! by degree and piece
-    integer(int64), private, allocatable :: decay(:)      ! by power of 4
+    integer(int64), private, allocatable :: series(:, :)  ! coefficients by degree and piece
+    integer(int64), private, allocatable :: decay(:)      ! amplitude by power of 4
     type(truncated_normal), private :: gaussian
   end type map_waves
 

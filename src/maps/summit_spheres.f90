@@ -9,7 +9,7 @@ module asperity_summit_spheres
             radius_paraboloid
 
   !> Rules for the radius: 1 over the mean, or over the geometric mean, of the two central second
-  !> differences; 1 over the mean curvature of the paraboloid of least squares over nine samples.
+  !> differences; 1 over the mean curvature of the paraboloid of least squares over nine pixels.
   integer, parameter :: radius_neighbours = 1, radius_geometric = 2, radius_paraboloid = 3
   !> Names of the rules for the radius in input.
   character(len=*), parameter :: radius_names(3) = [character(len=10) :: 'neighbours', &

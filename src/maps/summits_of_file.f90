@@ -23,9 +23,9 @@ module asperity_summits_of_file
     integer :: radius = 0                      !! rule for radii; 0: default of the rule for summits
     integer :: unit = 0                        !! of `length_units`; 0: the file's own
     logical :: despike = .false.               !! replace single outliers
-    real(real64) :: spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
+    real(real64) :: spacing(2) = 0.0_real64    !! pixel spacing of a matrix; 0: not given
     logical :: progress = .false.              !! print the progress on a terminal
-    character(len=2) :: prefix = ''            !! of a choice's name in messages: `--`, or none
+    character(len=2) :: prefix = ''            !! prefix of option names in messages: `--`, or none
   end type summit_choices
 
 contains
@@ -54,7 +54,7 @@ contains
 
   !> Finds the summits of a map in memory, whose edge replaces that of the options.
   subroutine summits_of_array(map, choices, summits, spikes, problems, failure)
-    type(height_map), intent(inout) :: map                  !! from take_map; then levelled
+    type(height_map), intent(inout) :: map                  !! map of take_map; levelled on exit
     type(summit_choices), intent(inout) :: choices          !! options; defaults are filled in
     type(map_summits), intent(out) :: summits               !! summits of the map
     integer(int64), intent(out) :: spikes                   !! number removed; -1: not searched for

@@ -156,7 +156,7 @@ contains
     type(effect_outcome), intent(inout) :: outcomes(:)   !! results with the estimates
     integer, intent(in) :: number                        !! number of the state, from 1
     logical, intent(in) :: keep_rows                     !! whether contacts are kept
-    type(position_result), intent(inout) :: result       !! with allocated states; gets values only
+    type(position_result), intent(inout) :: result  !! result with allocated states; gets values
     integer :: i
 
     do i = 1, size(effects)

@@ -37,7 +37,7 @@ module asperity_map_press_solver
     real(real64), allocatable :: hardness        ! largest pressure; not allocated: elastic
     type(theory_limits) :: limits
     integer :: fields = fields_none              ! which states keep pressure and gap
-    character(len=:), allocatable :: unit        ! of length; empty: not known
+    character(len=:), allocatable :: unit        ! unit of length; empty: unknown
   contains
     procedure :: solve => press_to_states  !! solves the one position
   end type map_press_solver
@@ -71,8 +71,9 @@ contains
 
   !> Names of the columns of a map that is solved on its pixels, beside those of contacts.
   subroutine name_map_columns(scene_in, header)
-    type(scene), intent(in) :: scene_in         !! with a map that is solved on its pixels
-    type(effect_header), intent(out) :: header  !! of interaction, and of plasticity with a hardness
+    type(scene), intent(in) :: scene_in         !! scene with a map that is solved on its pixels
+    type(effect_header), intent(out) :: header  !! columns of interaction and, with a hardness,
+                                                !! plasticity
 
     header%names = [character(len=11) :: 'interaction']
     header%modes = [scene_in%effects%mode('interaction')]
@@ -181,7 +182,7 @@ contains
   ! Lowers the pixels at the hardness by the overlap of the surfaces there, and adds its work.
   subroutine deform_map(hardness, answer, map, work)
     real(real64), intent(in) :: hardness      ! largest pressure
-    type(map_answer), intent(in) :: answer    ! of this map, with its displacement
+    type(map_answer), intent(in) :: answer    ! solution of this map with its displacement
     type(height_map), intent(inout) :: map    ! measured pixels may sink
     real(real64), intent(inout) :: work       ! [force length], grows
     real(real64) :: overlap
@@ -244,7 +245,7 @@ contains
   ! Sets the results of one state and its contact patches.
   subroutine fill_state(self, deformed, answer, patches, work, keep_rows, result, number)
     class(map_press_solver), intent(in) :: self
-    type(height_map), intent(in) :: deformed  ! with the residual shape
+    type(height_map), intent(in) :: deformed  ! map with the residual shape
     type(map_answer), intent(in) :: answer
     type(map_patch), intent(in) :: patches(:)
     real(real64), intent(in) :: work          ! dissipated

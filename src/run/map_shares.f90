@@ -17,8 +17,8 @@ module asperity_map_shares
   type :: map_shares
     real(real64) :: on_edge = 0.0_real64         !! share on two rows and columns along the edge
     real(real64) :: edge_of_punch = 1.0_real64   !! share of a flat punch on the edge
-    real(real64) :: without_summit = 0.0_real64  !! on patches without a summit; set elsewhere
-    real(real64) :: on_lines = 0.0_real64        !! on patches that are single scan lines
+    real(real64) :: without_summit = 0.0_real64  !! share on patches without a summit; set elsewhere
+    real(real64) :: on_lines = 0.0_real64        !! share on patches that are single scan lines
     real(real64) :: on_spikes = 0.0_real64       !! share on single outliers
   end type map_shares
 
@@ -95,7 +95,7 @@ contains
     type(height_map), intent(in) :: map     !! levelled height map
     real(real64), intent(in) :: tolerance   !! largest share without a warning
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of the state
-    real(real64), parameter :: rounding = 1.0e-9_real64  ! of a ridge along the border
+    real(real64), parameter :: rounding = 1.0e-9_real64  ! tolerance for a ridge along the border
     real(real64) :: missing, ratio
 
     missing = count(.not. is_measured(map%height)) / real(size(map%height), real64)

@@ -32,7 +32,7 @@ contains
   function place_surface(surface, side, displacement, mirror) result(placed)
     type(scene_surface), intent(in) :: surface  !! surface of the scene
     integer, intent(in) :: side                 !! sign of the slope: 1 lower, -1 upper surface
-    type(decimal_value), intent(in), optional :: displacement(2)  !! in plan [length]
+    type(decimal_value), intent(in), optional :: displacement(2)  !! displacement in plan [length]
     real(real64), intent(in), optional :: mirror  !! y becomes this number less y [length]
     type(placed_surface) :: placed
     real(real64) :: angle

@@ -239,7 +239,7 @@ contains
   ! Computes the fields of one state: a plane in contact with the sum of both elevations, as a map.
   subroutine fill_field(position, number, grid, modulus, surfaces, field)
     type(position_result), intent(inout) :: position  ! its state gets the gap
-    integer, intent(in) :: number                     ! of the state
+    integer, intent(in) :: number                     ! number of the state
     type(field_grid), intent(in) :: grid
     real(real64), intent(in) :: modulus               ! combined
     type(height_map), intent(in) :: surfaces          ! sum of both elevations
@@ -270,10 +270,10 @@ contains
     type(position_result), intent(in) :: position
     integer, intent(in) :: number
     type(field_grid), intent(in) :: grid
-    real(real64), intent(inout) :: force(:, :)   ! of each cell, grows
+    real(real64), intent(inout) :: force(:, :)   ! force of each pixel, is increased
     type(contact_field), intent(inout) :: field  ! gets the numbers of contacts
     type(element_pressures) :: elements
-    real(real64), allocatable :: total(:)        ! of the forces of the elements, by pair
+    real(real64), allocatable :: total(:)        ! sum of the forces of the elements, by pair
     real(real64) :: shift(2)
     integer, allocatable :: row_of(:)            ! contact of each pair; 0: none
     integer :: i, row

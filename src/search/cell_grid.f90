@@ -17,7 +17,7 @@ module asperity_cell_grid
 
   !> A surface in layers and strips.
   type :: cell_grid
-    type(grid_layer), allocatable :: layers(:)  !! in ascending order of the radius
+    type(grid_layer), allocatable :: layers(:)  !! layers in ascending order of the radius
   end type cell_grid
 
 contains

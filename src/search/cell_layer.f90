@@ -23,7 +23,7 @@ module asperity_cell_layer
   !> Asperities whose radii have one power of two.
   type :: grid_layer
     type(grid_point), allocatable :: points(:)  !! points of the strips by x; spare ones last
-    real(real64), allocatable :: radius(:)      !! of each point; only where radii differ
+    real(real64), allocatable :: radius(:)      !! radius of each point; only where radii differ
     integer :: strips = 0                       !! number of strips, each with an asperity at least
     integer(int32), allocatable :: first(:)     !! first point of each strip; then the end
     real(real64), allocatable :: low(:)         !! least y of each strip, ascending

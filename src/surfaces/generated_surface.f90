@@ -100,7 +100,7 @@ contains
 
   !> Generates one surface. `failure` is allocated, with the reason, when that cannot be done.
   subroutine generate_surface(plan, member, surface, failure)
-    type(surface_plan), intent(in) :: plan                 !! of its side
+    type(surface_plan), intent(in) :: plan                 !! plan of the surface's side
     integer, intent(in) :: member                          !! number in the ensemble, from 1
     type(generated_surface), intent(out) :: surface        !! asperities in whole units
     character(len=:), allocatable, intent(out) :: failure  !! reason, when there is no surface

@@ -20,7 +20,7 @@ module asperity_random_positions
   !> adsorption", Journal of Statistical Physics 44 (1986) 793-827).
   real(real64), parameter :: jamming = 0.547_real64
 
-  !> Bytes of memory an asperity takes while positions are sought, the positions included.
+  !> Memory of an asperity during the search for positions [bytes], the positions included.
   integer(int64), parameter :: position_bytes = 32_int64
 
   !> Linked lists of the placed asperities of each cell: `first` of the cell, then `next`; 0 ends.
@@ -34,7 +34,7 @@ contains
 
   !> Draws the positions. `failure` is allocated, with the reason, when they cannot be packed.
   pure subroutine place_at_random(key, stream, extent, least, tries, x, y, failure)
-    integer(int64), intent(in) :: key(2)     !! of the generator
+    integer(int64), intent(in) :: key(2)     !! key of the generator
     integer(int64), intent(in) :: stream(2)  !! last two words of the counter
     integer(int64), intent(in) :: extent(2)  !! length and width, units; positions from 0 on
     integer(int64), intent(in) :: least      !! least distance, units, below 2**31

@@ -126,8 +126,8 @@ contains
   !> them.
   subroutine surfaces_as_deck(spec, upper, lower, text, notes)
     type(generation_spec), intent(in) :: spec           !! values of the cards beside the asperities
-    type(generated_surface), intent(in) :: upper        !! in card units
-    type(generated_surface), intent(in) :: lower        !! in card units
+    type(generated_surface), intent(in) :: upper        !! upper surface in card units
+    type(generated_surface), intent(in) :: lower        !! lower surface in card units
     character(len=:), allocatable, intent(out) :: text  !! the whole deck
     type(problem_list), intent(inout) :: notes          !! one note for each rounded value
     type(text_buffer) :: cards

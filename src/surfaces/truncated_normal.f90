@@ -31,7 +31,7 @@ module asperity_truncated_normal
   type :: truncated_normal
     private
     integer(int64), allocatable :: cumulative(:)  ! from 0: probability below the end of a piece
-    integer(int64), allocatable :: series(:, :)   ! by degree and piece: place in it
+    integer(int64), allocatable :: series(:, :)   ! coefficients of the place, by degree and piece
   end type truncated_normal
 
 contains
