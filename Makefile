@@ -64,8 +64,22 @@ else ifeq ($(PART),maps)
 bench:
 	@bash .ci/setup build test figures
 	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save)
+else ifeq ($(PART),search)
+bench:
+	@bash .ci/setup build test bench
+	@.venv/bin/python test/bench/run_scale.py --parts search $(if $(MOST),--most $(MOST))
+else ifeq ($(PART),interaction)
+bench:
+	@bash .ci/setup build test bench
+	@.venv/bin/python test/bench/run_effects.py
+	@.venv/bin/python test/bench/run_again.py
+else ifeq ($(PART),scale)
+bench:
+	@bash .ci/setup build test bench images
+	@.venv/bin/python test/bench/run_scale.py --parts solve,threads,images \
+	  $(if $(MOST),--most $(MOST))
 else
-bench: ## time, memory, accuracy (SAVE=1 keeps it, MOST=1e7, SMALL=1: a bit, PART=maps|accuracy)
+bench: ## time and memory; SAVE=1 keeps them, SMALL=1; PART=search|maps|interaction|accuracy|scale
 	@bash .ci/setup build test bench images
 	@.venv/bin/python test/bench/run_bench.py $(if $(SAVE),--save) $(if $(SMALL),--runs 2)
 	@.venv/bin/python test/bench/run_effects.py $(if $(SAVE),--save) $(if $(SMALL),--small)
