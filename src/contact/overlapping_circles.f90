@@ -17,7 +17,8 @@ contains
 
   !> Number of pairs of circles that overlap. Circles without radius are left out. In large sets
   !> they are found by the search for pairs of asperities, at a cost proportional to the numbers of
-  !> circles and of pairs; in small sets, or without memory for the search, all pairs are compared.
+  !> circles and of pairs; in small sets, without memory for the search, or with centres too far
+  !> apart to be squared, all pairs are compared.
   integer function count_overlapping(x, y, radius) result(number)
     real(real64), intent(in) :: x(:), y(:)   !! centres of the circles
     real(real64), intent(in) :: radius(:)    !! radius of each circle, 0 or more
@@ -31,10 +32,11 @@ contains
     number = 0
     members = pack([(i, i=1, size(x))], radius > 0.0_real64)
     if (size(members) == 0) return
-    each_with_each = size(x) <= few
+    ! The search squares lengths over the largest radius.
+    unit = maxval(radius)
+    each_with_each = size(x) <= few .or. &
+                     max(maxval(abs(x(members))), maxval(abs(y(members)))) / sqrt(huge(unit)) > unit
     if (.not. each_with_each) then
-      ! Lengths over the largest radius, as the search squares them.
-      unit = maxval(radius)
       margin = margin_of_arithmetic(epsilon(unit), &
                                     2 * maxval(abs(x(members)) + abs(y(members))) / unit + 2)
       call build_grid(grid, x(members) / unit, y(members) / unit, &
@@ -74,7 +76,7 @@ contains
     real(real64), intent(in) :: dx, dy           !! distance of the centres along x and y
     real(real64), intent(in) :: first, second    !! radii of the circles
 
-    circles_overlap = abs(dx) < first + second
+    circles_overlap = abs(dx) < first + second .and. abs(dy) < first + second
     if (.not. circles_overlap) return
     circles_overlap = first > 0.0_real64 .and. second > 0.0_real64 .and. &
                       dx * dx + dy * dy < (first + second)**2

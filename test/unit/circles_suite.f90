@@ -17,6 +17,7 @@ contains
 
     suite = [ &
       new_unittest('circles: a square lattice in which each meets its eight neighbours', lattice), &
+      new_unittest('circles: a column of which one is at the end of the range', far_centre), &
       new_unittest('circles: all in one column, all in one place, none', lines), &
       new_unittest('circles: scattered, radii from 1 to 2000, against each with each', scattered)]
   end subroutine collect_circles
@@ -35,6 +36,17 @@ contains
                                    [(0.71_real64, i=1, n * n)]), 4 * n * n - 6 * n + 2, 'pairs')
     end do
   end subroutine lattice
+
+  ! Its distance over a radius of 1/2 is beyond the largest number.
+  subroutine far_centre(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: n = 300
+    integer :: i
+
+    call check(error, count_overlapping([(0.0_real64, i=1, n)], &
+                                        [(real(i, real64), i=1, n - 1), huge(1.0_real64)], &
+                                        [(0.501_real64, i=1, n)]), n - 2, 'pairs')
+  end subroutine far_centre
 
   subroutine lines(error)
     type(error_type), allocatable, intent(out) :: error
