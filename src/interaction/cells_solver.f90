@@ -21,7 +21,7 @@ module asperity_cells_solver
   implicit none
   private
 
-  public :: any_loaded, cluster_lattice, reach_of_cluster, solve_cells
+  public :: any_loaded, cluster_lattice, reach_of_cluster, solve_cells, is_resolved
 
   !> The lattice of a cluster, kept from one round to the next.
   type :: cluster_lattice
@@ -85,6 +85,9 @@ module asperity_cells_solver
 
   ! Least penetration over the radius that is solved: squares of smaller ones underflow.
   real(real64), parameter :: shallowest = 1.0e-120_real64
+  ! Least contact radius over its coordinates: elements of a thousandth of it then have coordinates
+  ! of three digits (derived from the rounding of numbers).
+  real(real64), parameter :: least_radius = 1.0e6_real64 * epsilon(1.0_real64)
 
   ! Number of standard deviations of an area that its tolerance holds, and of those in its estimate
   ! (chosen).
@@ -118,6 +121,14 @@ contains
     y1 = high(2)
   end subroutine reach_of_cluster
 
+  !> Whether a contact is wide enough for elements of its own at its place.
+  elemental logical function is_resolved(x, y, contact_radius)
+    real(real64), intent(in) :: x, y            !! first touch, in plan
+    real(real64), intent(in) :: contact_radius  !! in the same unit
+
+    is_resolved = contact_radius > least_radius * max(abs(x), abs(y))
+  end function is_resolved
+
   !> Solves a cluster at a closing.
   !>
   !> The elements of one lattice, in the box of the loaded ones, are halved until load and area
@@ -148,7 +159,8 @@ contains
     end if
     if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then
       answer%failure = 'a penetration reaches the level of the centres'
-    else if (.not. maxval(shapes%penetration / shapes%curvature_radius) > shallowest) then
+    else if (.not. (maxval(shapes%penetration / shapes%curvature_radius) > shallowest .and. &
+                    any(is_resolved(shapes%x, shapes%y, shapes%contact_radius)))) then
       answer%failure = 'penetrations below the resolution of boundary elements'
     end if
     if (allocated(answer%failure)) return

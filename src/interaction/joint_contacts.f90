@@ -347,6 +347,7 @@ contains
     type(cluster), allocatable :: found(:)
     real(real64) :: load, slope, next, low, high, low0, earlier(2), at, radius(size(pairs%list))
     real(real64) :: power, share, met
+    type(cluster_lattice) :: fresh  ! no elements yet
     integer :: k
 
     of_closing = 1.0_real64
@@ -366,6 +367,10 @@ contains
       coupled%move = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
       call coupled%set%make_room(0)
       do
+        if (solution%rounds == most_rounds) then
+          solution%failure = 'the load of the boundary elements was not met'
+          return
+        end if
         solution%rounds = solution%rounds + 1
         coupled%closing = closing
         resolved%is_one = is_member .and. pairs%list%gap < closing
@@ -394,17 +399,13 @@ contains
             exit
           else
             share = tolerance
-            clusters(1)%lattice = cluster_lattice()
+            clusters(1)%lattice = fresh
           end if
           ! The load at this closing changes: the bracket does not hold.
           low = low0
           high = huge(high)
           earlier = [low, 0.0_real64]
           cycle
-        end if
-        if (solution%rounds == most_rounds) then
-          solution%failure = 'the load of the boundary elements was not met'
-          return
         end if
         if (load < target) low = closing
         if (load > target) high = closing

@@ -6,6 +6,7 @@
 !> larger of two such circles, both are resolved. A lower and sharper cap whose top is inside the
 !> other's sphere does not count.
 module asperity_near_tops
+  use asperity_cells_solver, only: is_resolved
   use asperity_circle_field, only: circle_set, find_field, inclination, plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -129,7 +130,8 @@ contains
       real(real64) :: square
 
       square = (set%x(a) - set%x(b))**2 + (set%y(a) - set%y(b))**2
-      has = square < (near_tops * max(set%circle(a), set%circle(b)))**2
+      has = square < (near_tops * max(set%circle(a), set%circle(b)))**2 .and. &
+            is_resolved(set%x(a), set%y(a), max(set%circle(a), set%circle(b)))
       if (has) has = .not. (is_hidden(number(a), number(b), square) .or. &
                             is_hidden(number(b), number(a), square))
     end function has_near_tops

@@ -173,7 +173,8 @@ def deck_arguments(rng):
 
 def effects_case(rng, files, seed):
     """A random scene with effects, seldom mutated."""
-    files["s.scene"], files["u.csv"], files["l.csv"] = random_scene(rng)
+    scene, files["u.csv"], files["l.csv"] = random_scene(rng)
+    files["s.scene"] = keep_cells_coarse(scene)
     if rng.random() < 0.15:
         files["s.scene"] = keep_work_small(mutate(rng, files["s.scene"]))
     arguments = ["solve", "s.scene", "--positions", "p.csv"]
