@@ -9,7 +9,7 @@ module asperity_near_tops
   use asperity_cells_solver, only: is_resolved
   use asperity_circle_field, only: circle_set, find_field, inclination, plant_circles
   use asperity_contact_law, only: contact_law, contact_response
-  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: answer_at, raise
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
@@ -67,6 +67,8 @@ contains
       set%load(k) = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
     end do
     if (.not. sum(set%load) > 0.0_real64) return
+    ! Penetrations beyond a sphere are refused of Hertzian contacts.
+    if (any(set%circle > smaller_radius(pairs%list(number)))) return
     call plant_tree(tree, set%x, set%y, set%circle, along)
     if (allocated(tree%failure)) return
     one = [((k, l=tree%first(k), tree%first(k + 1) - 1), k=1, size(number))]
@@ -148,5 +150,14 @@ contains
     end function is_hidden
 
   end subroutine find_near_tops
+
+  ! The smaller radius of the two spheres of a pair; of one on a plane, its radius.
+  elemental real(real64) function smaller_radius(pair)
+    type(contact_pair), intent(in) :: pair
+
+    smaller_radius = min(pair%upper_radius, pair%lower_radius)
+    if (.not. smaller_radius > 0.0_real64) smaller_radius = max(pair%upper_radius, &
+                                                                pair%lower_radius)
+  end function smaller_radius
 
 end module asperity_near_tops
