@@ -159,8 +159,7 @@ contains
     end if
     if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then
       answer%failure = 'a penetration reaches the level of the centres'
-    else if (.not. (maxval(shapes%penetration / shapes%curvature_radius) > shallowest .and. &
-                    any(is_resolved(shapes%x, shapes%y, shapes%contact_radius)))) then
+    else if (.not. maxval(shapes%penetration / shapes%curvature_radius) > shallowest) then
       answer%failure = 'penetrations below the resolution of boundary elements'
     end if
     if (allocated(answer%failure)) return
