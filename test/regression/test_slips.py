@@ -49,7 +49,13 @@ def test_every_slip_is_made():
     assert [row[0] for row in ROWS] == list(SLIPS)
 
 
-@pytest.mark.parametrize("slip,answer", ROWS, ids=[row[0] for row in ROWS])
+# Digits of a solution on elements depend on compiler and flags, within its tolerance.
+DIGITS = ("a load, or moduli, in other units",)
+
+
+@pytest.mark.parametrize("slip,answer", [
+    pytest.param(*row, id=row[0], marks=[pytest.mark.once] if row[0] in DIGITS else [])
+    for row in ROWS])
 def test_answer(asperity, tmp_path, slip, answer):
     files, words, status = SLIPS[slip]
     for name, text in {"upper.csv": UPPER, "lower.csv": LOWER, "my.scene": SCENE, **files}.items():
