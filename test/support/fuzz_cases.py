@@ -173,8 +173,7 @@ def deck_arguments(rng):
 
 def effects_case(rng, files, seed):
     """A random scene with effects, seldom mutated."""
-    scene, files["u.csv"], files["l.csv"] = random_scene(rng)
-    files["s.scene"] = keep_cells_coarse(scene)
+    files["s.scene"], files["u.csv"], files["l.csv"] = random_scene(rng)
     if rng.random() < 0.15:
         files["s.scene"] = keep_work_small(mutate(rng, files["s.scene"]))
     arguments = ["solve", "s.scene", "--positions", "p.csv"]

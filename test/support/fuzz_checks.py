@@ -120,8 +120,9 @@ def may_be_written(case, name):
 
 
 def on_cells(case):
-    """Cells take their time and their room; the budget compares with them, `auto` may use them."""
-    return any("--budget" in str(word) for word in case.arguments) or \
+    """Boundary elements take time and memory; `auto`, the default, may use them in any solve."""
+    return case.arguments[:1] == ["solve"] or \
+        any("--budget" in str(word) for word in case.arguments) or \
         any(b"interaction" in text.lower() for text in case.files.values())
 
 
@@ -189,7 +190,7 @@ def check(case, folder, outcome, most_seconds=math.inf, most_kilobytes=300_000):
         else:
             wrong += check_csv(name, path.read_bytes())
             if name == "p.csv":
-                wrong += broken_laws(path.read_bytes())
+                wrong += broken_laws(path.read_bytes(), case.files.get("s.scene", b""))
     return wrong
 
 
