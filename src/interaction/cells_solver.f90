@@ -265,6 +265,9 @@ contains
         if (all([left_of_change * lattice%change, &
                  area_left_of_change * lattice%area_change] <= allowed()) .and. &
             cell < nearly * called_for()) exit
+        ! The place of the lattice is rounded to the place of the contact: further halving would
+        ! converge slowly. The change is the estimate.
+        if (.not. is_resolved(shapes(k)%x, shapes(k)%y, shapes(k)%contact_radius)) exit
         before = now
       end do
     end subroutine halve
