@@ -14,7 +14,7 @@ report: ## print the report of the original program (DECK=other.deck for another
 	@bash .ci/setup build
 	@exe=$$(bash .ci/build release) && "$$exe" "$(DECK)"
 
-test: ## unit tests in the strict build, then the harness against the thesis: 3 minutes
+test: ## unit tests in the strict build, then the harness without its slow tests
 	@bash .ci/setup build test
 	@bash .ci/test -m "not slow"
 
