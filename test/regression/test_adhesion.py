@@ -52,12 +52,12 @@ def against(tally, name, run, truths, bound):
 
 @pytest.mark.filterwarnings("ignore:Descending")
 def test_jkr_curve(asperity, tmp_path, tally):
-    """Ten points of a withdrawal, from a deep contact almost to the snap."""
-    closings = [*np.array([30, 8, 3, 1, 0.3, 0, -0.1, -0.25, -0.35, -0.45]) * DEPTH]
+    """Eleven points of a withdrawal, from a deep contact almost to the snap."""
+    closings = [*np.array([300, 30, 8, 3, 1, 0.3, 0, -0.1, -0.25, -0.35, -0.45]) * DEPTH]
     run = adhering(asperity, tmp_path, 50, closings)
     truths = [truth.jkr(mpf(MODULUS), mpf(RADIUS), mpf(repr(WORK)), mpf(c)) for c in closings]
     against(tally, "JKR", run, truths, 1e-13)
-    tabor = off(column(run.contacts, "tabor_parameter"), [50] * 10)
+    tabor = off(column(run.contacts, "tabor_parameter"), [50] * 11)
     compare(tally, "adhesion: Tabor parameter", tabor, 1e-14)
 
 
@@ -79,15 +79,25 @@ def test_jkr_pull_off(asperity, tmp_path, tally):
 
 @pytest.mark.parametrize("tabor", (0.11, 0.5, 1.0, 4.9))
 def test_maugis_curve(tabor, asperity, tmp_path, tally):
-    """Between the borders: ten points, and the largest pull."""
-    closings = [*np.array([30, 8, 3, 1, 0.5, 0.3, 0.1, 0.05, 0.01, 0]) * DEPTH]
+    """Between the borders: the curve, across a gap without a contact circle too, and the largest
+    pull, which a published fit gives within 2 %."""
+    closings = [*np.array([300, 30, 8, 3, 1, 0.5, 0.3, 0.1, 0.05, 0.01, 0, -0.1]) * DEPTH]
     run = adhering(asperity, tmp_path, tabor, closings)
     given = mpf(repr(distance(tabor)))
     modulus, ball, energy = mpf(MODULUS), mpf(RADIUS), mpf(repr(WORK))
     truths = [truth.maugis(modulus, ball, energy, given, mpf(c)) for c in closings]
+    if tabor < 0.8:  # the contact circle goes before the curve turns
+        gap = 0.9 * float(truth.Z0_RANGE * given)
+        run = adhering(asperity, tmp_path, tabor, [*closings, -gap])
+        truths.append(truth.gap(modulus, ball, energy, given, mpf(-gap)))
     against(tally, f"Maugis {tabor}", run, truths, 1e-12)
-    pull = truth.maugis_pull_off(truth.maugis_units(modulus, ball, energy, given)[0])
+    lam = truth.maugis_units(modulus, ball, energy, given)[0]
+    pull = truth.maugis_pull_off(lam)
     told = float(run.contacts[0]["pull_off_force"]) / UNIT
+    # Carpick, Ogletree and Salmeron, J. Colloid Interface Sci. 211 (1999) 395.
+    power = float(4.04 * lam**1.4)
+    fit = 1.75 - 0.25 * (power - 1) / (power + 1)
+    compare(tally, "adhesion: published fit of the largest pull", abs(told / fit - 1), 0.02)
     compare(tally, "adhesion: largest pull of Maugis", abs(float(told / pull - 1)), 1e-9)
     assert 1.5 < told < 2
 
@@ -139,6 +149,10 @@ def test_many_snap_at_once(asperity, tmp_path, tally):
     assert list(found) == wanted
     compare(tally, "adhesion: load of a hundred snaps", abs(
         float(run.curve[1]["load"]) / (-400 / 3 * UNIT) - 1), 1e-13)
+    row = adhering(asperity, tmp_path, 50, ways[:2], radii=(RADIUS,) * count,
+                   gaps=gaps).positions[0]
+    assert (float(row["adhering_contacts"]), float(row["pulling_contacts"])) == (100, 100)
+    assert float(row["pull_off_sum"]) == pytest.approx(150 * UNIT, rel=1e-13)
 
 
 def test_no_work_of_adhesion(asperity, tmp_path, tally):

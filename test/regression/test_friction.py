@@ -231,6 +231,8 @@ def test_auto(sweeps, tally):
         assert (simulated == (estimate > tolerance)).all() and 5 < simulated.sum() < 95
         report(tally, "friction: influence above the estimate",
                np.maximum(column(on.positions, "friction_influence") - estimate, 0), 1e-12)
+        report(tally, "friction: estimate beyond the influence",
+               estimate / column(on.positions, "friction_influence") - 1, 0.02)
         report(tally, "friction: vertical load, auto against on",
                np.abs(column(auto.positions, "vertical_load")
                       / column(on.positions, "vertical_load") - 1), tolerance)

@@ -45,6 +45,10 @@ def test_published_curve(asperity, tmp_path, tally):
     compare(tally, "plasticity: published load, ten points", published, 1e-13)
     compare(tally, "plasticity: load, joined", load[:joined], 1e-13)
     compare(tally, "plasticity: area", area, 1e-13)
+    # Kogut and Etsion 2002, J. Appl. Mech. 69, 657: another finite element study, up to 110.
+    other = [1.40 * float(v) ** 1.263 * float(STEEL.critical_load) for v in x[joined:-1]]
+    compare(tally, "plasticity: load of another study",
+            off(column(run.curve, "load")[joined:-1], other), 0.043)
     assert [row["plastic"] for row in run.contacts] == ["1.0000000000000000E+000"] * 15
 
 
@@ -114,7 +118,7 @@ def test_never_falling(asperity, tmp_path, tally):
         assert bend.max() < 1e-6
 
 
-@pytest.mark.parametrize("tops", [(2.5, 3), (3, 5), (10, 20)])
+@pytest.mark.parametrize("tops", [(2.5, 3), (3, 5), (10, 20), (50, 100)])
 def test_unloading(asperity, tmp_path, tally, tops):
     """Down and up again on the curve of Etsion, Kligerman and Kadin, then on by the first one: just
     past the onset, too."""

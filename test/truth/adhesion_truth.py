@@ -3,11 +3,9 @@
 `jkr` and `maugis` start from the equations as the papers print them and solve them by general root
 searches; the program follows the same curves by parameters of its own. `gap` is a pull across a
 gap: the deformation under a constant stress comes from quadrature of its point forces.
-
-Run as a program it prints the values that test/unit/adhesion_curves_suite.f90 holds.
 """
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 import mpmath
 from mpmath import mp, mpf
@@ -42,21 +40,6 @@ def jkr(modulus, radius, work, overlap):
         overlap_of, a, h=a * mpf(10) ** -15)
     pressure = 2 * modulus * a / (mp.pi * radius) - mpmath.sqrt(2 * modulus * work / (mp.pi * a))
     return Adhering(a, load(a), stiffness, pressure)
-
-
-def jkr_ends(modulus, radius, work):
-    """Overlap at snap-off, and least load, by searches on the curve."""
-    length = (work * radius**2 / modulus) ** (mpf(1) / 3)
-
-    def overlap(a):
-        return a**2 / radius - mpmath.sqrt(2 * mp.pi * work * a / modulus)
-
-    def load(a):
-        return 4 * modulus * a**3 / (3 * radius) - mpmath.sqrt(8 * mp.pi * work * modulus * a**3)
-
-    turn = mpmath.findroot(lambda a: mpmath.diff(overlap, a), length)
-    least = mpmath.findroot(lambda a: mpmath.diff(load, a), length)
-    return overlap(turn), load(turn), load(least)
 
 
 def maugis_units(modulus, radius, work, distance):
@@ -137,43 +120,3 @@ def gap(modulus, radius, work, distance, overlap):
     c = max(mpmath.polyroots([1 / (2 * radius), -edge, -reach]))
     rate = -2 * mp.pi * c * strength / (c / radius - edge)
     return Adhering(mpf(0), -mp.pi * c**2 * strength, rate, mpf(0))
-
-
-def published_pull_off(lam):
-    """Carpick, Ogletree and Salmeron 1999, fit to Maugis' curve, in pi w R."""
-    power = mpf("4.04") * lam ** mpf("1.4")
-    return mpf(7) / 4 - (power - 1) / (power + 1) / 4
-
-
-def show(name, state):
-    """One line of the suite's values."""
-    print(name, ", ".join(mpmath.nstr(x, 20) + "_real64" for x in astuple(state)))
-
-
-def main():
-    """Prints what the suite holds."""
-    one = mpf(1)
-    print("JKR, E = 1.5, R = 0.5, w = 0.01")
-    print("ends", [mpmath.nstr(x, 20) for x in jkr_ends(mpf("1.5"), one / 2, one / 100)])
-    for text in ("-0.027", "-0.02", "-0.01", "0", "0.005", "0.01", "0.03", "0.1", "1", "1e6"):
-        show(text, jkr(mpf("1.5"), one / 2, one / 100, mpf(text)))
-    print("JKR, E = 1, R = 2, w = 1e-30")
-    show("0.125", jkr(one, one * 2, mpf(10) ** -30, one / 8))
-    print("Maugis, E = 1.5, R = 0.5, w = 0.01")
-    for tabor in ("0.1", "0.3", "1", "3", "5"):
-        # A hair inside the borders.
-        mu = mpf(tabor) * (1 + (mpf(10) ** -6 if tabor == "0.1" else -mpf(10) ** -6))
-        distance = ((mpf("0.01") / mpf("1.5")) ** 2 / 2) ** (one / 3) / mu
-        distance = mpf(float(distance))
-        lam = maugis_units(mpf("1.5"), one / 2, one / 100, distance)[0]
-        print("tabor", tabor, "z0", repr(float(distance)), "lambda", mpmath.nstr(lam, 20),
-              "pull-off", mpmath.nstr(maugis_pull_off(lam), 20), "published",
-              mpmath.nstr(published_pull_off(lam), 6))
-        for text in ("-0.01", "0", "0.01", "0.1", "1000"):
-            show(text, maugis(mpf("1.5"), one / 2, one / 100, distance, mpf(text)))
-        if mu < mpf("0.8"):  # those that open before they turn
-            show("gap -0.06", gap(mpf("1.5"), one / 2, one / 100, distance, mpf("-0.06")))
-
-
-if __name__ == "__main__":
-    main()

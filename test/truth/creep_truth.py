@@ -7,13 +7,8 @@ The load of a contact is the hereditary integral of its elastic load (Lee and Ra
 `hereditary` is that integral by mpmath, for any smooth course of the elastic load. `held_load`
 follows several spheres under a held load: at each time a bisection for the closing and the same
 integral as a sum over the whole past; it knows neither the compliance nor the memory variable of
-the program. `cycle_work` is Ting (1966): what a sphere gives back after a hold.
-
-Run as a program it prints the values that test/unit/creep_solid_suite.f90 and
-creep_suite.f90 hold.
+the program.
 """
-
-import math
 
 import mpmath
 import numpy
@@ -80,62 +75,3 @@ def extrapolated(*arguments, steps):
     coarse, fine = held_load(*arguments, steps), held_load(*arguments, 2 * steps)
     found = [f + (f - c) / 3 for c, f in zip(coarse, fine)]
     return found, max(abs(f - x).max() for f, x in zip(fine, found))
-
-
-def cycle_work(ratio, tau, hold, steps=4000):
-    """Work taken and given back by a sphere: loaded at once to 1, load held, unloaded at once.
-
-    Radius and modulus are such that P = delta**1.5 at once. During the hold delta**1.5 = J E0. At
-    unloading the circle runs back through its radii; with t1 the time at which it had the radius
-    before, P = integral up to t1 of E(T - s) dPe(s), and the approach goes back by the integral
-    from t1 to T of E(T - s)/E(0) d(delta) (Ting 1966, at a single time T). The error is 1e-7.
-    """
-    t = numpy.linspace(0, hold, steps + 1)
-    delta = (1 / ratio - (1 / ratio - 1) * numpy.exp(-ratio * t / tau)) ** (2 / 3)
-    loading = numpy.linspace(0, 1, steps + 1) ** 2  # the approach while it is loaded
-    taken = 0.4 + (delta[-1] - delta[0])  # integral of delta**1.5, then 1 times the creep
-    times = numpy.concatenate([numpy.zeros(steps), t])
-    path = numpy.concatenate([loading[:-1], delta])
-    modulus = ratio + (1 - ratio) * numpy.exp(-(hold - times) / tau)
-    middle = 0.5 * (modulus[1:] + modulus[:-1])
-    load = numpy.concatenate([[0], numpy.cumsum(middle * numpy.diff(path**1.5))])
-    back = middle * numpy.diff(path)  # approach given back in each piece
-    given = (0.5 * (load[1:] + load[:-1]) * back).sum()
-    return taken, given, load[-1]
-
-
-def main():
-    """Prints the truths of the unit tests."""
-    mpmath.mp.dps = 30
-    print("compliance J(t) E(0) by Laplace inversion, r tau t")
-    for r, tau, t in ((0.5, 1, 0.7), (0.9, 150, 600), (0.01, 2, 30), (0.75, 100, 1e-3)):
-        print(r, tau, t, mpmath.nstr(compliance(mpmath.mpf(str(r)), tau, t), 20))
-    print("load for Pe = (1 + t)**1.5, r tau t")
-    for r, tau, t in ((0.5, 1, 2), (0.2, 0.3, 2), (0.9, 5, 2)):
-        found = hereditary(
-            mpmath.mpf(str(r)),
-            mpmath.mpf(str(tau)),
-            mpmath.mpf(t),
-            lambda s: (1 + s) ** 1.5,
-            lambda s: 1.5 * mpmath.sqrt(1 + s),
-        )
-        print(r, tau, t, mpmath.nstr(found, 20))
-    print("pressure of a held load: integral of E d[(J E0)**(1/3)], r tau t")
-    for r, tau, t in ((0.5, 1, 5), (0.8, 100, 600)):
-        r = mpmath.mpf(str(r))
-        j = lambda s: 1 / r - (1 / r - 1) * mpmath.exp(-r * s / tau)
-        rate = lambda s: (1 - r) / tau * mpmath.exp(-r * s / tau) / 3 * j(s) ** (-mpmath.mpf(2) / 3)
-        found = hereditary(r, tau, mpmath.mpf(t), lambda s: mpmath.cbrt(j(s)), rate)
-        print(mpmath.nstr(r, 3), tau, t, mpmath.nstr(found, 20))
-    print("held load of spheres, gaps 0 0.01 0.03, radii 1 2 0.5, load 0.008, r 0.4, tau 1, t 3")
-    case = ((0, 0.01, 0.03), (1, 2, 0.5), 0.008, 0.4, 1.0, 3.0)
-    (elastic, loads), moved = extrapolated(*case, steps=800)
-    print("Pe", elastic.tolist(), "P", loads.tolist(), "moved", moved, "sum",
-          math.fsum(elastic) / 0.008)
-    print("work of a cycle taken, given back, load at the end of the hold")
-    for r, tau, hold in ((0.5, 1, 1e-9), (0.5, 1, 1), (0.5, 1, 50), (0.8, 100, 600)):
-        print(r, tau, hold, *cycle_work(r, tau, hold))
-
-
-if __name__ == "__main__":
-    main()

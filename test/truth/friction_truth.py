@@ -9,11 +9,9 @@ it gives the loads and the stick radius of Hertz, Cattaneo and Mindlin for any p
 
 `closed_form` evaluates with mpmath the superposition of Hertz states: quadrature for the stick
 part, root of the secant condition for the stick radius, plain differences with many digits.
-
-Run as a program it prints the values that test/unit/friction_suite.f90 holds.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import mpmath
 import numpy
@@ -139,32 +137,3 @@ def _resolved(normal, tangential, contact, stick, sine, cosine):
         vertical=normal * cosine + tangential * sine,
         sliding=bool(stick == 0 and sine > 0),
     )
-
-
-# Radii, offset, penetration, moduli and Poisson's ratios, friction: the cases of the unit test.
-CASES = [
-    # The thesis' spheres and plastic; cm, N.
-    ("stick", "1.27", "1.27", "0.3", "0.02", "275760", "0.42", "275760", "0.42", "0.3"),
-    ("part", "1.27", "1.27", "0.5", "0.02", "275760", "0.42", "275760", "0.42", "0.14835"),
-    ("slide", "1.27", "1.27", "0.9", "0.02", "275760", "0.42", "275760", "0.42", "0.25"),
-    ("unlike", "0.5", "2", "1.2", "0.3", "2e5", "0.5", "7e4", "-0.2", "0.575"),
-    ("steep", "1", "1", "1.9", "0.1", "1", "0.3", "1", "0.3", "2.75"),
-    ("tiny", "1", "1", "1e-9", "1e-12", "1", "-1", "1", "0", "0.5"),
-]
-
-
-def main():
-    for name, *numbers in CASES:
-        truth = closed_form(*numbers)
-        print(name, "sliding" if truth.sliding else "")
-        for field in fields(truth)[:-1]:
-            print("  ", field.name, mpmath.nstr(getattr(truth, field.name), 20))
-        by_steps = march(*(float(n) for n in numbers))
-        load = by_steps.tangential / truth.tangential - 1
-        radius = (by_steps.stick_radius - truth.stick_radius) / truth.contact_radius
-        print("   march: tangential load off by", mpmath.nstr(load, 3), "of it, stick radius by",
-              mpmath.nstr(radius, 3), "contact radii")
-
-
-if __name__ == "__main__":
-    main()

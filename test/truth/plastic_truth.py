@@ -3,13 +3,9 @@
 The formulas stand here as they were published, in mpmath with 40 digits:
 
 - Jackson and Green 2005 (J. Tribology 127, 343): critical load and overlap, load and area.
-- Kogut and Etsion 2002 (J. Appl. Mech. 69, 657): another finite element fit of the load, for one
-  material; what the first is held against.
 - Etsion, Kligerman and Kadin 2005 (Int. J. Solids Struct. 42, 3716): unloading.
-- Greenwood and Williamson 1966 (Proc. R. Soc. A 295, 300): critical overlap, plasticity index.
 
-`joined` is what the program makes of the first between x = 1.9 and 6. Run as a program it prints
-the values that test/unit/plastic_curves_suite.f90 holds.
+`joined` is what the program makes of the first between x = 1.9 and 6.
 """
 
 import mpmath
@@ -88,41 +84,8 @@ def unloading(x):
     return residual, mpf("1.5") * power, x ** mpf("-0.12")
 
 
-def kogut_etsion(x):
-    """P/Pc, from 6 to 110."""
-    return mpf("1.40") * mpf(x) ** mpf("1.263")
-
-
 # A steel of Jackson and Green (GPa), and the thesis' plastic (N/cm2) with the yield strain that its
 # limit load stands for.
 STEEL = Sphere("200", "0.32", "0.9115", "1")
 POINTS = ["6", "8", "10", "15", "20", "30", "50", "70", "100", "150"]
 BETWEEN = ["1.95", "2.5", "3", "4", "5.5"]
-
-
-def main():
-    steel = STEEL
-    for name in ("c", "b", "critical_overlap", "critical_load", "critical_area"):
-        print(name, mpmath.nstr(getattr(steel, name), 20))
-    print("jump at 1.9: published over Hertz",
-          mpmath.nstr(steel.published("1.9") / mpf("1.9") ** 1.5, 8))
-    print("x, P/Pc, A/Ac; P/Pc over that of Kogut and Etsion")
-    for x in POINTS:
-        print(" ", x, mpmath.nstr(steel.published(x), 20), mpmath.nstr(steel.area(x), 20),
-              mpmath.nstr(steel.published(x) / kogut_etsion(x), 6))
-    print("between: x, joined, A/Ac, published over joined")
-    for x in BETWEEN:
-        print(" ", x, mpmath.nstr(steel.joined(x), 20), mpmath.nstr(steel.area(x), 20),
-              mpmath.nstr(steel.published(x) / steel.joined(x), 6))
-    print("unloading: x, residual, powers of load and area, work lost over Pc w_c")
-    for x in ("1.1", "1.9", "3", "6", "10", "50", "100"):
-        print(" ", x, *(mpmath.nstr(v, 20) for v in (*unloading(x), steel.lost(x))))
-    # The thesis: E0 of two spheres of 2e4 kg/cm2, H = 22 kg/mm2, R = 0.635 cm.
-    ratio = mpf(2e4) / (2 * (1 - mpf("0.42") ** 2)) / 2200
-    print("thesis: E/H", mpmath.nstr(ratio, 20), "W_p", mpmath.nstr(mpf("0.635") / ratio**2, 20))
-    print("index of 0.012 in with 0.5 in", mpmath.nstr(ratio * mpmath.sqrt(mpf("0.024")), 20))
-    print("sigma over R for 0.92", mpmath.nstr((mpf("0.92") / ratio) ** 2, 20))
-
-
-if __name__ == "__main__":
-    main()

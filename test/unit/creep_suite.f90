@@ -1,19 +1,18 @@
-!> Tests of creep on contacts that are held.
+!> Tests of the solid that creeps: steps in time, times of a hold, slope, refusals.
 !>
-!> Truths are closed forms and what test/truth/creep_truth.py prints: mpmath integrals, and a
-!> march of its own for several spheres. They share no code with src.
+!> test/regression/test_creep.py compares holds with closed forms and with test/truth/creep_truth.py.
 module asperity_creep_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_contact_state, only: contact_state, start_state, total_load
-  use asperity_creep_holds, only: creep_of, half, held_at, hold_load, start, three_spheres
-  use asperity_effect_helpers, only: near, pair_of
+  use asperity_contact_state, only: contact_state, start_state
+  use asperity_creep, only: new_creep
+  use asperity_effect_helpers, only: near, pair_of, set_number
   use asperity_hertz_law, only: hertz_law
-  use asperity_interaction, only: new_interaction
   use asperity_kinds, only: real64
-  use asperity_scene_values, only: effect_coupled, effect_on, scene
+  use asperity_scene_values, only: effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
-  use asperity_viscoelastic_solid, only: hold_times, standard_linear_solid
+  use asperity_viscoelastic_solid, only: hold_times, load_after, solid_step, &
+                                         standard_linear_solid, step_over
   implicit none
   private
 
@@ -28,144 +27,12 @@ contains
 
     allocate (suite(0))
     suite = [ &
-      new_unittest('held approach: load and pressure relax exactly', held_approach), &
-      new_unittest('held load: approach exact in any steps, pressure of second order', held_load), &
-      new_unittest('held load on spheres that touch one after the other', held_spheres), &
-      new_unittest('neighbours that lower each other: both holds', lowered), &
       new_unittest('the stiffness is the slope of the vertical load', slopes), &
-      new_unittest('no, instant and endless relaxation', limits), &
-      new_unittest('a hold dissipates: no more comes back than was taken', energy), &
       new_unittest('shrinking areas are refused, rounding is not', refusals), &
-      new_unittest('the estimate bounds the truth', estimates)]
+      new_unittest('steps of a smooth course: second order, against mpmath', steps_converge), &
+      new_unittest('steps from no time to endless time, r from 1e-12 to 1', extreme_steps), &
+      new_unittest('times of a hold: ends, order, extremes', times_of_hold)]
   end subroutine collect_creep
-
-  subroutine held_approach(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    class(contact_effect), allocatable :: creep
-    type(contact_state) :: state, elastic
-    type(effect_outcome) :: outcome
-    type(standard_linear_solid) :: solid
-    real(real64), allocatable :: times(:)
-    real(real64) :: share
-    integer :: i
-
-    solid = standard_linear_solid(0.3_real64, 7.0_real64)
-    call three_spheres(pairs)
-    call start(solid, pairs, creep)
-    call start_state(pairs, hertz_law(modulus=1.0_real64), 0.04_real64, elastic)
-    call hold_times(70.0_real64, 7.0_real64, 50, times)
-    do i = 1, size(times)
-      call held_at(pairs, creep, 0.04_real64, times(i), state, outcome)
-      call check(error, .not. allocated(outcome%failure), 'held')
-      if (allocated(error)) return
-      call creep%keep(pairs, state)
-      share = 0.3_real64 + 0.7_real64 * exp(-times(i) / 7.0_real64)
-      call near(error, total_load(state), share * total_load(elastic), 1.0e-14_real64, 'load')
-      call near(error, state%answers(2)%maximum_pressure, &
-                share * elastic%answers(2)%maximum_pressure, 1.0e-14_real64, 'pressure')
-      call near(error, state%answers(3)%vertical_load, share * elastic%answers(3)%vertical_load, &
-                1.0e-14_real64, 'vertical load')
-      call near(error, outcome%of_contacts(1, 2), share, 1.0e-14_real64, 'relaxed share')
-      call near(error, outcome%of_state(2), total_load(elastic), 1.0e-14_real64, 'elastic load')
-      call near(error, state%answers(1)%contact_radius, elastic%answers(1)%contact_radius, &
-                epsilon(1.0_real64), 'radius')
-    end do
-  end subroutine held_approach
-
-  ! One aligned pair: delta**1.5 is J E0 times that at once, whatever the steps (Johnson 1985,
-  ! section 6.5). The pressure at t = 5 by mpmath.quad.
-  subroutine held_load(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(contact_state) :: state
-    integer, parameter :: counts(4) = [2, 20, 200, 400]
-    real(real64), parameter :: pressure = 0.63321328450956530_real64
-    real(real64) :: first, off(4)
-    integer :: k
-
-    allocate (pairs%list(1))
-    pairs%list(1) = pair_of(1.0_real64, 1.0_real64, 0.0_real64)
-    pairs%modulus = 1.0_real64
-    first = (0.01_real64 / (4.0_real64 / 3.0_real64 * sqrt(0.5_real64)))**(2.0_real64 / 3.0_real64)
-    do k = 1, size(counts)
-      call hold_load(error, half, pairs, 0.01_real64, 5.0_real64, counts(k) + 1, state)
-      call near(error, (state%closing / first)**1.5_real64, &
-                2.0_real64 - exp(-2.5_real64), 1.0e-13_real64, 'approach')
-      call near(error, state%answers(1)%contact_radius**2, 0.5_real64 * state%closing, &
-                1.0e-13_real64, 'area')
-      off(k) = abs(state%answers(1)%maximum_pressure / pressure / &
-                   (2.0_real64 / acos(-1.0_real64) * sqrt(first / 0.5_real64)) - 1.0_real64)
-    end do
-    call check(error, off(2) < 2.0e-5_real64, '20 steps: pressure')
-    call check(error, off(3) < 2.0e-7_real64, '200 steps: pressure')
-    call near(error, off(3) / off(4), 4.0_real64, 0.02_real64, 'pressure: second order')
-  end subroutine held_load
-
-  ! Against `held_load` of creep_truth.py. The last sphere touches during the hold.
-  subroutine held_spheres(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(contact_state) :: state
-    type(standard_linear_solid) :: solid
-    real(real64), parameter :: truth(3) = [ &
-      0.00413350336929_real64, 0.00365172349731_real64, 0.00021477313340_real64]
-    real(real64) :: off(2)
-    integer :: k
-
-    solid = standard_linear_solid(0.4_real64, 1.0_real64)
-    call three_spheres(pairs)
-    do k = 1, 2
-      call hold_load(error, solid, pairs, 0.008_real64, 3.0_real64, 10**k * 2 + 1, state)
-      ! The sum of the elastic loads is J E0 times the load in any steps.
-      call near(error, sum(4.0_real64 / 3.0_real64 * sqrt(pairs%list%radius) * &
-                           max(0.0_real64, state%penetration)**1.5_real64), &
-                0.008_real64 * (2.5_real64 - 1.5_real64 * exp(-1.2_real64)), 1.0e-12_real64, 'sum')
-      off(k) = maxval(abs(state%answers%load - truth)) / 0.008_real64
-    end do
-    call check(error, off(1) < 1.0e-3_real64, '20 steps')
-    call check(error, off(2) < 2.0e-5_real64, '200 steps')
-  end subroutine held_spheres
-
-  ! Three coupled contacts. The compliance law holds for their sum, relaxation for each.
-  subroutine lowered(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    class(contact_effect), allocatable :: creep, coupling
-    type(contact_state) :: state, elastic
-    type(effect_outcome) :: outcome
-    type(scene) :: scene_in
-    type(standard_linear_solid) :: solid
-    real(real64), allocatable :: times(:)
-    real(real64) :: share
-    integer :: i, k
-
-    call scene_in%effects%call_for('interaction', effect_coupled)
-    call new_interaction(scene_in, coupling)
-    solid = standard_linear_solid(0.4_real64, 1.0_real64)
-    call three_spheres(pairs)
-    pairs%list%x = [0.0_real64, 0.5_real64, 0.3_real64]
-    pairs%list%y = [0.0_real64, 0.0_real64, 0.4_real64]
-    call start(solid, pairs, creep)
-    call hold_times(3.0_real64, 1.0_real64, 21, times)
-    call held_at(pairs, creep, 0.05_real64, 0.0_real64, elastic, outcome, coupling)
-    call start_state(pairs, hertz_law(modulus=1.0_real64), 0.05_real64, state)
-    call check(error, total_load(elastic) < 0.9_real64 * total_load(state), 'coupled')
-    do i = 1, size(times)
-      call held_at(pairs, creep, 0.05_real64, times(i), state, outcome, coupling)
-      call creep%keep(pairs, state)
-      share = 0.4_real64 + 0.6_real64 * exp(-times(i))
-      do k = 1, 3
-        call near(error, state%answers(k)%load, share * elastic%answers(k)%load, 1.0e-13_real64, &
-                  'held approach')
-      end do
-    end do
-    call hold_load(error, solid, pairs, 0.008_real64, 3.0_real64, 21, state, coupling)
-    call creep%begin(pairs)
-    call held_at(pairs, creep, state%closing, 0.0_real64, elastic, outcome, coupling)
-    call near(error, total_load(elastic), 0.008_real64 * &
-              (2.5_real64 - 1.5_real64 * exp(-1.2_real64)), 1.0e-10_real64, 'held load')
-  end subroutine lowered
 
   subroutine slopes(error)
     type(error_type), allocatable, intent(out) :: error
@@ -180,7 +47,7 @@ contains
     pairs%list(1) = pair_of(1.0_real64, 1.0_real64, 1.2_real64)
     pairs%list(2) = pair_of(1.0_real64, 2.0_real64, 0.0_real64)
     pairs%modulus = 1.0_real64
-    call start(half, pairs, creep)
+    call start(pairs, creep)
     call held_at(pairs, creep, 0.03_real64, 0.0_real64, state, outcome)
     call creep%keep(pairs, state)
     call held_at(pairs, creep, 0.035_real64, 0.8_real64, state, outcome)
@@ -192,57 +59,6 @@ contains
     end do
   end subroutine slopes
 
-  subroutine limits(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(contact_state) :: state
-    real(real64) :: first
-
-    allocate (pairs%list(1))
-    pairs%list(1) = pair_of(1.0_real64, 1.0_real64, 0.0_real64)
-    pairs%modulus = 1.0_real64
-    first = (0.01_real64 / (4.0_real64 / 3.0_real64 * sqrt(0.5_real64)))**(2.0_real64 / 3.0_real64)
-    call hold_load(error, standard_linear_solid(1.0_real64, 1.0_real64), pairs, 0.01_real64, &
-                   5.0_real64, 6, state)
-    call near(error, state%closing, first, 1.0e-13_real64, 'r = 1')
-    call hold_load(error, standard_linear_solid(0.5_real64, 1.0e300_real64), pairs, 0.01_real64, &
-                   5.0_real64, 6, state)
-    call near(error, state%closing, first, 1.0e-13_real64, 'tau = 1e300')
-    first = first * 2.0_real64**(2.0_real64 / 3.0_real64)
-    call hold_load(error, standard_linear_solid(0.5_real64, 1.0e-300_real64), pairs, 0.01_real64, &
-                   5.0_real64, 6, state)
-    call near(error, state%closing, first, 1.0e-13_real64, 'tau = 1e-300')
-    call hold_load(error, standard_linear_solid(0.5_real64, 0.0_real64), pairs, 0.01_real64, &
-                   5.0_real64, 6, state)
-    call near(error, state%closing, first, 1.0e-13_real64, 'tau = 0')
-    call near(error, state%answers(1)%maximum_pressure, 0.5_real64 * 2.0_real64 / &
-              acos(-1.0_real64) * sqrt(first / 0.5_real64), 1.0e-13_real64, 'tau = 0: pressure')
-  end subroutine limits
-
-  ! The work taken by loading and a held load, and what Ting (1966) lets come back at once:
-  ! `cycle_work` of creep_truth.py, in units of load and approach at once.
-  subroutine energy(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    type(contact_state) :: state
-    real(real64), parameter :: truth(3, 2) = reshape([ &
-      1.0_real64, 0.647570063884365_real64, 0.353402899794_real64, &
-      50.0_real64, 0.987401051960851_real64, 0.317480259306_real64], [3, 2])
-    real(real64) :: first, taken
-    integer :: k
-
-    allocate (pairs%list(1))
-    pairs%list(1) = pair_of(1.0_real64, 1.0_real64, 0.0_real64)
-    pairs%modulus = 1.0_real64
-    first = (0.01_real64 / (4.0_real64 / 3.0_real64 * sqrt(0.5_real64)))**(2.0_real64 / 3.0_real64)
-    do k = 1, 2
-      call hold_load(error, half, pairs, 0.01_real64, truth(1, k), 12, state)
-      taken = 0.4_real64 + (state%closing / first - 1.0_real64) * total_load(state) / 0.01_real64
-      call near(error, taken, truth(2, k), 1.0e-12_real64, 'work taken')
-      call check(error, truth(3, k) < taken, 'work given back')
-    end do
-  end subroutine energy
-
   subroutine refusals(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
@@ -250,9 +66,13 @@ contains
     type(contact_state) :: state
     type(effect_outcome) :: outcome
 
-    call three_spheres(pairs)
-    call creep_of(half, 1.0_real64, creep)
-    call creep%begin(pairs)
+    allocate (pairs%list(3))
+    pairs%list = [pair_of(2.0_real64, 2.0_real64, 0.0_real64), &
+                  pair_of(4.0_real64, 4.0_real64, 0.0_real64), &
+                  pair_of(1.0_real64, 1.0_real64, 0.0_real64)]
+    pairs%list%gap = [0.0_real64, 0.01_real64, 0.03_real64]
+    pairs%modulus = 1.0_real64
+    call start(pairs, creep)
     call held_at(pairs, creep, 0.04_real64, 0.0_real64, state, outcome)
     call creep%keep(pairs, state)
     ! Loading takes no time: closings may go anywhere as long as none has passed.
@@ -270,28 +90,130 @@ contains
     call check(error, .not. allocated(outcome%failure), 'growing')
   end subroutine refusals
 
-  subroutine estimates(error)
+  ! Elastic load (1 + t)**1.5 up to t = 2.
+  subroutine steps_converge(error)
     type(error_type), allocatable, intent(out) :: error
-    type(contact_pairs) :: pairs
-    class(contact_effect), allocatable :: creep
-    type(contact_state) :: state
-    type(effect_outcome) :: outcome
-    real(real64) :: share
+    ! r, tau, load by mpmath.quad.
+    real(real64), parameter :: truth(3, 3) = reshape([ &
+      0.5_real64, 1.0_real64, 3.6448235300786179_real64, &
+      0.2_real64, 0.3_real64, 1.6303432024502850_real64, &
+      0.9_real64, 5.0_real64, 5.0953264259506911_real64], [3, 3])
+    real(real64) :: off(3)
+    integer, parameter :: counts(3) = [20, 200, 400]
+    integer :: i, k
 
-    call three_spheres(pairs)
-    call start(half, pairs, creep)
-    call held_at(pairs, creep, 0.04_real64, 0.0_real64, state, outcome)
-    share = creep%estimate(pairs, state)
-    call near(error, share, 0.5_real64 * (1.0_real64 - exp(-1.0_real64)), 1.0e-14_real64, &
-              'estimate')
-    call creep%keep(pairs, state)
-    call held_at(pairs, creep, 0.04_real64, 1.0_real64, state, outcome)
-    call near(error, share, 1.0_real64 - total_load(state) / outcome%of_state(2), 1.0e-13_real64, &
-              'held approach')
-    call held_at(pairs, creep, 0.05_real64, 1.0_real64, state, outcome)
-    call check(error, share > 1.0_real64 - total_load(state) / outcome%of_state(2), 'growing')
-    call creep_of(half, 0.0_real64, creep)
-    call check(error, creep%estimate(pairs, state), 0.0_real64, 0.0_real64, 'no hold')
-  end subroutine estimates
+    do i = 1, 3
+      do k = 1, 3
+        off(k) = abs(smooth_course(standard_linear_solid(truth(1, i), truth(2, i)), counts(k)) / &
+                     truth(3, i) - 1.0_real64)
+      end do
+      call check(error, off(1) < 1.0e-3_real64, '20 steps')
+      call check(error, off(2) < 1.0e-5_real64, '200 steps')
+      call near(error, off(2) / off(3), 4.0_real64, 0.01_real64, 'second order')
+    end do
+  end subroutine steps_converge
+
+  real(real64) function smooth_course(solid, steps)
+    type(standard_linear_solid), intent(in) :: solid
+    integer, intent(in) :: steps
+    real(real64) :: memory, before, now, t, last
+    integer :: i
+
+    memory = 0.0_real64
+    before = 1.0_real64
+    last = 0.0_real64
+    call load_after(step_over(solid, 0.0_real64, 0.0_real64), 0.0_real64, before, memory, &
+                    smooth_course)
+    do i = 1, steps
+      t = 2.0_real64 * i / steps
+      now = (1.0_real64 + t)**1.5_real64
+      call load_after(step_over(solid, last, t), before, now, memory, smooth_course)
+      before = now
+      last = t
+    end do
+  end function smooth_course
+
+  ! Growth against its series in h for short steps and its limits for long ones.
+  subroutine extreme_steps(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(solid_step) :: step
+    real(real64), parameter :: ratios(4) = &
+      [1.0e-12_real64, 0.3_real64, 1.0_real64 - 1.0e-9_real64, 1.0_real64]
+    real(real64), parameter :: tiny_steps(3) = [0.0_real64, 1.0e-300_real64, 1.0e-9_real64]
+    integer :: i, k
+
+    do i = 1, size(ratios)
+      do k = 1, size(tiny_steps)
+        step = step_over(standard_linear_solid(ratios(i), 1.0_real64), 0.0_real64, tiny_steps(k))
+        call check(error, step%growth, (1.0_real64 - ratios(i)) * &
+                   (1.0_real64 - 0.5_real64 * tiny_steps(k)), 4.0e-16_real64, 'short: growth')
+        call check(error, step%decay, 1.0_real64 - tiny_steps(k), 4.0e-16_real64, 'short: decay')
+      end do
+      step = step_over(standard_linear_solid(ratios(i), 1.0e-300_real64), 0.0_real64, &
+                       1.0e300_real64)
+      call check(error, step%growth, 0.0_real64, 0.0_real64, 'endless: growth')
+      call check(error, step%decay, 0.0_real64, 0.0_real64, 'endless: decay')
+      step = step_over(standard_linear_solid(ratios(i), 0.0_real64), 0.0_real64, 1.0_real64)
+      call check(error, step%growth + step%decay, 0.0_real64, 0.0_real64, 'instant relaxation')
+    end do
+    ! r -> 0: the straight line, (1 - exp(-x))/x.
+    step = step_over(standard_linear_solid(1.0e-12_real64, 1.0_real64), 1.0_real64, 3.0_real64)
+    call near(error, step%growth, (1.0_real64 - exp(-2.0_real64)) / 2.0_real64, 2.0e-12_real64, &
+              'straight line')
+  end subroutine extreme_steps
+
+  subroutine times_of_hold(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), allocatable :: times(:)
+    real(real64), parameter :: taus(5) = &
+      [0.0_real64, 1.0e-300_real64, 1.0_real64, 150.0_real64, 1.0e300_real64]
+    integer :: i
+
+    do i = 1, size(taus)
+      call hold_times(600.0_real64, taus(i), 30, times)
+      call check(error, size(times), 30, 'number')
+      call check(error, times(1), 0.0_real64, 0.0_real64, 'first')
+      call check(error, times(30), 600.0_real64, 0.0_real64, 'last')
+      call check(error, all(times(2:) > times(:29)), 'ascending')
+    end do
+    ! A tenth of the relaxation time times equal factors, 1 + 600/15 = 41 in 29 steps.
+    call hold_times(600.0_real64, 150.0_real64, 30, times)
+    call near(error, times(2), 15.0_real64 * (41.0_real64**(1.0_real64 / 29.0_real64) - &
+              1.0_real64), 1.0e-13_real64, 'second')
+    call near(error, (times(30) + 15.0_real64) / (times(29) + 15.0_real64), &
+              41.0_real64**(1.0_real64 / 29.0_real64), 1.0e-13_real64, 'factor')
+    call hold_times(600.0_real64, 150.0_real64, 2, times)
+    call check(error, size(times), 2, 'two')
+    call hold_times(0.0_real64, 150.0_real64, 30, times)
+    call check(error, size(times), 1, 'no hold')
+    call check(error, times(1), 0.0_real64, 0.0_real64, 'no hold: time')
+  end subroutine times_of_hold
+
+  ! Creep as a scene names it, of a solid that keeps half its modulus; nothing has touched yet.
+  subroutine start(pairs, creep)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_effect), allocatable, intent(out) :: creep
+    type(scene) :: scene_in
+
+    call scene_in%effects%call_for('creep', effect_on)
+    call set_number(scene_in, 'relaxed_modulus_ratio', 0.5_real64)
+    call set_number(scene_in, 'relaxation_time', 1.0_real64)
+    call set_number(scene_in, 'hold_time', 1.0_real64)
+    call new_creep(scene_in, creep)
+    call creep%begin(pairs)
+  end subroutine start
+
+  ! A state of a hold.
+  subroutine held_at(pairs, creep, closing, time, state, outcome)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_effect), intent(in) :: creep
+    real(real64), intent(in) :: closing, time
+    type(contact_state), intent(out) :: state
+    type(effect_outcome), intent(out) :: outcome
+
+    call start_state(pairs, hertz_law(modulus=1.0_real64), closing, state)
+    state%time = time
+    call creep%apply(pairs, state, outcome)
+  end subroutine held_at
 
 end module asperity_creep_suite

@@ -1,13 +1,11 @@
 !> Runs every suite of unit tests.
 program unit_tests
   use asperity_testing, only: finish, run_suite, tally_type
-  use asperity_adhesion_curves_suite, only: collect_adhesion_curves
   use asperity_adhesion_suite, only: collect_adhesion
   use asperity_cells_suite, only: collect_cells
   use asperity_circles_suite, only: collect_circles
   use asperity_bracket_suite, only: collect_brackets
   use asperity_coupled_suite, only: collect_coupled
-  use asperity_creep_solid_suite, only: collect_creep_solid
   use asperity_creep_suite, only: collect_creep
   use asperity_friction_suite, only: collect_friction
   use asperity_generation_suite, only: collect_generation
@@ -18,7 +16,6 @@ program unit_tests
   use asperity_new_effect_suite, only: collect_new_effect
   use asperity_packet_suite, only: collect_packets
   use asperity_philox_suite, only: collect_philox
-  use asperity_plastic_curves_suite, only: collect_plastic_curves
   use asperity_plasticity_suite, only: collect_plasticity
   use asperity_potential_suite, only: collect_potential
   use asperity_pair_search_suite, only: collect_pair_search
@@ -50,11 +47,8 @@ program unit_tests
   call run_suite('circles and cells', collect_joint, tally)
   call run_suite('maps', collect_maps, tally)
   call run_suite('friction', collect_friction, tally)
-  call run_suite('curves of adhesion', collect_adhesion_curves, tally)
   call run_suite('adhesion', collect_adhesion, tally)
-  call run_suite('solid that creeps', collect_creep_solid, tally)
   call run_suite('creep', collect_creep, tally)
-  call run_suite('curves of plastic flow', collect_plastic_curves, tally)
   call run_suite('plastic flow', collect_plasticity, tally)
   call run_suite('an effect made up', collect_new_effect, tally)
   call run_suite('generator', collect_philox, tally)

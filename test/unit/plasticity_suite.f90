@@ -1,20 +1,20 @@
-!> Tests of plastic flow in the solver: slope, work of cycles, memory, columns, onset, extremes.
+!> Tests of plastic flow: slope, memory, columns, extremes, and laws of the curves.
 !>
-!> Truths are closed forms, and balances of work by quadrature.
+!> test/regression/test_plasticity.py compares curves, unloading and onset with mpmath.
 module asperity_plasticity_suite
   use asperity_contact_effect, only: contact_effect, effect_outcome
   use asperity_contact_law, only: contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_contact_state, only: contact_state, start_state, total_vertical_load
   use asperity_effect_helpers, only: act, as_decimal, pair_of, penetration_of, plastic_law_with, &
-                                     same, set_number
+                                     set_number
+  use asperity_first_yield, only: constraint_factor
   use asperity_hertz_law, only: hertz_law
-  use asperity_kernel_real64, only: stable_overlap
   use asperity_kinds, only: real64
-  use asperity_plastic_curves, only: departure
+  use asperity_plastic_curves, only: departure, loading_curve, plastic_scale, set_scale
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
   use asperity_plasticity, only: new_plasticity
-  use asperity_scene_values, only: criterion_hardy, criterion_load, effect_on, scene
+  use asperity_scene_values, only: effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -33,12 +33,11 @@ contains
     allocate (suite(0))
     suite = [ &
       new_unittest('the stiffness is the slope of the vertical load', slopes), &
-      new_unittest('work of closed cycles, below and past the onset, inclined', cycles), &
-      new_unittest('a million cycles do not drift', million), &
       new_unittest('the effect: memory, columns, estimate', whole_effect), &
-      new_unittest('the onset by the limit, a hair below and above', by_limit), &
-      new_unittest('the onset by a yield stress, in any unit', by_yield_stress), &
-      new_unittest('extreme numbers stay numbers', extremes)]
+      new_unittest('extreme numbers stay numbers', extremes), &
+      new_unittest('the area power within and beyond the range of its fit', area_powers), &
+      new_unittest('load and area never fall with the approach, from soft to rigid', never_falls), &
+      new_unittest('unloading lies below loading, and loses more the further it was', bounded)]
   end subroutine collect_plasticity
 
   subroutine slopes(error)
@@ -73,75 +72,6 @@ contains
     end do
   end subroutine slopes
 
-  ! The work of the vertical load, by Gauss points, along closed paths.
-  subroutine cycles(error)
-    type(error_type), allocatable, intent(out) :: error
-    real(real64), parameter :: critical = 1.0e-3_real64
-    type(contact_pair) :: pair
-    type(plastic_law) :: law
-    type(plastic_past) :: past
-    real(real64) :: onset, up, down, again, most, residual
-
-    pair = pair_of(1.0_real64, 1.0_real64, 1.2_real64)
-    law = plastic_law_with(0.42_real64, 1.0_real64, critical)
-
-    ! Below first yield: what went in comes out.
-    most = penetration_of(pair, 0.999_real64 * critical)
-    up = work(law, pair, 0.0_real64, most)
-    law%largest = stable_overlap(pair%s, pair%d, pair%zc, pair%rest, most)
-    down = work(law, pair, 0.0_real64, most)
-    call check(error, up, down, 1.0e-10_real64 * up, 'an elastic cycle')
-    call check(error, up > 0.0_real64, 'work goes in')
-
-    ! Past it: what is lost is what the law says.
-    law%largest = 0.0_real64
-    onset = penetration_of(pair, departure * critical)
-    most = penetration_of(pair, 8.0_real64 * critical)
-    up = work(law, pair, 0.0_real64, onset) + &
-         work(law, pair, onset, penetration_of(pair, 6.0_real64 * critical)) + &
-         work(law, pair, penetration_of(pair, 6.0_real64 * critical), most)
-    call past_of_contact(law, pair, 1, 8.0_real64 * critical, past)
-    law%largest = 8.0_real64 * critical
-    residual = penetration_of(pair, past%residual)
-    down = work(law, pair, residual, most)
-    call check(error, up > down .and. down > 0.0_real64, 'a plastic cycle loses work')
-    call check(error, up - down, past%work_lost, 1.0e-8_real64 * up, 'work lost')
-    call check(error, .not. work(law, pair, 0.0_real64, residual) > 0.0_real64, 'it stays open')
-
-    ! The second cycle to the same place is elastic; a further one loses more.
-    again = work(law, pair, residual, most)
-    call check(error, again, down, 1.0e-10_real64 * down, 'the second cycle')
-    call past_of_contact(law, pair, 1, 9.0_real64 * critical, past)
-    call check(error, past%work_lost > up - down, 'further')
-  end subroutine cycles
-
-  ! Loading to 8 critical overlaps and back, a million times, with the memory of the effect.
-  subroutine million(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(contact_pair) :: pair
-    type(plastic_law) :: law
-    type(contact_response) :: top, bottom, first_top, first_bottom
-    real(real64) :: high, low
-    integer :: i
-
-    pair = pair_of(1.0_real64, 1.0_real64, 0.5_real64)
-    law = plastic_law_with(0.42_real64, 1.0_real64, 1.0e-3_real64)
-    high = penetration_of(pair, 8.0e-3_real64)
-    low = penetration_of(pair, 5.0e-3_real64)
-    do i = 1, 1000000
-      call law%respond(pair, 1, high, top)
-      law%largest(1) = max(law%largest(1), top%overlap)
-      call law%respond(pair, 1, low, bottom)
-      law%largest(1) = max(law%largest(1), bottom%overlap)
-      if (i == 1) then
-        first_top = top
-        first_bottom = bottom
-      end if
-    end do
-    call check(error, same(top, first_top) .and. same(bottom, first_bottom), 'it drifts')
-    call check(error, top%load > bottom%load .and. bottom%load > 0.0_real64, 'loads')
-  end subroutine million
-
   ! Three pairs, one of which never comes to its limit, driven as the solver drives effects.
   subroutine whole_effect(error)
     type(error_type), allocatable, intent(out) :: error
@@ -154,7 +84,7 @@ contains
     integer :: i
 
     call three_pairs(pairs)
-    call plasticity_of(0.0_real64, criterion_load, effect)
+    call plasticity_by_limit(effect)
     call effect%begin(pairs)
     do i = 1, size(closing)
       call start_state(pairs, hertz_law(modulus=pairs%modulus), closing(i), state)
@@ -179,72 +109,6 @@ contains
     call start_state(pairs, hertz_law(modulus=pairs%modulus), closing(1), state)
     call check(error, .not. effect%estimate(pairs, state) > 0.0_real64, 'the past is forgotten')
   end subroutine whole_effect
-
-  ! A limit that is the onset, and one that is the first yield: the onset is 1.9 times its overlap.
-  subroutine by_limit(error)
-    type(error_type), allocatable, intent(out) :: error
-    class(contact_effect), allocatable :: effect
-    type(contact_pairs) :: pairs
-    type(contact_state) :: state
-    type(effect_outcome) :: outcome
-    real(real64), parameter :: hair(3) = [-1.0e-9_real64, 0.0_real64, 1.0e-9_real64]
-    real(real64) :: onset
-    integer :: i, k
-
-    call three_pairs(pairs)
-    do k = 1, 2
-      call plasticity_of(0.0_real64, merge(criterion_hardy, criterion_load, k == 2), effect)
-      call effect%begin(pairs)
-      onset = 0.025_real64
-      associate (pair => pairs%list(1))
-        if (k == 2) onset = penetration_of(pair, 1.9_real64 * stable_overlap( &
-                                           pair%s, pair%d, pair%zc, pair%rest, onset))
-      end associate
-      do i = 1, size(hair)
-        call start_state(pairs, hertz_law(modulus=pairs%modulus), &
-                         onset * (1.0_real64 + hair(i)), state)
-        call act(effect, pairs, state, outcome)
-        call check(error, outcome%of_contacts(1, 1) > 0.5_real64 .eqv. i == 3, 'a hair off')
-        call check(error, total_vertical_load(state), outcome%of_state(1), &
-                   1.0e-9_real64 * outcome%of_state(1), 'the load at the onset')
-      end do
-    end do
-  end subroutine by_limit
-
-  subroutine by_yield_stress(error)
-    type(error_type), allocatable, intent(out) :: error
-    class(contact_effect), allocatable :: effect
-    type(contact_pairs) :: pairs
-    type(contact_state) :: state
-    type(effect_outcome) :: outcome
-    real(real64) :: critical, load(-1:1), c
-    integer :: power
-
-    c = 1.295_real64 * exp(0.736_real64 * 0.42_real64)
-    do power = -1, 1
-      call three_pairs(pairs)
-      pairs%modulus_power = power
-      ! The yield stress in the unit of the scene, so that it is 0.02 in that of the pairs.
-      call plasticity_of(0.02_real64 * 16.0_real64**power, criterion_hardy, effect)
-      call effect%begin(pairs)
-      call start_state(pairs, hertz_law(modulus=pairs%modulus), 0.05_real64, state)
-      call act(effect, pairs, state, outcome)
-      load(power) = total_vertical_load(state)
-    end do
-    call check(error, load(-1), load(0), 1.0e-15_real64, 'a smaller unit')
-    call check(error, load(1), load(0), 1.0e-15_real64, 'a larger unit')
-    critical = (pi * c * 0.02_real64 / (2.0_real64 * pairs%modulus))**2 * pairs%list(1)%radius
-    call check(error, outcome%of_contacts(1, 1) > 0.5_real64 .eqv. &
-               outcome%of_contacts(1, 2) > 1.9_real64 * critical, 'onset')
-    call check(error, outcome%of_contacts(1, 1) > 0.5_real64, 'the first has flowed')
-    ! A yield stress just too large for the first contact.
-    critical = outcome%of_contacts(1, 2) / 1.8999_real64
-    call plasticity_of(16.0_real64 * sqrt(critical / pairs%list(1)%radius) * 2.0_real64 * &
-                       pairs%modulus / (pi * c), criterion_load, effect)
-    call effect%begin(pairs)
-    call act(effect, pairs, state, outcome)
-    call check(error, outcome%of_contacts(1, 1) < 0.5_real64, 'the first has flowed too early')
-  end subroutine by_yield_stress
 
   subroutine extremes(error)
     type(error_type), allocatable, intent(out) :: error
@@ -275,48 +139,120 @@ contains
     end do
   end subroutine extremes
 
-  ! Work of the vertical load from one penetration to another. The path between the load's zero and
-  ! the end is stretched so that powers near 3/2 are integrated to rounding.
-  function work(law, pair, from, to) result(sum)
-    type(plastic_law), intent(in) :: law
-    type(contact_pair), intent(in) :: pair
-    real(real64), intent(in) :: from, to
-    real(real64), parameter :: node(3) = [0.2386191860831969_real64, 0.6612093864662645_real64, &
-                                          0.9324695142031521_real64]
-    real(real64), parameter :: weight(3) = [0.4679139345726910_real64, 0.3607615730481386_real64, &
-                                            0.1713244923791704_real64]
-    integer, parameter :: panels = 200
-    type(contact_response) :: answer
-    real(real64) :: sum, t
-    integer :: i, j, side
+  ! B = 0.14 exp(23 Sy/E) up to Sy/E = 1.619 (1 - 0.32**2)/200 = 0.0072661, constant beyond.
+  subroutine area_powers(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(plastic_scale) :: inside, outside
 
-    sum = 0.0_real64
-    do i = 1, panels
-      do j = 1, size(node)
-        do side = -1, 1, 2
-          t = (i - 0.5_real64 + 0.5_real64 * side * node(j)) / panels
-          call law%respond(pair, 1, from + (to - from) * t**4, answer)
-          sum = sum + 0.5_real64 * weight(j) / panels * 4.0_real64 * t**3 * (to - from) * &
-                answer%vertical_load
+    call set_scale(1.6_real64, 0.8_real64 * pi * 0.0072_real64, inside)
+    call check(error, inside%area_power, 0.16521413536821808_real64, 1.0e-14_real64, 'inside')
+    call set_scale(1.6_real64, 0.8_real64 * pi * 0.01_real64, outside)
+    call check(error, outside%area_power, 0.1654653948859781_real64, 1.0e-14_real64, 'beyond')
+  end subroutine area_powers
+
+  ! On first loading, and up and down below an earlier one.
+  subroutine never_falls(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: nu(4) = [-1.0_real64, 0.0_real64, 0.32_real64, 0.5_real64]
+    real(real64), parameter :: strain(5) = [1.0e-4_real64, 0.01_real64, 0.1_real64, 0.3_real64, &
+                                            1.0_real64]
+    integer, parameter :: steps = 4000
+    type(plastic_scale) :: scale
+    type(contact_pair) :: pair
+    type(plastic_law) :: law
+    type(contact_response) :: answer, before
+    real(real64) :: x, ratio, slope, spread, peak, load, load_before, p
+    integer :: i, j, k
+
+    do j = 1, size(nu)
+      do k = 1, size(strain)
+        call set_scale(constraint_factor(nu(j)), strain(k), scale)
+        load_before = 0.0_real64
+        do i = 1, steps
+          x = 1.5_real64 * 1000.0_real64**(real(i, real64) / steps)
+          call loading_curve(scale, x, ratio, slope, spread, peak)
+          load = ratio * x**1.5_real64
+          call check(error, load > load_before, 'the load falls')
+          call check(error, 1.5_real64 * ratio + x * slope > 0.0_real64, 'the slope is negative')
+          call check(error, ratio <= 1.0_real64 + 1.0e-15_real64, 'the load is above that of Hertz')
+          call check(error, spread >= 1.0_real64, 'the area is below that of Hertz')
+          call check(error, peak > 1.0_real64, 'greatest pressure below the average')
+          call check(error, peak, 1.25_real64, 0.25_real64, 'greatest over average pressure')
+          load_before = load
         end do
       end do
     end do
-  end function work
 
-  ! Plasticity of bodies with Poisson's ratio 0.42, as a scene names it.
-  subroutine plasticity_of(yield_stress, criterion, effect)
-    real(real64), intent(in) :: yield_stress
-    integer, intent(in) :: criterion
+    pair = pair_of(1.0_real64, 1.0_real64, 1.0_real64)
+    law = plastic_law_with(0.42_real64, 1.0_real64, 1.0e-3_real64)
+    do j = 0, 1
+      law%largest = 8.0e-3_real64 * j
+      before = contact_response()
+      do i = 1, steps
+        p = 0.03_real64 * i / steps
+        call law%respond(pair, 1, p, answer)
+        call check(error, answer%load >= before%load, 'the load falls with the approach')
+        call check(error, answer%vertical_load >= before%vertical_load, 'the vertical load falls')
+        call check(error, answer%contact_radius >= before%contact_radius, 'the area falls')
+        before = answer
+      end do
+    end do
+  end subroutine never_falls
+
+  subroutine bounded(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: nu(4) = [-1.0_real64, 0.0_real64, 0.32_real64, 0.5_real64]
+    real(real64), parameter :: strain(4) = [1.0e-4_real64, 0.02_real64, 0.15_real64, 0.6_real64]
+    type(contact_pair) :: pair
+    type(plastic_law) :: law, virgin
+    type(plastic_past) :: past
+    type(contact_response) :: first, later
+    real(real64) :: critical, work, residual, largest
+    integer :: i, j, k, m
+
+    pair = pair_of(2.0e6_real64, 2.0e6_real64, 0.0_real64)
+    do j = 1, size(nu)
+      do k = 1, size(strain)
+        critical = strain(k)**2 * pair%radius
+        law = plastic_law_with(nu(j), 1.0_real64, critical)
+        virgin = law
+        work = 0.0_real64
+        residual = 0.0_real64
+        do i = 1, 200
+          largest = critical * (1.0_real64 + 1.0e-3_real64 * 1.05_real64**i)
+          if (largest > 0.9_real64 * pair%s) exit
+          call past_of_contact(law, pair, 1, largest, past)
+          call check(error, past%flowed .eqv. largest > departure * critical, 'it has flowed')
+          call check(error, past%work_lost > work, 'the work lost does not grow')
+          call check(error, past%residual > residual, 'the residual overlap does not grow')
+          work = past%work_lost
+          residual = past%residual
+          law%largest = largest
+          do m = 1, 9
+            call law%respond(pair, 1, largest * m / 10.0_real64, later)
+            call virgin%respond(pair, 1, largest * m / 10.0_real64, first)
+            call check(error, later%load < first%load, 'unloading is above loading')
+          end do
+        end do
+        call check(error, i > 100, 'too few')
+      end do
+    end do
+    call past_of_contact(law, pair, 1, critical, past)
+    call check(error, .not. (past%flowed .or. past%work_lost > 0.0_real64 .or. &
+                             past%residual > 0.0_real64), 'at first yield nothing has flowed')
+  end subroutine bounded
+
+  ! Plasticity of bodies with Poisson's ratio 0.42 that flow from the limit of the scene on.
+  subroutine plasticity_by_limit(effect)
     class(contact_effect), allocatable, intent(out) :: effect
     type(scene) :: scene_in
 
     call scene_in%effects%call_for('plasticity', effect_on)
-    call set_number(scene_in, 'plastic_yield_stress', yield_stress)
+    call set_number(scene_in, 'plastic_yield_stress', 0.0_real64)
     scene_in%upper%poisson_ratio = as_decimal(0.42_real64)
     scene_in%lower%poisson_ratio = as_decimal(0.42_real64)
-    scene_in%limit%criterion = criterion
     call new_plasticity(scene_in, effect)
-  end subroutine plasticity_of
+  end subroutine plasticity_by_limit
 
   subroutine three_pairs(pairs)
     type(contact_pairs), intent(out) :: pairs

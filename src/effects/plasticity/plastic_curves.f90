@@ -15,15 +15,15 @@ module asperity_plastic_curves
   public :: loading_work, plasticity_index, departure
 
   !> Overlap x up to which the load is that of Hertz (Jackson and Green 2005). Test:
-  !> plastic_curves_suite.
+  !> plasticity_suite.
   real(real64), parameter :: departure = 1.9_real64
 
   !> Overlap x from which the published fits are used unchanged: the plastic zone reaches the
-  !> surface there (Kogut and Etsion 2002, J. Appl. Mech. 69, 657). Test: plastic_curves_suite.
+  !> surface there (Kogut and Etsion 2002, J. Appl. Mech. 69, 657). Test: plasticity_suite.
   real(real64), parameter :: joined = 6.0_real64
 
   !> Largest Sy/E of the fit of the area power B (Jackson and Green 2005): 1.619 GPa in a steel of
-  !> 200 GPa with Poisson's ratio 0.32. Test: plastic_curves_suite.
+  !> 200 GPa with Poisson's ratio 0.32. Test: plasticity_suite.
   real(real64), parameter :: largest_yield_strain = 1.619_real64 * (1.0_real64 - 0.32_real64**2) / &
                                                     200.0_real64
 

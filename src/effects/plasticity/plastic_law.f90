@@ -22,7 +22,7 @@ module asperity_plastic_law
   ! the limit of its scene is not plastic by rounding of its penetration. Chosen: 450 units of the
   ! last place; the load is in error by less than 1e-14 there.
   real(real64), parameter :: margin = 1.0_real64 + 1.0e-13_real64
-  ! Onset of the plastic loading curve, in critical overlaps. Derived. Test: plastic_curves_suite.
+  ! Onset of the plastic loading curve, in critical overlaps. Derived. Test: plasticity_suite.
   real(real64), parameter :: onset = departure * margin
 
   !> The law, with the history of each contact.
