@@ -1,12 +1,12 @@
 !> Words of the command line, sorted into options and operand by what a command accepts.
 module asperity_arguments
-  use asperity_input_text, only: quoted
+  use asperity_input_text, only: in_quotes
   use asperity_problems, only: problem_list
   use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
 
-  public :: argument, argument_list, joined, read_arguments
+  public :: word_at, argument_list, joined_words, read_arguments
 
   !> One option that was given.
   type :: given_option
@@ -14,7 +14,7 @@ module asperity_arguments
     character(len=:), allocatable :: value  !! empty for an option without value
   end type given_option
 
-  !> What was given after the command's own word.
+  !> The words of the command line behind the command.
   type :: argument_list
     character(len=:), allocatable :: operand        !! the file; empty when none was named
     type(given_option), allocatable :: options(:)   !! in the order given
@@ -38,15 +38,15 @@ contains
     i = first - 1
     do while (i < command_argument_count())
       i = i + 1
-      word = argument(i)
+      word = word_at(i)
       if (len_trim(word) == 0) then
         call problems%add('the name of the ' // operand // ' is empty')
       else if (len(word) == 1 .or. index(word, '-') /= 1) then
         if (list%operand == '') then
           list%operand = word
         else
-          call problems%add('unexpected argument ' // quoted(word) // ' after the ' // operand // &
-                            ' ' // quoted(list%operand))
+          call problems%add('unexpected argument ' // in_quotes(word) // ' after the ' // &
+                            operand // ' ' // in_quotes(list%operand))
         end if
       else
         equals = index(word, '=')
@@ -57,18 +57,19 @@ contains
           value = word(equals + 1:)
         end if
         if (all(known /= name .and. known /= trim(name) // '=')) then
-          call problems%add('unknown option ' // quoted(name) // ', expected one of' // &
-                            joined(bare(known)) // did_you_mean(name, bare(known)))
+          call problems%add('unknown option ' // in_quotes(name) // ', expected one of' // &
+                            joined_words(option_name(known)) // did_you_mean(name, &
+                            option_name(known)))
           ! It is taken for what was meant, so that its value is not taken for a file.
-          near = nearest_word(name, bare(known))
+          near = nearest_word(name, option_name(known))
           if (near == 0) cycle
-          name = trim(bare(known(near)))
+          name = trim(option_name(known(near)))
         end if
         if (any(name == known)) then
           if (equals > 0) &
-            call problems%add('option ' // name // ' takes no value, found ' // quoted(value))
+            call problems%add('option ' // name // ' takes no value, found ' // in_quotes(value))
         else if (equals == 0) then
-          if (i < command_argument_count()) value = argument(i + 1)
+          if (i < command_argument_count()) value = word_at(i + 1)
           ! A value that begins like an option is written --name=value.
           if (i == command_argument_count() .or. index(value, '--') == 1) then
             call problems%add('option ' // name // ' has no value')
@@ -89,26 +90,26 @@ contains
   end subroutine read_arguments
 
   !> The i-th word of the command line, whole.
-  function argument(i) result(word)
-    integer, intent(in) :: i               !! from 1
+  function word_at(i) result(word)
+    integer, intent(in) :: i               !! place of the word on the command line, from 1
     character(len=:), allocatable :: word  !! as given
     integer :: length
 
     call get_command_argument(i, length=length)
     allocate (character(len=length) :: word)
     call get_command_argument(i, word)
-  end function argument
+  end function word_at
 
   ! Options as a user writes them.
-  elemental function bare(option) result(name)
+  elemental function option_name(option) result(name)
     character(len=*), intent(in) :: option
     character(len=len(option)) :: name
 
     name = option(:scan(option // ' ', ' =') - 1)
-  end function bare
+  end function option_name
 
   !> Words with a blank before each.
-  pure function joined(words) result(text)
+  pure function joined_words(words) result(text)
     character(len=*), intent(in) :: words(:)  !! trailing blanks are left out
     character(len=:), allocatable :: text     !! one line
     integer :: i
@@ -117,6 +118,6 @@ contains
     do i = 1, size(words)
       text = text // ' ' // trim(words(i))
     end do
-  end function joined
+  end function joined_words
 
 end module asperity_arguments

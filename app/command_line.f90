@@ -1,8 +1,8 @@
 !> The command line: words in, checked choices or a list of problems out.
 module asperity_command_line
-  use asperity_arguments, only: argument, argument_list, read_arguments
+  use asperity_arguments, only: word_at, argument_list, read_arguments
   use asperity_contact_field, only: fields_all, fields_last
-  use asperity_input_text, only: lower_case, quoted
+  use asperity_input_text, only: lower_case, in_quotes
   use asperity_kept_records, only: kept_file
   use asperity_kinds, only: real64
   use asperity_map_summits, only: rule_eight, rule_names
@@ -38,7 +38,7 @@ module asperity_command_line
     character(len=:), allocatable :: path  ! as the user gave it; not allocated: none
   end type output_file
 
-  !> What the user asked for.
+  !> The choices of the user.
   type :: command_line
     character(len=:), allocatable :: command         !! empty, help, version, original, solve ...
     character(len=:), allocatable :: topic           !! command whose help is asked for, or empty
@@ -65,16 +65,17 @@ module asperity_command_line
     integer :: unit = 0                              !! of `length_units`; 0: the file's own
     logical :: despike = .false.                     !! take single outliers out
     integer :: fields_of = 0                         !! `fields_last`, `fields_all`; 0: not given
-    real(real64) :: spacing(2) = 0.0_real64          !! of a matrix; 0 when not given
+    real(real64) :: pixel_spacing(2) = 0.0_real64    !! of a matrix; 0 when not given
   contains
-    procedure :: output                              !! path of an output, by its option
+    procedure :: output_path                         !! path of an output, by its option
   end type command_line
 
 contains
 
   !> Reads the process's own command line.
   subroutine parse_command_line(line, problems)
-    type(command_line), intent(out) :: line      !! the choices
+    type(command_line), intent(out) :: line      !! choices of the user, with defaults where none is
+                                                 !! made
     type(problem_list), intent(out) :: problems  !! what is wrong
     type(argument_list) :: list
     integer :: i, k
@@ -88,27 +89,27 @@ contains
     line%printed(thesis_tables) = .true.
     if (command_argument_count() == 0) return
     do i = 1, command_argument_count()
-      select case (argument(i))
+      select case (word_at(i))
       case ('--help', '-h')
         line%command = 'help'
-        line%topic = argument(1)
+        line%topic = word_at(1)
         return
       case ('--version', '--man', '--completion')
-        line%command = argument(i)
+        line%command = word_at(i)
         line%command = line%command(3:)
         return
       case default
         continue
       end select
     end do
-    line%command = argument(1)
+    line%command = word_at(1)
     ! A word that ends with a blank is a file's name.
     if (len_trim(line%command) < len(line%command)) line%command = 'original'
     k = command_at(line%command)
     if (k == 1) then
       line%command = 'original'
       line%arithmetic = trim(arithmetic_names(1))
-      if (is_no_command(argument(1), problems)) return
+      if (is_no_command(word_at(1), problems)) return
     end if
     call read_arguments(min(k, 2), known_options(commands(k)%name), trim(commands(k)%called), &
                         list, problems)
@@ -126,16 +127,16 @@ contains
     end do
     if (line%accuracy > 0 .and. line%arithmetic /= '') &
       call problems%add('--accuracy chooses the arithmetic: leave out --arithmetic')
-    if (line%accuracy > 0 .and. line%output('--keep') /= '') &
+    if (line%accuracy > 0 .and. line%output_path('--keep') /= '') &
       call problems%add('--accuracy solves a sweep by several methods, --keep saves one: ' // &
                         'expected one of both')
-    if (line%output('--output') /= '' .and. line%output('--upper') /= '') &
+    if (line%output_path('--output') /= '' .and. line%output_path('--upper') /= '') &
       call problems%add('--output and --upper both name the upper surface, expected one of them')
     if (line%cost .and. line%budget) &
       call problems%add('--cost does not estimate --budget, expected one of both')
-    if (line%fields_of > 0 .and. line%output('--fields') == '') &
+    if (line%fields_of > 0 .and. line%output_path('--fields') == '') &
       call problems%add('--fields-of: expected --fields FILE beside it')
-    if (line%fields_of == fields_all .and. line%output('--fields') == '/dev/stdout') &
+    if (line%fields_of == fields_all .and. line%output_path('--fields') == '/dev/stdout') &
       call problems%add('--fields-of all writes a file a state, expected no - after --fields')
     call check_share(line, problems)
     call check_files(line, problems)
@@ -155,8 +156,8 @@ contains
     if (nearest_word(lower_case(word), commands(2:)%name) == 0) &
       is_no_command = is_no_command .and. command_argument_count() == 2
     if (is_no_command) &
-      call problems%add('found ' // quoted(word) // ', expected ' // any_of(commands(2:)%name) // &
-                        ', or the file of a card deck' // &
+      call problems%add('found ' // in_quotes(word) // ', expected ' // &
+                        any_of(commands(2:)%name) // ', or the file of a card deck' // &
                         did_you_mean(lower_case(word), commands(2:)%name))
   end function is_no_command
 
@@ -172,7 +173,7 @@ contains
       if (any(value == arithmetic_names)) then
         line%arithmetic = value
       else
-        call problems%add('--arithmetic: found ' // quoted(value) // &
+        call problems%add('--arithmetic: found ' // in_quotes(value) // &
                           ', expected ibm370, real32, real64 or real128')
       end if
     case ('--tables')
@@ -212,7 +213,7 @@ contains
     case ('--unit')
       call read_word(name, value, length_units, line%unit, problems)
     case ('--spacing')
-      call read_spacing(value, line%spacing, problems)
+      call read_spacing(value, line%pixel_spacing, problems)
     case ('--fields-of')
       call read_word(name, value, states_named, line%fields_of, problems)
     case ('--despike')
@@ -234,7 +235,7 @@ contains
     type(problem_list), intent(inout) :: problems
 
     if (line%share(2) == 1) return
-    if (line%output('--keep') == '' .or. allocated(line%parts)) &
+    if (line%output_path('--keep') == '' .or. allocated(line%parts)) &
       call problems%add('--share: expected one --keep with the file of this part')
     if (line%cost) call problems%add('--cost does not estimate --share, expected one of both')
     if (line%budget) call problems%add('--budget needs all positions, expected no ' // &
@@ -255,7 +256,7 @@ contains
       return
     end if
     do i = 1, size(line%outputs)
-      if (i /= number .and. line%output(line%outputs(i)%option) == '/dev/stdout') &
+      if (i /= number .and. line%output_path(line%outputs(i)%option) == '/dev/stdout') &
         call problems%add(trim(line%outputs(i)%option) // ' and ' // &
                           trim(line%outputs(number)%option) // ' both go to standard output, ' // &
                           'expected one')
@@ -267,11 +268,11 @@ contains
     type(command_line), intent(in) :: line       !! the user's choices
     character(len=*), intent(in) :: pieces       !! for instance `positions`
     integer, intent(in) :: number                !! how many of them the part has
-    type(text_buffer), intent(inout) :: buffer   !! the text
+    type(text_buffer), intent(inout) :: buffer   !! text to which the line is added
 
     call buffer%line('part ' // decimal_text(line%share(1)) // ' of ' // &
                      decimal_text(line%share(2)) // ': ' // decimal_text(number) // ' ' // &
-                     pieces // ' are saved in ' // line%output('--keep') // &
+                     pieces // ' are saved in ' // line%output_path('--keep') // &
                      '; the outputs come from a run with the files of all parts')
   end subroutine tell_part
 
@@ -340,11 +341,11 @@ contains
       call check_ending(line, trim(options(i)%name), trim(options(i)%format), problems)
     end do
     if (line%command /= 'solve') return
-    path = line%output('--picture')
+    path = line%output_path('--picture')
     ending = lower_case(path(index(path, '.', back=.true.) + 1:))
     if (path /= '' .and. path /= '/dev/stdout' .and. ending /= 'svg' .and. ending /= 'png') &
-      call problems%add('--picture: found ' // quoted(path) // ', expected a name that ends ' // &
-                        'with .svg or .png')
+      call problems%add('--picture: found ' // in_quotes(path) // &
+                        ', expected a name that ends ' // 'with .svg or .png')
   end subroutine check_endings
 
   !> The ending of an output's name must not be that of another format than its own.
@@ -358,11 +359,12 @@ contains
       'xlsx', 'npy', 'h5', 'vti']
     character(len=:), allocatable :: ending, path
 
-    path = line%output(option)
+    path = line%output_path(option)
     ending = lower_case(path(index(path, '.', back=.true.) + 1:))
     if (len(ending) == len(path)) return
     if (all(known /= ending) .or. index(format, ending(:min(3, len(ending)))) == 1) return
-    call problems%add(option // ': found ' // quoted(path) // ', expected a name that ends with .' &
+    call problems%add(option // ': found ' // in_quotes(path) // &
+                      ', expected a name that ends with .' &
                       // trim(format) // ', as that is what is written')
   end subroutine check_ending
 
@@ -383,7 +385,7 @@ contains
   end subroutine refuse_input
 
   !> The path that an option names; empty when it was not given.
-  pure function output(self, option) result(path)
+  pure function output_path(self, option) result(path)
     class(command_line), intent(in) :: self  !! the user's choices
     character(len=*), intent(in) :: option   !! one of those that name an output
     character(len=:), allocatable :: path    !! as the user gave it
@@ -392,6 +394,6 @@ contains
     path = ''
     i = findloc(self%outputs%option == option, .true., 1)
     if (allocated(self%outputs(i)%path)) path = self%outputs(i)%path
-  end function output
+  end function output_path
 
 end module asperity_command_line

@@ -18,27 +18,28 @@ module asperity_command_outcome
     character(len=:), allocatable :: failure !! why it could not be computed, or written
     type(text_buffer) :: text                !! for standard output
   contains
-    procedure :: stage                       !! a file that appears when all is written
+    procedure :: stage_text                  !! a file that appears when all is written
   end type command_outcome
 
 contains
 
   !> Writes a file beside its place, unless none is named or something has failed.
-  subroutine stage(self, path, text)
-    class(command_outcome), intent(inout) :: self  !! the outcome
+  subroutine stage_text(self, path, text)
+    class(command_outcome), intent(inout) :: self  !! outcome whose failure is set when the file
+                                                   !! cannot be written
     character(len=*), intent(in) :: path           !! as the user gave it, or empty
-    type(text_buffer), intent(in) :: text          !! its bytes
+    type(text_buffer), intent(in) :: text          !! bytes of the file
 
     if (path == '' .or. allocated(self%failure)) return
     if (text%failed) self%failure = path // ': ' // not_enough_memory // ' for its text'
     if (allocated(self%failure) .or. .not. allocated(text%store)) return
     call stage_file(path, text%store(:text%used), self%failure)
-  end subroutine stage
+  end subroutine stage_text
 
   !> Prints the problems, or prints the text and renames the staged files to their final names.
   subroutine finish_command(outcome, status)
     type(command_outcome), intent(inout) :: outcome  !! of the command
-    integer, intent(out) :: status                   !! exit status
+    integer, intent(out) :: status                   !! exit status of the process: 0, 1 or 2
 
     status = 0
     if (outcome%problems%count() > 0) then

@@ -1,7 +1,7 @@
 !> Texts about the program: help, with the names of group &effects as the reader of a scene has
 !> them, the manual page, the completion for a shell.
 module asperity_help
-  use asperity_arguments, only: joined
+  use asperity_arguments, only: joined_words
   use asperity_effect_names, only: effect_number, effect_numbers, effect_words, known_effects, &
                                    needed_for, one_word, whole_number
   use asperity_number_ranges, only: expected_numbers
@@ -14,7 +14,7 @@ module asperity_help
   implicit none
   private
 
-  public :: describe, write_completion, write_manual_page
+  public :: write_help, write_completion, write_manual_page
 
   ! The words after a bare `asperity`.
   character(len=*), parameter :: next_steps(*) = [character(len=82) :: &
@@ -35,19 +35,23 @@ module asperity_help
 contains
 
   !> The text of `asperity`, `asperity --version` or a help.
-  subroutine describe(command, topic, text)
+  subroutine write_help(command, topic, text)
     character(len=*), intent(in) :: command   !! empty, `help` or `version`
     character(len=*), intent(in) :: topic     !! the command whose help is asked for, or another
-    type(text_buffer), intent(inout) :: text  !! gets it
+    type(text_buffer), intent(inout) :: text  !! text to which the lines are added
+    integer :: i
 
     if (command == 'version') then
       call text%line('asperity ' // version)
-      call text%line('built by ' // compiler_version() // ' with' // flags(compiler_options()))
+      call text%line('built by ' // compiler_version() // ' with' // &
+        digit_flags(compiler_options()))
       call text%line('arithmetics ibm370 (default for a deck), real32, real64 (default of ' // &
                      'solve), real128')
       return
     else if (command == '') then
-      call add(next_steps)
+      do i = 1, size(next_steps)
+        call text%line(next_steps(i))
+      end do
       return
     end if
     call add_usage(topic, text)
@@ -59,19 +63,7 @@ contains
     call text%line('Exit status: 0 the chosen model was solved to the stated tolerance ' // &
                    '(warnings state where')
     call text%line('it does not apply), 1 could not be computed, 2 bad command line or bad input')
-
-  contains
-
-    subroutine add(lines)
-      character(len=*), intent(in) :: lines(:)
-      integer :: i
-
-      do i = 1, size(lines)
-        call text%line(lines(i))
-      end do
-    end subroutine add
-
-  end subroutine describe
+  end subroutine write_help
 
   ! How a command is called, what it does, its options.
   subroutine add_usage(topic, text)
@@ -121,8 +113,8 @@ contains
     end do
   end subroutine add_wrapped
 
-  ! Of the compiler's options those that may change a digit; no folder's name.
-  pure function flags(options) result(text)
+  ! The compiler options that may change a digit; options with a folder's name are left out.
+  pure function digit_flags(options) result(text)
     character(len=*), intent(in) :: options
     character(len=:), allocatable :: text
     integer :: first, last
@@ -136,7 +128,7 @@ contains
         text = text // ' ' // options(first:last)
       first = last + 2
     end do
-  end function flags
+  end function digit_flags
 
   ! Every effect with its numbers: values, default, meaning, and the unit between brackets.
   subroutine describe_effects(text)
@@ -179,35 +171,35 @@ contains
     end do
   end subroutine describe_numbers
 
-  ! What a number may be.
+  ! Values that a number may have, in words.
   pure function values_of(number) result(values)
     type(effect_number), intent(in) :: number
     character(len=:), allocatable :: values
 
-    select case (number%range)
+    select case (number%number_range)
     case (one_word)
       values = one_of(pack(number%words, number%words /= ''))
     case (whole_number)
       values = 'a whole number from ' // decimal_text(number%least) // ' to ' // &
                decimal_text(number%most)
     case default
-      values = trim(expected_numbers(number%range))
+      values = trim(expected_numbers(number%number_range))
     end select
   end function values_of
 
-  ! What it is when the scene does not have it.
+  ! Value of a number that a scene does not have, in words.
   pure function default_of(number) result(default)
     type(effect_number), intent(in) :: number
     character(len=:), allocatable :: default
 
-    default = decimal_text(int(number%default%digits))
-    if (number%range == one_word) then
+    default = decimal_text(int(number%default%all_digits))
+    if (number%number_range == one_word) then
       default = 'none'
-      if (number%default%digits > 0) &
-        default = '''' // trim(number%words(number%default%digits)) // ''''
+      if (number%default%all_digits > 0) &
+        default = '''' // trim(number%words(number%default%all_digits)) // ''''
     end if
-    if (number%default%exponent < 0) &
-      default = '0.' // repeat('0', -number%default%exponent - len(default)) // default
+    if (number%default%power_of_ten < 0) &
+      default = '0.' // repeat('0', -number%default%power_of_ten - len(default)) // default
   end function default_of
 
   subroutine two_lines(name, values, meaning, text)
@@ -222,7 +214,7 @@ contains
 
   !> A page for man(1), in troff.
   subroutine write_manual_page(text)
-    type(text_buffer), intent(inout) :: text  !! gets it
+    type(text_buffer), intent(inout) :: text  !! text to which the lines are added
     integer :: i, k
 
     call text%line('.TH ASPERITY 1 "" "asperity ' // version // '" "User Commands"')
@@ -230,17 +222,17 @@ contains
     call text%line('asperity \- contact between rough surfaces of spherical asperities')
     call text%line('.SH SYNOPSIS')
     do k = 1, size(commands)
-      call text%line('.B ' // plain(call_of(k)))
+      call text%line('.B ' // troff_text(call_of(k)))
       call text%line('.br')
     end do
     do k = 1, size(commands)
       call text%line('.SH ' // merge('REPORT  ', commands(k)%name, k == 1))
-      call text%line(plain(trim(commands(k)%text)))
+      call text%line(troff_text(trim(commands(k)%text)))
       do i = 1, size(options)
         if (options(i)%command /= commands(k)%name) cycle
         call text%line('.TP')
-        call text%line('.B ' // plain(trim(options(i)%name) // ' ' // trim(options(i)%value)))
-        call text%line(plain(trim(options(i)%text)))
+        call text%line('.B ' // troff_text(trim(options(i)%name) // ' ' // trim(options(i)%value)))
+        call text%line(troff_text(trim(options(i)%text)))
       end do
     end do
     call text%line('.SH EXIT STATUS')
@@ -250,7 +242,7 @@ contains
 
   !> Words after a Tab in bash: `source <(asperity --completion)`.
   subroutine write_completion(text)
-    type(text_buffer), intent(inout) :: text  !! gets it
+    type(text_buffer), intent(inout) :: text  !! text to which the lines are added
     integer :: k
 
     call text%line('_asperity() {')
@@ -258,16 +250,17 @@ contains
     call text%line('  case ${COMP_WORDS[1]} in')
     do k = 2, size(commands)
       call text%line('    ' // trim(commands(k)%name) // ') words="--help' // &
-                     joined(pack(options%name, options%command == commands(k)%name)) // '" ;;')
+                     joined_words(pack(options%name, options%command == commands(k)%name)) // &
+                     '" ;;')
     end do
     call text%line('    *) words="--help --version --man --completion' // &
-                   joined(pack(options%name, options%command == '')) // '" ;;')
+                   joined_words(pack(options%name, options%command == '')) // '" ;;')
     call text%line('  esac')
     call text%line('  COMPREPLY=()')
     call text%line('  if [[ $cur == -* ]]; then')
     call text%line('    COMPREPLY=($(compgen -W "$words" -- "$cur"))')
     call text%line('  elif [[ $COMP_CWORD -eq 1 ]]; then')
-    call text%line('    COMPREPLY=($(compgen -W "' // joined(commands(2:)%name) // &
+    call text%line('    COMPREPLY=($(compgen -W "' // joined_words(commands(2:)%name) // &
                    '" -- "$cur") $(compgen -f -- "$cur"))')
     call text%line('  else')
     call text%line('    COMPREPLY=($(compgen -f -- "$cur"))')
@@ -277,7 +270,7 @@ contains
   end subroutine write_completion
 
   ! Text for troff, where a bare minus becomes a hyphen.
-  pure function plain(words) result(text)
+  pure function troff_text(words) result(text)
     character(len=*), intent(in) :: words
     character(len=:), allocatable :: text
     integer :: i
@@ -287,6 +280,6 @@ contains
       if (words(i:i) == '-') text = text // '\'
       text = text // words(i:i)
     end do
-  end function plain
+  end function troff_text
 
 end module asperity_help

@@ -2,7 +2,7 @@
 program asperity_main
   use asperity_command_line, only: command_line, is_shared, parse_command_line
   use asperity_command_outcome, only: command_outcome, finish_command
-  use asperity_help, only: describe, write_completion, write_manual_page
+  use asperity_help, only: write_help, write_completion, write_manual_page
   use asperity_images, only: image_number, wait_for_images
   use asperity_output_files, only: guard_files
   use asperity_process, only: end_process, prepare_process
@@ -29,7 +29,7 @@ program asperity_main
     !$ if (line%threads > 0) call omp_set_num_threads(line%threads)
     select case (line%command)
     case ('', 'help', 'version')
-      call describe(line%command, line%topic, outcome%text)
+      call write_help(line%command, line%topic, outcome%text)
     case ('man')
       call write_manual_page(outcome%text)
     case ('completion')

@@ -150,7 +150,7 @@ contains
 
   !> Place of a command in `commands`; 1, the original program, for any other word.
   pure integer function command_at(name)
-    character(len=*), intent(in) :: name  !! a word
+    character(len=*), intent(in) :: name  !! word of the command line
 
     command_at = max(1, findloc(commands%name == name, .true., 1))
   end function command_at
@@ -167,7 +167,8 @@ contains
 
   !> The options of a command; those with a value end with '='.
   pure function known_options(command) result(names)
-    character(len=*), intent(in) :: command         !! its name
+    character(len=*), intent(in) :: command         !! name of the command, blank for the original
+                                                    !! program
     character(len=18), allocatable :: names(:)      !! for instance `--contacts=`
     integer :: i
 

@@ -2,7 +2,7 @@
 module asperity_option_values
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: expected_length, is_length, plain_unit
-  use asperity_input_text, only: quoted
+  use asperity_input_text, only: in_quotes
   use asperity_kinds, only: real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, problem_list
@@ -16,26 +16,26 @@ module asperity_option_values
 contains
 
   !> A whole number from 1 on, of so many digits at most.
-  subroutine read_count(option, value, digits, expected, number, problems)
+  subroutine read_count(option, value, most_digits, expected, number, problems)
     character(len=*), intent(in) :: option         !! whose value it is
-    character(len=*), intent(in) :: value          !! the word
-    integer, intent(in) :: digits                  !! at most; up to 9
+    character(len=*), intent(in) :: value          !! value of the option, as given
+    integer, intent(in) :: most_digits             !! number of digits allowed, 1 to 9
     character(len=*), intent(in) :: expected       !! what is expected, for a message
     integer, intent(inout) :: number               !! 0 when the word is no such number
     type(problem_list), intent(inout) :: problems  !! what is wrong
     integer :: status
 
     status = 1
-    if (len(value) <= digits .and. verify(value, '0123456789') == 0) &
+    if (len(value) <= most_digits .and. verify(value, '0123456789') == 0) &
       read (value, '(i9)', iostat=status) number
     if (status == 0 .and. number > 0) return
     number = 0
-    call problems%add(option // ': found ' // quoted(value) // ', expected ' // expected)
+    call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // expected)
   end subroutine read_count
 
   !> A part and how many there are: `I/N`.
   subroutine read_share(value, share, problems)
-    character(len=*), intent(in) :: value          !! the word
+    character(len=*), intent(in) :: value          !! value of the option, as given
     integer, intent(inout) :: share(2)             !! as it was when the word is no such pair
     type(problem_list), intent(inout) :: problems  !! what is wrong
     character(len=len(value)) :: pair
@@ -53,14 +53,14 @@ contains
       share = found
       return
     end if
-    call problems%add('--share: found ' // quoted(value) // ', expected I/N, part I of N, for ' // &
-                      'instance 3/16')
+    call problems%add('--share: found ' // in_quotes(value) // &
+                      ', expected I/N, part I of N, for ' // 'instance 3/16')
   end subroutine read_share
 
   !> A number more than 0 and below a limit.
   subroutine read_positive(option, value, limit, expected, number, problems)
     character(len=*), intent(in) :: option         !! whose value it is
-    character(len=*), intent(in) :: value          !! the word
+    character(len=*), intent(in) :: value          !! value of the option, as given
     real(real64), intent(in) :: limit              !! the number is less
     character(len=*), intent(in) :: expected       !! what is expected, for a message
     real(real64), intent(inout) :: number          !! 0 when the word is no such number
@@ -72,13 +72,13 @@ contains
     number = decimal_to_real64(decimal)
     if (good .and. number > 0.0_real64 .and. number < limit) return
     number = 0.0_real64
-    call problems%add(option // ': found ' // quoted(value) // ', expected ' // expected)
+    call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // expected)
   end subroutine read_positive
 
   !> One word of a list.
   subroutine read_word(option, value, words, choice, problems)
     character(len=*), intent(in) :: option         !! whose value it is
-    character(len=*), intent(in) :: value          !! the word
+    character(len=*), intent(in) :: value          !! value of the option, as given
     character(len=*), intent(in) :: words(:)       !! those that are known
     integer, intent(inout) :: choice               !! number of the word, when it is one of them
     type(problem_list), intent(inout) :: problems  !! what is wrong
@@ -88,16 +88,16 @@ contains
     found = findloc(words == plain_unit(value), .true., 1)
     if (found > 0) choice = found
     if (found > 0) return
-    call problems%add(option // ': found ' // quoted(value) // ', expected ' // any_of(words) // &
-                      did_you_mean(value, words))
+    call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // &
+                      any_of(words) // did_you_mean(value, words))
   end subroutine read_word
 
   !> `all`, or words of a list separated by commas.
   subroutine read_words(option, list, words, chosen, problems)
     character(len=*), intent(in) :: option         !! whose value it is
-    character(len=*), intent(in) :: list           !! the value
+    character(len=*), intent(in) :: list           !! value of the option, as given
     character(len=*), intent(in) :: words(:)       !! those that are known
-    logical, intent(out) :: chosen(:)              !! by word
+    logical, intent(out) :: chosen(:)              !! whether each of `words` is chosen
     type(problem_list), intent(inout) :: problems  !! what is wrong
     character(len=len(words)) :: known(size(words) + 1)
     integer :: first, last, number
@@ -117,9 +117,9 @@ contains
   end subroutine read_words
 
   !> Two lengths with a comma between them.
-  subroutine read_spacing(value, spacing, problems)
-    character(len=*), intent(in) :: value          !! the word
-    real(real64), intent(inout) :: spacing(2)      !! along x and y
+  subroutine read_spacing(value, pixel_spacing, problems)
+    character(len=*), intent(in) :: value          !! value of the option, as given
+    real(real64), intent(inout) :: pixel_spacing(2)  !! distance of pixels along x and y, length
     type(problem_list), intent(inout) :: problems  !! what is wrong
     type(decimal_value) :: decimal(2)
     logical :: good(2)
@@ -133,17 +133,18 @@ contains
     end if
     if (all(good)) good = is_length(decimal_to_real64(decimal))
     if (all(good)) then
-      spacing = decimal_to_real64(decimal)
+      pixel_spacing = decimal_to_real64(decimal)
     else
-      call problems%add('--spacing: found ' // quoted(value) // ', expected X,Y, each ' // &
+      call problems%add('--spacing: found ' // in_quotes(value) // ', expected X,Y, each ' // &
                         expected_length)
     end if
   end subroutine read_spacing
 
   !> `none`, `all`, or positions separated by commas.
   subroutine read_tables(list, printed, problems)
-    character(len=*), intent(in) :: list           !! the word
-    logical, intent(out) :: printed(:)             !! by position
+    character(len=*), intent(in) :: list           !! value of the option, as given
+    logical, intent(out) :: printed(:)             !! whether the contact table of each position is
+                                                   !! printed
     type(problem_list), intent(inout) :: problems  !! what is wrong
     integer :: first, last, position, status
 
@@ -163,8 +164,8 @@ contains
       if (status == 0) then
         printed(position) = .true.
       else
-        call problems%add('--tables: found ' // quoted(list(first:last)) // ' in ' // &
-                          quoted(list) // ', expected none, all, or positions from 1 to ' // &
+        call problems%add('--tables: found ' // in_quotes(list(first:last)) // ' in ' // &
+                          in_quotes(list) // ', expected none, all, or positions from 1 to ' // &
                           decimal_text(size(printed)) // ' separated by commas')
       end if
       first = last + 2

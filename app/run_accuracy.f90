@@ -71,7 +71,7 @@ contains
     end if
     call progress%finish()
     if (line%cost) then
-      ! What takes longer than the trial may take is no failure of it.
+      ! A method that takes longer than the trial is no failure of the trial.
       if (allocated(outcome%failure)) deallocate (outcome%failure)
       cost%tried = max(1, cost%tried)
       call tell_cost(cost, outcome%text)
@@ -82,10 +82,10 @@ contains
       return
     end if
     call write_accuracy_csv(table, csv)
-    call outcome%stage(line%output('--csv'), csv)
-    if (line%output('--html') /= '') then
+    call outcome%stage_text(line%output_path('--csv'), csv)
+    if (line%output_path('--html') /= '') then
       call write_accuracy_page(line%input, table, page)
-      call outcome%stage(line%output('--html'), page)
+      call outcome%stage_text(line%output_path('--html'), page)
     end if
     if (.not. line%quiet) call write_accuracy_table(table, outcome%text)
   end subroutine run_accuracy_command

@@ -71,9 +71,9 @@ contains
     if (spec%map%unit > 0) unit = length_units(spec%map%unit)
     if (line%member > 0) &
       call outcome%problems%add('--surface: found for a height map, expected none')
-    if (line%output('--upper') // line%output('--lower') /= '') &
+    if (line%output_path('--upper') // line%output_path('--lower') /= '') &
       call outcome%problems%add('--upper and --lower: found for a height map, expected --output')
-    call check_map_path(line%output('--output'), trim(unit), outcome%problems)
+    call check_map_path(line%output_path('--output'), trim(unit), outcome%problems)
     if (outcome%problems%count() > 0) return
     if (line%cost) then
       call try_waves(spec, outcome)
@@ -84,7 +84,7 @@ contains
       outcome%failure = spec%file // ': ' // outcome%failure
       return
     end if
-    call stage_map_file(line%output('--output'), map, outcome%problems, outcome%failure)
+    call stage_map_file(line%output_path('--output'), map, outcome%problems, outcome%failure)
     if (.not. allocated(outcome%failure)) call commit_files(outcome%failure)
   end subroutine make_map
 
@@ -116,8 +116,8 @@ contains
     integer :: i, side, sides
 
     sides = 1
-    if (spec%is_deck .or. line%output('--lower') /= '' .and. &
-        line%output('--output') // line%output('--upper') /= '') sides = 2
+    if (spec%is_deck .or. line%output_path('--lower') /= '' .and. &
+        line%output_path('--output') // line%output_path('--upper') /= '') sides = 2
     cost%pieces = 'surfaces'
     cost%total = merge(1, spec%ensemble, line%member > 0)
     cost%tried = min(pieces_tried, cost%total)
@@ -136,7 +136,7 @@ contains
     call tell_cost(cost, outcome%text)
   end subroutine try_surfaces
 
-  !> What the specification and the command line say must agree.
+  !> Checks that the outputs named on the command line fit the specification.
   subroutine check_outputs(line, spec, problems)
     type(command_line), intent(in) :: line
     type(generation_spec), intent(in) :: spec
@@ -150,11 +150,11 @@ contains
     if (line%member > spec%ensemble) &
       call problems%add('--surface: found ' // decimal_text(line%member) // ', expected at ' // &
                         'most ' // decimal_text(spec%ensemble) // ', the ensemble of ' // spec%file)
-    if (spec%is_deck .and. line%output('--upper') // line%output('--lower') /= '') &
+    if (spec%is_deck .and. line%output_path('--upper') // line%output_path('--lower') /= '') &
       call problems%add('--upper and --lower: found for a deck, expected --output, as a deck ' // &
                         'holds both surfaces')
     do i = 1, size(options)
-      pattern = line%output(options(i))
+      pattern = line%output_path(options(i))
       if (pattern == '') cycle
       if (spec%ensemble > 1 .and. line%member == 0 .and. index(pattern, '%') == 0) &
         call problems%add(trim(options(i)) // ': found ' // pattern // ' for ' // &
@@ -167,7 +167,8 @@ contains
       end do
     end do
     if (spec%ensemble > 1 .and. line%member == 0 .and. &
-        line%output('--output') // line%output('--upper') // line%output('--lower') == '') &
+        line%output_path('--output') // line%output_path('--upper') // &
+      line%output_path('--lower') == '') &
       call problems%add('standard output holds one surface, found an ensemble of ' // &
                         decimal_text(spec%ensemble) // ', expected --surface N, or files with ' // &
                         '% in their names')
@@ -184,10 +185,10 @@ contains
     character(len=:), allocatable, intent(out) :: failure
     character(len=:), allocatable :: upper_file
 
-    upper_file = line%output('--output') // line%output('--upper')
-    if (upper_file /= '' .or. line%output('--lower') == '') call make_one(1, upper_file)
+    upper_file = line%output_path('--output') // line%output_path('--upper')
+    if (upper_file /= '' .or. line%output_path('--lower') == '') call make_one(1, upper_file)
     if (allocated(failure)) return
-    if (line%output('--lower') /= '') call make_one(2, line%output('--lower'))
+    if (line%output_path('--lower') /= '') call make_one(2, line%output_path('--lower'))
 
   contains
 
@@ -204,7 +205,7 @@ contains
         return
       end if
       call surface_as_csv(surface, text, used)
-      call send(pattern, member, text(:used), failure)
+      call send_text(pattern, member, text(:used), failure)
     end subroutine make_one
 
   end subroutine make_csv
@@ -228,11 +229,11 @@ contains
     end if
     call surfaces_as_deck(spec, upper, lower, text, notes)
     call write_standard_error(notes%text())
-    call send(line%output('--output'), member, text, failure)
+    call send_text(line%output_path('--output'), member, text, failure)
   end subroutine make_deck
 
   !> Stages a file, or prints its text when none is named.
-  subroutine send(pattern, member, text, failure)
+  subroutine send_text(pattern, member, text, failure)
     character(len=*), intent(in) :: pattern
     integer, intent(in) :: member
     character(len=*), intent(in) :: text
@@ -243,6 +244,6 @@ contains
     else
       call stage_file(output_place(pattern, member), text, failure)
     end if
-  end subroutine send
+  end subroutine send_text
 
 end module asperity_run_generate

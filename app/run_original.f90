@@ -31,7 +31,7 @@ contains
     call read_card_deck(line%input, deck, outcome%problems)
     if (outcome%problems%count() > 0) return
     call write_standard_error(deck%notes%text())
-    request%keep_contacts = line%printed .or. line%output('--contacts') /= ''
+    request%keep_contacts = line%printed .or. line%output_path('--contacts') /= ''
     if (any(line%mended)) call write_standard_error(line%input // &
       ': note: faults are corrected: this is not what the original printed' // new_line('a'))
     do i = 1, size(line%mended)
@@ -43,12 +43,12 @@ contains
       return
     end if
     call write_standard_error(records%notes%text())
-    if (line%output('--contacts') /= '') call write_original_contacts(records, contacts)
-    call outcome%stage(line%output('--contacts'), contacts)
-    if (line%output('--positions') /= '') call write_original_positions(records, positions)
-    call outcome%stage(line%output('--positions'), positions)
-    if (line%output('--variance') /= '') call write_original_variance(records, variance)
-    call outcome%stage(line%output('--variance'), variance)
+    if (line%output_path('--contacts') /= '') call write_original_contacts(records, contacts)
+    call outcome%stage_text(line%output_path('--contacts'), contacts)
+    if (line%output_path('--positions') /= '') call write_original_positions(records, positions)
+    call outcome%stage_text(line%output_path('--positions'), positions)
+    if (line%output_path('--variance') /= '') call write_original_variance(records, variance)
+    call outcome%stage_text(line%output_path('--variance'), variance)
     if (.not. line%quiet) &
       call write_report(records, line%printed, line%carriage_control, outcome%text)
   end subroutine run_original_command

@@ -18,7 +18,7 @@ module asperity_run_solve
   use asperity_plan_drawing, only: plan_drawing, png_of, write_svg
   use asperity_position_packet, only: pack_position
   use asperity_number_format, only: count_text, number_text
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, problem_list
   use asperity_result_table, only: of_contacts, of_positions, of_states
   use asperity_results_html, only: write_html
@@ -53,6 +53,7 @@ module asperity_run_solve
 
 contains
 
+  ! Long: its stages share the results and the outcome, in procedures of one call each.
   !> Runs the command. All is computed before the first byte is written, beside the positions that
   !> are kept. Image 1 has all results and writes for all.
   subroutine run_solve_command(line, outcome)
@@ -70,7 +71,7 @@ contains
     if (outcome%problems%count() == 0) call check_choices(line, scene_in, outcome%problems)
     if (outcome%problems%count() > 0) return
     if (image_number() == 1) call write_standard_error(scene_in%notes%text())
-    if (line%output('--keep') == '') call note_kept('; --keep FILE would keep what is solved')
+    if (line%output_path('--keep') == '') call note_kept('; --keep FILE would keep what is solved')
     options = options_of(line, scene_in)
     if (line%units) units = 'units: ' // units_in_words(scene_in)
     call solve(scene_in, results, outcome%failure, options)
@@ -99,9 +100,9 @@ contains
     call write_table('--contacts', of_contacts)
     call write_table('--positions', of_positions)
     call write_table('--curve', of_states)
-    if (line%output('--json') /= '') call stage_whole('--json')
-    if (line%output('--vtk') /= '') call stage_vtk()
-    if (line%output('--html') /= '') call stage_whole('--html')
+    if (line%output_path('--json') /= '') call stage_whole('--json')
+    if (line%output_path('--vtk') /= '') call stage_vtk()
+    if (line%output_path('--html') /= '') call stage_whole('--html')
     if (needs_fields(line)) then
       do i = 1, size(results%positions(1)%fields)
         call stage_field(results%positions(1)%fields(i), i == size(results%positions(1)%fields))
@@ -125,7 +126,7 @@ contains
       else
         call write_html(scene_in, inputs, results, outcome%warnings, text)
       end if
-      call stage(option, text)
+      call stage_output(option, text)
     end subroutine stage_whole
 
     ! One state as image data; the last one as a histogram and a picture, too.
@@ -134,19 +135,19 @@ contains
       logical, intent(in) :: is_last
       type(text_buffer) :: histogram, picture, vti
 
-      if (line%output('--fields') /= '') then
+      if (line%output_path('--fields') /= '') then
         call write_vti(field, vti)
-        call stage('--fields', vti, numbered_path(line%output('--fields'), field%state, &
-                                                  line%fields_of == fields_all))
+        call stage_output('--fields', vti, numbered_path(line%output_path('--fields'), &
+                                                  field%state, line%fields_of == fields_all))
       end if
       if (.not. is_last) return
-      if (line%output('--histogram') /= '') then
+      if (line%output_path('--histogram') /= '') then
         call write_histogram(field, histogram, units)
-        call stage('--histogram', histogram)
+        call stage_output('--histogram', histogram)
       end if
-      if (line%output('--picture') == '') return
+      if (line%output_path('--picture') == '') return
       call draw_pressure(field, picture)
-      call stage('--picture', picture)
+      call stage_output('--picture', picture)
     end subroutine stage_field
 
     subroutine draw_pressure(field, picture)
@@ -157,13 +158,13 @@ contains
       character(len=20) :: units(2)
 
       units = [character(len=20) :: unit_of(scene_in, is_length), unit_of(scene_in, is_pressure)]
-      title = printable(line%input) // ': ' // &
+      title = printable_text(line%input) // ': ' // &
               with_unit(trim(merge('mean pressure   ', 'nominal pressure', &
                              parts_in_words(field) /= '')), trim(units(2))) // ' ' // &
               number_text(sum(field%pressure, mask=field%pressure > 0.0_real64) / &
                        count(field%gap >= 0.0_real64), 3)
       call draw_plan(field, plan_of_pressure, title, units, width_of_picture, most_pixels, drawing)
-      path = line%output('--picture')
+      path = line%output_path('--picture')
       if (lower_case(path(max(1, len(path) - 3):)) == '.png') then
         call picture%append(png_of(drawing))
       else
@@ -175,7 +176,7 @@ contains
       type(text_buffer) :: vtk
 
       if (.not. allocated(outcome%failure)) call write_vtk(results, vtk, outcome%failure)
-      call stage('--vtk', vtk)
+      call stage_output('--vtk', vtk)
     end subroutine stage_vtk
 
     subroutine write_table(option, which)
@@ -183,13 +184,13 @@ contains
       integer, intent(in) :: which
       type(text_buffer) :: csv
 
-      if (line%output(option) == '') return
+      if (line%output_path(option) == '') return
       call write_results(which, results, csv, units)
-      call stage(option, csv)
+      call stage_output(option, csv)
     end subroutine write_table
 
-    ! Of a trial the text is weighed alone: it is held, and once more as it is written.
-    subroutine stage(option, text, path)
+    ! Stages a file. A trial counts its bytes only: twice, as the text is held and then copied.
+    subroutine stage_output(option, text, path)
       character(len=*), intent(in) :: option
       type(text_buffer), intent(in) :: text
       character(len=*), intent(in), optional :: path  ! absent: that of the option
@@ -198,11 +199,11 @@ contains
         cost%bytes_each = cost%bytes_each + &
                           2.0_real64 * real(len(text%text(), int64), real64) / cost%tried
       else if (present(path)) then
-        call outcome%stage(path, text)
+        call outcome%stage_text(path, text)
       else
-        call outcome%stage(line%output(option), text)
+        call outcome%stage_text(line%output_path(option), text)
       end if
-    end subroutine stage
+    end subroutine stage_output
 
   end subroutine run_solve_command
 
@@ -213,7 +214,7 @@ contains
 
     needs = .false.
     do i = 1, size(field_options)
-      needs = needs .or. line%output(trim(field_options(i))) /= ''
+      needs = needs .or. line%output_path(trim(field_options(i))) /= ''
     end do
   end function needs_fields
 
@@ -241,18 +242,18 @@ contains
     integer, intent(in) :: number
     logical, intent(in) :: is_numbered
     character(len=:), allocatable :: numbered
-    character(len=5) :: digits
+    character(len=5) :: number_part
     integer :: dot
 
     numbered = path
     if (.not. is_numbered) return
-    write (digits, '("_", i4.4)') number
+    write (number_part, '("_", i4.4)') number
     dot = index(path, '.', back=.true.)
     if (dot <= index(path, '/', back=.true.) + 1) dot = len(path) + 1
-    numbered = path(:dot - 1) // digits // path(dot:)
+    numbered = path(:dot - 1) // number_part // path(dot:)
   end function numbered_path
 
-  ! What the results of a position hold.
+  ! Bytes that the results of a position take.
   subroutine weigh_positions(scene_in, results, cost)
     type(scene), intent(in) :: scene_in
     type(scene_results), intent(in) :: results
@@ -276,7 +277,7 @@ contains
     end associate
   end subroutine weigh_positions
 
-  ! What the command line and the scene ask for must agree.
+  ! Checks that the command line and the scene agree.
   subroutine check_choices(line, scene_in, problems)
     type(command_line), intent(in) :: line
     type(scene), intent(in) :: scene_in
@@ -319,7 +320,7 @@ contains
       may_have = solves_pixels(scene_in) .or. scene_in%effects%mode('interaction') == effect_auto
     do i = 1, size(field_options)
       option = trim(field_options(i))
-      if (line%output(option) == '') cycle
+      if (line%output_path(option) == '') cycle
       if (.not. may_have .and. allocated(scene_in%map)) then
         call problems%add(option // ': only a height map solved on its pixels has pressure on ' // &
                           'pixels, expected interaction = ''boundary'' in &effects, or ' // &
@@ -331,7 +332,7 @@ contains
         call problems%add(option // ': found ' // decimal_text(scene_in%motion%positions) // &
                           ' positions, expected one for fields of asperities')
       end if
-      if (line%output('--keep') /= '') &
+      if (line%output_path('--keep') /= '') &
         call problems%add(option // ': a file of --keep has no pressure on pixels, expected ' // &
                           'one of both')
     end do
@@ -345,17 +346,17 @@ contains
 
     if (line%arithmetic /= '') options%arithmetic = line%arithmetic
     options%accuracy = line%accuracy
-    options%keep_contacts = line%output('--contacts') // line%output('--json') // &
-                            line%output('--vtk') // line%output('--html') /= '' .or. &
+    options%keep_contacts = line%output_path('--contacts') // line%output_path('--json') // &
+                            line%output_path('--vtk') // line%output_path('--html') /= '' .or. &
                             is_thesis_sweep(scene_in) .or. needs_fields(line)
     if (needs_fields(line) .or. &
-        (line%output('--html') /= '' .and. line%output('--keep') == '' .and. &
+        (line%output_path('--html') /= '' .and. line%output_path('--keep') == '' .and. &
          (allocated(scene_in%map) .or. may_have_fields(scene_in)))) &
       options%fields = max(fields_last, line%fields_of)
     options%threads = line%threads
     options%progress = image_number() == 1
     options%all_images = is_shared(line)
-    options%keep_file = line%output('--keep')
+    options%keep_file = line%output_path('--keep')
     options%part = line%share(1)
     options%parts = line%share(2)
     if (allocated(line%parts)) options%more_files = line%parts

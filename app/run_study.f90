@@ -47,7 +47,7 @@ contains
     if (outcome%problems%count() > 0) return
     options%progress = image_number() == 1
     options%all_images = .true.
-    options%keep_file = line%output('--keep')
+    options%keep_file = line%output_path('--keep')
     options%part = line%share(1)
     options%parts = line%share(2)
     if (allocated(line%parts)) options%more_files = line%parts
@@ -74,7 +74,7 @@ contains
                                                         options%parts), outcome%text)
     else if (image_number() == 1) then
       call write_area_csv(study, csv)
-      call outcome%stage(line%output('--csv'), csv)
+      call outcome%stage_text(line%output_path('--csv'), csv)
       if (.not. line%quiet) call write_area_table(spec, study, outcome%text)
     end if
   end subroutine run_study_command

@@ -10,7 +10,7 @@ module asperity_run_summits
   use asperity_map_spectrum, only: measure_spectra, power_spectrum
   use asperity_map_statistics, only: map_statistics, measure_map
   use asperity_map_summits, only: map_summits
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
   use asperity_summits_of_file, only: summit_choices, summits_of_file, summits_of_samples
   use asperity_summits_table, only: write_summits_table
@@ -42,8 +42,8 @@ contains
 
     choices = summit_choices(rule=line%rule, level=line%level, periodic=line%edge == 2, &
                              radius=line%radius, &
-                             unit=line%unit, despike=line%despike, spacing=line%spacing, &
-                             progress=.true., prefix='--')
+                             unit=line%unit, despike=line%despike, &
+                             pixel_spacing=line%pixel_spacing, progress=.true., prefix='--')
     if (line%cost) then
       call try_rows(line, choices, outcome)
       return
@@ -51,7 +51,7 @@ contains
     call summits_of_file(line%input, choices, map, summits, spikes, outcome%problems, &
                          outcome%failure)
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
-    if (line%output('--spectrum') /= '') then
+    if (line%output_path('--spectrum') /= '') then
       call measure_spectra('--spectrum: ' // line%input, map, spectra, outcome%problems, &
                            outcome%failure)
       if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
@@ -62,12 +62,12 @@ contains
       call measure_map(map, summits, found)
       call write_summits_table(line%input, choices, spikes, map, summits, found, outcome%text)
     end if
-    if (line%output('--output') /= '') call write_summits_csv(summits, surface)
-    call outcome%stage(line%output('--output'), surface)
-    call outcome%stage(line%output('--spectrum'), spectrum)
-    if (line%output('--picture') /= '') &
-      call draw_map(printable(line%input), map, summits, picture)
-    call outcome%stage(line%output('--picture'), picture)
+    if (line%output_path('--output') /= '') call write_summits_csv(summits, surface)
+    call outcome%stage_text(line%output_path('--output'), surface)
+    call outcome%stage_text(line%output_path('--spectrum'), spectrum)
+    if (line%output_path('--picture') /= '') &
+      call draw_map(printable_text(line%input), map, summits, picture)
+    call outcome%stage_text(line%output_path('--picture'), picture)
   end subroutine run_summits_command
 
   ! Estimates the cost from the first rows of the map; the map has been read.
@@ -80,15 +80,15 @@ contains
     type(work_cost) :: cost
     integer(int64) :: spikes
 
-    call read_height_map(line%input, line%spacing, .true., map, outcome%problems, outcome%failure, &
-                         '--spacing')
+    call read_height_map(line%input, line%pixel_spacing, .true., map, outcome%problems, &
+                         outcome%failure, '--spacing')
     if (outcome%problems%count() > 0 .or. allocated(outcome%failure)) return
     cost%pieces = 'rows of ' // decimal_text(map%columns) // ' pixels'
     cost%total = map%rows
     cost%tried = min(rows_tried, map%rows)
     part%columns = map%columns
     part%rows = cost%tried
-    part%spacing = map%spacing
+    part%pixel_spacing = map%pixel_spacing
     part%unit = map%unit
     part%height = map%height(:, :cost%tried)
     call cpu_time(cost%begun)

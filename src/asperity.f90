@@ -87,7 +87,7 @@ module asperity
   public :: make_arrays, array_table, array_column, add_reals, add_wholes, name_units
   public :: of_positions, of_states, of_contacts
   public :: write_summary, text_buffer
-  ! What lies outside a theory, and what was not computed.
+  ! Warnings outside a theory, and values that are not computed.
   public :: theory_warning, warning_kind, warning_kinds, kinds_of_warnings, list_warnings
   public :: list_warning_kinds
   public :: not_computed

@@ -59,7 +59,7 @@ contains
     call begin_outcome(new, handle)
     if (.not. associated(new)) return
     call take_heights('map', given, map, new%problems, new%failure)
-    if (new%problems%count() == 0 .and. .not. all(map%spacing > 0.0)) &
+    if (new%problems%count() == 0 .and. .not. all(map%pixel_spacing > 0.0)) &
       call new%problems%add('map.spacing: found 0, 0, expected the spacing of the pixels')
     if (new%problems%count() == 0 .and. .not. allocated(new%failure)) then
       map%periodic = map%edge == periodic_edge

@@ -149,7 +149,7 @@ contains
     call take_word('level', options%level, level_names, chosen%level, problems)
     call take_word('radius', options%radius, radius_names, chosen%radius, problems)
     call take_word('unit', options%unit, length_units, chosen%unit, problems)
-    chosen%spacing = options%pixel_spacing
+    chosen%pixel_spacing = options%pixel_spacing
     chosen%despike = options%despike /= 0_c_int
   end subroutine set_choices
 
@@ -175,8 +175,8 @@ contains
       associate (table => new%tables(table_statistics))
         call add_reals(table, 'samples', [real(found%samples, real64)])
         call add_reals(table, 'missing', [real(found%missing, real64)])
-        call add_reals(table, 'spacing_x', map%spacing(1:1), map%unit)
-        call add_reals(table, 'spacing_y', map%spacing(2:2), map%unit)
+        call add_reals(table, 'spacing_x', map%pixel_spacing(1:1), map%unit)
+        call add_reals(table, 'spacing_y', map%pixel_spacing(2:2), map%unit)
         call add_reals(table, 'rms_height', [found%rms_height], map%unit)
         call add_reals(table, 'rms_slope', [found%rms_slope])
         call add_reals(table, 'm0', [found%m0], power_of(map%unit, 2))
@@ -256,8 +256,8 @@ contains
     associate (table => new%tables(table_map))
       call add_wholes(table, 'columns', [map%columns])
       call add_wholes(table, 'rows', [map%rows])
-      call add_reals(table, 'spacing_x', map%spacing(1:1), map%unit)
-      call add_reals(table, 'spacing_y', map%spacing(2:2), map%unit)
+      call add_reals(table, 'spacing_x', map%pixel_spacing(1:1), map%unit)
+      call add_reals(table, 'spacing_y', map%pixel_spacing(2:2), map%unit)
     end associate
     associate (table => new%tables(table_pixels))
       allocate (table%columns(1))

@@ -25,7 +25,7 @@ contains
     if (value%twos /= 0) then
       number = from_real64(decimal_to_real64(value))
     else
-      number = hex32_from_decimal(value%digits, value%exponent)
+      number = hex32_from_decimal(value%all_digits, value%power_of_ten)
     end if
   end function decimal_number
 

@@ -23,7 +23,7 @@ module asperity_position_solver
     real(real64) :: loads_differ = huge(1.0_real64)
     real(real64) :: nominal_area = 0.0_real64  !! in the scene's unit; 0: not given
     type(interruption) :: interrupt       !! interruption of the run
-    type(work_count) :: count             !! progress of the run, in states
+    type(work_count) :: progress_count    !! progress of the run, in states
     type(solution_reuse) :: reuse         !! solutions of an earlier run
   contains
     procedure(solve_one), deferred :: solve  !! solves one position

@@ -35,7 +35,7 @@ contains
 
     associate (effects => scene_in%effects)
       some = effects%modes == effect_off .and. &
-             (scene_in%contact_modulus%digits == 0_int64 .or. known_effects%needs == '') .and. &
+             (scene_in%contact_modulus%all_digits == 0_int64 .or. known_effects%needs == '') .and. &
              [(known_effects(i)%own(1) == '' .or. effects%has_numbers(i), i=1, size(some))]
     end associate
     call list_some(scene_in, some, list)

@@ -10,8 +10,8 @@ module asperity_decimal
 
   !> The number digits * 10**exponent, or, where `twos` is not 0, digits * 2**twos.
   type :: decimal_value
-    integer(int64) :: digits = 0_int64  !! all digits, with the sign
-    integer :: exponent = 0             !! power of ten
+    integer(int64) :: all_digits = 0_int64  !! all digits, with the sign
+    integer :: power_of_ten = 0         !! power of ten
     integer :: twos = 0                 !! power of two; 0: the number is a decimal
   end type decimal_value
 
@@ -43,15 +43,15 @@ contains
     character(len=40) :: numeral
 
     if (value%twos /= 0) then
-      number = scale(real(value%digits, real64), value%twos)
-    else if (value%exponent <= 0 .and. value%exponent >= -most_exact_power) then
-      number = quotient_in_doubles(value%digits, -value%exponent)
-    else if (value%exponent >= 0 .and. value%exponent <= most_positive_power) then
-      number = real(real(value%digits, real128) * powers(value%exponent), real64)
-    else if (value%exponent < 0 .and. value%exponent >= most_negative_power) then
-      number = real(real(value%digits, real128) / powers(-value%exponent), real64)
+      number = scale(real(value%all_digits, real64), value%twos)
+    else if (value%power_of_ten <= 0 .and. value%power_of_ten >= -most_exact_power) then
+      number = quotient_in_doubles(value%all_digits, -value%power_of_ten)
+    else if (value%power_of_ten >= 0 .and. value%power_of_ten <= most_positive_power) then
+      number = real(real(value%all_digits, real128) * powers(value%power_of_ten), real64)
+    else if (value%power_of_ten < 0 .and. value%power_of_ten >= most_negative_power) then
+      number = real(real(value%all_digits, real128) / powers(-value%power_of_ten), real64)
     else if (decimal_beyond(value, real(huge(number), real128))) then
-      number = sign(ieee_value(number, ieee_positive_inf), real(value%digits, real64))
+      number = sign(ieee_value(number, ieee_positive_inf), real(value%all_digits, real64))
     else if (decimal_order(value) < -(range(number) + 40)) then
       number = 0.0_real64
     else
@@ -92,10 +92,10 @@ contains
     type(decimal_value) :: value        !! the same number
 
     if (abs(number) < 2.0_real64**53 .and. .not. abs(number - aint(number)) > 0.0_real64) then
-      value%digits = int(number, int64)
+      value%all_digits = int(number, int64)
     else
       value%twos = exponent(number) - digits(number)
-      value%digits = int(scale(number, -value%twos), int64)
+      value%all_digits = int(scale(number, -value%twos), int64)
     end if
   end function exact_double
 
@@ -108,8 +108,8 @@ contains
       decimal_order = floor(log10(abs(decimal_to_real64(value)))) + 1
       return
     end if
-    decimal_order = value%exponent
-    rest = abs(value%digits)
+    decimal_order = value%power_of_ten
+    rest = abs(value%all_digits)
     if (rest == 0_int64) decimal_order = -huge(decimal_order)
     do while (rest > 0_int64)
       rest = rest / 10_int64
@@ -132,7 +132,7 @@ contains
     decimal_beyond = decimal_order(value) > order
     if (value%twos /= 0) decimal_beyond = abs(real(decimal_to_real64(value), real128)) > largest
     if (decimal_order(value) /= order .or. value%twos /= 0) return
-    leading = abs(real(value%digits, real128)) * 10.0_real128**(value%exponent - order + 18)
+    leading = abs(real(value%all_digits, real128)) * 10.0_real128**(value%power_of_ten - order + 18)
     decimal_beyond = leading > largest / 10.0_real128**(order - 18)
   end function decimal_beyond
 
@@ -141,7 +141,7 @@ contains
     type(decimal_value), intent(in) :: value  !! exact decimal number
     character(len=40) :: numeral              !! for instance `254E-2`
 
-    write (numeral, '(i0, "E", i0)') value%digits, value%exponent
+    write (numeral, '(i0, "E", i0)') value%all_digits, value%power_of_ten
     numeral = adjustr(numeral)
   end function decimal_numeral
 

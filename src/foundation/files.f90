@@ -4,7 +4,7 @@ module asperity_files
   use, intrinsic :: iso_c_binding, only: c_int, c_size_t
   use asperity_byte_reader, only: byte_reader
   use asperity_kinds, only: int64
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_system_calls, only: posix_usleep, posix_write, system_error, system_reason
   implicit none
   private
@@ -64,7 +64,7 @@ contains
   subroutine write_message(text)
     character(len=*), intent(in) :: text  !! the line, without its end
 
-    call write_standard_error(printable(text) // new_line('a'))
+    call write_standard_error(printable_text(text) // new_line('a'))
   end subroutine write_message
 
   !> Writes a whole text, in as many calls as the system needs.

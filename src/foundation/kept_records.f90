@@ -9,7 +9,7 @@ module asperity_kept_records
   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_null_char
   use asperity_files, only: read_whole_file, write_bytes
   use asperity_kinds, only: int64
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text
   use asperity_output_files, only: commit_files, stage_file, note_kept
   use asperity_system_calls, only: posix_close, posix_fsync, posix_lseek, posix_open, &
@@ -225,7 +225,7 @@ contains
     integer, intent(in) :: done
 
     call note_kept('; ' // decimal_text(done) // ' ' // work%piece // 's are saved in ' // &
-                   printable(work%path) // ', the same command continues from there')
+                   printable_text(work%path) // ', the same command continues from there')
   end subroutine note_progress
 
   !> Reads all complete records; on exit `used` is the position of their last byte.

@@ -3,13 +3,13 @@ module asperity_printable
   implicit none
   private
 
-  public :: printable
+  public :: printable_text
 
 contains
 
   !> Replaces each byte that is no part of printable UTF-8 by a question mark: control characters,
   !> broken sequences, and marks that change the direction of the text.
-  pure function printable(text) result(shown)
+  pure function printable_text(text) result(shown)
     character(len=*), intent(in) :: text  !! text of any bytes
     character(len=len(text)) :: shown     !! printable text of the same length
     integer :: i, length
@@ -25,7 +25,7 @@ contains
         i = i + length
       end if
     end do
-  end function printable
+  end function printable_text
 
   !> Bytes of the printable letter at the start of a text; 0 when there is none.
   pure integer function letter_length(text)

@@ -1,7 +1,7 @@
 !> Problems found in a file or a command line, as values that the program prints at its end.
 module asperity_problems
   use asperity_kinds, only: int64, real64
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -152,7 +152,7 @@ contains
     character(len=*), intent(in) :: file, after_file, message
     integer, intent(in) :: line, column
 
-    call self%lines%line(printable(file // after_file // message))
+    call self%lines%line(printable_text(file // after_file // message))
     call add_places(self, [problem_place(line, column, len(file), len(file // after_file))])
   end subroutine add_line
 
@@ -201,9 +201,9 @@ contains
 
     text = self%lines%text()
     if (self%alike > most_alike) &
-      text = text // printable(self%file // ': ' // self%count_text()) // new_line('a')
+      text = text // printable_text(self%file // ': ' // self%count_text()) // new_line('a')
     if (self%beyond > 0) &
-      text = text // printable(self%file // ': and ' // decimal_text(self%beyond) // &
+      text = text // printable_text(self%file // ': and ' // decimal_text(self%beyond) // &
                                ' more problems') // new_line('a')
   end function problem_text
 

@@ -47,8 +47,8 @@ contains
 
   !> Reads and checks a deck. With problems the deck is not to be used.
   subroutine read_card_deck(path, deck, problems)
-    character(len=*), intent(in) :: path           !! the file
-    type(card_deck), intent(out) :: deck           !! its values
+    character(len=*), intent(in) :: path           !! path of the deck; `-` is standard input
+    type(card_deck), intent(out) :: deck           !! values of the cards, as written
     type(problem_list), intent(out) :: problems    !! all that is wrong
     character(len=:), allocatable :: text
 
@@ -85,7 +85,7 @@ contains
   subroutine parse_card_deck(path, text, deck, problems)
     character(len=*), intent(in) :: path           !! name for the messages
     character(len=*), intent(in) :: text           !! the whole deck
-    type(card_deck), intent(out) :: deck           !! its values
+    type(card_deck), intent(out) :: deck           !! values of the cards, as written
     type(problem_list), intent(out) :: problems    !! all that is wrong
     type(card_reader) :: reader
     character(len=:), allocatable :: other
@@ -164,7 +164,7 @@ contains
     end if
     call reader%real_field(line, radius_field, letter, model%radius)
     call reader%real_field(line, height_max_field, letter, model%height_max)
-    if (model%height_max%digits < 0) &
+    if (model%height_max%all_digits < 0) &
       call reader%refuse_field(line, height_max_field, letter, 'no negative number')
     call check_height(reader, line, height_max_field, letter, model, model%height_max)
     call reader%real_field(line, modulus_field, letter, model%elastic_modulus)
@@ -228,16 +228,17 @@ contains
     type(card_deck), intent(in) :: deck
     integer, intent(in) :: cards
     character(len=card_length) :: columns
-    character(len=:), allocatable :: count
+    character(len=:), allocatable :: wrong_count
     integer :: expected, line
 
     expected = deck%upper%number + deck%lower%number
     if (cards == expected) return
-    count = 'wrong count of cards: found ' // decimal_text(cards) // ' asperities, expected ' // &
+    wrong_count = 'wrong count of cards: found ' // decimal_text(cards) // &
+            ' asperities, expected ' // &
             decimal_text(expected) // ' (NU ' // decimal_text(deck%upper%number) // ' and NL ' // &
             decimal_text(deck%lower%number) // ')'
     if (cards < expected) then
-      call reader%problems%add_at(header_cards + cards + 1, 1, count)
+      call reader%problems%add_at(header_cards + cards + 1, 1, wrong_count)
       return
     end if
     do line = header_cards + expected + 1, reader%count_lines()
@@ -245,7 +246,7 @@ contains
       columns = reader%card_columns(line)
       call reader%problems%add_at(line, verify(columns, ' ' // achar(9)), &
            'text after the last card: found ''' // trim(columns) // &
-           ''', expected the end: ' // count)
+           ''', expected the end: ' // wrong_count)
       exit
     end do
   end subroutine check_count
@@ -258,7 +259,7 @@ contains
     type(model_cards), intent(in) :: model
     type(decimal_value), intent(in) :: height
 
-    if (model%radius%digits <= 0) return
+    if (model%radius%all_digits <= 0) return
     if (decimal_to_real64(height) >= 2 * decimal_to_real64(model%radius)) &
       call reader%refuse_field(line, field, whose, 'less than twice the radius')
   end subroutine check_height

@@ -80,7 +80,7 @@ contains
 
   !> Takes the text of a deck. A carriage return before a line feed belongs to the line end.
   subroutine take_text(self, file, text)
-    class(card_reader), intent(out) :: self    !! the cards
+    class(card_reader), intent(out) :: self    !! cards of the deck
     character(len=*), intent(in) :: file       !! name for the messages
     character(len=*), intent(in) :: text       !! the whole deck
     integer :: i, number, begin
@@ -108,14 +108,14 @@ contains
 
   !> Number of lines.
   pure integer function count_lines(self)
-    class(card_reader), intent(in) :: self  !! the cards
+    class(card_reader), intent(in) :: self  !! cards of the deck
 
     count_lines = size(self%first)
   end function count_lines
 
   !> The 80 columns of a card; a card that is not there is blank.
   pure function card_columns(self, line) result(columns)
-    class(card_reader), intent(in) :: self  !! the cards
+    class(card_reader), intent(in) :: self  !! cards of the deck
     integer, intent(in) :: line             !! its line, from 1
     character(len=card_length) :: columns   !! what stands there
 
@@ -126,7 +126,7 @@ contains
 
   !> Whether a card holds more than blanks and a sequence number.
   pure logical function has_text(self, line)
-    class(card_reader), intent(in) :: self  !! the cards
+    class(card_reader), intent(in) :: self  !! cards of the deck
     integer, intent(in) :: line             !! its line, from 1
     character(len=card_length) :: columns
 
@@ -137,7 +137,7 @@ contains
   !> The last line that is a card; 0 when none is. Blank lines at the end are none: they must not
   !> stand in for cards that are missing.
   pure integer function last_card(self)
-    class(card_reader), intent(in) :: self  !! the cards
+    class(card_reader), intent(in) :: self  !! cards of the deck
 
     do last_card = size(self%first), 1, -1
       if (self%has_text(last_card)) return
@@ -147,7 +147,7 @@ contains
   !> Reads a field under F format; reports a problem when it holds no finite number, or none above
   !> zero where the field needs that.
   subroutine real_field(self, line, field, whose, value)
-    class(card_reader), intent(inout) :: self   !! the cards
+    class(card_reader), intent(inout) :: self   !! cards of the deck
     integer, intent(in) :: line                 !! the card's line, from 1
     integer, intent(in) :: field                !! which of `deck_fields`
     character(len=*), intent(in) :: whose       !! U, L, or the asperity
@@ -168,14 +168,14 @@ contains
     else if (abs(decimal_to_real64(value)) > huge(1.0_real64)) then
       call self%refuse_field(line, field, whose, 'a finite number')
       value = decimal_value()
-    else if (place%is_positive .and. value%digits <= 0) then
+    else if (place%is_positive .and. value%all_digits <= 0) then
       call self%refuse_field(line, field, whose, 'more than zero')
     end if
   end subroutine real_field
 
   !> Reports a problem when the deck ends before card `line`.
   subroutine require_card(self, line, names, complete)
-    class(card_reader), intent(inout) :: self  !! the cards
+    class(card_reader), intent(inout) :: self  !! cards of the deck
     integer, intent(in) :: line                !! the card's line, from 1
     character(len=*), intent(in) :: names      !! what it holds, for the message
     logical, intent(inout) :: complete         !! made false when the card is missing
@@ -188,7 +188,7 @@ contains
 
   !> Reports `FILE:LINE:COLUMN: NAME: found '...', expected ...`.
   subroutine refuse_field(self, line, field, whose, expected, bad_at)
-    class(card_reader), intent(inout) :: self    !! the cards
+    class(card_reader), intent(inout) :: self    !! cards of the deck
     integer, intent(in) :: line                  !! the card's line, from 1
     integer, intent(in) :: field                 !! which of `deck_fields`
     character(len=*), intent(in) :: whose        !! U, L, or the asperity
@@ -214,7 +214,7 @@ contains
 
   !> Reports the first byte that is no text. A carriage return is text only at the end of a line.
   subroutine check_bytes(self)
-    class(card_reader), intent(inout) :: self  !! the cards
+    class(card_reader), intent(inout) :: self  !! cards of the deck
     integer :: i, code, line
 
     do i = 1, len(self%text)
@@ -238,7 +238,7 @@ contains
     integer, intent(in) :: implied_decimals      !! d: digits behind the implied point
     type(decimal_value), intent(out) :: value    !! the number, exactly
     integer, intent(out) :: bad_at               !! 0, or the first column that is wrong
-    integer :: i, digit, exponent, exponent_sign, behind_point, significant
+    integer :: i, digit, power, exponent_sign, behind_point, significant
     logical :: negative, after_point, started, digit_seen, in_exponent, exponent_digit
 
     value = decimal_value()
@@ -249,7 +249,7 @@ contains
     digit_seen = .false.
     in_exponent = .false.
     exponent_digit = .false.
-    exponent = 0
+    power = 0
     exponent_sign = 1
     behind_point = 0
     significant = 0
@@ -265,14 +265,14 @@ contains
         started = .true.
         digit_seen = .true.
         if (in_exponent) then
-          exponent = min(10 * exponent + digit, largest_exponent)
+          power = min(10 * power + digit, largest_exponent)
           exponent_digit = .true.
         else if (significant >= most_digits) then
           bad_at = i
           return
         else
-          value%digits = 10_int64 * value%digits + int(digit, int64)
-          if (value%digits > 0_int64) significant = significant + 1
+          value%all_digits = 10_int64 * value%all_digits + int(digit, int64)
+          if (value%all_digits > 0_int64) significant = significant + 1
           if (after_point) behind_point = behind_point + 1
         end if
       else
@@ -302,15 +302,15 @@ contains
     end do
     if (in_exponent .and. .not. exponent_digit) bad_at = len(field)
     if (lone_sign_or_point(field)) bad_at = verify(field, ' ')
-    if (negative) value%digits = -value%digits
+    if (negative) value%all_digits = -value%all_digits
     if (.not. after_point) behind_point = implied_decimals
-    value%exponent = exponent_sign * exponent - behind_point
+    value%power_of_ten = exponent_sign * power - behind_point
   end subroutine read_f_field
 
   !> Reads a field under `Iw`; the largest accepted magnitude is that of the default integer.
   pure subroutine read_i_field(field, value, bad_at)
     character(len=*), intent(in) :: field  !! the w columns
-    integer, intent(out) :: value          !! the number
+    integer, intent(out) :: value          !! the number read, 0 when none is
     integer, intent(out) :: bad_at         !! 0, or the first column that is wrong
     type(decimal_value) :: number
     integer :: first
@@ -329,8 +329,8 @@ contains
       return
     end if
     call read_f_field(field, 0, number, bad_at)
-    if (abs(number%digits) > int(huge(value), int64)) bad_at = first
-    if (bad_at == 0) value = int(number%digits)
+    if (abs(number%all_digits) > int(huge(value), int64)) bad_at = first
+    if (bad_at == 0) value = int(number%all_digits)
   end subroutine read_i_field
 
   !> The digit's value, or -1.

@@ -24,7 +24,7 @@ module asperity_delimited_text
     character(len=1) :: comment = feed         !! begins a comment within a line; a line feed: none
     logical :: keep_empty = .true.             !! empty cells are counted
     integer :: missing = 0                     !! number of the cell behind an empty one; 0: none
-    integer :: count = 0                       !! number of cells; 0 behind the last line
+    integer :: cell_count = 0                  !! number of cells; 0 behind the last line
     integer :: line = 0                        !! number of the line
     integer :: start = 1                       !! place of column 1 of the line in the text
     integer, allocatable :: first(:), last(:)  !! places of each cell; last < first: an empty cell
@@ -61,16 +61,16 @@ contains
 
   !> Finds the cells of the next line that has some.
   pure subroutine read_cells(text, at, line, cells)
-    character(len=*), intent(in) :: text       !! whole lines
+    character(len=*), intent(in) :: text       !! text of whole lines
     integer, intent(inout) :: at               !! place where a line begins; left at the next line
     integer, intent(inout) :: line             !! number of that line; left at the next one's
     type(line_cells), intent(inout) :: cells   !! signs of the text; gets the places
     integer :: first
 
     if (.not. allocated(cells%first)) allocate (cells%first(8), cells%last(8))
-    cells%count = 0
+    cells%cell_count = 0
     cells%missing = 0
-    do while (at <= len(text) .and. cells%count == 0)
+    do while (at <= len(text) .and. cells%cell_count == 0)
       cells%line = line
       cells%start = at
       first = at
@@ -126,16 +126,16 @@ contains
     end if
     if (last < first .and. .not. cells%keep_empty) then
       if (.not. is_last .and. cells%missing == 0 .and. cells%separator /= ' ') &
-        cells%missing = cells%count + 1
+        cells%missing = cells%cell_count + 1
       return
     end if
-    if (cells%count == size(cells%first)) then
+    if (cells%cell_count == size(cells%first)) then
       cells%first = [cells%first, cells%first]
       cells%last = [cells%last, cells%last]
     end if
-    cells%count = cells%count + 1
-    cells%first(cells%count) = first
-    cells%last(cells%count) = last
+    cells%cell_count = cells%cell_count + 1
+    cells%first(cells%cell_count) = first
+    cells%last(cells%cell_count) = last
   end subroutine add_cell
 
   !> Column of the line where a cell begins.
@@ -148,7 +148,7 @@ contains
 
   !> Starts line 1 at the next byte.
   subroutine begin_lines(self)
-    class(line_reader), intent(inout) :: self  !! the file
+    class(line_reader), intent(inout) :: self  !! file that is read by lines
 
     self%lines = ''
     self%rest = ''
@@ -159,7 +159,7 @@ contains
 
   !> Starts at a line of the whole text, which begins behind a mark of byte order.
   subroutine begin_text(self, line)
-    class(line_reader), intent(inout) :: self  !! the file
+    class(line_reader), intent(inout) :: self  !! file that is read by lines
     integer, intent(in) :: line                !! number of the line
     integer :: first, last, number
 
@@ -205,7 +205,7 @@ contains
 
   !> Finds the next line.
   subroutine find_line(self, first, last, line)
-    class(line_reader), intent(inout) :: self  !! the file
+    class(line_reader), intent(inout) :: self  !! file that is read by lines
     integer, intent(out) :: first              !! place of its first byte; 0: no line is left
     integer, intent(out) :: last               !! place of its last byte, line end left out
     integer, intent(out) :: line               !! its number; at the end of the file the last one's
@@ -226,7 +226,7 @@ contains
 
   !> Copies the next line, its end left out.
   subroutine next_line(self, text, line, column)
-    class(line_reader), intent(inout) :: self            !! the file
+    class(line_reader), intent(inout) :: self            !! file that is read by lines
     character(len=:), allocatable, intent(out) :: text   !! 200 bytes at most; not allocated: none
     integer, intent(out) :: line                         !! its number, or the last one's
     integer, intent(out) :: column                       !! 1, or behind the end of the file
@@ -241,13 +241,13 @@ contains
   !> Finds the cells of the next line that has some; their places are those in `lines`. Behind the
   !> last one the first cell stands at the end of the file.
   subroutine next_cells(self, cells)
-    class(line_reader), intent(inout) :: self  !! the file
+    class(line_reader), intent(inout) :: self  !! file that is read by lines
     type(line_cells), intent(inout) :: cells   !! signs of the text; gets the places
 
     do
       call read_cells(self%lines, self%place, self%line, cells)
       if (cells%line == 1) cells%start = cells%start - self%margin
-      if (cells%count > 0) return
+      if (cells%cell_count > 0) return
       call self%read_block()
       if (self%place > len(self%lines)) exit
     end do
@@ -257,8 +257,8 @@ contains
 
   !> The text of a cell of the line at hand.
   pure function cell_text(self, cells, i) result(text)
-    class(line_reader), intent(in) :: self  !! the file
-    type(line_cells), intent(in) :: cells   !! from `next_cells`
+    class(line_reader), intent(in) :: self  !! file that is read by lines
+    type(line_cells), intent(in) :: cells   !! cells of the line at hand, from `next_cells`
     integer, intent(in) :: i                !! number of the cell
     character(len=:), allocatable :: text   !! as it is written
 

@@ -83,7 +83,7 @@ module asperity_effect_names
   type :: effect_number
     character(len=21) :: name = ''         !! in &effects
     character(len=11) :: effect = ''       !! whose it is; blank: of all under `auto`
-    integer :: range = not_negative        !! of `asperity_number_ranges`, or one of the two above
+    integer :: number_range = not_negative  !! of `asperity_number_ranges`, or one of the two above
     type(decimal_value) :: default = decimal_value()  !! when the scene does not have it
     !> When the scene must have it. `on`: with its effect on; `no limit`: with its effect, on or
     !> auto, and no limit; `pixels`: with its effect on the pixels of a map; the name of a number:
@@ -152,9 +152,9 @@ module asperity_effect_names
 
 contains
 
-  !> What makes a number necessary: `friction = 'on'`, `creep and a hold`; empty: nothing.
+  !> Returns what makes a number necessary: `friction = 'on'`, `creep and a hold`; empty: nothing.
   pure function needed_for(number) result(text)
-    type(effect_number), intent(in) :: number  !! the number
+    type(effect_number), intent(in) :: number  !! entry of the number in `effect_numbers`
     character(len=:), allocatable :: text      !! for a message
 
     select case (number%needed_with)
@@ -176,26 +176,26 @@ contains
   pure function why_not_together(first, first_way, second, second_way) result(why)
     character(len=*), intent(in) :: first       !! an effect, as in &effects
     character(len=*), intent(in) :: first_way   !! how it is simulated
-    character(len=*), intent(in) :: second      !! another one
+    character(len=*), intent(in) :: second      !! another effect, as in &effects
     character(len=*), intent(in) :: second_way  !! how it is simulated
     character(len=:), allocatable :: why
     integer :: i
 
     why = ''
     do i = 1, size(refused)
-      if (meets(refused(i), first, first_way, second) .or. &
-          meets(refused(i), second, second_way, first)) &
+      if (is_refused_pair(refused(i), first, first_way, second) .or. &
+          is_refused_pair(refused(i), second, second_way, first)) &
         why = first // ' and ' // second // ' do not go together: ' // trim(refused(i)%why)
     end do
   end function why_not_together
 
-  ! Whether a refusal is of these two.
-  pure logical function meets(refusal, one, way, other)
+  ! Whether a refusal holds for these two effects.
+  pure logical function is_refused_pair(refusal, one, way, other)
     type(refused_pair), intent(in) :: refusal
     character(len=*), intent(in) :: one, way, other
 
-    meets = refusal%one == one .and. refusal%other == other .and. &
+    is_refused_pair = refusal%one == one .and. refusal%other == other .and. &
             (refusal%way == '' .or. refusal%way == way)
-  end function meets
+  end function is_refused_pair
 
 end module asperity_effect_names

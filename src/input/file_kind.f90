@@ -1,4 +1,4 @@
-!> What kind of file a text is, for a user who named one where another kind is expected.
+!> Kind of file that a text is, for a user who named one where another kind is expected.
 module asperity_file_kind
   use asperity_input_text, only: blanks, line_end, lower_case, text_start
   use asperity_namelist_text, only: next_character, skip_blanks
@@ -11,7 +11,7 @@ module asperity_file_kind
   !> Kinds of files that are recognised by their text. Card decks and maps of plain numbers are not.
   integer, parameter :: a_scene = 1, a_specification = 2, a_study = 3, a_surface = 4, a_map = 5
 
-  ! What they are and what to do with them.
+  ! Name of each kind, and the command that takes it.
   character(len=*), parameter :: advice(5) = [character(len=76) :: &
     'a scene: asperity solve FILE', &
     'a specification of surfaces: asperity generate FILE', &
@@ -26,11 +26,12 @@ contains
     character(len=*), intent(in) :: text      !! the file, or its beginning
     integer, intent(in) :: wanted(:)          !! kinds that may stand here
     character(len=:), allocatable :: message  !! what was found and what to do with it
-    integer :: kind
+    integer :: found_kind
 
     message = ''
-    kind = kind_of(text)
-    if (kind > 0 .and. all(wanted /= kind)) message = 'found ' // trim(advice(kind))
+    found_kind = kind_of(text)
+    if (found_kind > 0 .and. all(wanted /= found_kind)) message = 'found ' // &
+      trim(advice(found_kind))
   end function other_kind
 
   ! The kind, or 0.

@@ -39,7 +39,7 @@ contains
 
     call take_pixels(fields, spec, good_pixels)
     call take_spacing(fields, spec, good_spacing)
-    call fields%require('map', 'hurst', 'the Hurst exponent, more than 0 and at most 1')
+    call fields%require_name('map', 'hurst', 'the Hurst exponent, more than 0 and at most 1')
     hurst = decimal_value(1_int64, 0)
     call fields%take_number('map', 'hurst', share_or_all, hurst)
     spec%hurst = exact_value(hurst)
@@ -66,7 +66,7 @@ contains
     integer :: before
 
     before = fields%problems%count()
-    call fields%require('map', 'pixels', 'one number, or two: columns and rows')
+    call fields%require_name('map', 'pixels', 'one number, or two: columns and rows')
     call fields%take_pair('map', 'pixels', above_zero, pixels)
     good = fields%problems%count() == before
     if (.not. good) return
@@ -93,16 +93,16 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(map_spec), intent(inout) :: spec
     logical, intent(out) :: good
-    type(decimal_value) :: spacing(2)
+    type(decimal_value) :: pixel_spacing(2)
     integer :: before
 
     before = fields%problems%count()
-    call fields%require('map', 'spacing', 'one length, or two: along x and along y')
-    call fields%take_pair('map', 'spacing', above_zero, spacing)
+    call fields%require_name('map', 'spacing', 'one length, or two: along x and along y')
+    call fields%take_pair('map', 'spacing', above_zero, pixel_spacing)
     good = fields%problems%count() == before
     if (.not. good) return
-    good = all(is_length(decimal_to_real64(spacing)))
-    if (good) spec%spacing = spacing
+    good = all(is_length(decimal_to_real64(pixel_spacing)))
+    if (good) spec%pixel_spacing = pixel_spacing
     if (.not. good) &
       call fields%complain_of('map', 'spacing', 'found a length beyond these, expected ' // &
                               expected_length)
@@ -116,11 +116,11 @@ contains
     character(len=:), allocatable :: name
     integer :: before
 
-    spec%of_slope = fields%has('map', 'rms_slope')
-    if (spec%of_slope .and. fields%has('map', 'rms_height')) then
+    spec%of_slope = fields%has_name('map', 'rms_slope')
+    if (spec%of_slope .and. fields%has_name('map', 'rms_height')) then
       call fields%complain_of('map', 'rms_slope', 'found beside rms_height, expected one of them')
       return
-    else if (.not. spec%of_slope .and. .not. fields%has('map', 'rms_height')) then
+    else if (.not. spec%of_slope .and. .not. fields%has_name('map', 'rms_height')) then
       call fields%complain_of_group('map', '&map needs rms_height or rms_slope: found none, ' // &
                                     'expected one of them')
       return
@@ -143,27 +143,27 @@ contains
     type(scene_fields), intent(inout) :: fields
     type(map_spec), intent(inout) :: spec
     type(decimal_value) :: wave
-    real(real128) :: spacing(2)
+    real(real128) :: pixel_spacing(2)
     integer :: before
 
     before = fields%problems%count()
-    spacing = exact_value(spec%spacing)
-    spec%roll_off = minval(spec%pixels * spacing)
-    spec%cut_off = 2 * maxval(spacing)
+    pixel_spacing = exact_value(spec%pixel_spacing)
+    spec%roll_off = minval(spec%pixels * pixel_spacing)
+    spec%cut_off = 2 * maxval(pixel_spacing)
     call fields%take_number('map', 'roll_off', above_zero, wave)
-    if (fields%has('map', 'roll_off')) spec%roll_off = exact_value(wave)
+    if (fields%has_name('map', 'roll_off')) spec%roll_off = exact_value(wave)
     call fields%take_number('map', 'cut_off', above_zero, wave)
-    if (fields%has('map', 'cut_off')) spec%cut_off = exact_value(wave)
+    if (fields%has_name('map', 'cut_off')) spec%cut_off = exact_value(wave)
     if (fields%problems%count() > before) return
-    if (spec%cut_off < 2 * maxval(spacing)) then
+    if (spec%cut_off < 2 * maxval(pixel_spacing)) then
       call fields%complain_of('map', 'cut_off', 'found less than two pixels, expected at ' // &
                               'least two spacings')
     else if (spec%roll_off > spec%cut_off) then
       return
-    else if (fields%has('map', 'cut_off')) then
+    else if (fields%has_name('map', 'cut_off')) then
       call fields%complain_of('map', 'cut_off', 'found at least the roll-off, expected a ' // &
                               'wavelength below roll_off, by default the shorter side of the map')
-    else if (fields%has('map', 'roll_off')) then
+    else if (fields%has_name('map', 'roll_off')) then
       call fields%complain_of('map', 'roll_off', 'found at most the cut-off, expected a ' // &
                               'wavelength above cut_off, by default two spacings')
     else
@@ -179,7 +179,7 @@ contains
     real(real128) :: side(2), least, most, rest
     integer :: i
 
-    side = period_of(spec%pixels, spec%periodic) * exact_value(spec%spacing)
+    side = period_of(spec%pixels, spec%periodic) * exact_value(spec%pixel_spacing)
     most = 1 / spec%cut_off
     least = 0.0_real128
     if (spec%below == below_none) least = 1 / spec%roll_off

@@ -31,7 +31,7 @@ contains
 
   !> Reads and checks a specification. With problems it is not to be used.
   subroutine read_generation_spec(path, spec, problems)
-    character(len=*), intent(in) :: path         !! the file
+    character(len=*), intent(in) :: path         !! path of the specification; `-` is standard input
     type(generation_spec), intent(out) :: spec   !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong
     character(len=:), allocatable :: text
@@ -95,7 +95,7 @@ contains
   !> Takes the groups of a specification from a text that may hold other groups too.
   subroutine take_generation(fields, spec)
     type(scene_fields), intent(inout) :: fields   !! the text; problems are added
-    type(generation_spec), intent(inout) :: spec  !! its values
+    type(generation_spec), intent(inout) :: spec  !! values of the groups, defaults filled in
     type(gaussian_spec) :: pair(2)
     logical :: good_plane, good_heights, good_radii
     integer :: before
@@ -126,9 +126,9 @@ contains
     logical :: good_extent
 
     before = fields%problems%count()
-    call fields%require('surfaces', 'length', 'one')
+    call fields%require_name('surfaces', 'length', 'one')
     call fields%take_pair('surfaces', 'length', above_zero, lengths)
-    call fields%require('surfaces', 'width', 'one')
+    call fields%require_name('surfaces', 'width', 'one')
     call fields%take_pair('surfaces', 'width', above_zero, widths)
     good_extent = fields%problems%count() == before
     call fields%take_pair('surfaces', 'least_distance', not_negative, distances)
@@ -136,25 +136,25 @@ contains
     spec%sides%width = widths
     spec%sides%least_distance = distances
     before = fields%problems%count()
-    if (fields%has('surfaces', 'number') .and. fields%has('surfaces', 'density')) then
+    if (fields%has_name('surfaces', 'number') .and. fields%has_name('surfaces', 'density')) then
       call fields%complain_of('surfaces', 'density', 'found beside number, expected one of them')
-    else if (fields%has('surfaces', 'density')) then
+    else if (fields%has_name('surfaces', 'density')) then
       call fields%take_pair('surfaces', 'density', above_zero, wanted)
     else
-      call fields%require('surfaces', 'number', 'one')
+      call fields%require_name('surfaces', 'number', 'one')
       call fields%take_pair('surfaces', 'number', above_zero, wanted)
     end if
     if (fields%problems%count() > before) return
     do side = 1, 2
       number = exact_value(wanted(side))
-      if (fields%has('surfaces', 'density')) then
+      if (fields%has_name('surfaces', 'density')) then
         if (.not. good_extent) return
         number = anint(number * exact_value(lengths(side)) * exact_value(widths(side)))
       end if
       if (number >= 1.0_real128 .and. number <= real(most_asperities, real128) .and. &
           abs(number - anint(number)) <= 0.0_real128) then
         spec%sides(side)%number = int(number)
-      else if (fields%has('surfaces', 'density')) then
+      else if (fields%has_name('surfaces', 'density')) then
         call fields%complain_of('surfaces', 'density', 'found too few or too many ' // &
              'asperities on the ' // trim(side_names(side)) // ' surface, expected density ' // &
              '* length * width to be from 1 to ' // decimal_text(most_asperities))
@@ -169,10 +169,10 @@ contains
   end subroutine read_plane
 
   !> Group &heights or &radii.
-  subroutine read_gaussian(fields, group, range, gaussian, good)
+  subroutine read_gaussian(fields, group, number_range, gaussian, good)
     type(scene_fields), intent(inout) :: fields
     character(len=*), intent(in) :: group
-    integer, intent(in) :: range
+    integer, intent(in) :: number_range
     type(gaussian_spec), intent(out) :: gaussian(2)
     logical, intent(out) :: good
     type(decimal_value) :: means(2), deviations(2)
@@ -180,9 +180,9 @@ contains
     integer :: before, side
 
     before = fields%problems%count()
-    call fields%require(group, 'mean', 'one')
-    if (group == 'heights') call fields%require(group, 'deviation', 'one, or 0')
-    call fields%take_pair(group, 'mean', range, means)
+    call fields%require_name(group, 'mean', 'one')
+    if (group == 'heights') call fields%require_name(group, 'deviation', 'one, or 0')
+    call fields%take_pair(group, 'mean', number_range, means)
     call fields%take_pair(group, 'deviation', not_negative, deviations)
     gaussian%mean = means
     gaussian%deviation = deviations
@@ -205,13 +205,13 @@ contains
       real(real128), intent(inout) :: cut(2)
       type(decimal_value) :: values(2)
 
-      if (fields%has(group, name) .and. fields%has(group, name // '_deviation')) then
+      if (fields%has_name(group, name) .and. fields%has_name(group, name // '_deviation')) then
         call fields%complain_of(group, name // '_deviation', 'found beside ' // name // &
                                 ', expected one of them')
-      else if (fields%has(group, name)) then
-        call fields%take_pair(group, name, range, values)
+      else if (fields%has_name(group, name)) then
+        call fields%take_pair(group, name, number_range, values)
         cut = exact_value(values)
-      else if (fields%has(group, name // '_deviation')) then
+      else if (fields%has_name(group, name // '_deviation')) then
         call fields%take_pair(group, name // '_deviation', any_number, values)
         cut = exact_value(means) + exact_value(values) * exact_value(deviations)
       end if
@@ -243,16 +243,16 @@ contains
              'leave only what is more than 30 deviations from the mean: expected a range ' // &
              'nearer to it in &' // group)
       end if
-      gaussian(i)%lowest = mean + deviation * max(from, min(-usual_cut, to - beyond(-to)))
-      gaussian(i)%highest = mean + deviation * min(to, max(usual_cut, from + beyond(from)))
+      gaussian(i)%lowest = mean + deviation * max(from, min(-usual_cut, to - reach_beyond(-to)))
+      gaussian(i)%highest = mean + deviation * min(to, max(usual_cut, from + reach_beyond(from)))
     end subroutine set_range
 
     !> So many deviations further out than `place` the chance has fallen by 1e-17.
-    pure real(real128) function beyond(place)
+    pure real(real128) function reach_beyond(place)
       real(real128), intent(in) :: place
 
-      beyond = 40.0_real128 / max(place, 5.0_real128)
-    end function beyond
+      reach_beyond = 40.0_real128 / max(place, 5.0_real128)
+    end function reach_beyond
 
   end subroutine read_gaussian
 
@@ -288,33 +288,37 @@ contains
     integer :: side
 
     associate (deck => spec%deck)
-      call fields%require('deck', 'elastic_modulus', 'one')
-      call take('elastic_modulus', above_zero, 999999999, modulus_field, deck%elastic_modulus)
-      call fields%require('deck', 'poisson_ratio', 'one')
-      call take('poisson_ratio', poisson_range, 1, ratio_field, deck%poisson_ratio)
-      call fields%require('deck', 'allowed_stress', 'one')
-      call take('allowed_stress', not_negative, 999999999, stress_field, deck%allowed_stress)
-      call take('rotation', any_number, 99, angle_field(1), deck%rotation)
+      call fields%require_name('deck', 'elastic_modulus', 'one')
+      call take_card_number('elastic_modulus', above_zero, 999999999, modulus_field, &
+        deck%elastic_modulus)
+      call fields%require_name('deck', 'poisson_ratio', 'one')
+      call take_card_number('poisson_ratio', poisson_range, 1, ratio_field, deck%poisson_ratio)
+      call fields%require_name('deck', 'allowed_stress', 'one')
+      call take_card_number('allowed_stress', not_negative, 999999999, stress_field, &
+        deck%allowed_stress)
+      call take_card_number('rotation', any_number, 99, angle_field(1), deck%rotation)
       width = spec%sides(2)%width
-      call take('lower_width', above_zero, 99, width_field, width)
+      call take_card_number('lower_width', above_zero, 99, width_field, width)
       deck%lower_width = width(1)
-      call take('x_displacement', any_number, 99, shift_field(1), deck%displacement(1:1))
-      call take('y_displacement', any_number, 99, shift_field(2), deck%displacement(2:2))
+      call take_card_number('x_displacement', any_number, 99, shift_field(1), &
+        deck%displacement(1:1))
+      call take_card_number('y_displacement', any_number, 99, shift_field(2), &
+        deck%displacement(2:2))
     end associate
     do side = 1, 2
       associate (wanted => spec%sides(side))
         if (good_plane) then
-          call need(wanted%number <= most_cards, 'at most ' // decimal_text(most_cards) // &
+          call require_fit(wanted%number <= most_cards, 'at most ' // decimal_text(most_cards) // &
                     ' asperities')
-          call need(fits(wanted%length, 99, x_field) .and. fits(wanted%width, 99, x_field), &
-                    'a length and a width from 0.001 to 99 in')
+          call require_fit(fits_card(wanted%length, 99, x_field) .and. fits_card(wanted%width, &
+                    99, x_field), 'a length and a width from 0.001 to 99 in')
         end if
         if (good_radii) &
-          call need(wanted%radius%highest <= wanted%radius%lowest .and. &
-                    fits(wanted%radius%mean, 9, radius_field), &
+          call require_fit(wanted%radius%highest <= wanted%radius%lowest .and. &
+                    fits_card(wanted%radius%mean, 9, radius_field), &
                     'one radius for all, from 0.001 to 9 in')
         if (good_heights) &
-          call need(abs(wanted%height%lowest) < 9.0_real128 .and. &
+          call require_fit(abs(wanted%height%lowest) < 9.0_real128 .and. &
                     abs(wanted%height%highest) < 9.0_real128, 'heights between -9 and 9 in')
       end associate
     end do
@@ -322,46 +326,46 @@ contains
   contains
 
     !> Takes one number, or one for each side.
-    subroutine take(name, range, most, field, values)
+    subroutine take_card_number(name, number_range, most, field, values)
       character(len=*), intent(in) :: name
-      integer, intent(in) :: range, most, field
+      integer, intent(in) :: number_range, most, field
       type(decimal_value), intent(inout) :: values(:)
       integer :: before
 
       before = fields%problems%count()
       if (size(values) == 2) then
-        call fields%take_pair('deck', name, range, values)
+        call fields%take_pair('deck', name, number_range, values)
       else
-        call fields%take_numbers('deck', name, range, values)
+        call fields%take_numbers('deck', name, number_range, values)
       end if
-      if (.not. fields%has('deck', name) .or. fields%problems%count() > before) return
+      if (.not. fields%has_name('deck', name) .or. fields%problems%count() > before) return
       ! Zero where zero is allowed always fits.
-      if (.not. all(fits(values, most, field) .or. &
-                    (range /= above_zero .and. values%digits == 0))) &
+      if (.not. all(fits_card(values, most, field) .or. &
+                    (number_range /= above_zero .and. values%all_digits == 0))) &
         call fields%complain_of('deck', name, 'found a number that its card cannot hold, ' // &
                                 'expected fewer digits')
-    end subroutine take
+    end subroutine take_card_number
 
-    subroutine need(is_so, expected)
+    subroutine require_fit(is_so, expected)
       logical, intent(in) :: is_so
       character(len=*), intent(in) :: expected
 
       if (.not. is_so) &
         call fields%complain_of_group('deck', 'the ' // trim(side_names(side)) // ' surface ' // &
              'does not fit onto cards, expected ' // expected)
-    end subroutine need
+    end subroutine require_fit
 
   end subroutine check_deck
 
   !> Whether a number is at most so large, and not lost behind the last decimal of its card.
-  elemental logical function fits(value, most, field)
+  elemental logical function fits_card(value, most, field)
     type(decimal_value), intent(in) :: value
     integer, intent(in) :: most, field
     real(real128) :: size_of
 
     size_of = abs(exact_value(value))
-    fits = size_of <= real(most, real128) .and. &
+    fits_card = size_of <= real(most, real128) .and. &
            2 * size_of * 10.0_real128**deck_fields(field)%decimals >= 1.0_real128
-  end function fits
+  end function fits_card
 
 end module asperity_generation_spec

@@ -1,4 +1,4 @@
-!> What `asperity generate` shall make, as checked values.
+!> Specifications of `asperity generate` as checked values.
 !>
 !> The first of two sides is the upper surface, the second the lower one.
 module asperity_generation_values
@@ -36,7 +36,7 @@ module asperity_generation_values
     type(gaussian_spec) :: radius          !! radii of the summits, all more than 0
   end type side_spec
 
-  !> What the cards of a deck say beside the asperities: inches, psi, radians.
+  !> Values of the cards of a deck beside the asperities: inches, psi, radians.
   type :: deck_spec
     type(decimal_value) :: elastic_modulus(2)  !! upper, lower
     type(decimal_value) :: poisson_ratio(2)    !! upper, lower
@@ -54,7 +54,7 @@ module asperity_generation_values
   !> A self-affine random height map. Lengths are in one unit.
   type :: map_spec
     integer :: pixels(2) = 0                !! columns and rows
-    type(decimal_value) :: spacing(2)       !! of pixels along x and y, more than 0
+    type(decimal_value) :: pixel_spacing(2)  !! of pixels along x and y, more than 0
     real(real128) :: hurst = 1.0_real128    !! Hurst exponent, more than 0, at most 1
     real(real128) :: roll_off = 0.0_real128 !! wavelength beyond which `below` holds
     real(real128) :: cut_off = 0.0_real128  !! shortest wavelength, at least 2 spacings
@@ -95,14 +95,14 @@ contains
     type(decimal_value), intent(in) :: value  !! at most 18 digits
     integer :: power
 
-    power = abs(value%exponent)
-    if (value%exponent < 0) then
-      exact_value = real(value%digits, real128) / 10.0_real128**power
+    power = abs(value%power_of_ten)
+    if (value%power_of_ten < 0) then
+      exact_value = real(value%all_digits, real128) / 10.0_real128**power
     else
-      exact_value = real(value%digits, real128) * 10.0_real128**power
+      exact_value = real(value%all_digits, real128) * 10.0_real128**power
     end if
-    if (value%twos /= 0) exact_value = scale(real(value%digits, real128), value%twos)
-    if (value%digits == 0_int64) exact_value = 0.0_real128
+    if (value%twos /= 0) exact_value = scale(real(value%all_digits, real128), value%twos)
+    if (value%all_digits == 0_int64) exact_value = 0.0_real128
   end function exact_value
 
 end module asperity_generation_values

@@ -42,7 +42,7 @@ module asperity_height_map
   real(real64), parameter :: least_length = 1.0e-30_real64, most_length = 1.0e30_real64
   !> Larger heights are refused.
   real(real64), parameter :: highest = 1.0e30_real64
-  !> What a message expects of a height.
+  !> Heights that are accepted, for a message.
   character(len=*), parameter :: expected_height = 'a height of at most 1e30, or NaN where missing'
   ! Fewer pixels a side have no summit.
   integer, parameter :: fewest = 3
@@ -52,17 +52,17 @@ module asperity_height_map
   integer, parameter :: longest_cell = 120
   !> No digit was read yet.
   integer, parameter :: no_power = huge(0)
-  !> What a message says of a length.
+  !> Lengths that are accepted, for a message.
   character(len=*), parameter :: expected_length = 'a length from 1e-30 to 1e30'
 
   !> The map. Lengths are in `unit`; y grows with the row.
   type :: height_map
     integer :: columns = 0                      !! samples of a profile, along x
     integer :: rows = 0                         !! profiles, along y
-    real(real64) :: spacing(2) = 0.0_real64     !! of pixels along x and y; 0: not given
+    real(real64) :: pixel_spacing(2) = 0.0_real64  !! of pixels along x and y; 0: not given
     real(real64), allocatable :: height(:, :)   !! by column and row; `no_height` where missing
     character(len=:), allocatable :: unit       !! of all lengths; empty where the file has none
-    !> What one more in the last digit of a height is, as the file has heights; 0: not known.
+    !> Height of one unit in the last digit of the file's heights; 0: not known.
     real(real64) :: digit = 0.0_real64
     logical :: own_spacing = .true.             !! the spacing came with the heights
     integer :: edge = 0                         !! which of `edge_names` came with them; 0: none
@@ -110,7 +110,7 @@ contains
   !> Moves a map without a copy of its heights.
   pure subroutine move_map(from, to)
     type(height_map), intent(inout) :: from  !! left without heights
-    type(height_map), intent(out) :: to      !! the map
+    type(height_map), intent(out) :: to      !! map with all values but its heights
     real(real64), allocatable :: height(:, :)
 
     call move_alloc(from%height, height)
@@ -127,7 +127,7 @@ contains
     factor = unit_ratio(map%unit, unit)
     map%unit = trim(length_units(unit))
     if (abs(factor - 1.0_real64) < epsilon(factor)) return
-    map%spacing = map%spacing * factor
+    map%pixel_spacing = map%pixel_spacing * factor
     map%digit = map%digit * factor
     where (is_measured(map%height)) map%height = map%height * factor
   end subroutine change_unit
@@ -142,36 +142,37 @@ contains
   end subroutine put_in_unit
 
   !> Gives a map that came without a spacing the one that stands beside it.
-  pure subroutine give_spacing(map, spacing, option, shared, fault)
+  pure subroutine give_spacing(map, given_spacing, option, shared, fault)
     type(height_map), intent(inout) :: map  !! its spacing is 0, 0 where it came without
-    real(real64), intent(in) :: spacing(2)  !! along x and y; 0, 0: none is given
+    real(real64), intent(in) :: given_spacing(2)  !! along x and y; 0, 0: none is given
     character(len=*), intent(in) :: option  !! name of the spacing, for the message
     logical, intent(in) :: shared           !! the spacing is that of another map, where not needed
     character(len=:), allocatable, intent(out) :: fault  !! what is wrong; empty: nothing
 
     fault = ''
-    map%own_spacing = all(map%spacing > 0.0_real64)
-    if (.not. map%own_spacing) map%spacing = spacing
-    if (map%own_spacing .and. any(spacing > 0.0_real64) .and. .not. shared) then
+    map%own_spacing = all(map%pixel_spacing > 0.0_real64)
+    if (.not. map%own_spacing) map%pixel_spacing = given_spacing
+    if (map%own_spacing .and. any(given_spacing > 0.0_real64) .and. .not. shared) then
       fault = option // ' given, but the map has its own, expected none'
-    else if (.not. all(map%spacing > 0.0_real64)) then
+    else if (.not. all(map%pixel_spacing > 0.0_real64)) then
       fault = 'found heights without a spacing, expected ' // option // ' along x and y'
     end if
   end subroutine give_spacing
 
-  !> What is wrong with a spacing that is given; empty: nothing.
-  pure function fault_of_spacing(spacing, option) result(fault)
-    real(real64), intent(in) :: spacing(2)   !! along x and y; 0, 0: none is given
+  !> Returns what is wrong with a spacing that is given; empty: nothing.
+  pure function fault_of_spacing(given_spacing, option) result(fault)
+    real(real64), intent(in) :: given_spacing(2)  !! along x and y; 0, 0: none is given
     character(len=*), intent(in) :: option   !! name of the spacing, for the message
     character(len=:), allocatable :: fault   !! what was found and what is expected
 
     fault = ''
-    if (all(abs(spacing) <= 0.0_real64) .or. all(is_length(spacing))) return
-    fault = option // ': found ' // real_text(spacing(1)) // ', ' // real_text(spacing(2)) // &
+    if (all(abs(given_spacing) <= 0.0_real64) .or. all(is_length(given_spacing))) return
+    fault = option // ': found ' // real_text(given_spacing(1)) // ', ' // &
+            real_text(given_spacing(2)) // &
             ', expected two numbers, each ' // expected_length // ', or 0 for both'
   end function fault_of_spacing
 
-  !> What no map may be, whatever it came from; empty: nothing is wrong.
+  !> Returns what is wrong with a map of any source; empty: nothing.
   pure function fault_of_map(map) result(fault)
     type(height_map), intent(in) :: map     !! with its heights
     character(len=:), allocatable :: fault  !! what was found and what is expected
@@ -227,14 +228,14 @@ contains
   pure function plain_unit(name) result(plain)
     character(len=*), intent(in) :: name    !! as it is written
     character(len=:), allocatable :: plain  !! without blanks around it
-    character(len=*), parameter :: micro(3) = [char(194) // char(181), char(206) // char(188), &
-                                               char(181) // ' ']
+    character(len=*), parameter :: micro = char(194) // char(181) // char(206) // char(188) // &
+                                           char(181) // ' '
     integer :: i, at
 
     plain = trim(adjustl(name))
-    do i = 1, size(micro)
-      at = index(plain, trim(micro(i)))
-      if (at > 0) plain = plain(:at - 1) // 'u' // plain(at + len_trim(micro(i)):)
+    do i = 1, 5, 2
+      at = index(plain, trim(micro(i:i + 1)))
+      if (at > 0) plain = plain(:at - 1) // 'u' // plain(at + len_trim(micro(i:i + 1)):)
     end do
     if (any(lower_case(plain) == [character(len=7) :: 'micron', 'microns'])) plain = 'um'
   end function plain_unit
@@ -242,7 +243,8 @@ contains
   !> Allocates the heights. `failure` is allocated when there is no memory for them.
   subroutine make_room(map, failure)
     type(height_map), intent(inout) :: map                 !! its numbers of columns and rows set
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! reason that there is no memory; not
+                                                           !! allocated: there is
 
     if (.not. has_memory(8_int64 * int(map%columns, int64) * int(map%rows, int64))) then
       failure = not_enough_memory // ' for the map, ' // decimal_text(map%columns) // ' x ' // &
@@ -254,7 +256,7 @@ contains
 
   !> Reads a height, or a word for a missing one: `BAD` or `NaN`.
   pure subroutine read_height(word, height, good, power)
-    character(len=*), intent(in) :: word   !! without blanks
+    character(len=*), intent(in) :: word   !! word without blanks around it
     real(real64), intent(out) :: height    !! `no_height` for a missing one
     logical, intent(out) :: good           !! whether it is a height
     !> of ten, of the last digit of all that were read; `no_power` before the first
@@ -267,13 +269,13 @@ contains
     call read_numeral(word, decimal, good)
     if (good) then
       height = decimal_to_real64(decimal)
-      if (decimal%digits /= 0_int64) power = min(power, decimal%exponent)
+      if (decimal%all_digits /= 0_int64) power = min(power, decimal%power_of_ten)
       return
     end if
     good = any(lower_case(word) == [character(len=4) :: 'bad', 'nan', '-nan'])
   end subroutine read_height
 
-  !> What one more in the last digit is: 0 where there is none.
+  !> Height of one unit in the last digit; 0 where there is none.
   pure real(real64) function digit_of(power)
     integer, intent(in) :: power  !! as `read_height` leaves it
 

@@ -51,13 +51,14 @@ contains
 
   !> Reads and checks a map. With problems, or when `failure` is allocated because there is no
   !> memory for it, the map is not to be used.
-  subroutine read_height_map(path, spacing, progress, map, problems, failure, option)
+  subroutine read_height_map(path, pixel_spacing, progress, map, problems, failure, option)
     character(len=*), intent(in) :: path                    !! the file; `-` is standard input
-    real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
+    real(real64), intent(in) :: pixel_spacing(2)  !! of a matrix along x and y; 0 when not given
     logical, intent(in) :: progress                         !! report the progress
-    type(height_map), intent(out) :: map                    !! its samples
+    type(height_map), intent(out) :: map                    !! map with its heights
     type(problem_list), intent(inout) :: problems           !! all that is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    character(len=:), allocatable, intent(out) :: failure   !! reason that there is no memory; not
+                                                            !! allocated: there is
     character(len=*), intent(in), optional :: option        !! that gives the spacing; `spacing`
     type(line_reader) :: file
     character(len=:), allocatable :: name
@@ -69,21 +70,24 @@ contains
     end if
     name = 'spacing'
     if (present(option)) name = option
-    call take_height_map(path, file, spacing, name, .false., progress, map, problems, failure)
+    call take_height_map(path, file, pixel_spacing, name, .false., progress, map, problems, failure)
     call file%close()
   end subroutine read_height_map
 
-  !> The same of a file that is open.
-  subroutine take_height_map(path, file, spacing, option, shared, progress, map, problems, failure)
+  ! Long: three arguments say how the spacing of the scene or command line is used.
+  !> Reads and checks a map from a file that is open.
+  subroutine take_height_map(path, file, pixel_spacing, option, shared, progress, map, problems, &
+    failure)
     character(len=*), intent(in) :: path                    !! name for the messages
     type(line_reader), intent(inout) :: file               !! at its first byte
-    real(real64), intent(in) :: spacing(2)    !! of a matrix along x and y; 0 when not given
+    real(real64), intent(in) :: pixel_spacing(2)  !! of a matrix along x and y; 0 when not given
     character(len=*), intent(in) :: option                  !! that gives it, for the messages
     logical, intent(in) :: shared             !! no spacing for a map that has its own
     logical, intent(in) :: progress                         !! report the progress
-    type(height_map), intent(out) :: map                    !! its samples
+    type(height_map), intent(out) :: map                    !! map with its heights
     type(problem_list), intent(inout) :: problems           !! all that is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    character(len=:), allocatable, intent(out) :: failure   !! reason that there is no memory; not
+                                                            !! allocated: there is
     type(sdf_header) :: header
     character(len=:), allocatable :: fault, magic
     integer :: before
@@ -92,7 +96,7 @@ contains
     before = problems%count()
     map%unit = ''
     call map%notes%start(path)
-    fault = fault_of_spacing(spacing, option)
+    fault = fault_of_spacing(pixel_spacing, option)
     if (fault /= '') then
       call problems%add(fault)
       return
@@ -106,7 +110,7 @@ contains
       else
         call read_binary_header(file, magic, header, problems)
       end if
-      map%spacing = header%scale(:2)
+      map%pixel_spacing = header%scale_factor(:2)
       if (problems%count() == before) call take_spacing()
       if (problems%count() == before) &
         call read_sdf_samples(file, header, progress, map, problems, failure)
@@ -119,7 +123,7 @@ contains
     else if (is_binary(magic)) then
       call problems%add_at(1, 1, 'found a control character, expected ' // expected)
     else
-      call read_text_map(file, spacing, option, shared, progress, map, problems, failure)
+      call read_text_map(file, pixel_spacing, option, shared, progress, map, problems, failure)
     end if
     if (allocated(file%failure) .and. problems%count() == before) &
       call problems%add_in_file('byte ' // decimal_text(file%before + int(file%at, int64)) // &
@@ -132,7 +136,7 @@ contains
   contains
 
     subroutine take_spacing()
-      call give_spacing(map, spacing, option, shared, fault)
+      call give_spacing(map, pixel_spacing, option, shared, fault)
       if (fault /= '') call problems%add_in_file(fault)
     end subroutine take_spacing
 
@@ -158,7 +162,7 @@ contains
     real(real64), intent(in) :: along(2)       !! spacing along x and y; 0, 0: not given
     character(len=*), intent(in) :: unit       !! of all lengths; empty: none
     integer, intent(in) :: edge                !! which of `edge_names`; 0: not given
-    type(height_map), intent(out) :: map       !! the same
+    type(height_map), intent(out) :: map       !! map with a copy of the heights
     type(problem_list), intent(inout) :: problems           !! what is wrong
     character(len=:), allocatable, intent(out) :: failure   !! why there is no map
     character(len=:), allocatable :: list, fault
@@ -167,7 +171,7 @@ contains
     before = problems%count()
     map%columns = size(height, 1)
     map%rows = size(height, 2)
-    map%spacing = along
+    map%pixel_spacing = along
     map%unit = plain_unit(unit)
     map%edge = edge
     call map%notes%start(which)

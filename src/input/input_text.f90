@@ -5,7 +5,7 @@ module asperity_input_text
   implicit none
   private
 
-  public :: blanks, read_text, check_text, text_start, line_end, lower_case, quoted
+  public :: blanks, read_text, check_text, text_start, line_end, lower_case, in_quotes
 
   !> Characters that only separate.
   character(len=*), parameter :: blanks = ' ' // achar(9) // achar(10) // achar(13)
@@ -16,45 +16,45 @@ module asperity_input_text
 contains
 
   !> Reads a whole file; a file that cannot be read is a problem at its first byte.
-  subroutine read_text(path, kind, text, problems, opened)
+  subroutine read_text(path, expected_kind, text, problems, opened)
     character(len=*), intent(in) :: path                !! the file; `-` is standard input
-    character(len=*), intent(in) :: kind                !! what it should be, for the message
-    character(len=:), allocatable, intent(out) :: text  !! its bytes
+    character(len=*), intent(in) :: expected_kind       !! what it should be, for the message
+    character(len=:), allocatable, intent(out) :: text  !! all bytes of the file
     type(problem_list), intent(inout) :: problems       !! names this file from now on
     class(byte_reader), intent(inout), optional :: opened  !! the file, at its first byte
     type(byte_reader) :: file
 
     call problems%start(path)
     if (present(opened)) then
-      call take(opened)
+      call take_bytes(opened)
     else
       if (path == '-') then
         call file%open('/dev/stdin')
       else
         call file%open(path)
       end if
-      call take(file)
+      call take_bytes(file)
       call file%close()
     end if
 
   contains
 
-    subroutine take(from)
+    subroutine take_bytes(from)
       class(byte_reader), intent(inout) :: from
 
       if (.not. allocated(from%failure)) call from%take_whole(text)
       if (.not. allocated(from%failure)) return
       problems%lacks_memory = index(from%failure, not_enough_memory) > 0
-      call problems%add_at(1, 1, from%failure // ', expected ' // kind)
+      call problems%add_at(1, 1, from%failure // ', expected ' // expected_kind)
       text = ''
-    end subroutine take
+    end subroutine take_bytes
 
   end subroutine read_text
 
   !> Reports the first byte that is no text.
-  pure subroutine check_text(text, kind, problems)
+  pure subroutine check_text(text, expected_kind, problems)
     character(len=*), intent(in) :: text           !! the whole file
-    character(len=*), intent(in) :: kind           !! what it should be, for the message
+    character(len=*), intent(in) :: expected_kind  !! what it should be, for the message
     type(problem_list), intent(inout) :: problems  !! gets a problem when there is such a byte
     integer :: i, code
 
@@ -63,7 +63,7 @@ contains
       if (code >= 32 .and. code /= 127) cycle
       if (code == 9 .or. code == 10 .or. code == 13) cycle
       call problems%add_at_byte(text, i, 'not a text file: found a control character, expected ' &
-                                // kind)
+                                // expected_kind)
       return
     end do
   end subroutine check_text
@@ -87,7 +87,7 @@ contains
 
   !> The text with its ASCII capitals made small.
   pure function lower_case(text) result(small)
-    character(len=*), intent(in) :: text  !! any text
+    character(len=*), intent(in) :: text  !! text of any bytes
     character(len=len(text)) :: small     !! the same in small letters
     integer :: i, code
 
@@ -99,7 +99,7 @@ contains
   end function lower_case
 
   !> A piece of the file for a message: between quotes, cut when long.
-  pure function quoted(piece) result(text)
+  pure function in_quotes(piece) result(text)
     character(len=*), intent(in) :: piece  !! the piece as it was found
     character(len=:), allocatable :: text  !! for instance `'1.2.3'`
 
@@ -108,6 +108,6 @@ contains
     else
       text = '''' // piece(:most_repeated) // '...'''
     end if
-  end function quoted
+  end function in_quotes
 
 end module asperity_input_text

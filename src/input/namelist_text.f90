@@ -3,7 +3,7 @@
 !> The text is parsed here and not by a NAMELIST statement, so that problems have a place.
 !> Nothing is known here of what the groups mean.
 module asperity_namelist_text
-  use asperity_input_text, only: blanks, line_end, lower_case, quoted, text_start
+  use asperity_input_text, only: blanks, line_end, lower_case, in_quotes, text_start
   use asperity_problems, only: problem_list
   implicit none
   private
@@ -15,12 +15,12 @@ module asperity_namelist_text
   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
   character(len=*), parameter :: word_ends = blanks // ',/=!&''"'
 
-  !> What an item is: `&name ... /`, `name = values`, or one of the values.
+  !> Kinds of items: `&name ... /`, `name = values`, or one of the values.
   integer, parameter :: a_group = 1, a_name = 2, a_value = 3
 
   !> A group, a name or a value.
   type :: namelist_item
-    integer :: kind = a_value       !! which of them
+    integer :: item_kind = a_value  !! which of them
     integer :: first = 1, last = 0  !! its place: without `&`, without quotes
     integer :: group = 0            !! of a name: number of its group's item
     integer :: values = 0           !! of a name: so many items that follow are its values
@@ -33,7 +33,7 @@ module asperity_namelist_text
   type :: namelist_text
     character(len=:), allocatable :: text            !! its bytes
     type(namelist_item), allocatable :: items(:)     !! in their order
-    integer :: count = 0                             !! so many of `items` are there
+    integer :: item_count = 0                        !! so many of `items` are there
   contains
     procedure :: value_text   !! the text of a value; a doubled quote is one
     procedure :: name_text    !! a name in small letters
@@ -65,7 +65,7 @@ contains
         ! One problem for all that stands between two groups.
         if (.not. stray) &
           call problems%add_at_byte(text, at, 'text outside a group: found ' // &
-                                    quoted(text(at:max(at, word_end(text, at)))) // &
+                                    in_quotes(text(at:max(at, word_end(text, at)))) // &
                                     ', expected ''&'' and a group''s name' // form_hint(text, at))
         stray = .true.
         call skip_item(text, at)
@@ -75,7 +75,7 @@ contains
 
   !> The text of value number `i`.
   pure function value_text(self, i) result(text)
-    class(namelist_text), intent(in) :: self  !! the file
+    class(namelist_text), intent(in) :: self  !! file as groups, names and values
     integer, intent(in) :: i                  !! number of the item
     character(len=:), allocatable :: text     !! without quotes; a doubled quote is one
     character(len=1) :: quote
@@ -96,7 +96,7 @@ contains
 
   !> The name of a group or of values, number `i`, in small letters.
   pure function name_text(self, i) result(text)
-    class(namelist_text), intent(in) :: self  !! the file
+    class(namelist_text), intent(in) :: self  !! file as groups, names and values
     integer, intent(in) :: i                  !! number of the item
     character(len=:), allocatable :: text     !! empty for a group without a name
 
@@ -113,9 +113,9 @@ contains
 
     ampersand = at
     at = name_end(list%text, ampersand + 1) + 1
-    name = quoted(list%text(ampersand:at - 1))
+    name = in_quotes(list%text(ampersand:at - 1))
     call list%add_item(namelist_item(a_group, ampersand + 1, at - 1))
-    number = list%count
+    number = list%item_count
     if (at == ampersand + 1) &
       call list%refuse_item(number, ampersand, 'a group without a name: found ''&'' alone, ' // &
                             'expected a group''s name right behind it', problems)
@@ -151,7 +151,7 @@ contains
     logical :: comma
 
     last = name_end(list%text, at)
-    name = quoted(list%text(at:last))
+    name = in_quotes(list%text(at:last))
     equals = last + 1
     call skip_blanks(list%text, equals)
     if (last < at .or. next_character(list%text, equals) /= '=') then
@@ -161,14 +161,14 @@ contains
         list%items(group)%is_broken = .true.
       end if
       call list%refuse_item(group, at, 'no name with values: found ' // &
-                            quoted(list%text(at:max(at, word_end(list%text, at)))) // &
+                            in_quotes(list%text(at:max(at, word_end(list%text, at)))) // &
                             ', expected ''name = value'' or ''/''' // form_hint(list%text, at), &
                             problems)
       call skip_item(list%text, at)
       return
     end if
     call list%add_item(namelist_item(a_name, at, last, group))
-    number = list%count
+    number = list%item_count
     at = equals + 1
     comma = .true.
     do
@@ -186,8 +186,8 @@ contains
         exit
       end if
     end do
-    list%items(number)%values = list%count - number
-    if (list%count == number) &
+    list%items(number)%values = list%item_count - number
+    if (list%item_count == number) &
       call list%refuse_item(number, at, 'a value is missing: found none, expected a value of ' // &
                             name, problems)
   end subroutine read_name
@@ -289,13 +289,13 @@ contains
     type(namelist_item), intent(in) :: item
     type(namelist_item), allocatable :: larger(:)
 
-    if (self%count == size(self%items)) then
-      allocate (larger(2 * self%count))
-      larger(:self%count) = self%items
+    if (self%item_count == size(self%items)) then
+      allocate (larger(2 * self%item_count))
+      larger(:self%item_count) = self%items
       call move_alloc(larger, self%items)
     end if
-    self%count = self%count + 1
-    self%items(self%count) = item
+    self%item_count = self%item_count + 1
+    self%items(self%item_count) = item
   end subroutine add_item
 
   ! Reports a problem of an item, unless a problem that may be its cause has been reported.
@@ -342,7 +342,7 @@ contains
   !> The character at a place, or a blank behind the end.
   pure character(len=1) function next_character(text, at)
     character(len=*), intent(in) :: text  !! the whole file
-    integer, intent(in) :: at             !! place
+    integer, intent(in) :: at             !! place in the text
 
     next_character = ' '
     if (at <= len(text)) next_character = text(at:at)

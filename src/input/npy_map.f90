@@ -7,7 +7,7 @@ module asperity_npy_map
   use asperity_byte_reader, only: byte_reader
   use asperity_height_map, only: expected_height, height_map, highest, largest_height, make_room, &
                                  most_samples, no_height
-  use asperity_input_text, only: blanks, quoted
+  use asperity_input_text, only: blanks, in_quotes
   use asperity_kinds, only: int32, int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
@@ -24,13 +24,13 @@ module asperity_npy_map
   character(len=*), parameter :: expected_types = &
     'float64 or float32 (f8, f4) or whole numbers (i1 to i8, u1 to u8)'
 
-  !> What the header states.
+  !> Values of the header.
   type :: npy_header
-    character(len=1) :: kind = ' '        ! f, i or u
+    character(len=1) :: sample_kind = ' '  ! f, i or u
     integer :: wide = 0                   ! bytes of a pixel
     logical :: big_endian = .false.       ! the first byte is the most significant
     logical :: by_columns = .false.       ! Fortran order
-    integer(int64) :: shape(2) = 0_int64  ! rows, columns
+    integer(int64) :: rows_columns(2) = 0_int64  ! rows, columns
   end type npy_header
 
 contains
@@ -45,7 +45,7 @@ contains
   !> Reads all pixels. `failure` is allocated when there is no memory for them.
   subroutine read_npy_map(file, magic, progress, map, problems, failure)
     class(byte_reader), intent(inout) :: file               !! behind its first 8 bytes
-    character(len=*), intent(in) :: magic                   !! these bytes
+    character(len=*), intent(in) :: magic                   !! the first 8 bytes of the file
     logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
@@ -59,45 +59,45 @@ contains
     call take_header(file, magic, text, problems)
     if (problems%count() == before) call read_header(text, header, problems)
     if (problems%count() > before) return
-    if (any(header%shape > most_samples) .or. &
-        product(min(header%shape, most_samples)) > most_samples) then
+    if (any(header%rows_columns > most_samples) .or. &
+        product(min(header%rows_columns, most_samples)) > most_samples) then
       call problems%add_in_file('header: found ' // shape_text(header) // ', expected at most ' // &
                                 decimal_text(most_samples) // ' pixels')
       return
     end if
-    needed = product(header%shape) * header%wide
-    if (file%length >= 0_int64 .and. file%length - here(file) /= needed) then
-      call problems%add_in_file('found ' // decimal_text(file%length - here(file)) // &
+    needed = product(header%rows_columns) * header%wide
+    if (file%length >= 0_int64 .and. file%length - bytes_read(file) /= needed) then
+      call problems%add_in_file('found ' // decimal_text(file%length - bytes_read(file)) // &
                                 ' bytes behind the header, expected ' // decimal_text(needed) // &
                                 ' for ' // shape_text(header) // ' of ' // &
                                 decimal_text(header%wide) // ' bytes a pixel')
       return
     end if
-    map%rows = int(header%shape(1))
-    map%columns = int(header%shape(2))
+    map%rows = int(header%rows_columns(1))
+    map%columns = int(header%rows_columns(2))
     call make_room(map, failure)
     if (.not. allocated(failure)) call read_pixels(file, header, progress, map, problems)
     if (problems%count() > before .or. allocated(failure)) return
     ! A whole number counts; a real one is as good as its format.
     map%digit = 1.0_real64
-    if (header%kind == 'f') map%digit = spacing(largest_height(map))
-    if (header%kind == 'f' .and. header%wide == 4) &
+    if (header%sample_kind == 'f') map%digit = spacing(largest_height(map))
+    if (header%sample_kind == 'f' .and. header%wide == 4) &
       map%digit = real(spacing(real(largest_height(map), real32)), real64)
   end subroutine read_npy_map
 
   ! Bytes before the next one.
-  pure integer(int64) function here(file)
+  pure integer(int64) function bytes_read(file)
     class(byte_reader), intent(in) :: file
 
-    here = file%before + int(file%at, int64) - 1_int64
-  end function here
+    bytes_read = file%before + int(file%at, int64) - 1_int64
+  end function bytes_read
 
   pure function shape_text(header) result(text)
     type(npy_header), intent(in) :: header
     character(len=:), allocatable :: text
 
-    text = 'shape (' // decimal_text(header%shape(1)) // ', ' // &
-           decimal_text(header%shape(2)) // ')'
+    text = 'shape (' // decimal_text(header%rows_columns(1)) // ', ' // &
+           decimal_text(header%rows_columns(2)) // ')'
   end function shape_text
 
   ! The text of the header, whose length is stated in two bytes of version 1, and in four later on.
@@ -126,7 +126,7 @@ contains
     end if
     call file%take(int(length), text)
     if (len(text) < length .or. len(bytes) < merge(2, 4, version == 1)) &
-      call problems%add_in_file('byte ' // decimal_text(here(file) + 1_int64) // &
+      call problems%add_in_file('byte ' // decimal_text(bytes_read(file) + 1_int64) // &
                                 ': the file ends in the header, expected ' // &
                                 decimal_text(length) // ' bytes of it')
   end subroutine take_header
@@ -145,21 +145,21 @@ contains
     before = problems%count()
     seen = .false.
     at = 1
-    call next(word)
+    call take_token(word)
     good = word == '{'
     do while (good)
-      call next(word)
+      call take_token(word)
       if (word == '}') exit
-      name = findloc(names == unquoted(word), .true., 1)
-      call next(word)
+      name = findloc(names == without_quotes(word), .true., 1)
+      call take_token(word)
       good = name > 0 .and. word == ':'
       if (good) good = .not. seen(name)
       if (.not. good) exit
       seen(name) = .true.
-      call next(word)
+      call take_token(word)
       select case (name)
       case (1)
-        call take_type(unquoted(word), header, problems)
+        call take_type(without_quotes(word), header, problems)
       case (2)
         good = word == 'True' .or. word == 'False'
         header%by_columns = word == 'True'
@@ -167,20 +167,20 @@ contains
         call take_shape(word, header, problems)
       end select
       if (problems%count() > before) return
-      call next(word)
+      call take_token(word)
       if (word == '}') exit
       good = good .and. word == ','
     end do
-    call next(word)
+    call take_token(word)
     if (good .and. all(seen) .and. word == '') return
-    call problems%add_in_file('header: found ' // quoted(text(:min(len(text), 100))) // &
+    call problems%add_in_file('header: found ' // in_quotes(text(:min(len(text), 100))) // &
                               ', expected {''descr'': TYPE, ''fortran_order'': False or True, ' // &
                               '''shape'': (ROWS, COLUMNS)}')
 
   contains
 
     ! A sign, a text with its quotes, a word, or all from a bracket to the last one that closes.
-    subroutine next(found)
+    subroutine take_token(found)
       character(len=:), allocatable, intent(out) :: found
       character(len=*), parameter :: signs = '{}:,'
       integer :: last
@@ -202,16 +202,16 @@ contains
       last = max(last, at)
       found = text(at:last)
       at = last + 1
-    end subroutine next
+    end subroutine take_token
 
-    pure function unquoted(word) result(inner)
+    pure function without_quotes(word) result(inner)
       character(len=*), intent(in) :: word
       character(len=:), allocatable :: inner
 
       inner = word
       if (len(word) < 2) return
       if (scan(word(1:1), '''"') == 1) inner = word(2:len(word) - 1)
-    end function unquoted
+    end function without_quotes
 
   end subroutine read_header
 
@@ -226,12 +226,12 @@ contains
     if (good) good = any(word(2:3) == ['f8', 'f4', 'i1', 'i2', 'i4', 'i8', 'u1', 'u2', 'u4', 'u8'])
     if (good) good = scan(word(1:1), '<>') == 1 .or. (word(1:1) == '|' .and. word(3:3) == '1')
     if (.not. good) then
-      call problems%add_in_file('header: type of the array: found ' // quoted(word) // &
+      call problems%add_in_file('header: type of the array: found ' // in_quotes(word) // &
                                 ', expected ' // expected_types)
       return
     end if
     header%big_endian = word(1:1) == '>'
-    header%kind = word(2:2)
+    header%sample_kind = word(2:2)
     header%wide = iachar(word(3:3)) - iachar('0')
   end subroutine take_type
 
@@ -241,21 +241,21 @@ contains
     type(npy_header), intent(inout) :: header
     type(problem_list), intent(inout) :: problems
     character(len=*), parameter :: figures = '0123456789'
-    integer :: at, digits, found
+    integer :: at, digit_count, found
 
     found = 0
     at = scan(word, figures)
     do while (at > 0)
-      digits = verify(word(at:) // '.', figures) - 1
+      digit_count = verify(word(at:) // '.', figures) - 1
       found = found + 1
-      if (found <= 2) read (word(at:at + min(digits, 18) - 1), *) header%shape(found)
-      if (found <= 2 .and. digits > 18) header%shape(found) = huge(header%shape)
-      at = at + digits
+      if (found <= 2) read (word(at:at + min(digit_count, 18) - 1), *) header%rows_columns(found)
+      if (found <= 2 .and. digit_count > 18) header%rows_columns(found) = huge(header%rows_columns)
+      at = at + digit_count
       if (scan(word(at:), figures) == 0) exit
       at = at - 1 + scan(word(at:), figures)
     end do
     if (found /= 2 .or. verify(word, figures // '(), L') > 0) &
-      call problems%add_in_file('header: shape of the array: found ' // quoted(word) // &
+      call problems%add_in_file('header: shape of the array: found ' // in_quotes(word) // &
                                 ', expected (ROWS, COLUMNS)')
   end subroutine take_shape
 
@@ -280,18 +280,18 @@ contains
         last = min(pixels, first + block_pixels - 1)
         call file%take(header%wide * (last - first + 1), bytes)
         if (len(bytes) < header%wide * (last - first + 1)) then
-          call problems%add_in_file('byte ' // decimal_text(here(file) + 1_int64) // &
+          call problems%add_in_file('byte ' // decimal_text(bytes_read(file) + 1_int64) // &
                                     ': the file ends, expected ' // shape_text(header))
           return
         end if
         do i = first, last
           at = header%wide * (i - first)
           place = merge([line, i], [i, line], header%by_columns)
-          call decode(bytes(at + 1:at + header%wide), header, height, good)
+          call decode_pixel(bytes(at + 1:at + header%wide), header, height, good)
           map%height(place(1), place(2)) = height
           if (.not. good) &
             call problems%add_in_file('byte ' // &
-                 decimal_text(here(file) - len(bytes, int64) + at + 1_int64) // &
+                 decimal_text(bytes_read(file) - len(bytes, int64) + at + 1_int64) // &
                  ', pixel [' // decimal_text(place(2) - 1) // '][' // &
                  decimal_text(place(1) - 1) // ']: found an infinite or too large height, ' // &
                  'expected ' // expected_height)
@@ -302,33 +302,33 @@ contains
     call shown%finish()
     call file%take(1, bytes)
     if (len(bytes) > 0) &
-      call problems%add_in_file('byte ' // decimal_text(here(file)) // ': found bytes behind ' // &
-                                shape_text(header) // ', expected none')
+      call problems%add_in_file('byte ' // decimal_text(bytes_read(file)) // &
+                                ': found bytes behind ' // shape_text(header) // ', expected none')
   end subroutine read_pixels
 
   ! The height in the bytes of a pixel. NaN is a missing one.
-  pure subroutine decode(bytes, header, height, good)
+  pure subroutine decode_pixel(bytes, header, height, good)
     character(len=*), intent(in) :: bytes
     type(npy_header), intent(in) :: header
     real(real64), intent(out) :: height
     logical, intent(out) :: good
     integer(int64) :: bits, top
-    integer :: fraction
+    integer :: fraction_bits
 
     bits = bits_of(bytes, header%big_endian)
     good = .true.
     height = no_height
-    if (header%kind == 'f') then
-      fraction = merge(23, 52, header%wide == 4)
-      top = shiftl(1_int64, 8 * header%wide - 1 - fraction) - 1_int64
-      if (iand(shiftr(bits, fraction), top) == top) then
-        good = iand(bits, shiftl(1_int64, fraction) - 1_int64) /= 0_int64
+    if (header%sample_kind == 'f') then
+      fraction_bits = merge(23, 52, header%wide == 4)
+      top = shiftl(1_int64, 8 * header%wide - 1 - fraction_bits) - 1_int64
+      if (iand(shiftr(bits, fraction_bits), top) == top) then
+        good = iand(bits, shiftl(1_int64, fraction_bits) - 1_int64) /= 0_int64
         return
       end if
-      if (header%wide == 4) height = real(transfer(int(signed(), int32), 1.0_real32), real64)
+      if (header%wide == 4) height = real(transfer(int(signed_bits(), int32), 1.0_real32), real64)
       if (header%wide == 8) height = transfer(bits, height)
-    else if (header%kind == 'i') then
-      height = real(signed(), real64)
+    else if (header%sample_kind == 'i') then
+      height = real(signed_bits(), real64)
     else if (bits >= 0_int64) then
       height = real(bits, real64)
     else
@@ -340,13 +340,13 @@ contains
   contains
 
     ! The bits as a number with sign.
-    pure integer(int64) function signed()
-      signed = bits
+    pure integer(int64) function signed_bits()
+      signed_bits = bits
       if (header%wide == 8) return
-      if (btest(bits, 8 * header%wide - 1)) signed = bits - shiftl(1_int64, 8 * header%wide)
-    end function signed
+      if (btest(bits, 8 * header%wide - 1)) signed_bits = bits - shiftl(1_int64, 8 * header%wide)
+    end function signed_bits
 
-  end subroutine decode
+  end subroutine decode_pixel
 
   ! The whole number without sign in some bytes.
   pure integer(int64) function bits_of(bytes, big_endian)

@@ -21,7 +21,7 @@ module asperity_number_ranges
   !> More than 0 and at most 1.
   integer, parameter :: share_or_all = 6
 
-  !> What the messages say of them: `expected_numbers(above_zero)`.
+  !> Each range in words, for messages: `expected_numbers(above_zero)`.
   character(len=*), parameter :: expected_numbers(6) = [character(len=50) :: &
     'a finite number within the range of a double', 'a number more than 0', &
     'a number more than 0 and less than 1', 'a number more than -1 and at most 0.5', &
@@ -30,23 +30,23 @@ module asperity_number_ranges
 contains
 
   !> Whether a number is in a range.
-  pure logical function in_range(value, range)
-    type(decimal_value), intent(in) :: value  !! the number
-    integer, intent(in) :: range              !! `any_number` or another range
+  pure logical function in_range(value, number_range)
+    type(decimal_value), intent(in) :: value  !! number that is checked
+    integer, intent(in) :: number_range       !! `any_number` or another range
     real(real64) :: number
 
     number = decimal_to_real64(value)
-    select case (range)
+    select case (number_range)
     case (above_zero)
-      in_range = value%digits > 0_int64
+      in_range = value%all_digits > 0_int64
     case (share)
-      in_range = value%digits > 0_int64 .and. number < 1.0_real64
+      in_range = value%all_digits > 0_int64 .and. number < 1.0_real64
     case (share_or_all)
-      in_range = value%digits > 0_int64 .and. number <= 1.0_real64
+      in_range = value%all_digits > 0_int64 .and. number <= 1.0_real64
     case (poisson_range)
       in_range = number > -1.0_real64 .and. number <= 0.5_real64
     case (not_negative)
-      in_range = value%digits >= 0_int64
+      in_range = value%all_digits >= 0_int64
     case default
       in_range = .true.
     end select

@@ -24,7 +24,7 @@ contains
     character(len=*), intent(in) :: token      !! the token, without blanks
     type(decimal_value), intent(out) :: value  !! the number, exactly; 0 when refused
     logical, intent(out) :: good               !! whether the token is such a number
-    integer :: i, digit, kept, dropped, behind_point, exponent
+    integer :: i, digit, kept, dropped, behind_point, power
     logical :: negative, after_point, digit_seen, round_up
 
     good = .false.
@@ -35,15 +35,15 @@ contains
     kept = 0
     dropped = 0
     behind_point = 0
-    exponent = 0
+    power = 0
     do i = 1, len(token)
       digit = iachar(token(i:i)) - iachar('0')
       if (digit >= 0 .and. digit <= 9) then
         digit_seen = .true.
         if (after_point) behind_point = behind_point + 1
         if (kept < most_digits) then
-          value%digits = 10_int64 * value%digits + int(digit, int64)
-          if (value%digits > 0_int64) kept = kept + 1
+          value%all_digits = 10_int64 * value%all_digits + int(digit, int64)
+          if (value%all_digits > 0_int64) kept = kept + 1
         else
           if (dropped == 0) round_up = digit >= 5
           dropped = dropped + 1
@@ -53,7 +53,7 @@ contains
       else if (scan(token(i:i), '+-') > 0 .and. i == 1) then
         negative = token(i:i) == '-'
       else if (scan(token(i:i), 'eEdD') > 0 .and. digit_seen) then
-        call read_exponent(token(i + 1:), exponent, good)
+        call read_exponent(token(i + 1:), power, good)
         exit
       else
         good = .false.
@@ -65,9 +65,9 @@ contains
       value = decimal_value()
       return
     end if
-    if (round_up) value%digits = value%digits + 1_int64
-    if (negative) value%digits = -value%digits
-    if (value%digits /= 0_int64) value%exponent = exponent - behind_point + dropped
+    if (round_up) value%all_digits = value%all_digits + 1_int64
+    if (negative) value%all_digits = -value%all_digits
+    if (value%all_digits /= 0_int64) value%power_of_ten = power - behind_point + dropped
     good = is_a_double(value)
     if (.not. good) value = decimal_value()
   end subroutine read_numeral
@@ -85,7 +85,7 @@ contains
 
   !> A number without `_real64` behind it.
   pure function without_kind(token) result(number)
-    character(len=*), intent(in) :: token    !! any token
+    character(len=*), intent(in) :: token    !! token with or without it
     character(len=:), allocatable :: number  !! what is before it
     integer :: last
 
@@ -105,20 +105,20 @@ contains
 
     value = 0
     call read_numeral(token, number, good)
-    good = good .and. verify(token, '+-0123456789') == 0 .and. number%exponent == 0 .and. &
-           abs(number%digits) <= int(huge(value), int64)
-    if (good) value = int(number%digits)
+    good = good .and. verify(token, '+-0123456789') == 0 .and. number%power_of_ten == 0 .and. &
+           abs(number%all_digits) <= int(huge(value), int64)
+    if (good) value = int(number%all_digits)
   end subroutine read_whole_number
 
   !> A double rounded to so many digits; 17 give it back.
-  pure function rounded_decimal(value, digits) result(number)
-    real(real64), intent(in) :: value   !! finite
-    integer, intent(in) :: digits       !! from 2 to 18
+  pure function rounded_decimal(value, digit_count) result(number)
+    real(real64), intent(in) :: value   !! finite double of any sign
+    integer, intent(in) :: digit_count  !! from 2 to 18
     type(decimal_value) :: number
     character(len=32) :: text, form
     logical :: good
 
-    write (form, '("(es32.", i0, "e3)")') digits - 1
+    write (form, '("(es32.", i0, "e3)")') digit_count - 1
     write (text, form) value
     call read_numeral(trim(adjustl(text)), number, good)
   end function rounded_decimal
@@ -131,33 +131,35 @@ contains
 
     fine = a
     coarse = b
-    if (a%digits == 0_int64 .or. (b%digits /= 0_int64 .and. a%exponent > b%exponent)) then
+    if (a%all_digits == 0_int64 .or. (b%all_digits /= 0_int64 .and. &
+      a%power_of_ten > b%power_of_ten)) then
       fine = b
       coarse = a
     end if
     total = fine
-    if (coarse%digits == 0_int64) return
-    do while (coarse%exponent > fine%exponent .and. &
-              abs(coarse%digits) < 10_int64**(most_digits - 1))
-      coarse%digits = 10_int64 * coarse%digits
-      coarse%exponent = coarse%exponent - 1
+    if (coarse%all_digits == 0_int64) return
+    do while (coarse%power_of_ten > fine%power_of_ten .and. &
+              abs(coarse%all_digits) < 10_int64**(most_digits - 1))
+      coarse%all_digits = 10_int64 * coarse%all_digits
+      coarse%power_of_ten = coarse%power_of_ten - 1
     end do
-    if (coarse%exponent - fine%exponent > most_digits) then
-      fine%digits = 0_int64
-    else if (coarse%exponent > fine%exponent) then
-      fine%digits = rounded_quotient(fine%digits, 10_int64**(coarse%exponent - fine%exponent))
+    if (coarse%power_of_ten - fine%power_of_ten > most_digits) then
+      fine%all_digits = 0_int64
+    else if (coarse%power_of_ten > fine%power_of_ten) then
+      fine%all_digits = rounded_quotient(fine%all_digits, 10_int64**(coarse%power_of_ten - &
+        fine%power_of_ten))
     end if
-    total = decimal_value(coarse%digits + fine%digits, coarse%exponent)
+    total = decimal_value(coarse%all_digits + fine%all_digits, coarse%power_of_ten)
   end function decimal_sum
 
   !> Reads the digits behind an exponent's letter.
-  pure subroutine read_exponent(text, exponent, good)
+  pure subroutine read_exponent(text, power, good)
     character(len=*), intent(in) :: text
-    integer, intent(out) :: exponent
+    integer, intent(out) :: power
     logical, intent(out) :: good
     integer :: i, first
 
-    exponent = 0
+    power = 0
     first = 1
     if (len(text) > 0) then
       if (scan(text(1:1), '+-') > 0) first = 2
@@ -166,23 +168,23 @@ contains
     if (good) good = verify(text(first:), '0123456789') == 0
     if (.not. good) return
     do i = first, len(text)
-      exponent = min(10 * exponent + iachar(text(i:i)) - iachar('0'), largest_exponent)
+      power = min(10 * power + iachar(text(i:i)) - iachar('0'), largest_exponent)
     end do
-    if (text(1:1) == '-') exponent = -exponent
+    if (text(1:1) == '-') power = -power
   end subroutine read_exponent
 
   !> Whether the nearest double is finite, and zero only for zero.
   elemental logical function is_a_double(value)
-    type(decimal_value), intent(in) :: value  !! exact decimal
-    real(real64) :: nearest
+    type(decimal_value), intent(in) :: value  !! decimal number of any size
+    real(real64) :: nearest_double
 
-    is_a_double = value%digits == 0_int64
+    is_a_double = value%all_digits == 0_int64
     ! Beyond these no double lies, and the library's conversion need not be asked.
-    if (is_a_double .or. value%exponent > 309 .or. value%exponent < -342) return
+    if (is_a_double .or. value%power_of_ten > 309 .or. value%power_of_ten < -342) return
     is_a_double = .true.
-    if (abs(value%exponent) < 280) return
-    nearest = decimal_to_real64(value)
-    is_a_double = abs(nearest) <= huge(nearest) .and. abs(nearest) > 0.0_real64
+    if (abs(value%power_of_ten) < 280) return
+    nearest_double = decimal_to_real64(value)
+    is_a_double = abs(nearest_double) <= huge(nearest_double) .and. abs(nearest_double) > 0.0_real64
   end function is_a_double
 
   !> Quotient rounded to the nearest whole number, halves away from zero.

@@ -1,4 +1,4 @@
-!> What a card deck brings into a scene, from inches and psi to cm and N.
+!> Values that a card deck brings into a scene, from inches and psi to cm and N.
 module asperity_scene_deck
   use asperity_card_deck, only: card_deck, model_cards, parse_card_deck
   use asperity_card_reader, only: deck_fields, modulus_field, radius_field, shift_field, &
@@ -38,7 +38,7 @@ contains
   !> Fills a scene from a deck: surfaces, material, angles, slopes, gap and limit load, all in
   !> cm and N. `sweep` is the motion that the bare deck stands for.
   subroutine surfaces_from_deck(path, target_scene, sweep, problems, text)
-    character(len=*), intent(in) :: path           !! the deck
+    character(len=*), intent(in) :: path           !! path of the deck
     type(scene), intent(inout) :: target_scene     !! the scene to fill
     type(scene_motion), intent(out) :: sweep       !! the thesis' sweep, XDISPL and YDISPL added
     type(problem_list), intent(inout) :: problems  !! all that is wrong with the deck
@@ -69,7 +69,8 @@ contains
                          target_scene%lower, found)
       target_scene%upper%slope = upper_slope
       target_scene%lower%slope = lower_slope
-      call convert(3, width_field, deck%lower_width, inch, target_scene%lower_mirror_width, found)
+      call convert_number(3, width_field, deck%lower_width, inch, &
+        target_scene%lower_mirror_width, found)
       call thesis_sweep(deck, sweep, found)
     end if
     call problems%append(found)
@@ -82,10 +83,10 @@ contains
     type(problem_list), intent(inout) :: problems
     type(decimal_value) :: shift
 
-    call convert(header_cards, shift_field(1), deck%x_displacement, inch, shift, problems)
+    call convert_number(header_cards, shift_field(1), deck%x_displacement, inch, shift, problems)
     sweep%x_first = decimal_sum(thesis_step, shift)
     sweep%x_step = thesis_step
-    call convert(header_cards, shift_field(2), deck%y_displacement, inch, shift, problems)
+    call convert_number(header_cards, shift_field(2), deck%y_displacement, inch, shift, problems)
     sweep%y_first = shift
     sweep%positions = thesis_positions
   end subroutine thesis_sweep
@@ -101,18 +102,18 @@ contains
     integer :: i
 
     surface%file = path
-    call convert(header, radius_field, model%radius, inch, radius, problems)
-    call convert(header, modulus_field, model%elastic_modulus, psi, surface%elastic_modulus, &
-                 problems)
+    call convert_number(header, radius_field, model%radius, inch, radius, problems)
+    call convert_number(header, modulus_field, model%elastic_modulus, psi, &
+                 surface%elastic_modulus, problems)
     surface%poisson_ratio = model%poisson_ratio
     surface%rotation = model%angle
     allocate (surface%exact_x(model%number), surface%exact_y(model%number), &
               surface%exact_height(model%number), surface%exact_radius(model%number))
     surface%exact_radius = radius
     do i = 1, model%number
-      call convert(before + i, x_field, model%x(i), inch, surface%exact_x(i), problems)
-      call convert(before + i, y_field, model%y(i), inch, surface%exact_y(i), problems)
-      call convert(before + i, z_field, model%z(i), inch, surface%exact_height(i), problems)
+      call convert_number(before + i, x_field, model%x(i), inch, surface%exact_x(i), problems)
+      call convert_number(before + i, y_field, model%y(i), inch, surface%exact_y(i), problems)
+      call convert_number(before + i, z_field, model%z(i), inch, surface%exact_height(i), problems)
     end do
     surface%x = decimal_to_real64(surface%exact_x)
     surface%y = decimal_to_real64(surface%exact_y)
@@ -121,18 +122,19 @@ contains
   end subroutine convert_model
 
   !> Multiplies by a unit, exactly. A card's field has at most 10 digits, so nothing overflows.
-  subroutine convert(line, field, value, unit, converted, problems)
+  subroutine convert_number(line, field, value, unit, converted, problems)
     integer, intent(in) :: line, field
     type(decimal_value), intent(in) :: value, unit
     type(decimal_value), intent(out) :: converted
     type(problem_list), intent(inout) :: problems
 
-    converted = decimal_value(value%digits * unit%digits, value%exponent + unit%exponent)
+    converted = decimal_value(value%all_digits * unit%all_digits, value%power_of_ten + &
+      unit%power_of_ten)
     if (is_a_double(converted)) return
     call problems%add_at(line, deck_fields(field)%first, 'a number beyond the range of a ' // &
                          'double when converted: found exponent ' // &
-                         decimal_text(value%exponent) // ', expected a number of ordinary size')
+                         decimal_text(value%power_of_ten) // ', expected a number of ordinary size')
     converted = decimal_value()
-  end subroutine convert
+  end subroutine convert_number
 
 end module asperity_scene_deck

@@ -30,7 +30,7 @@ contains
     associate (effects => checked%effects)
       do i = 1, size(known_effects)
         call take_mode(fields, known_effects(i), effects%modes(i))
-        if (fields%has('effects', trim(known_effects(i)%name))) effects%given(i) = by_word
+        if (fields%has_name('effects', trim(known_effects(i)%name))) effects%given(i) = by_word
       end do
       do i = 1, size(effect_numbers)
         call take_number(fields, effect_numbers(i), effects%numbers(i))
@@ -46,7 +46,7 @@ contains
                                 ', expected friction = ''off''')
       if (effects%mode('adhesion') == effect_off) call refuse_pulls(fields, checked%loading)
       call check_together(fields, checked)
-      if (checked%contact_modulus%digits > 0_int64) call refuse_combined(fields, checked)
+      if (checked%contact_modulus%all_digits > 0_int64) call refuse_combined(fields, checked)
     end associate
   end subroutine read_effects
 
@@ -85,14 +85,14 @@ contains
     why = ''
     do i = 1, size(effect_numbers)
       associate (number => effect_numbers(i))
-        if (number%effect /= name .or. fields%has('effects', trim(number%name))) cycle
+        if (number%effect /= name .or. fields%has_name('effects', trim(number%name))) cycle
         if (all(effect_numbers%name /= number%needed_with)) cycle
         if (is_there(checked%effects, number%needed_with)) &
           why = 'it needs ' // trim(number%name) // ' in &effects'
       end associate
     end do
     associate (effect => known_effects(findloc(known_effects%name, name, 1)))
-      if (checked%contact_modulus%digits > 0_int64 .and. effect%needs /= '' .and. &
+      if (checked%contact_modulus%all_digits > 0_int64 .and. effect%needs /= '' .and. &
           .not. (name == 'plasticity' .and. names_hardness(checked))) why = needs_both(effect)
     end associate
     if (name == 'friction' .and. rubs_back(checked)) why = no_way_back
@@ -132,8 +132,8 @@ contains
     type(decimal_value), intent(inout) :: value
     integer :: whole
 
-    whole = int(value%digits)
-    select case (number%range)
+    whole = int(value%all_digits)
+    select case (number%number_range)
     case (one_word)
       call fields%take_word('effects', trim(number%name), &
                             pack(number%words, number%words /= ''), whole)
@@ -142,7 +142,7 @@ contains
       call fields%take_whole('effects', trim(number%name), number%least, number%most, whole)
       value = decimal_value(int(whole, int64), 0)
     case default
-      call fields%take_number('effects', trim(number%name), number%range, value)
+      call fields%take_number('effects', trim(number%name), number%number_range, value)
     end select
   end subroutine take_number
 
@@ -154,7 +154,7 @@ contains
 
     do i = 1, size(effect_numbers)
       associate (number => effect_numbers(i))
-        if (number%needed_with == '' .or. fields%has('effects', trim(number%name))) cycle
+        if (number%needed_with == '' .or. fields%has_name('effects', trim(number%name))) cycle
         if (.not. is_needed(checked, number)) cycle
         if (number%needed_with == 'no limit') then
           call fields%complain_of_group('effects', trim(number%effect) // ' needs ' // &
@@ -199,7 +199,7 @@ contains
       call fields%refuse_name('effects', 'plastic_yield_stress', 'the pixels of a map yield ' // &
                               'at a pressure: found a stress, expected ' // name // &
                               ' in its place')
-    else if (fields%has('effects', name) .and. &
+    else if (fields%has_name('effects', name) .and. &
              (checked%effects%mode('plasticity') /= effect_off .or. given < by_word)) then
       call fields%complain_of('effects', name, 'it limits the pressures on the pixels of a map: ' &
            // 'found no pixels that are solved, expected plastic_yield_stress in its place, or ' &
@@ -227,7 +227,7 @@ contains
     type(scene_effects), intent(in) :: effects
     character(len=*), intent(in) :: name
 
-    is_there = effects%numbers(findloc(effect_numbers%name, name, 1))%digits /= 0_int64
+    is_there = effects%numbers(findloc(effect_numbers%name, name, 1))%all_digits /= 0_int64
   end function is_there
 
   ! Only surfaces that attract each other bear a load of 0 or less by itself.
@@ -236,11 +236,11 @@ contains
     type(scene_loading), intent(in) :: loading
     logical :: bad
 
-    if (.not. is_load(loading%control) .or. .not. fields%has('loading', 'value')) return
-    bad = loading%value%digits <= 0_int64
-    if (allocated(loading%path)) bad = bad .or. any(loading%path%digits < 0_int64)
-    if (bad .and. (fields%has('effects', 'adhesion') .or. &
-                   fields%has('effects', 'work_of_adhesion'))) &
+    if (.not. is_load(loading%control) .or. .not. fields%has_name('loading', 'value')) return
+    bad = loading%value%all_digits <= 0_int64
+    if (allocated(loading%path)) bad = bad .or. any(loading%path%all_digits < 0_int64)
+    if (bad .and. (fields%has_name('effects', 'adhesion') .or. &
+                   fields%has_name('effects', 'work_of_adhesion'))) &
       call fields%complain_of('loading', 'value', 'a load of 0 or less needs adhesion: found ' // &
                               'adhesion = ''off'', expected loads above 0, or ''on'' or ''auto''')
   end subroutine refuse_pulls

@@ -7,7 +7,7 @@ module asperity_scene_fields
   use asperity_decimal, only: decimal_value
   use asperity_file_kind, only: other_kind
   use asperity_height_map, only: plain_unit
-  use asperity_input_text, only: check_text, lower_case, quoted
+  use asperity_input_text, only: check_text, lower_case, in_quotes
   use asperity_kinds, only: int64
   use asperity_namelist_text, only: namelist_text, parse_namelist
   use asperity_number_ranges, only: expected_numbers, in_range
@@ -31,7 +31,7 @@ module asperity_scene_fields
     type(problem_list), public :: problems       !! what is wrong with the scene
   contains
     procedure :: has_group          !! whether a group stands in the scene
-    procedure :: has                !! whether a name stands there, be its values good or not
+    procedure :: has_name           !! whether a name stands there, be its values good or not
     procedure :: value_count        !! how many values stand at a name, repeated ones counted
     procedure :: take_numbers       !! takes numbers, as many as there are places for them
     procedure :: take_pair          !! takes two numbers, or one that serves twice
@@ -45,8 +45,8 @@ module asperity_scene_fields
     procedure :: complain_of_group  !! reports a problem at a group
     procedure :: complain_of        !! reports a problem at a name
     procedure :: refuse_name        !! reports a problem at a name where it is given
-    procedure :: require            !! reports that a name is missing
-    procedure, private :: in_quotes
+    procedure :: require_name       !! reports that a name is missing
+    procedure, private :: quoting_hint
     procedure, private :: item_of
     procedure, private :: refuse_units
     procedure, private :: values_of
@@ -56,10 +56,10 @@ module asperity_scene_fields
 contains
 
   !> Sorts the text of a scene by group and name; unknown and repeated names are problems.
-  subroutine read_fields(file, text, kind, kinds, table, fields)
+  subroutine read_fields(file, text, expected_kind, kinds, table, fields)
     character(len=*), intent(in) :: file       !! name for the messages
     character(len=*), intent(in) :: text       !! the whole scene
-    character(len=*), intent(in) :: kind       !! what it should be, for a message
+    character(len=*), intent(in) :: expected_kind  !! what it should be, for a message
     integer, intent(in) :: kinds(:)            !! kinds accepted, of `asperity_file_kind`
     type(known_name), intent(in) :: table(:)   !! what is known
     type(scene_fields), intent(out) :: fields  !! its values and problems
@@ -67,9 +67,9 @@ contains
 
     fields%known = table
     call fields%problems%start(file)
-    call check_text(text, kind, fields%problems)
+    call check_text(text, expected_kind, fields%problems)
     other = other_kind(text, kinds)
-    if (other /= '') call fields%problems%add_at(1, 1, other // '; expected ' // kind)
+    if (other /= '') call fields%problems%add_at(1, 1, other // '; expected ' // expected_kind)
     fields%is_text = fields%problems%count() == 0
     if (.not. fields%is_text) return
     call parse_namelist(text, fields%list, fields%problems)
@@ -87,13 +87,13 @@ contains
   end function has_group
 
   !> Whether a name stands in the scene, be its values good or not.
-  pure logical function has(self, group, name)
+  pure logical function has_name(self, group, name)
     class(scene_fields), intent(in) :: self  !! the scene's text
     character(len=*), intent(in) :: group    !! a known group
     character(len=*), intent(in) :: name     !! a known name of it
 
-    has = self%item_of(group, name) > 0
-  end function has
+    has_name = self%item_of(group, name) > 0
+  end function has_name
 
   !> How many values stand at a name, repeated ones counted; 0 when it does not stand there.
   pure integer function value_count(self, group, name)
@@ -102,33 +102,33 @@ contains
     character(len=*), intent(in) :: name     !! a known name of it
 
     value_count = 0
-    if (self%has(group, name)) &
+    if (self%has_name(group, name)) &
       value_count = int(min(values_at(self%list, self%item_of(group, name)), int(huge(1), int64)))
   end function value_count
 
   !> Takes two numbers, or one that serves twice.
-  subroutine take_pair(self, group, name, range, values)
+  subroutine take_pair(self, group, name, number_range, values)
     class(scene_fields), intent(inout) :: self         !! the scene's text
     character(len=*), intent(in) :: group              !! a known group
     character(len=*), intent(in) :: name               !! a known name of it
-    integer, intent(in) :: range                       !! `any_number` or another range
-    type(decimal_value), intent(inout) :: values(2)    !! the numbers
+    integer, intent(in) :: number_range                !! `any_number` or another range
+    type(decimal_value), intent(inout) :: values(2)    !! numbers at the name
 
     if (self%value_count(group, name) == 1) then
-      call self%take_numbers(group, name, range, values(:1))
+      call self%take_numbers(group, name, number_range, values(:1))
       values(2) = values(1)
     else
-      call self%take_numbers(group, name, range, values)
+      call self%take_numbers(group, name, number_range, values)
     end if
   end subroutine take_pair
 
   !> Takes numbers, as many as there are places for them.
-  subroutine take_numbers(self, group, name, range, values)
+  subroutine take_numbers(self, group, name, number_range, values)
     class(scene_fields), intent(inout) :: self        !! the scene's text
     character(len=*), intent(in) :: group             !! a known group
     character(len=*), intent(in) :: name              !! a known name of it
-    integer, intent(in) :: range                      !! `any_number` or another range
-    type(decimal_value), intent(inout) :: values(:)   !! the numbers
+    integer, intent(in) :: number_range               !! `any_number` or another range
+    type(decimal_value), intent(inout) :: values(:)   !! numbers at the name
     type(decimal_value) :: value
     integer :: i, at, used, repeats
     logical :: good
@@ -140,8 +140,8 @@ contains
     do i = at + 1, at + self%list%items(at)%values
       call read_double_numeral(self%list%value_text(i), value, good)
       good = good .and. .not. self%list%items(i)%is_quoted
-      if (good) good = in_range(value, range)
-      if (.not. good) call self%refuse_value(name, i, trim(expected_numbers(range)))
+      if (good) good = in_range(value, number_range)
+      if (.not. good) call self%refuse_value(name, i, trim(expected_numbers(number_range)))
       repeats = self%list%items(i)%repeats
       values(used + 1:used + repeats) = value
       used = used + repeats
@@ -149,16 +149,16 @@ contains
   end subroutine take_numbers
 
   !> Takes one number.
-  subroutine take_number(self, group, name, range, value)
+  subroutine take_number(self, group, name, number_range, value)
     class(scene_fields), intent(inout) :: self    !! the scene's text
     character(len=*), intent(in) :: group         !! a known group
     character(len=*), intent(in) :: name          !! a known name of it
-    integer, intent(in) :: range                  !! `any_number` or another range
-    type(decimal_value), intent(inout) :: value   !! the number
+    integer, intent(in) :: number_range           !! `any_number` or another range
+    type(decimal_value), intent(inout) :: value   !! number at the name
     type(decimal_value) :: values(1)
 
     values = value
-    call self%take_numbers(group, name, range, values)
+    call self%take_numbers(group, name, number_range, values)
     value = values(1)
   end subroutine take_number
 
@@ -169,7 +169,7 @@ contains
     character(len=*), intent(in) :: name        !! a known name of it
     integer, intent(in) :: least                !! smallest number allowed
     integer, intent(in) :: most                 !! largest number allowed
-    integer, intent(inout) :: value             !! the number
+    integer, intent(inout) :: value             !! number at the name
     integer :: at, found
     logical :: good
 
@@ -190,7 +190,7 @@ contains
     class(scene_fields), intent(inout) :: self             !! the scene's text
     character(len=*), intent(in) :: group                  !! a known group
     character(len=*), intent(in) :: name                   !! a known name of it
-    character(len=:), allocatable, intent(inout) :: text   !! the text
+    character(len=:), allocatable, intent(inout) :: text   !! text at the name
     integer :: at
 
     at = self%values_of(group, name, 1)
@@ -198,7 +198,8 @@ contains
     if (self%list%items(at + 1)%is_quoted .and. self%list%value_text(at + 1) /= '') then
       text = self%list%value_text(at + 1)
     else
-      call self%refuse_value(name, at + 1, 'a text between quotes' // self%in_quotes(name, at + 1))
+      call self%refuse_value(name, at + 1, 'a text between quotes' // self%quoting_hint(name, &
+        at + 1))
     end if
   end subroutine take_text
 
@@ -218,7 +219,7 @@ contains
       text = self%list%value_text(i)
       if (.not. self%list%items(i)%is_quoted .or. text == '' .or. len_trim(text) > len(texts)) then
         call self%refuse_value(name, i, 'a text of 1 to ' // decimal_text(len(texts)) // &
-                               ' bytes between quotes' // self%in_quotes(name, i))
+                               ' bytes between quotes' // self%quoting_hint(name, i))
         return
       end if
       repeats = self%list%items(i)%repeats
@@ -233,7 +234,7 @@ contains
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: name        !! a known name of it
-    character(len=*), intent(in) :: words(:)    !! the words
+    character(len=*), intent(in) :: words(:)    !! words that are known
     integer, intent(inout) :: number            !! which of them; 0 when refused
     integer :: numbers(1)
 
@@ -254,7 +255,7 @@ contains
     integer :: at, i, used, repeats
     logical :: is_word
 
-    if (.not. self%has(group, name)) return
+    if (.not. self%has_name(group, name)) return
     numbers = 0
     at = self%values_of(group, name, size(numbers))
     if (at == 0) return
@@ -272,7 +273,7 @@ contains
       if (numbers(used + 1) == 0) then
         call self%refuse_value(name, i, one_of(words) // did_you_mean(word, words))
       else if (.not. is_word) then
-        call self%refuse_value(name, i, 'it in quotes' // self%in_quotes(name, i))
+        call self%refuse_value(name, i, 'it in quotes' // self%quoting_hint(name, i))
         numbers(used + 1:used + repeats) = 0
       end if
       used = used + repeats
@@ -327,7 +328,7 @@ contains
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    if (self%has(group, name)) then
+    if (self%has_name(group, name)) then
       call self%problems%add_at_byte(self%list%text, &
            self%list%items(self%item_of(group, name))%first, name // ': ' // message)
     else
@@ -342,20 +343,20 @@ contains
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
-    if (self%has(group, name)) call self%complain_of(group, name, message)
+    if (self%has_name(group, name)) call self%complain_of(group, name, message)
   end subroutine refuse_name
 
   !> Reports that a required name does not occur in the scene.
-  subroutine require(self, group, name, expected)
+  subroutine require_name(self, group, name, expected)
     class(scene_fields), intent(inout) :: self  !! the scene's text
     character(len=*), intent(in) :: group       !! a known group
     character(len=*), intent(in) :: name        !! a known name of it
     character(len=*), intent(in) :: expected    !! what is, for instance `one`
 
-    if (.not. self%has(group, name)) &
+    if (.not. self%has_name(group, name)) &
       call self%complain_of_group(group, '&' // group // ' needs ' // name // ': found none, ' // &
                                   'expected ' // expected)
-  end subroutine require
+  end subroutine require_name
 
   ! Refuses the first unit behind a number, since no number has one; `at` is 0 then, else the name's
   ! item, as far as it is there.
@@ -387,7 +388,7 @@ contains
   end subroutine refuse_units
 
   ! A remedy for a word without quotes; empty for a text that has them.
-  function in_quotes(self, name, i) result(text)
+  function quoting_hint(self, name, i) result(text)
     class(scene_fields), intent(in) :: self
     character(len=*), intent(in) :: name
     integer, intent(in) :: i
@@ -396,7 +397,7 @@ contains
     text = ''
     if (.not. self%list%items(i)%is_quoted) &
       text = ': ' // name // ' = ''' // self%list%value_text(i) // ''''
-  end function in_quotes
+  end function quoting_hint
 
   ! Number of a name's item in the text; 0 when the name does not stand there.
   pure integer function item_of(self, group, name)
@@ -442,7 +443,7 @@ contains
     character(len=:), allocatable :: found
 
     first = self%list%items(i)%first
-    found = quoted(without_kind(self%list%value_text(i)))
+    found = in_quotes(without_kind(self%list%value_text(i)))
     if (self%list%items(i)%is_quoted) then
       first = first - 1
       found = 'the text ' // found

@@ -39,9 +39,9 @@ contains
     lines = ''
     group = ''
     call parse_namelist(text, list, problems)
-    do i = 1, list%count
-      if (list%items(i)%kind == a_group) group = list%name_text(i)
-      if (list%items(i)%kind /= a_name) cycle
+    do i = 1, list%item_count
+      if (list%items(i)%item_kind == a_group) group = list%name_text(i)
+      if (list%items(i)%item_kind /= a_name) cycle
       lines = lines // group // tabulator // list%name_text(i) // tabulator
       do value = i + 1, i + list%items(i)%values
         if (value > i + 1) lines = lines // ', '
@@ -74,35 +74,35 @@ contains
     character(len=:), allocatable :: lines
 
     associate (file => scene_in%file, motion => scene_in%motion)
-      lines = line('surfaces', 'deck', &
-                   in_quotes(file(index(file, '/', back=.true.) + 1:))) // &
-              line('motion', 'x_first', numeral(motion%x_first)) // &
-              line('motion', 'x_step', numeral(motion%x_step)) // &
-              line('motion', 'y_first', numeral(motion%y_first)) // &
-              line('motion', 'y_step', numeral(motion%y_step)) // &
-              line('motion', 'positions', decimal_text(motion%positions)) // &
-              line('effects', 'interaction', in_quotes('off'))
+      lines = group_line('surfaces', 'deck', &
+                   quoted_value(file(index(file, '/', back=.true.) + 1:))) // &
+              group_line('motion', 'x_first', numeral_text(motion%x_first)) // &
+              group_line('motion', 'x_step', numeral_text(motion%x_step)) // &
+              group_line('motion', 'y_first', numeral_text(motion%y_first)) // &
+              group_line('motion', 'y_step', numeral_text(motion%y_step)) // &
+              group_line('motion', 'positions', decimal_text(motion%positions)) // &
+              group_line('effects', 'interaction', quoted_value('off'))
     end associate
   end function lines_of_deck
 
-  pure function line(group, name, values)
+  pure function group_line(group, name, values)
     character(len=*), intent(in) :: group, name, values
-    character(len=:), allocatable :: line
+    character(len=:), allocatable :: group_line
 
-    line = group // tabulator // name // tabulator // values // new_line('a')
-  end function line
+    group_line = group // tabulator // name // tabulator // values // new_line('a')
+  end function group_line
 
   ! A number that is read as just this decimal.
-  pure function numeral(value) result(text)
+  pure function numeral_text(value) result(text)
     type(decimal_value), intent(in) :: value
     character(len=:), allocatable :: text
 
-    text = decimal_text(value%digits)
-    if (value%digits /= 0 .and. value%exponent /= 0) &
-      text = text // 'e' // decimal_text(value%exponent)
-  end function numeral
+    text = decimal_text(value%all_digits)
+    if (value%all_digits /= 0 .and. value%power_of_ten /= 0) &
+      text = text // 'e' // decimal_text(value%power_of_ten)
+  end function numeral_text
 
-  pure function in_quotes(word) result(text)
+  pure function quoted_value(word) result(text)
     character(len=*), intent(in) :: word
     character(len=:), allocatable :: text
     integer :: i
@@ -113,6 +113,6 @@ contains
       if (word(i:i) == '''') text = text // ''''
     end do
     text = text // ''''
-  end function in_quotes
+  end function quoted_value
 
 end module asperity_scene_groups

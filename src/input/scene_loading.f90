@@ -44,12 +44,12 @@ contains
       if (loading%events .and. allocated(loading%path)) &
         call fields%complain_of('loading', 'events', 'found beside several values, ' // &
                                 'expected one value: a path has its points alone')
-      ! What a refused control would need is not known.
+      ! It is not known what a refused control would need.
       if (loading%control == 0) return
-      call need(fields, 'loading', 'value', loading%control /= control_limit, &
+      call check_need(fields, 'loading', 'value', loading%control /= control_limit, &
                 'control = ''' // trim(control_words(loading%control)) // '''')
       if (loading%control == control_pressure .and. .not. allocated(checked%map) .and. &
-          .not. checked%nominal_area%digits > 0_int64) &
+          .not. checked%nominal_area%all_digits > 0_int64) &
         call fields%complain_of('loading', 'control', 'a pressure needs an area: found no ' // &
                                 'nominal_area in &surfaces, expected one')
     end associate
@@ -64,7 +64,8 @@ contains
     logical :: pulls
 
     problems = fields%problems%count()
-    pulls = fields%has('effects', 'adhesion') .or. fields%has('effects', 'work_of_adhesion')
+    pulls = fields%has_name('effects', 'adhesion') .or. fields%has_name('effects', &
+      'work_of_adhesion')
     number = fields%value_count('loading', 'value')
     if (number <= 1 .or. loading%control == control_limit) then
       call fields%take_number('loading', 'value', &
@@ -79,15 +80,15 @@ contains
       call fields%take_numbers('loading', 'value', &
            merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls .or. &
                  loading%control == control_compression), loading%path)
-      loading%value = deepest(loading%path, loading%control)
-      if (is_load(loading%control) .and. .not. pulls .and. loading%value%digits == 0_int64 .and. &
-          fields%problems%count() == problems) &
+      loading%value = deepest_value(loading%path, loading%control)
+      if (is_load(loading%control) .and. .not. pulls .and. &
+          loading%value%all_digits == 0_int64 .and. fields%problems%count() == problems) &
         call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
     end if
   end subroutine read_path
 
   !> The largest load or compression, or the least separation.
-  pure function deepest(path, control) result(value)
+  pure function deepest_value(path, control) result(value)
     type(decimal_value), intent(in) :: path(:)
     integer, intent(in) :: control
     type(decimal_value) :: value
@@ -96,7 +97,7 @@ contains
     numbers = decimal_to_real64(path)
     if (control /= control_separation) numbers = -numbers
     value = path(minloc(numbers, 1))
-  end function deepest
+  end function deepest_value
 
   !> A curve at every position must have room.
   subroutine check_states(fields, checked)
@@ -129,7 +130,7 @@ contains
         return
       end if
       call fields%take_word('limit', 'criterion', criterion_words, limit%criterion)
-      has_value = fields%has('limit', 'value')
+      has_value = fields%has_name('limit', 'value')
       if (limit%criterion /= criterion_load .or. has_value) then
         limit%from_thesis = .false.
         limit%value = decimal_value()
@@ -137,26 +138,26 @@ contains
       call fields%take_number('limit', 'value', above_zero, limit%value)
       call fields%take_number('limit', 'hardness', above_zero, limit%hardness)
       call fields%take_number('limit', 'yield_stress', above_zero, limit%yield_stress)
-      ! What a refused criterion would need is not known.
+      ! It is not known what a refused criterion would need.
       if (limit%criterion == 0) return
       for_what = 'criterion = ''' // trim(criterion_words(limit%criterion)) // ''''
-      call need(fields, 'limit', 'value', limit%criterion == criterion_pressure .or. &
+      call check_need(fields, 'limit', 'value', limit%criterion == criterion_pressure .or. &
                 (limit%criterion == criterion_load .and. (from_csv(fields) .or. has_value)), &
                 for_what)
-      call need(fields, 'limit', 'hardness', &
+      call check_need(fields, 'limit', 'hardness', &
                 limit%criterion == criterion_greenwood_williamson, for_what)
-      call need(fields, 'limit', 'yield_stress', limit%criterion == criterion_hardy, for_what)
+      call check_need(fields, 'limit', 'yield_stress', limit%criterion == criterion_hardy, for_what)
     end associate
   end subroutine read_limit
 
   !> A name that something needs must stand there; one that nothing needs must not.
-  subroutine need(fields, group, name, is_needed, for_what)
+  subroutine check_need(fields, group, name, is_needed, for_what)
     type(scene_fields), intent(inout) :: fields
     character(len=*), intent(in) :: group, name, for_what
     logical, intent(in) :: is_needed
 
-    if (is_needed .and. .not. fields%has(group, name)) then
-      if (fields%has_group('loading') .or. fields%has('limit', 'criterion')) then
+    if (is_needed .and. .not. fields%has_name(group, name)) then
+      if (fields%has_group('loading') .or. fields%has_name('limit', 'criterion')) then
         call fields%complain_of_group(group, for_what // ' needs ' // name // ' in &' // group // &
                                       ': found none, expected one')
       else
@@ -164,9 +165,9 @@ contains
                                       'needs ' // name // ' in &' // group // ': found none, ' // &
                                       'expected one')
       end if
-    else if (fields%has(group, name) .and. .not. is_needed) then
+    else if (fields%has_name(group, name) .and. .not. is_needed) then
       call fields%complain_of(group, name, 'not used with ' // for_what // ', expected none')
     end if
-  end subroutine need
+  end subroutine check_need
 
 end module asperity_scene_loading

@@ -8,7 +8,7 @@ module asperity_scene_maps
                                  height_map, is_length, length_units, level_names, level_plane, &
                                  periodic_edge, plain_unit, unit_number, usual_level
   use asperity_height_map_reader, only: head_length, is_height_map, take_height_map
-  use asperity_input_text, only: quoted
+  use asperity_input_text, only: in_quotes
   use asperity_kept_records, only: checksum
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero
@@ -49,6 +49,7 @@ contains
     if (file%length < 0_int64) word = checksum(file%block(:file%used))
   end function checksum_of_pipe
 
+  ! Long: its stages share spacings, units and edge of both maps.
   !> Makes the maps of a scene: those that it names in the place of surfaces, whose files are set
   !> ('' is none), and those that are given as arrays.
   subroutine read_maps(files, fields, checked, other_files)
@@ -56,7 +57,7 @@ contains
     type(scene_fields), intent(inout) :: fields       !! the scene's text
     type(scene), intent(inout) :: checked             !! gets the maps; has those that are given
     type(problem_list), intent(inout) :: other_files  !! what is wrong with the files
-    type(decimal_value) :: spacing(2, 2)
+    type(decimal_value) :: pixel_spacing(2, 2)
     integer :: despike, edge, sides, unit(2)
     logical :: there(2)
 
@@ -84,19 +85,19 @@ contains
       if (maps%periodic .and. maps%level == level_plane) &
         call fields%complain_of('surfaces', 'map_level', 'a periodic map without its plane ' // &
              'would not be periodic: found ''plane'', expected ''mean'' or ''none''')
-      ! What was refused of it hides what a map needs.
-      if (fields%has('surfaces', 'map_spacing') .and. &
-          .not. all(is_length(decimal_to_real64(spacing)))) return
+      ! A refused spacing hides whether a map needs one.
+      if (fields%has_name('surfaces', 'map_spacing') .and. &
+          .not. all(is_length(decimal_to_real64(pixel_spacing)))) return
       if (there(1)) call make_one(checked%upper, 1, maps%upper)
       if (there(2)) call make_one(checked%lower, 2, maps%lower)
       if (other_files%count() > 0) return
-      if (fields%has('surfaces', 'map_spacing') .and. sides == 2 .and. &
+      if (fields%has_name('surfaces', 'map_spacing') .and. sides == 2 .and. &
           maps%upper%own_spacing .and. maps%lower%own_spacing) &
         call fields%complain_of('surfaces', 'map_spacing', 'found although both maps have ' // &
                                 'their own, expected none')
-      if (fields%has('surfaces', 'map_unit') .and. any(unit == 0)) return
-      if (there(1)) call convert(1, maps%upper, maps%lower)
-      if (there(2)) call convert(2, maps%lower, maps%upper)
+      if (fields%has_name('surfaces', 'map_unit') .and. any(unit == 0)) return
+      if (there(1)) call convert_map(1, maps%upper, maps%lower)
+      if (there(2)) call convert_map(2, maps%lower, maps%upper)
       if (sides == 2) call compare_grids(maps%upper, maps%lower, fields)
     end associate
 
@@ -108,7 +109,7 @@ contains
 
       of_arrays = [checked%map%upper%edge, checked%map%lower%edge]
       edge = max(1, maxval(of_arrays))
-      if (fields%has('surfaces', 'map_edge')) then
+      if (fields%has_name('surfaces', 'map_edge')) then
         call fields%take_word('surfaces', 'map_edge', edge_names, edge)
       else if (all(of_arrays > 0) .and. of_arrays(1) /= of_arrays(2)) then
         call fields%complain_of('surfaces', 'upper', 'two maps: found one that is free and one ' &
@@ -127,9 +128,9 @@ contains
         call fields%take_numbers('surfaces', 'map_spacing', above_zero, values(:2))
         values(3:) = values(:2)
       end if
-      spacing = reshape(values, [2, 2])
+      pixel_spacing = reshape(values, [2, 2])
       bad = findloc(is_length(decimal_to_real64(values)), .false., 1)
-      if (any(values%digits > 0_int64) .and. bad > 0) &
+      if (any(values%all_digits > 0_int64) .and. bad > 0) &
         call fields%complain_of('surfaces', 'map_spacing', 'found ' // &
              real_text(decimal_to_real64(values(bad))) // ', expected ' // expected_length)
     end subroutine take_spacing
@@ -145,11 +146,12 @@ contains
       ! One pair beside two maps is that of the one that has no spacing.
       shared = sides == 2 .and. fields%value_count('surfaces', 'map_spacing') == 2
       if (fields%given(side)) then
-        call give_spacing(map, decimal_to_real64(spacing(:, side)), 'map_spacing', shared, fault)
+        call give_spacing(map, decimal_to_real64(pixel_spacing(:, side)), 'map_spacing', shared, &
+          fault)
         if (fault /= '') &
           call found%add('surfaces.' // trim(merge('upper', 'lower', side == 1)) // ': ' // fault)
       else
-        call take_height_map(surface%file, files(side), decimal_to_real64(spacing(:, side)), &
+        call take_height_map(surface%file, files(side), decimal_to_real64(pixel_spacing(:, side)), &
                              'map_spacing', shared, .true., map, found, failure)
         surface%checksum = checksum_of_pipe(files(side))
         if (allocated(failure)) call found%add(failure)
@@ -162,7 +164,7 @@ contains
 
     ! Puts a map in the unit of the scene, which is that of the first map. One without a unit has
     ! its numbers in the unit that is named for its side.
-    subroutine convert(side, map, other)
+    subroutine convert_map(side, map, other)
       integer, intent(in) :: side
       type(height_map), intent(inout) :: map
       type(height_map), intent(in) :: other
@@ -176,9 +178,10 @@ contains
       if (checked%units(1) /= '' .and. map%unit /= '' .and. &
           plain_unit(checked%units(1)) /= map%unit) &
         call fields%complain_of('surfaces', 'units', 'found length ' // &
-                                quoted(trim(checked%units(1))) // ' beside ' // &
-                                quoted(map%unit) // ' of the map, expected the same, or map_unit')
-    end subroutine convert
+                                in_quotes(trim(checked%units(1))) // ' beside ' // &
+                                in_quotes(map%unit) // &
+                                ' of the map, expected the same, or map_unit')
+    end subroutine convert_map
 
   end subroutine read_maps
 
@@ -190,38 +193,40 @@ contains
     integer :: i
 
     if (any([upper%columns, upper%rows] /= [lower%columns, lower%rows])) then
-      call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid(upper) // ' and ' // &
-                              grid(lower) // ' pixels, expected the same grid: the plane ' // &
+      call fields%complain_of('surfaces', 'upper', 'two maps: found ' // grid_text(upper) // &
+                              ' and ' // &
+                              grid_text(lower) // ' pixels, expected the same grid: the plane ' // &
                               'is in contact with their sum')
     else
       do i = 1, 2
-        if (abs(upper%spacing(i) - lower%spacing(i)) <= most_off * upper%spacing(i)) cycle
+        if (abs(upper%pixel_spacing(i) - &
+          lower%pixel_spacing(i)) <= most_off * upper%pixel_spacing(i)) cycle
         call fields%complain_of('surfaces', 'upper', 'two maps: found spacings along ' // &
-             'xy'(i:i) // ' of ' // length(upper) // ' and ' // length(lower) // ', expected ' // &
-             'the same grid: the plane is in contact with their sum')
+             'xy'(i:i) // ' of ' // spacing_text(upper) // ' and ' // spacing_text(lower) // &
+             ', expected ' // 'the same grid: the plane is in contact with their sum')
       end do
     end if
 
   contains
 
-    function grid(map) result(text)
+    function grid_text(map) result(text)
       type(height_map), intent(in) :: map
       character(len=:), allocatable :: text
 
       text = decimal_text(map%columns) // ' x ' // decimal_text(map%rows)
-    end function grid
+    end function grid_text
 
-    function length(map) result(text)
+    function spacing_text(map) result(text)
       type(height_map), intent(in) :: map
       character(len=:), allocatable :: text
 
-      text = real_text(map%spacing(i)) // ' ' // map%unit
+      text = real_text(map%pixel_spacing(i)) // ' ' // map%unit
       if (map%unit == '') text = text // '(no unit: name it in map_unit)'
-    end function length
+    end function spacing_text
 
   end subroutine compare_grids
 
-  !> What goes with a map, and what needs one.
+  !> Checks the names that go with a map or need one.
   subroutine check_map_scene(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(in) :: checked           !! all groups are read

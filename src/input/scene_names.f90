@@ -1,7 +1,7 @@
 !> The groups and names that a scene or another file of its form knows, and where they stand in one.
 module asperity_scene_names
   use asperity_effect_names, only: effect_numbers, known_effects
-  use asperity_input_text, only: quoted
+  use asperity_input_text, only: in_quotes
   use asperity_namelist_text, only: a_group, a_name, namelist_text
   use asperity_problems, only: problem_list
   use asperity_word_hint, only: did_you_mean, nearest_word
@@ -23,14 +23,14 @@ contains
 
   !> A name, or several, of a group.
   elemental type(known_name) function in_group(group, name)
-    character(len=*), intent(in) :: group  !! the group
-    character(len=*), intent(in) :: name   !! the name
+    character(len=*), intent(in) :: group  !! name of the group
+    character(len=*), intent(in) :: name   !! name in the group
 
     in_group = known_name(group, name)
   end function in_group
 
-  !> What a scene knows; a new name needs its place here and a line in the reader. Those of &effects
-  !> stand in `asperity_effect_names`.
+  !> The names of a scene; a new name needs its place here and a line in the reader. Those of
+  !> &effects stand in `asperity_effect_names`.
   pure function scene_table() result(table)
     type(known_name), allocatable :: table(:)  !! all names
 
@@ -48,28 +48,29 @@ contains
              in_group('effects', known_effects%name), in_group('effects', effect_numbers%name)]
   end function scene_table
 
+  ! Long: unknown groups and names are reported with the same list at hand.
   !> Finds the places of the known names in a text. Unknown and repeated names are problems; of a
   !> repeated name the first counts. An unknown name is taken for the known name it resembles, so
   !> that this name is not reported as missing as well.
   pure subroutine find_names(list, known, problems)
-    type(namelist_text), intent(in) :: list        !! the text
+    type(namelist_text), intent(in) :: list        !! text as groups, names and values
     type(known_name), intent(inout) :: known(:)    !! gets the items of names and groups
     type(problem_list), intent(inout) :: problems  !! all that is wrong
     character(len=:), allocatable :: group, name
     integer :: i, k, near
 
-    do i = 1, list%count
-      if (list%items(i)%kind /= a_group) cycle
+    do i = 1, list%item_count
+      if (list%items(i)%item_kind /= a_group) cycle
       name = list%name_text(i)
       if (name == '') cycle
       if (all(known%group /= name)) then
         call problems%add_at_byte(list%text, list%items(i)%first - 1, 'unknown group: found ' // &
-             quoted('&' // name) // ', expected ' // &
+             in_quotes('&' // name) // ', expected ' // &
              any_of(pack(known%group, known%group /= eoshift(known%group, -1)), before='&') // &
              did_you_mean(name, known%group))
         near = nearest_word(name, known%group)
         if (near == 0) cycle
-        if (known(near)%group_at == 0 .and. .not. stands(known(near)%group)) then
+        if (known(near)%group_at == 0 .and. .not. group_stands(known(near)%group)) then
           where (known%group == known(near)%group) known%group_at = i
         end if
       else if (any(known%group == name .and. known%group_at > 0)) then
@@ -79,8 +80,8 @@ contains
         where (known%group == name) known%group_at = i
       end if
     end do
-    do i = 1, list%count
-      if (list%items(i)%kind /= a_name) cycle
+    do i = 1, list%item_count
+      if (list%items(i)%item_kind /= a_name) cycle
       k = findloc(known%group_at, list%items(i)%group, 1)
       if (k > 0) then
         group = trim(known(k)%group)
@@ -95,7 +96,7 @@ contains
         if (near > 0) near = near + findloc(known%group == group, .true., 1) - 1
         if (near == 0) near = findloc(known%name == name, .true., 1)
         call problems%add_at_byte(list%text, list%items(i)%first, 'unknown name in &' // group // &
-             ': found ' // quoted(name) // ', expected ' // &
+             ': found ' // in_quotes(name) // ', expected ' // &
              any_of(pack(known%name, known%group == group)) // &
              what_is_meant(near))
         if (near == 0) cycle
@@ -112,7 +113,7 @@ contains
 
   contains
 
-    ! What an unknown name may be: one like it of this group, or one of another group.
+    ! Meaning of an unknown name, for a message: one like it of this group, or one of another group.
     pure function what_is_meant(k) result(text)
       integer, intent(in) :: k
       character(len=:), allocatable :: text
@@ -124,15 +125,16 @@ contains
     end function what_is_meant
 
     ! Whether a group stands anywhere in the text.
-    pure logical function stands(group)
+    pure logical function group_stands(group)
       character(len=*), intent(in) :: group
       integer :: item
 
-      stands = .false.
-      do item = 1, list%count
-        if (list%items(item)%kind == a_group) stands = stands .or. list%name_text(item) == group
+      group_stands = .false.
+      do item = 1, list%item_count
+        if (list%items(item)%item_kind == a_group) group_stands = group_stands .or. &
+          list%name_text(item) == group
       end do
-    end function stands
+    end function group_stands
 
   end subroutine find_names
 

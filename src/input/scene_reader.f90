@@ -30,7 +30,7 @@ contains
 
   !> Reads and checks a scene or a card deck. With problems the scene is not to be used.
   subroutine read_scene(path, checked, problems)
-    character(len=*), intent(in) :: path         !! the file
+    character(len=*), intent(in) :: path         !! path of the scene or deck; `-` is standard input
     type(scene), intent(out) :: checked          !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong, in all files it names
     character(len=:), allocatable :: text
@@ -62,8 +62,8 @@ contains
   !> what does not name them, for instance
   !> `&material ... / &loading control = 'load', value = 500. /`.
   subroutine build_scene(upper, lower, text, checked, problems)
-    type(scene_surface), intent(in) :: upper        !! from take_surface
-    type(scene_surface), intent(in) :: lower        !! from take_surface
+    type(scene_surface), intent(in) :: upper        !! surface from `take_surface`
+    type(scene_surface), intent(in) :: lower        !! surface from `take_surface`
     character(len=*), intent(in) :: text            !! the other groups
     type(scene), intent(out) :: checked             !! its values, defaults filled in
     type(problem_list), intent(inout) :: problems   !! all that is wrong
@@ -78,7 +78,7 @@ contains
   !> named in the text, as in a file.
   subroutine build_scene_of(sides, text, checked, problems)
     type(scene_side), intent(inout) :: sides(2)     !! upper, lower; heights of maps are moved away
-    character(len=*), intent(in) :: text            !! the groups
+    character(len=*), intent(in) :: text            !! text of all groups
     type(scene), intent(out) :: checked             !! its values, defaults filled in
     type(problem_list), intent(inout) :: problems   !! all that is wrong
     type(scene_fields) :: fields
@@ -109,7 +109,7 @@ contains
   !> a deck are read anew, as the deck brings material and slopes, too.
   subroutine rebuild_scene(other, text, checked, problems)
     type(scene), intent(in) :: other              !! read or built without problems
-    character(len=*), intent(in) :: text          !! all groups
+    character(len=*), intent(in) :: text          !! text of all groups
     type(scene), intent(out) :: checked           !! its values, defaults filled in
     type(problem_list), intent(out) :: problems   !! all that is wrong with the text
     type(scene_fields) :: fields
@@ -223,25 +223,25 @@ contains
     checked%upper%poisson_ratio = pair(1)
     checked%lower%poisson_ratio = pair(2)
     call fields%take_number('material', 'contact_modulus', above_zero, checked%contact_modulus)
-    if (fields%has('material', 'contact_modulus')) then
+    if (fields%has_name('material', 'contact_modulus')) then
       call fields%refuse_name('material', 'elastic_modulus', beside_modulus)
       call fields%refuse_name('material', 'poisson_ratio', beside_modulus)
       return
     end if
     if (.not. from_csv(fields)) return
-    call require('elastic_modulus')
-    call require('poisson_ratio')
+    call require_material('elastic_modulus')
+    call require_material('poisson_ratio')
 
   contains
 
-    subroutine require(name)
+    subroutine require_material(name)
       character(len=*), intent(in) :: name
 
-      if (.not. fields%has('material', name)) &
+      if (.not. fields%has_name('material', name)) &
         call fields%complain_of_group('material', 'no ' // name // ': surfaces from CSV files ' // &
                                       'bring none, expected ' // name // &
                                       ' = upper, lower in &material')
-    end subroutine require
+    end subroutine require_material
 
   end subroutine read_material
 

@@ -4,7 +4,7 @@ module asperity_scene_surfaces
   use asperity_delimited_text, only: line_reader
   use asperity_files, only: same_name
   use asperity_height_map, only: plain_unit
-  use asperity_input_text, only: quoted
+  use asperity_input_text, only: in_quotes
   use asperity_kinds, only: int64, real64
   use asperity_number_ranges, only: above_zero
   use asperity_problems, only: decimal_text, problem_list, real_text
@@ -41,12 +41,12 @@ contains
     if (any(fields%given)) then
       call fields%take_text('surfaces', 'upper', upper)
       call fields%take_text('surfaces', 'lower', lower)
-      if (fields%has('surfaces', 'deck')) then
+      if (fields%has_name('surfaces', 'deck')) then
         call fields%complain_of('surfaces', 'deck', beside_array)
-      else if (any(fields%given .and. named())) then
+      else if (any(fields%given .and. are_named())) then
         if (fields%given(1)) call fields%refuse_name('surfaces', 'upper', beside_array)
         if (fields%given(2)) call fields%refuse_name('surfaces', 'lower', beside_array)
-      else if (.not. all(fields%given .or. named())) then
+      else if (.not. all(fields%given .or. are_named())) then
         call fields%complain_of_group('surfaces', 'a surface is missing: found one as an ' // &
              'array, expected the other one as an array, too, or its file or ''plane'' as ' // &
              trim(merge('lower', 'upper', fields%given(1))) // ' in &surfaces')
@@ -63,15 +63,15 @@ contains
     call fields%take_text('surfaces', 'deck', deck)
     call fields%take_text('surfaces', 'upper', upper)
     call fields%take_text('surfaces', 'lower', lower)
-    if (fields%has('surfaces', 'deck')) then
+    if (fields%has_name('surfaces', 'deck')) then
       call fields%refuse_name('surfaces', 'upper', beside_deck)
       call fields%refuse_name('surfaces', 'lower', beside_deck)
       call fields%refuse_name('surfaces', 'radius', beside_deck)
       call fields%refuse_name('surfaces', 'units', 'found beside deck, which brings cm and N, ' // &
                               'expected none')
       if (allocated(deck)) &
-        call surfaces_from_deck(beside(path, deck), checked, not_asked_for, other_files)
-    else if (fields%has('surfaces', 'upper') .and. fields%has('surfaces', 'lower')) then
+        call surfaces_from_deck(path_beside(path, deck), checked, not_asked_for, other_files)
+    else if (fields%has_name('surfaces', 'upper') .and. fields%has_name('surfaces', 'lower')) then
       call read_files(path, upper, lower, fields, checked, other_files)
     else
       call fields%complain_of_group('surfaces', 'a surface is missing: expected deck, or both ' // &
@@ -80,11 +80,11 @@ contains
 
   contains
 
-    function named()
-      logical :: named(2)
+    function are_named()
+      logical :: are_named(2)
 
-      named = [fields%has('surfaces', 'upper'), fields%has('surfaces', 'lower')]
-    end function named
+      are_named = [fields%has_name('surfaces', 'upper'), fields%has_name('surfaces', 'lower')]
+    end function are_named
 
   end subroutine read_surfaces
 
@@ -108,8 +108,10 @@ contains
     call look_at(upper, files(1), maps(1))
     if (allocated(upper) .and. allocated(lower) .and. files(1)%length < 0 .and. &
         files(1)%used > 0) then
-      if (same_name(canonical_path(beside(path, upper)), canonical_path(beside(path, lower)))) then
-        call fields%complain_of('surfaces', 'lower', 'found ' // quoted(lower) // ', the pipe ' // &
+      if (same_name(canonical_path(path_beside(path, upper)), canonical_path(path_beside(path, &
+        lower)))) then
+        call fields%complain_of('surfaces', 'lower', 'found ' // in_quotes(lower) // &
+                                ', the pipe ' // &
                                 'of upper, expected another file: a pipe can be read only once')
         return
       end if
@@ -134,8 +136,8 @@ contains
       names_map = .false.
       if (.not. allocated(name)) return
       if (is_plane(name)) return
-      call file%open(beside(path, name))
-      names_map = is_map(file, fields%has('surfaces', 'map_spacing'))
+      call file%open(path_beside(path, name))
+      names_map = is_map(file, fields%has_name('surfaces', 'map_spacing'))
     end subroutine look_at
 
   end subroutine read_files
@@ -166,27 +168,27 @@ contains
     if (checked%upper%is_plane) then
       checked%upper = plane_surface()
     else if (allocated(upper)) then
-      call surface_from_csv(beside(path, upper), files(1), radius(1), checked%upper, &
+      call surface_from_csv(path_beside(path, upper), files(1), radius(1), checked%upper, &
                             upper_has_radius, upper_unit, checked%notes, other_files)
     end if
     if (checked%lower%is_plane) then
       checked%lower = plane_surface()
     else if (allocated(lower)) then
-      call surface_from_csv(beside(path, lower), files(2), radius(2), checked%lower, &
+      call surface_from_csv(path_beside(path, lower), files(2), radius(2), checked%lower, &
                             lower_has_radius, lower_unit, checked%notes, other_files)
     end if
     if (upper_unit /= '' .and. lower_unit /= '' .and. upper_unit /= lower_unit) &
-      call fields%complain_of('surfaces', 'lower', 'found unit ' // quoted(lower_unit) // &
-                              ' in its header beside ' // quoted(upper_unit) // ' of upper, ' // &
-                              'expected all lengths in one unit')
+      call fields%complain_of('surfaces', 'lower', 'found unit ' // in_quotes(lower_unit) // &
+                              ' in its header beside ' // in_quotes(upper_unit) // &
+                              ' of upper, ' // 'expected all lengths in one unit')
     if (upper_unit == '') upper_unit = lower_unit
     if (upper_unit /= '' .and. checked%units(1) /= '' .and. &
         upper_unit /= plain_unit(checked%units(1))) &
       call fields%complain_of('surfaces', 'units', 'found length ' // &
-                              quoted(trim(checked%units(1))) // ' beside ' // &
-                              quoted(upper_unit) // ' in the header of a surface, expected ' // &
+                              in_quotes(trim(checked%units(1))) // ' beside ' // &
+                              in_quotes(upper_unit) // ' in the header of a surface, expected ' // &
                               'the same: nothing is converted')
-    if (.not. fields%has('surfaces', 'radius')) then
+    if (.not. fields%has_name('surfaces', 'radius')) then
       which = 'upper and the lower'
       if (upper_has_radius) which = 'lower'
       if (lower_has_radius) which = 'upper'
@@ -212,14 +214,14 @@ contains
     character(len=*), parameter :: no_map = 'found no map beside a map, expected ' // &
       '''plane'' or a map on the same grid'
 
-    call take('upper', upper, files(1), maps(1), checked%upper)
-    call take('lower', lower, files(2), maps(2), checked%lower)
+    call take_side('upper', upper, files(1), maps(1), checked%upper)
+    call take_side('lower', lower, files(2), maps(2), checked%lower)
     if (.not. allocated(checked%map)) allocate (checked%map)
     call read_maps(files, fields, checked, other_files)
 
   contains
 
-    subroutine take(which, name, file, names_map, surface)
+    subroutine take_side(which, name, file, names_map, surface)
       character(len=*), intent(in) :: which
       character(len=:), allocatable, intent(in) :: name
       type(line_reader), intent(in) :: file
@@ -234,14 +236,14 @@ contains
       if (.not. allocated(name)) return
       if (is_plane(name)) return
       if (names_map) then
-        surface%file = beside(path, name)
+        surface%file = path_beside(path, name)
       else if (allocated(file%failure)) then
-        call other_files%start(beside(path, name))
+        call other_files%start(path_beside(path, name))
         call other_files%add_at(1, 1, file%failure // ', expected a map')
       else
         call fields%complain_of('surfaces', which, no_map)
       end if
-    end subroutine take
+    end subroutine take_side
 
   end subroutine take_maps
 
@@ -274,7 +276,7 @@ contains
     type(surface_table) :: table
     type(problem_list) :: found
 
-    if (common_radius%digits > 0_int64) then
+    if (common_radius%all_digits > 0_int64) then
       call read_surface_csv(path, table, found, decimal_to_real64(common_radius), opened=file)
     else
       call read_surface_csv(path, table, found, opened=file)
@@ -302,8 +304,8 @@ contains
   pure logical function from_csv(fields)
     type(scene_fields), intent(in) :: fields  !! the scene's text
 
-    from_csv = any(fields%given) .or. (.not. fields%has('surfaces', 'deck') .and. &
-               (fields%has('surfaces', 'upper') .or. fields%has('surfaces', 'lower')))
+    from_csv = any(fields%given) .or. (.not. fields%has_name('surfaces', 'deck') .and. &
+               (fields%has_name('surfaces', 'upper') .or. fields%has_name('surfaces', 'lower')))
   end function from_csv
 
   !> A surface from numbers in memory. Invalid numbers are reported as problems.
@@ -312,7 +314,7 @@ contains
     real(real64), intent(in) :: x(:), y(:)         !! summits on the reference plane
     real(real64), intent(in) :: height(:)          !! summits above it, as many
     real(real64), intent(in) :: radius(:)          !! as many, more than 0; or one for all
-    type(scene_surface), intent(out) :: surface    !! the same
+    type(scene_surface), intent(out) :: surface    !! surface with copies of the numbers
     type(problem_list), intent(inout) :: problems  !! what is wrong
     integer :: before
 
@@ -331,19 +333,20 @@ contains
     surface%radius = spread(radius(1), 1, size(x))
     if (size(radius) == size(x)) surface%radius = radius
     before = problems%count()
-    call check('x', x, abs(x) <= huge(x), 'a finite number')
-    call check('y', y, abs(y) <= huge(y), 'a finite number')
-    call check('height', height, abs(height) <= huge(height), 'a finite number')
-    call check('radius', radius, radius > 0.0_real64 .and. radius <= huge(radius), &
+    call check_numbers('x', x, abs(x) <= huge(x), 'a finite number')
+    call check_numbers('y', y, abs(y) <= huge(y), 'a finite number')
+    call check_numbers('height', height, abs(height) <= huge(height), 'a finite number')
+    call check_numbers('radius', radius, radius > 0.0_real64 .and. radius <= huge(radius), &
                'a finite number more than 0')
     ! A sphere does not stand higher than its diameter.
     if (problems%count() == before) &
-      call check('height', height, height / 2 < surface%radius, 'less than twice the radius')
+      call check_numbers('height', height, height / 2 < surface%radius, &
+      'less than twice the radius')
 
   contains
 
     ! Adds the first number of an array that is not good.
-    subroutine check(name, numbers, good, expected)
+    subroutine check_numbers(name, numbers, good, expected)
       character(len=*), intent(in) :: name, expected
       real(real64), intent(in) :: numbers(:)
       logical, intent(in) :: good(:)
@@ -354,12 +357,12 @@ contains
         call problems%add(which // '.' // name // ': found ' // real_text(numbers(i)) // &
                           ' as number ' // decimal_text(i) // ' of ' // &
                           decimal_text(size(numbers)) // ', expected ' // expected)
-    end subroutine check
+    end subroutine check_numbers
 
   end subroutine take_surface
 
   !> The path of a file that a scene names: as it is, or beside the scene.
-  pure function beside(scene_path, name) result(path)
+  pure function path_beside(scene_path, name) result(path)
     character(len=*), intent(in) :: scene_path, name
     character(len=:), allocatable :: path
 
@@ -367,6 +370,6 @@ contains
     if (name(1:1) /= '/') path = scene_path(:index(scene_path, '/', back=.true.)) // name
     ! Standard input is the scene's.
     if (path == '-') path = './-'
-  end function beside
+  end function path_beside
 
 end module asperity_scene_surfaces

@@ -26,7 +26,7 @@ module asperity_scene_values
   public :: hold_load, hold_separation, hold_words
   public :: by_default, by_numbers, by_word
   public :: effect_off, effect_on, effect_auto, effect_coupled, effect_boundary, effect_words
-  public :: thesis_limit_load, is_thesis_sweep, compliance, combined_modulus, has_hardness, &
+  public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
             solves_pixels
 
   !> Closing ends at the approach at which a contact reaches the limit.
@@ -112,7 +112,8 @@ module asperity_scene_values
     type(decimal_value) :: yield_stress    !! in shear, for Hardy, more than 0
   end type scene_limit
 
-  !> What is simulated beyond independent elastic contacts. The names are those of &effects, as
+  !> Effects that are simulated beyond independent elastic contacts. The names are those of
+  !> &effects, as
   !> `asperity_effect_names` lists them.
   type :: scene_effects
     integer :: modes(size(known_effects)) = effect_off  !! of each effect, an `effect_` number
@@ -270,7 +271,7 @@ contains
 
   !> Whether the scene is a bare deck: the sweep that the original program computes.
   pure logical function is_thesis_sweep(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene with checked values
 
     is_thesis_sweep = scene_in%from_deck .and. scene_in%limit%from_thesis .and. &
                       scene_in%motion%positions == thesis_positions .and. &
@@ -279,24 +280,25 @@ contains
   end function is_thesis_sweep
 
   !> (1 - nu**2)/E of a body; their sum for both is one over the combined modulus.
-  elemental real(real64) function compliance(elastic_modulus, poisson_ratio)
+  elemental real(real64) function body_compliance(elastic_modulus, poisson_ratio)
     type(decimal_value), intent(in) :: elastic_modulus  !! more than 0
     type(decimal_value), intent(in) :: poisson_ratio    !! more than -1, at most 0.5
     real(real64) :: ratio
 
     ratio = decimal_to_real64(poisson_ratio)
-    compliance = (1 - ratio) * (1 + ratio) / decimal_to_real64(elastic_modulus)
-  end function compliance
+    body_compliance = (1 - ratio) * (1 + ratio) / decimal_to_real64(elastic_modulus)
+  end function body_compliance
 
   !> The combined modulus, 1/E = (1 - nu1**2)/E1 + (1 - nu2**2)/E2.
   pure real(real64) function combined_modulus(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene with checked values
 
     combined_modulus = decimal_to_real64(scene_in%contact_modulus)
     if (combined_modulus > 0.0_real64) return
     associate (upper => scene_in%upper, lower => scene_in%lower)
-      combined_modulus = 1.0_real64 / (compliance(upper%elastic_modulus, upper%poisson_ratio) + &
-                                       compliance(lower%elastic_modulus, lower%poisson_ratio))
+      combined_modulus = 1.0_real64 / (body_compliance(upper%elastic_modulus, &
+                                       upper%poisson_ratio) + &
+                                       body_compliance(lower%elastic_modulus, lower%poisson_ratio))
     end associate
   end function combined_modulus
 
@@ -314,7 +316,7 @@ contains
 
   !> Whether the pressures of a scene are limited by a hardness.
   pure logical function has_hardness(scene_in)
-    type(scene), intent(in) :: scene_in  !! checked values
+    type(scene), intent(in) :: scene_in  !! scene with checked values
 
     has_hardness = scene_in%effects%mode('plasticity') /= effect_off .and. &
                    scene_in%effects%number('plastic_hardness') > 0.0_real64

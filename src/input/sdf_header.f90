@@ -7,7 +7,7 @@ module asperity_sdf_header
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_height_map, only: expected_length, is_length
-  use asperity_input_text, only: lower_case, quoted
+  use asperity_input_text, only: lower_case, in_quotes
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral, read_whole_number
   use asperity_problems, only: decimal_text, problem_list
@@ -33,13 +33,13 @@ module asperity_sdf_header
   ! The first type of each revision; it has all from there on.
   integer, parameter :: first_type(3) = [5, 3, 0]
 
-  !> What the samples mean.
+  !> Values of the header.
   type :: sdf_header
     logical :: binary = .false.                !! samples are bytes, not words
     integer :: revision = 0                    !! one of `iso_1`, `iso_2`, `bcr`
     integer(int64) :: points = 0_int64         !! samples of a profile
     integer(int64) :: profiles = 0_int64       !! profiles
-    real(real64) :: scale(3) = 0.0_real64      !! metres along x, y from sample to sample; of a unit
+    real(real64) :: scale_factor(3) = 0.0_real64  !! metres: spacing along x and y; unit of height
     integer :: data_type = 0                   !! from 0 to 7
   end type sdf_header
 
@@ -70,14 +70,14 @@ contains
     header%binary = lower_case(magic(1:1)) == 'b'
     header%revision = min(bcr, findloc(revisions == magic(2:magic_length), .true., 1))
     if (header%revision == 0) &
-      call problems%add_at(1, 1, 'unknown revision: found ' // quoted(magic) // &
+      call problems%add_at(1, 1, 'unknown revision: found ' // in_quotes(magic) // &
                            ', expected ISO-1.0, ISO-2.0, BCR-1.0 or BCR-0.0 behind a or b')
   end subroutine read_magic
 
   !> Reads the header of a text, up to the line of one asterisk.
   subroutine read_text_header(file, magic, header, problems)
     type(line_reader), intent(inout) :: file        !! behind the first 8 bytes; left at the data
-    character(len=*), intent(in) :: magic            !! these bytes
+    character(len=*), intent(in) :: magic            !! the first 8 bytes of the file
     type(sdf_header), intent(out) :: header          !! what it says
     type(problem_list), intent(inout) :: problems    !! what is wrong
     character(len=:), allocatable :: text
@@ -91,7 +91,7 @@ contains
     if (allocated(text)) then
       call cut_comment(header, text)
       if (len_trim(text) > 0) &
-        call problems%add_at(1, magic_length + 1, 'found ' // quoted(trim(text)) // &
+        call problems%add_at(1, magic_length + 1, 'found ' // in_quotes(trim(text)) // &
                              ', expected the end of the line')
     end if
     do
@@ -112,7 +112,7 @@ contains
           lower_case(text(first:first)) <= 'z' .and. scan(text(first:last), ' ' // achar(9)) > 0) &
         equals = first + scan(text(first:last), ' ' // achar(9)) - 1
       if (equals == 0) then
-        call problems%add_at(line, first, 'found ' // quoted(text(first:last)) // &
+        call problems%add_at(line, first, 'found ' // in_quotes(text(first:last)) // &
                              ', expected NAME = VALUE, or one asterisk')
         cycle
       end if
@@ -170,8 +170,8 @@ contains
     case (3:5)
       expected = expected_length
       call read_numeral(value, decimal, good)
-      header%scale(field - 2) = decimal_to_real64(decimal)
-      good = good .and. is_length(header%scale(field - 2))
+      header%scale_factor(field - 2) = decimal_to_real64(decimal)
+      good = good .and. is_length(header%scale_factor(field - 2))
     case (type_field)
       call read_whole_number(value, whole, good)
       if (.not. good .and. header%revision == bcr) then
@@ -189,7 +189,7 @@ contains
         good = good .or. lower_case(value) == 'null' .or. lower_case(value) == 'none'
     end select
     if (.not. good) call problems%add_at(line, column, trim(fields(field)) // ': found ' // &
-                                         quoted(value) // ', expected ' // expected)
+                                         in_quotes(value) // ', expected ' // expected)
   end subroutine take_field
 
   ! Whether a revision has a type of samples.
@@ -214,7 +214,7 @@ contains
   !> Reads the header of a binary file.
   subroutine read_binary_header(file, magic, header, problems)
     type(line_reader), intent(inout) :: file        !! behind the first 8 bytes; left at the data
-    character(len=*), intent(in) :: magic            !! these bytes
+    character(len=*), intent(in) :: magic            !! the first 8 bytes of the file
     type(sdf_header), intent(out) :: header          !! what it says
     type(problem_list), intent(inout) :: problems    !! what is wrong
     integer, parameter :: before_counts = 34, behind_counts = 35, more_bytes = 8
@@ -238,16 +238,16 @@ contains
       bits = whole_bits(bytes(at + 1:at + wide))
       if (i == 1) header%points = bits
       if (i == 2) header%profiles = bits
-      if (bits == 0_int64) call wrong(fields(i), '0', 'a whole number from 1')
+      if (bits == 0_int64) call refuse_value(fields(i), '0', 'a whole number from 1')
       at = at + wide
     end do
     do i = 1, 3
       bits = whole_bits(bytes(at + 1:at + 8))
       ! Infinite numbers and those that are none stay 0.
       if (iand(shiftr(bits, 52), 2047_int64) < 2047_int64) &
-        header%scale(i) = transfer(bits, header%scale(i))
-      if (.not. is_length(header%scale(i))) &
-        call wrong(fields(i + 2), float_text(bits), expected_length)
+        header%scale_factor(i) = transfer(bits, header%scale_factor(i))
+      if (.not. is_length(header%scale_factor(i))) &
+        call refuse_value(fields(i + 2), float_text(bits), expected_length)
       at = at + 8
     end do
     ! Zresolution is skipped: no result depends on it.
@@ -257,9 +257,9 @@ contains
       if (i == 2) then
         header%data_type = code
         if (.not. is_type(header, code)) &
-          call wrong('DataType', decimal_text(code), expected_type(header))
+          call refuse_value('DataType', decimal_text(code), expected_type(header))
       else if (code /= 0) then
-        call wrong(fields(merge(7, 8, i == 1)), decimal_text(code), &
+        call refuse_value(fields(merge(7, 8, i == 1)), decimal_text(code), &
                    '0: neither compression nor checks are read')
       end if
       at = at + 1
@@ -275,12 +275,12 @@ contains
 
   contains
 
-    subroutine wrong(field, found, expected)
+    subroutine refuse_value(field, found, expected)
       character(len=*), intent(in) :: field, found, expected
 
       call add_at_record(problems, int(magic_length + at + 1, int64), 1, trim(field) // &
                          ': found ' // found // ', expected ' // expected)
-    end subroutine wrong
+    end subroutine refuse_value
 
   end subroutine read_binary_header
 
@@ -288,14 +288,14 @@ contains
   pure function float_text(bits) result(text)
     integer(int64), intent(in) :: bits
     character(len=:), allocatable :: text
-    character(len=24) :: digits
+    character(len=24) :: number_text
 
     if (iand(shiftr(bits, 52), 2047_int64) == 2047_int64) then
       text = 'NaN'
       if (iand(bits, low_52) == 0_int64) text = 'an infinite number'
     else
-      write (digits, '(es16.8e3)') transfer(bits, 1.0_real64)
-      text = trim(adjustl(digits))
+      write (number_text, '(es16.8e3)') transfer(bits, 1.0_real64)
+      text = trim(adjustl(number_text))
     end if
   end function float_text
 
@@ -312,8 +312,8 @@ contains
 
   !> Adds a problem at a byte of a binary file.
   pure subroutine add_at_record(problems, byte, record, message)
-    type(problem_list), intent(inout) :: problems  !! the list
-    integer(int64), intent(in) :: byte             !! from 1
+    type(problem_list), intent(inout) :: problems  !! list that gets the problem
+    integer(int64), intent(in) :: byte             !! number of the byte, from 1
     integer, intent(in) :: record                  !! 1 the header, 2 the data
     character(len=*), intent(in) :: message        !! what is wrong, found, expected
 

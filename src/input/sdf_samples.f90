@@ -8,7 +8,7 @@ module asperity_sdf_samples
   use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: digit_of, height_map, highest, is_measured, largest_height, &
                                  make_room, most_samples, no_height, no_power, read_height
-  use asperity_input_text, only: blanks, lower_case, quoted
+  use asperity_input_text, only: blanks, lower_case, in_quotes
   use asperity_kinds, only: int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
@@ -31,7 +31,8 @@ contains
     logical, intent(in) :: progress                         !! print the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    character(len=:), allocatable, intent(out) :: failure   !! reason that there is no memory; not
+                                                            !! allocated: there is
     type(progress_line) :: shown
     integer(int64) :: least, others
 
@@ -71,7 +72,7 @@ contains
       call map%notes%add_in_file('note: ' // decimal_text(others) // ' pixels are ' // &
            decimal_text(other_limit(header)) // ', which other programs take for missing; ' // &
            'here they are heights')
-    map%digit = map%digit * header%scale(3)
+    map%digit = map%digit * header%scale_factor(3)
   end subroutine read_sdf_samples
 
   ! The row of a map where a profile of the file goes.
@@ -112,8 +113,8 @@ contains
         end if
         do i = first, last
           at = wide * (i - first)
-          call decode(bytes(at + 1:at + wide), header, map%height(i, row_of(header, profile)), &
-                      others, good)
+          call decode_sample(bytes(at + 1:at + wide), header, map%height(i, row_of(header, &
+                      profile)), others, good)
           if (.not. good) &
             call add_at_record(problems, place + int(at, int64), 2, 'pixel ' // &
                                decimal_text(i) // ' of profile ' // decimal_text(profile) // &
@@ -125,7 +126,7 @@ contains
     ! A whole number counts; a real one is as good as its format.
     map%digit = 1.0_real64
     largest = 0.0_real64
-    if (problems%count() == 0) largest = largest_height(map) / header%scale(3)
+    if (problems%count() == 0) largest = largest_height(map) / header%scale_factor(3)
     if (header%data_type == binary32) map%digit = real(spacing(real(largest, real32)), real64)
     if (header%data_type == binary64) map%digit = spacing(largest)
     place = file%next_byte()
@@ -163,7 +164,7 @@ contains
   end function is_text
 
   ! The height of a sample in bytes.
-  pure subroutine decode(bytes, header, height, others, good)
+  pure subroutine decode_sample(bytes, header, height, others, good)
     character(len=*), intent(in) :: bytes
     type(sdf_header), intent(in) :: header
     real(real64), intent(out) :: height
@@ -187,21 +188,21 @@ contains
         good = bits /= 0_int64 .or. (header%revision == bcr .and. .not. negative)
         return
       else if (wide == 32) then
-        height = real(transfer(int(signed(bits, wide)), 1.0_real32), real64)
+        height = real(transfer(int(signed_bits(bits, wide)), 1.0_real32), real64)
       else
         height = transfer(bits, height)
       end if
     case default
       ! The first three are without sign.
-      if (header%data_type > 2) bits = signed(bits, wide)
+      if (header%data_type > 2) bits = signed_bits(bits, wide)
       height = real(bits, real64)
       if (bits == other_limit(header)) others = others + 1_int64
     end select
     missing = is_reserved(header, height)
     if (missing) height = no_height
     if (missing) return
-    call scale(header, height, good)
-  end subroutine decode
+    call scale_height(header, height, good)
+  end subroutine decode_sample
 
   ! The least number of a whole type with sign where the largest is reserved, or the other way;
   ! others have a number that is no sample.
@@ -215,13 +216,13 @@ contains
   end function other_limit
 
   ! Bits as a number with sign.
-  pure integer(int64) function signed(bits, wide)
+  pure integer(int64) function signed_bits(bits, wide)
     integer(int64), intent(in) :: bits
     integer, intent(in) :: wide
 
-    signed = bits
-    if (wide < 64 .and. btest(bits, wide - 1)) signed = bits - shiftl(1_int64, wide)
-  end function signed
+    signed_bits = bits
+    if (wide < 64 .and. btest(bits, wide - 1)) signed_bits = bits - shiftl(1_int64, wide)
+  end function signed_bits
 
   ! Whether a number stands for a missing sample. No sample of a text comes as near to it.
   pure logical function is_reserved(header, number)
@@ -235,7 +236,7 @@ contains
       1.7e308_real64]
 
     if (header%revision == bcr) then
-      is_reserved = number >= nearest32(highest_of(header%data_type))
+      is_reserved = number >= reserved_limit(highest_of(header%data_type))
     else
       is_reserved = number <= lowest(header%data_type)
     end if
@@ -243,27 +244,27 @@ contains
   contains
 
     ! 3.4E38 as the bytes of a sample have it.
-    pure real(real64) function nearest32(limit)
+    pure real(real64) function reserved_limit(limit)
       real(real64), intent(in) :: limit
 
-      nearest32 = limit
-      if (header%data_type == binary32) nearest32 = real(real(limit, real32), real64)
-      if (nearest32 > limit) nearest32 = limit
-    end function nearest32
+      reserved_limit = limit
+      if (header%data_type == binary32) reserved_limit = real(real(limit, real32), real64)
+      if (reserved_limit > limit) reserved_limit = limit
+    end function reserved_limit
 
   end function is_reserved
 
   ! The number of a sample becomes its height.
-  pure subroutine scale(header, height, good)
+  pure subroutine scale_height(header, height, good)
     type(sdf_header), intent(in) :: header
     real(real64), intent(inout) :: height
     logical, intent(out) :: good
 
-    good = abs(height) <= highest / max(1.0_real64, header%scale(3))
-    if (good) height = height * header%scale(3)
-  end subroutine scale
+    good = abs(height) <= highest / max(1.0_real64, header%scale_factor(3))
+    if (good) height = height * header%scale_factor(3)
+  end subroutine scale_height
 
-  ! Samples as words.
+  ! Long: all stages take words from the same line. Reads samples as words.
   subroutine read_words(file, header, map, shown, others, problems)
     type(line_reader), intent(inout) :: file
     type(sdf_header), intent(in) :: header
@@ -291,7 +292,7 @@ contains
       do i = 1, map%columns
         call take_word()
         if (word == '' .or. word == '*') then
-          call refuse('the pixels end behind ' // &
+          call refuse_word('the pixels end behind ' // &
                       decimal_text(int(profile - 1, int64) * map%columns + i - 1) // &
                       ', expected ' // grid)
           return
@@ -303,10 +304,10 @@ contains
           if (is_reserved(header, height)) then
             height = no_height
           else
-            call scale(header, height, good)
+            call scale_height(header, height, good)
           end if
         end if
-        if (.not. good) call refuse('found ' // quoted(word) // ', expected ' // expected)
+        if (.not. good) call refuse_word('found ' // in_quotes(word) // ', expected ' // expected)
         map%height(i, row_of(header, profile)) = height
       end do
       call shown%reach(profile)
@@ -315,7 +316,7 @@ contains
     if (whole) map%digit = 1.0_real64
     if (cells%last(k) == len(file%lines) .and. problems%count() == 0) &
       call map%notes%add_at(cells%line, column_of(cells, k), 'note: the file ends right ' // &
-                            'behind ' // quoted(word) // ', without a line end or an ' // &
+                            'behind ' // in_quotes(word) // ', without a line end or an ' // &
                             'asterisk: is the number whole?')
     call take_word()
     if (word == '') return
@@ -330,19 +331,19 @@ contains
                             'note: text behind the pixels is not read')
       return
     end do
-    call refuse('found ' // quoted(word) // ' behind ' // grid // ' pixels, expected an ' // &
-                'asterisk, and no value behind it')
+    call refuse_word('found ' // in_quotes(word) // ' behind ' // grid // &
+                ' pixels, expected an ' // 'asterisk, and no value behind it')
 
   contains
 
     ! The next word of the file; empty at its end.
     subroutine take_word()
       k = k + 1
-      if (k > cells%count) then
+      if (k > cells%cell_count) then
         call file%next_cells(cells)
         k = 1
       end if
-      if (cells%count > 0) then
+      if (cells%cell_count > 0) then
         word = file%cell_text(cells, k)
       else
         word = ''
@@ -350,11 +351,11 @@ contains
     end subroutine take_word
 
     ! Reports a problem at the word, or at the end of the file.
-    subroutine refuse(message)
+    subroutine refuse_word(message)
       character(len=*), intent(in) :: message
 
       call problems%add_at(cells%line, column_of(cells, k), message)
-    end subroutine refuse
+    end subroutine refuse_word
 
   end subroutine read_words
 

@@ -64,7 +64,7 @@ contains
 
   !> Reads and checks a specification. With problems it is not to be used.
   subroutine read_study_spec(path, spec, problems)
-    character(len=*), intent(in) :: path         !! the file
+    character(len=*), intent(in) :: path         !! path of the specification; `-` is standard input
     type(study_spec), intent(out) :: spec        !! its values, defaults filled in
     type(problem_list), intent(out) :: problems  !! all that is wrong
     type(scene_fields) :: fields
@@ -86,12 +86,12 @@ contains
     call take_generation(fields, spec%surfaces)
     if (spec%surfaces%is_deck) &
       call fields%complain_of_group('deck', 'group &deck: found in a study, expected none')
-    if (fields%has('random', 'ensemble') .and. spec%surfaces%ensemble < 2) &
+    if (fields%has_name('random', 'ensemble') .and. spec%surfaces%ensemble < 2) &
       call fields%complain_of('random', 'ensemble', 'found fewer than 2 surfaces, expected ' // &
                               '2 or more, as their spread is studied')
-    call fields%require('random', 'ensemble', 'the number of surfaces, 2 or more')
-    call fields%require('material', 'elastic_modulus', 'two values, or one for both surfaces')
-    call fields%require('material', 'poisson_ratio', 'two values, or one for both surfaces')
+    call fields%require_name('random', 'ensemble', 'the number of surfaces, 2 or more')
+    call fields%require_name('material', 'elastic_modulus', 'two values, or one for both surfaces')
+    call fields%require_name('material', 'poisson_ratio', 'two values, or one for both surfaces')
     call fields%take_pair('material', 'elastic_modulus', above_zero, spec%elastic_modulus)
     call fields%take_pair('material', 'poisson_ratio', poisson_range, spec%poisson_ratio)
     call take_loading(fields, spec)
@@ -117,16 +117,16 @@ contains
     call fields%take_word('study', 'against', against_words, spec%against)
     call fields%take_number('study', 'separation', any_number, spec%separation)
     call fields%take_number('study', 'pressure', above_zero, spec%pressure)
-    spec%at_pressure = fields%has('study', 'pressure')
-    if (spec%at_pressure .and. fields%has('study', 'separation')) then
+    spec%at_pressure = fields%has_name('study', 'pressure')
+    if (spec%at_pressure .and. fields%has_name('study', 'separation')) then
       call fields%complain_of('study', 'separation', 'found beside pressure, expected one of them')
-    else if (.not. spec%at_pressure .and. .not. fields%has('study', 'separation')) then
+    else if (.not. spec%at_pressure .and. .not. fields%has_name('study', 'separation')) then
       call fields%complain_of_group('study', 'no separation and no pressure in &study, ' // &
                                     'expected one of them')
     end if
   end subroutine take_loading
 
-  !> What is cut out, and when it is good.
+  !> Takes how sections are cut out, and when one is representative.
   subroutine take_sections(fields, spec)
     type(scene_fields), intent(inout) :: fields
     type(study_spec), intent(inout) :: spec
@@ -137,14 +137,14 @@ contains
     allocate (sizes(min(number, most_sizes)))
     call fields%take_numbers('study', 'sizes', above_zero, sizes)
     spec%sizes = decimal_to_real64(sizes)
-    if (number <= most_sizes .and. all(sizes%digits > 0)) then
+    if (number <= most_sizes .and. all(sizes%all_digits > 0)) then
       if (.not. all(spec%sizes(2:) < spec%sizes(:number - 1))) &
         call fields%complain_of('study', 'sizes', 'found sizes in another order, expected ' // &
                                 'each to be smaller than the one before')
     end if
-    if (number > 0 .and. fields%has('study', 'factor')) &
+    if (number > 0 .and. fields%has_name('study', 'factor')) &
       call fields%complain_of('study', 'factor', 'found beside sizes, expected one of them')
-    if (number > 0 .and. fields%has('study', 'steps')) &
+    if (number > 0 .and. fields%has_name('study', 'steps')) &
       call fields%complain_of('study', 'steps', 'found beside sizes, expected one of them')
     call take_real(fields, 'factor', above_zero, spec%factor)
     if (.not. spec%factor > 1.0_real64) &
@@ -158,15 +158,15 @@ contains
   end subroutine take_sections
 
   !> A number of &study as a double; it stays as it is when it is not there or not good.
-  subroutine take_real(fields, name, range, number)
+  subroutine take_real(fields, name, number_range, number)
     type(scene_fields), intent(inout) :: fields
     character(len=*), intent(in) :: name
-    integer, intent(in) :: range
+    integer, intent(in) :: number_range
     real(real64), intent(inout) :: number
     type(decimal_value) :: value
 
-    call fields%take_number('study', name, range, value)
-    if (value%digits /= 0) number = decimal_to_real64(value)
+    call fields%take_number('study', name, number_range, value)
+    if (value%all_digits /= 0) number = decimal_to_real64(value)
   end subroutine take_real
 
 end module asperity_study_spec

@@ -9,7 +9,7 @@ module asperity_surface_csv
   use asperity_delimited_text, only: column_of, find_separator, line_cells, read_cells
   use asperity_file_kind, only: a_surface, other_kind
   use asperity_height_map, only: plain_unit
-  use asperity_input_text, only: check_text, line_end, lower_case, quoted, read_text, text_start
+  use asperity_input_text, only: check_text, line_end, lower_case, in_quotes, read_text, text_start
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
@@ -20,7 +20,7 @@ module asperity_surface_csv
 
   public :: surface_table, read_surface_csv, parse_surface_csv
 
-  !> What a column can be.
+  !> Names of columns that are read.
   character(len=*), parameter :: column_names(4) = &
     [character(len=6) :: 'x', 'y', 'height', 'radius']
   !> Place in `column_names`.
@@ -29,10 +29,10 @@ module asperity_surface_csv
   ! Unread columns that a note names; the rest is counted. Chosen: one line of a terminal.
   integer, parameter :: most_named = 5
 
-  !> What the columns of a file are.
+  !> Columns of a file.
   type :: surface_columns
     integer :: cell_of(4) = 0                 !! cell of each of `column_names`; 0: there is none
-    integer :: count = 0                      !! columns of the file
+    integer :: column_count = 0               !! columns of the file
     character(len=1) :: separator = ','       !! what stands between them
     character(len=:), allocatable :: unit     !! of all lengths; empty: not given in the file
     !> Names of columns that are not read, the first five, and how many there are; or empty.
@@ -57,8 +57,8 @@ contains
 
   !> Reads and checks a surface. With problems the table is not to be used.
   subroutine read_surface_csv(path, table, problems, common_radius, opened)
-    character(len=*), intent(in) :: path                !! the file
-    type(surface_table), intent(out) :: table           !! its numbers
+    character(len=*), intent(in) :: path                !! path of the surface
+    type(surface_table), intent(out) :: table           !! numbers of the asperities
     type(problem_list), intent(out) :: problems         !! all that is wrong
     real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
     class(byte_reader), intent(inout), optional :: opened !! the file, at its first byte
@@ -72,7 +72,7 @@ contains
   subroutine parse_surface_csv(path, text, table, problems, common_radius)
     character(len=*), intent(in) :: path                !! name for the messages
     character(len=*), intent(in) :: text                !! the whole file
-    type(surface_table), intent(out) :: table           !! its numbers
+    type(surface_table), intent(out) :: table           !! numbers of the asperities
     type(problem_list), intent(out) :: problems         !! all that is wrong
     real(real64), intent(in), optional :: common_radius !! radius of all, when no column gives it
     type(problem_list) :: strange
@@ -100,7 +100,7 @@ contains
     line = 1
     first = text_start(text)
     call read_cells(text, first, line, cells)
-    if (cells%count == 0) then
+    if (cells%cell_count == 0) then
       call problems%add_at(1, 1, 'the file is empty, expected the header x,y,height,radius')
       return
     end if
@@ -201,12 +201,13 @@ contains
     cells%separator = columns%separator
     do
       call read_cells(text, at, line, cells)
-      if (cells%count == 0) exit
-      if (cells%count /= columns%count) then
-        call problems%add_at(cells%line, 1, 'found ' // decimal_text(cells%count) // &
-                             ' cells, expected ' // decimal_text(columns%count) // &
+      if (cells%cell_count == 0) exit
+      if (cells%cell_count /= columns%column_count) then
+        call problems%add_at(cells%line, 1, 'found ' // decimal_text(cells%cell_count) // &
+                             ' cells, expected ' // decimal_text(columns%column_count) // &
                              ' as in the header' // &
-                             point_hint(cells%count > columns%count .and. cells%separator == ','))
+                             point_hint(cells%cell_count > columns%column_count .and. &
+                             cells%separator == ','))
         cycle
       end if
       all_good = .true.
@@ -219,15 +220,15 @@ contains
         numbers(i) = decimal_to_real64(decimal)
         if (good) cycle
         all_good = .false.
-        call refuse(i, 'a finite number within the range of a double' // &
-                    point_hint(index(cell(i), ',') > 0), problems)
+        call refuse_value(i, 'a finite number within the range of a double' // &
+                    point_hint(index(named_cell(i), ',') > 0), problems)
       end do
       if (all_good .and. allocated(table%radius)) then
         if (numbers(radius_column) <= 0.0_real64) then
-          call refuse(radius_column, 'more than 0', problems)
+          call refuse_value(radius_column, 'more than 0', problems)
         else if (numbers(height_column) / 2 >= numbers(radius_column)) then
           ! A sphere does not stand higher than its diameter.
-          call refuse(height_column, 'less than twice the radius', problems)
+          call refuse_value(height_column, 'less than twice the radius', problems)
         end if
       end if
       i = cells%line - first_line + 1
@@ -241,27 +242,27 @@ contains
   contains
 
     ! The cell of a named column.
-    pure function cell(column)
+    pure function named_cell(column)
       integer, intent(in) :: column
-      character(len=:), allocatable :: cell
+      character(len=:), allocatable :: named_cell
 
-      cell = text(cells%first(columns%cell_of(column)):cells%last(columns%cell_of(column)))
-    end function cell
+      named_cell = text(cells%first(columns%cell_of(column)):cells%last(columns%cell_of(column)))
+    end function named_cell
 
     ! Reports that the value of a column is not what is expected.
-    pure subroutine refuse(column, expected, problems)
+    pure subroutine refuse_value(column, expected, problems)
       integer, intent(in) :: column
       character(len=*), intent(in) :: expected
       type(problem_list), intent(inout) :: problems
 
       call problems%add_at(cells%line, column_of(cells, columns%cell_of(column)), &
-                           trim(column_names(column)) // ': found ' // quoted(cell(column)) // &
-                           ', expected ' // expected)
-    end subroutine refuse
+                           trim(column_names(column)) // ': found ' // &
+                           in_quotes(named_cell(column)) // ', expected ' // expected)
+    end subroutine refuse_value
 
   end subroutine read_rows
 
-  ! What to do about a decimal comma.
+  ! Advice about a decimal comma.
   pure function point_hint(is_needed) result(text)
     logical, intent(in) :: is_needed
     character(len=:), allocatable :: text
@@ -298,7 +299,7 @@ contains
     cells%separator = find_separator(text(first:last))
     call read_cells(text, first, line, cells)
     line = cells%line + 1
-    columns%count = cells%count
+    columns%column_count = cells%cell_count
     columns%separator = cells%separator
     columns%unit = ''
     columns%others = ''
@@ -308,7 +309,7 @@ contains
                            'expected x,y,height,radius')
       return
     end if
-    do i = 1, cells%count
+    do i = 1, cells%cell_count
       call split_name(text(cells%first(i):cells%last(i)), name, unit)
       role = findloc(column_names == name, .true., 1)
       if (name == '') name = 'column ' // decimal_text(i)
@@ -316,26 +317,26 @@ contains
         unread = unread + 1
         if (unread <= most_named) columns%others = columns%others // ', ' // name
       else if (columns%cell_of(role) > 0) then
-        call refuse(i, 'column ' // name // ' occurs twice, expected once', problems)
+        call refuse_cell(i, 'column ' // name // ' occurs twice, expected once', problems)
       else
         columns%cell_of(role) = i
         if (all(columns%cell_of == 0 .or. columns%cell_of == i)) columns%unit = unit
         if (columns%unit == unit .or. is_mixed) cycle
         is_mixed = .true.
-        call refuse(i, name // ': found ' // unit_in_words(unit) // ' beside ' // &
+        call refuse_cell(i, name // ': found ' // unit_in_words(unit) // ' beside ' // &
                     unit_in_words(columns%unit) // ', expected one unit for all lengths, in ' // &
                     'each column or in none', problems)
       end if
     end do
     ! A name that is nearly one of those that are missing is no other column.
-    do i = 1, cells%count
+    do i = 1, cells%cell_count
       call split_name(text(cells%first(i):cells%last(i)), name, unit)
       if (any(column_names == name)) cycle
       role = nearest_word(name, column_names)
       if (role == 0) cycle
       if (columns%cell_of(role) > 0) cycle
       columns%cell_of(role) = i
-      call refuse(i, 'unknown column: found ' // quoted(name) // '; did you mean ''' // &
+      call refuse_cell(i, 'unknown column: found ' // in_quotes(name) // '; did you mean ''' // &
                   trim(column_names(role)) // '''?', problems)
     end do
     if (unread > 0) columns%others = columns%others(3:)
@@ -347,18 +348,19 @@ contains
     end do
     if (name /= '') &
       call problems%add_at(cells%line, 1, 'no column ' // name(3:) // ': found ' // &
-                           quoted(text(start:last)) // ', expected x, y, height and perhaps ' // &
+                           in_quotes(text(start:last)) // &
+                           ', expected x, y, height and perhaps ' // &
                            'radius, between commas, semicolons or tabulators')
 
   contains
 
-    pure subroutine refuse(cell, message, problems)
-      integer, intent(in) :: cell
+    pure subroutine refuse_cell(named_cell, message, problems)
+      integer, intent(in) :: named_cell
       character(len=*), intent(in) :: message
       type(problem_list), intent(inout) :: problems
 
-      call problems%add_at(cells%line, column_of(cells, cell), message)
-    end subroutine refuse
+      call problems%add_at(cells%line, column_of(cells, named_cell), message)
+    end subroutine refuse_cell
 
   end subroutine read_header
 
@@ -368,7 +370,7 @@ contains
     character(len=:), allocatable :: text
 
     text = 'no unit'
-    if (unit /= '') text = 'unit ' // quoted(unit)
+    if (unit /= '') text = 'unit ' // in_quotes(unit)
   end function unit_in_words
 
   ! Whether all cells are numbers: the header is missing.
@@ -378,19 +380,19 @@ contains
     type(decimal_value) :: value
     integer :: i
 
-    do i = 1, cells%count
+    do i = 1, cells%cell_count
       call read_numeral(text(cells%first(i):cells%last(i)), value, all_numbers)
       if (.not. all_numbers) return
     end do
   end function all_numbers
 
   ! A name in small letters without quotes, and the unit in brackets behind it.
-  pure subroutine split_name(cell, name, unit)
-    character(len=*), intent(in) :: cell
+  pure subroutine split_name(named_cell, name, unit)
+    character(len=*), intent(in) :: named_cell
     character(len=:), allocatable, intent(out) :: name, unit
     integer :: left, right
 
-    name = cell
+    name = named_cell
     unit = ''
     if (len(name) > 1) then
       if (name(1:1) == '"' .and. name(len(name):) == '"') name = name(2:len(name) - 1)

@@ -3,7 +3,7 @@
 module asperity_text_header
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_height_map, only: is_length, plain_unit, unit_number
-  use asperity_input_text, only: blanks, lower_case, quoted, text_start
+  use asperity_input_text, only: blanks, lower_case, in_quotes, text_start
   use asperity_kinds, only: int64, real64
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: problem_list
@@ -18,21 +18,21 @@ module asperity_text_header
   integer, parameter :: unit_length = 16, most_names = 4
   character(len=*), parameter :: axis(3) = ['x', 'y', 'z']
 
-  !> What the header says.
+  !> Values of the header.
   type :: text_header
     integer :: first_line = 0                   !! line of the first number; 0: there is none
     integer :: names_line = 0                   !! line of the names x, y, z; 0: there is none
     character(len=unit_length) :: unit(3) = ''  !! of x, y and z as it is written; empty: none
     real(real64) :: extent(2) = 0.0_real64      !! width and height of the map, in `unit(1:2)`
     real(real64) :: extent_error(2) = 0.0_real64  !! half a unit of their last digit
-    real(real64) :: spacing(2) = 0.0_real64     !! along x and y, in `unit(1:2)`; 0: not given
+    real(real64) :: pixel_spacing(2) = 0.0_real64  !! along x and y, in `unit(1:2)`; 0: not given
   contains
     procedure :: has_spacing  !! whether the spacing of a matrix follows from it
   end type text_header
 
   !> Names of columns with their units.
   type :: column_list
-    integer :: count = 0
+    integer :: name_count = 0
     character(len=unit_length) :: name(most_names) = '', unit(most_names) = ''
   end type column_list
 
@@ -42,7 +42,7 @@ contains
   pure logical function has_spacing(self)
     class(text_header), intent(in) :: self  !! that was read
 
-    has_spacing = all(self%spacing > 0.0_real64) .or. all(self%extent > 0.0_real64)
+    has_spacing = all(self%pixel_spacing > 0.0_real64) .or. all(self%extent > 0.0_real64)
   end function has_spacing
 
   !> Reads the lines in front of the first number: comments, and the names x, y, z.
@@ -61,12 +61,12 @@ contains
       line = line + 1
       last = at + scan(head(at:), achar(10) // achar(13)) - 2
       if (last < at - 1) last = len(head)
-      text = trimmed(head(at:last))
+      text = without_blanks(head(at:last))
       at = last + 2
       if (index(head(last + 1:min(last + 2, len(head))), achar(13) // achar(10)) == 1) at = at + 1
       if (text == '') cycle
       if (scan(text(1:1), comment_signs) == 1) then
-        call read_comment(trimmed(text(verify(text // '.', comment_signs):)), line, header, &
+        call read_comment(without_blanks(text(verify(text // '.', comment_signs):)), line, header, &
                           problems, notes)
       else if (header%names_line == 0 .and. names_points(text)) then
         call take_names(columns_named(text), line, header, problems)
@@ -79,7 +79,7 @@ contains
   end subroutine read_header
 
   ! Text without blanks and tabulators around it.
-  pure function trimmed(text) result(inner)
+  pure function without_blanks(text) result(inner)
     character(len=*), intent(in) :: text
     character(len=:), allocatable :: inner
     integer :: first
@@ -87,7 +87,7 @@ contains
     first = verify(text, blanks)
     inner = ''
     if (first > 0) inner = text(first:verify(text, blanks, back=.true.))
-  end function trimmed
+  end function without_blanks
 
   !> Whether the first cell of a line is a number, or a word for a height.
   pure logical function is_numeric_line(text)
@@ -105,7 +105,7 @@ contains
 
   !> Whether a line names the columns of a surface: x, y and height, not between blanks alone.
   pure logical function is_surface_header(text)
-    character(len=*), intent(in) :: text  !! the line
+    character(len=*), intent(in) :: text  !! line without its end
     type(column_list) :: found
 
     found = columns_named(text)
@@ -119,7 +119,7 @@ contains
     type(column_list) :: found
 
     found = columns_named(text)
-    names_points = found%count >= 3 .and. all(found%name(:2) == axis(:2)) .and. &
+    names_points = found%name_count >= 3 .and. all(found%name(:2) == axis(:2)) .and. &
                    any(found%name(3) == [character(len=6) :: 'z', 'height', 'value']) .and. &
                    .not. (is_surface_header(text) .or. any(found%name == 'radius'))
   end function names_points
@@ -135,15 +135,16 @@ contains
     do
       at = at + verify(text(min(at, len(text) + 1):) // '.', between) - 1
       ! A line of many names: flang-19 keeps the text of every turn on the stack.
-      if (at > len(text) .or. found%count > most_names) return
-      if (scan(text(at:at), '[(') == 1 .and. found%count > 0) then
+      if (at > len(text) .or. found%name_count > most_names) return
+      if (scan(text(at:at), '[(') == 1 .and. found%name_count > 0) then
         last = at + scan(text(at:) // ']', '])') - 1
-        if (found%count <= most_names) found%unit(found%count) = plain_unit(text(at + 1:last - 1))
+        if (found%name_count <= most_names) found%unit(found%name_count) = plain_unit(text(at + &
+          1:last - 1))
         at = last + 1
       else
         last = at + scan(text(at + 1:) // ' ', between // '[(') - 1
-        found%count = found%count + 1
-        if (found%count <= most_names) found%name(found%count) = lower_case(text(at:last))
+        found%name_count = found%name_count + 1
+        if (found%name_count <= most_names) found%name(found%name_count) = lower_case(text(at:last))
         at = last + 1
       end if
     end do
@@ -172,8 +173,8 @@ contains
 
     if (unit == '') return
     if (header%unit(i) /= '' .and. header%unit(i) /= unit) &
-      call problems%add_at(line, 1, 'found ' // quoted(trim(unit)) // ' as the unit of ' // &
-                           axis(i) // ' beside ' // quoted(trim(header%unit(i))) // &
+      call problems%add_at(line, 1, 'found ' // in_quotes(trim(unit)) // ' as the unit of ' // &
+                           axis(i) // ' beside ' // in_quotes(trim(header%unit(i))) // &
                            ' in a line before, expected one')
     header%unit(i) = unit
   end subroutine set_unit
@@ -194,14 +195,14 @@ contains
     if (names_points(text)) then
       call take_names(found, line, header, problems)
       return
-    else if (found%count == 1 .and. found%unit(1) /= '' .and. &
+    else if (found%name_count == 1 .and. found%unit(1) /= '' .and. &
              any(found%name(1) == [character(len=7) :: 'z', 'height', 'heights', 'value'])) then
       call set_unit(3, trim(found%unit(1)), line, header, problems)
       return
     end if
     at = scan(text, ':=')
-    name = lower_case(trimmed(text(:at - 1)))
-    value = trimmed(text(at + 1:))
+    name = lower_case(without_blanks(text(:at - 1)))
+    value = without_blanks(text(at + 1:))
     first = 1
     last = 0
     select case (name)
@@ -210,23 +211,23 @@ contains
       at = scan(value // ' ', blanks // '[(')
       unit = bare_unit(value(at:))
       call read_numeral(value(:at - 1), number, good)
-      if (good .and. number%digits > 0_int64 .and. unit_number(unit) > 0) then
+      if (good .and. number%all_digits > 0_int64 .and. unit_number(unit) > 0) then
         header%extent(i) = decimal_to_real64(number)
-        header%extent_error(i) = 0.5_real64 * 10.0_real64**number%exponent
+        header%extent_error(i) = 0.5_real64 * 10.0_real64**number%power_of_ten
         first = i
         last = i
       end if
     case ('spacing')
       at = scan(value // ' ', blanks // ',')
       call read_numeral(value(:at - 1), number, good)
-      header%spacing(1) = decimal_to_real64(number)
-      value = trimmed(value(at + 1:))
+      header%pixel_spacing(1) = decimal_to_real64(number)
+      value = without_blanks(value(at + 1:))
       if (good) call read_numeral(value, number, good)
-      header%spacing(2) = decimal_to_real64(number)
-      if (good) good = all(is_length(header%spacing))
+      header%pixel_spacing(2) = decimal_to_real64(number)
+      if (good) good = all(is_length(header%pixel_spacing))
       if (good) return
-      header%spacing = 0.0_real64
-      call notes%add_at(line, 1, 'note: the spacing in ' // quoted(text) // ' is not used, ' // &
+      header%pixel_spacing = 0.0_real64
+      call notes%add_at(line, 1, 'note: the spacing in ' // in_quotes(text) // ' is not used, ' // &
                         'expected two numbers: spacing: X Y')
     case ('value units', 'value unit', 'z units', 'z unit', 'height units', 'height unit')
       first = 3
@@ -244,8 +245,8 @@ contains
         call set_unit(i, unit, line, header, problems)
       end do
     else if (has_unit(text) .or. name == 'width' .or. name == 'height') then
-      call notes%add_at(line, 1, 'note: the unit in ' // quoted(text) // ' is not understood ' // &
-                        'and not used')
+      call notes%add_at(line, 1, 'note: the unit in ' // in_quotes(text) // &
+                        ' is not understood ' // 'and not used')
     end if
   end subroutine read_comment
 
@@ -254,7 +255,7 @@ contains
     character(len=*), intent(in) :: text
     character(len=:), allocatable :: unit
 
-    unit = trimmed(text)
+    unit = without_blanks(text)
     if (scan(unit, '[(') == 1) unit = unit(2:scan(unit // ']', '])') - 1)
     unit = plain_unit(unit)
     unit = unit(:min(len(unit), unit_length))

@@ -22,13 +22,13 @@ module asperity_text_layout
     type(line_cells) :: cells = line_cells(' ', '#%', '#', .false.)
   end type text_layout
 
-  ! What a byte is, and what stands between two cells.
+  ! Classes of bytes, and kinds of gaps between two cells.
   integer, parameter :: a_blank = 1, a_tab = 2, a_comma = 3, a_semicolon = 4, a_decimal_comma = 5, &
     a_hash = 6, a_point = 7, a_sign = 8, a_digit = 9, a_letter = 10
   character(len=*), parameter :: gap_names(4) = [character(len=11) :: 'a blank', 'a tabulator', &
     'a comma', 'a semicolon']
 
-  !> What the cells of the whole text have in common.
+  !> Counts over the cells of the whole text.
   type :: cell_counts
     integer(int64) :: gaps(5) = 0_int64       ! of each kind
     integer :: line(5) = 0, column(5) = 0     ! the first of each
@@ -46,7 +46,7 @@ contains
 
   !> Finds the layout. What is not understood of the header is noted.
   subroutine find_layout(file, layout, problems, notes)
-    type(line_reader), intent(inout) :: file      !! opened
+    type(line_reader), intent(inout) :: file      !! file that is open
     type(text_layout), intent(out) :: layout       !! what was found
     type(problem_list), intent(inout) :: problems  !! what can be read in two ways
     type(problem_list), intent(inout) :: notes     !! names the same file
@@ -65,14 +65,15 @@ contains
     call choose_separator(layout, counts, problems, notes)
   end subroutine find_layout
 
-  ! Counts lines and cells, and what stands between them.
+  ! Long: one pass over the bytes, with procedures that share its state. Counts lines and cells, and
+  ! what stands between them.
   subroutine count_cells(file, layout, counts, problems)
     type(line_reader), intent(inout) :: file
     type(text_layout), intent(inout) :: layout
     type(cell_counts), intent(out) :: counts
     type(problem_list), intent(inout) :: problems
     integer :: class_of(0:255), code, line, i, at, first, last
-    integer :: cells, gap_line, gap_place, digits, digits_before, first_digit, first_before
+    integer :: cells, gap_line, gap_place, digit_count, digits_before, first_digit, first_before
     integer(int64) :: gap(5)
     logical :: inside, whole, digit_last, signed, after_comma
 
@@ -103,9 +104,9 @@ contains
           if (.not. inside) call begin_cell()
           digit_last = code == a_digit
           if (digit_last) then
-            if (digits == 0) first_digit = i - iachar('0')
-            if (whole) digits = digits + 1
-          else if (code == a_sign .and. digits == 0) then
+            if (digit_count == 0) first_digit = i - iachar('0')
+            if (whole) digit_count = digit_count + 1
+          else if (code == a_sign .and. digit_count == 0) then
             signed = .true.
           else
             whole = .false.
@@ -123,27 +124,27 @@ contains
 
   contains
 
-    ! What stands before the cell.
+    ! Counts the gap before a cell.
     subroutine begin_cell()
-      integer :: kind
+      integer :: gap_kind
 
       if (cells > 0) then
         if (gap(a_comma) == 1_int64 .and. sum(gap) == 1_int64 .and. digit_last .and. &
             code == a_digit) then
-          kind = a_decimal_comma
+          gap_kind = a_decimal_comma
           if (after_comma) counts%two_commas = .true.
         else if (gap(a_semicolon) > 0_int64) then
-          kind = a_semicolon
+          gap_kind = a_semicolon
           if (gap(a_comma) > 0_int64) call count_gap(a_comma)
         else
-          kind = merge(a_tab, a_blank, gap(a_tab) > 0_int64)
+          gap_kind = merge(a_tab, a_blank, gap(a_tab) > 0_int64)
           if (gap(a_comma) > 0_int64) then
-            kind = a_comma
+            gap_kind = a_comma
             if (sum(gap) > gap(a_comma)) counts%spaced_comma = .true.
           end if
         end if
-        call count_gap(kind)
-        after_comma = kind == a_decimal_comma
+        call count_gap(gap_kind)
+        after_comma = gap_kind == a_decimal_comma
       end if
       if (layout%lines == 0_int64) then
         if (after_comma) counts%commas = counts%commas + 1
@@ -151,23 +152,23 @@ contains
       end if
       inside = .true.
       cells = cells + 1
-      digits_before = digits
+      digits_before = digit_count
       first_before = first_digit
-      digits = 0
+      digit_count = 0
       first_digit = -1
       whole = .true.
       signed = .false.
       gap = 0_int64
     end subroutine begin_cell
 
-    subroutine count_gap(kind)
-      integer, intent(in) :: kind
+    subroutine count_gap(gap_kind)
+      integer, intent(in) :: gap_kind
 
-      if (counts%gaps(kind) == 0_int64) then
-        counts%line(kind) = line
-        counts%column(kind) = gap_place
+      if (counts%gaps(gap_kind) == 0_int64) then
+        counts%line(gap_kind) = line
+        counts%column(gap_kind) = gap_place
       end if
-      counts%gaps(kind) = counts%gaps(kind) + 1_int64
+      counts%gaps(gap_kind) = counts%gaps(gap_kind) + 1_int64
     end subroutine count_gap
 
     subroutine end_cell()
@@ -175,16 +176,16 @@ contains
 
       inside = .false.
       side = modulo(cells, 2)
-      counts%least(side) = min(counts%least(side), digits)
-      counts%most(side) = max(counts%most(side), digits)
+      counts%least(side) = min(counts%least(side), digit_count)
+      counts%most(side) = max(counts%most(side), digit_count)
       if (signed) counts%signed(side) = .true.
-      if (first_digit == 0 .and. digits > 1) counts%zero_first(side) = .true.
-      if (after_comma .and. (digits /= 3 .or. digits_before > 3 .or. first_before == 0)) &
+      if (first_digit == 0 .and. digit_count > 1) counts%zero_first(side) = .true.
+      if (after_comma .and. (digit_count /= 3 .or. digits_before > 3 .or. first_before == 0)) &
         counts%surely_decimal = .true.
     end subroutine end_cell
 
     subroutine end_line()
-      integer :: kind
+      integer :: gap_kind
 
       if (cells == 0 .and. maxval(gap(a_comma:a_semicolon)) == 0_int64) then
         if (layout%lines > 0_int64 .and. gap_line == 0) gap_line = line
@@ -195,8 +196,8 @@ contains
                              'for a missing one')
       if (layout%gap_line == 0) layout%gap_line = gap_line
       layout%lines = layout%lines + 1_int64
-      do kind = a_tab, a_semicolon
-        if (gap(kind) > 0_int64) counts%ended(kind) = counts%ended(kind) + 1_int64
+      do gap_kind = a_tab, a_semicolon
+        if (gap(gap_kind) > 0_int64) counts%ended(gap_kind) = counts%ended(gap_kind) + 1_int64
       end do
     end subroutine end_line
 
@@ -218,7 +219,8 @@ contains
       layout%decimal_comma = .true.
       layout%cells%separator = signs(first:first)
       if (.not. counts%surely_decimal) &
-        call refuse([a_decimal_comma], 'found a comma before three digits in every number with ' &
+        call refuse_gaps([a_decimal_comma], &
+                    'found a comma before three digits in every number with ' &
                     // 'one: thousands or decimals')
     else
       layout%columns = layout%columns + counts%commas
@@ -227,15 +229,17 @@ contains
       second = max(1, findloc(used(:a_semicolon), .true., 1, back=.true.))
       layout%cells%separator = signs(first:first)
       if (first /= second) then
-        call refuse([first, second, a_decimal_comma], 'found ' // trim(gap_names(first)) // &
+        call refuse_gaps([first, second, a_decimal_comma], 'found ' // trim(gap_names(first)) // &
                     ' and ' // trim(gap_names(second)) // ' between cells')
       else if (used(a_decimal_comma) .and. .not. counts%point) then
         if (counts%spaced_comma) then
-          call refuse([a_comma, a_decimal_comma], 'found commas with and without a blank, and ' // &
+          call refuse_gaps([a_comma, a_decimal_comma], &
+                      'found commas with and without a blank, and ' // &
                       'no point in the file: separators or decimals')
         else if (modulo(layout%columns, 2) == 0) then
           if (may_be_decimals(counts)) &
-            call refuse([a_decimal_comma], 'found commas alone, no point in the file, and ' // &
+            call refuse_gaps([a_decimal_comma], &
+                        'found commas alone, no point in the file, and ' // &
                         'second numbers of a pair that look like decimals of the first')
           if (problems%count() == 0) &
             call notes%add_at(counts%line(a_decimal_comma), counts%column(a_decimal_comma), &
@@ -256,7 +260,7 @@ contains
   contains
 
     ! Reports the problem at the kind of gap whose first occurrence comes last.
-    subroutine refuse(kinds, found)
+    subroutine refuse_gaps(kinds, found)
       integer, intent(in) :: kinds(:)
       character(len=*), intent(in) :: found
       integer :: k, place
@@ -269,7 +273,7 @@ contains
       end do
       call problems%add_at(counts%line(place), counts%column(place), found // ', expected ' // &
                            'decimal points and one separator, for instance blanks')
-    end subroutine refuse
+    end subroutine refuse_gaps
 
   end subroutine choose_separator
 

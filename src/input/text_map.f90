@@ -6,7 +6,7 @@ module asperity_text_map
   use asperity_height_map, only: change_unit, digit_of, height_map, highest, is_length, &
                                  is_measured, length_units, make_room, most_samples, no_power, &
                                  read_height, unit_number, unit_ratio
-  use asperity_input_text, only: quoted
+  use asperity_input_text, only: in_quotes
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: decimal_text, problem_list
@@ -33,15 +33,16 @@ module asperity_text_map
 contains
 
   !> Reads a map. `failure` is allocated when there is no memory for it.
-  subroutine read_text_map(file, spacing, option, shared, progress, map, problems, failure)
-    type(line_reader), intent(inout) :: file               !! opened
-    real(real64), intent(in) :: spacing(2)                  !! of a matrix; 0 when not given
+  subroutine read_text_map(file, pixel_spacing, option, shared, progress, map, problems, failure)
+    type(line_reader), intent(inout) :: file               !! file that is open
+    real(real64), intent(in) :: pixel_spacing(2)            !! of a matrix; 0 when not given
     character(len=*), intent(in) :: option                  !! that gives it, for messages
     logical, intent(in) :: shared                           !! not for a map that has its own
     logical, intent(in) :: progress                         !! report the progress
     type(height_map), intent(inout) :: map                  !! gets the pixels
     type(problem_list), intent(inout) :: problems           !! what is wrong
-    character(len=:), allocatable, intent(out) :: failure   !! why not
+    character(len=:), allocatable, intent(out) :: failure   !! reason that there is no memory; not
+                                                            !! allocated: there is
     type(text_layout) :: layout
     logical :: given, points
 
@@ -51,27 +52,27 @@ contains
       call problems%add_at(1, 1, 'found no pixel, expected a matrix of heights')
       return
     end if
-    given = all(spacing > 0.0_real64) .and. .not. (shared .and. has_own(layout))
+    given = all(pixel_spacing > 0.0_real64) .and. .not. (shared .and. has_own(layout))
     if (given .and. layout%names_line > 0) then
       call problems%add_at(layout%names_line, 1, option // ' given, but x,y,z lines have ' // &
                            'their own, expected none')
       return
-    else if (given .and. all(layout%spacing > 0.0_real64) .and. &
-             any(abs(spacing - layout%spacing) > 1.0e-6_real64 * spacing)) then
+    else if (given .and. all(layout%pixel_spacing > 0.0_real64) .and. &
+             any(abs(pixel_spacing - layout%pixel_spacing) > 1.0e-6_real64 * pixel_spacing)) then
       call problems%add_in_file(option // ' contradicts the spacing of the map in its header, ' // &
                                 'expected the same, or none')
       return
     end if
     points = .not. given .and. (layout%names_line > 0 .or. .not. has_own(layout))
-    map%spacing = spacing
+    map%pixel_spacing = pixel_spacing
     if (.not. points) then
       call read_matrix(file, layout, progress, map, problems, failure)
       if (problems%count() > 0 .or. allocated(failure)) return
       if (.not. given .or. .not. is_list_of_points(map%height)) then
         if (.not. given) then
-          map%spacing = layout%spacing
-          if (.not. all(map%spacing > 0.0_real64)) &
-            map%spacing = layout%extent / real([map%columns, map%rows], real64)
+          map%pixel_spacing = layout%pixel_spacing
+          if (.not. all(map%pixel_spacing > 0.0_real64)) &
+            map%pixel_spacing = layout%extent / real([map%columns, map%rows], real64)
         end if
       else if (shared) then
         deallocate (map%height)
@@ -101,7 +102,7 @@ contains
         same = .true.
         do i = 1, 2
           if (layout%extent(i) <= 0.0_real64) cycle
-          width = spacing(i) * size(map%height, i) / unit_ratio(layout%unit(i), k)
+          width = pixel_spacing(i) * size(map%height, i) / unit_ratio(layout%unit(i), k)
           same(i) = abs(width - layout%extent(i)) <= layout%extent_error(i) + &
                                                      1.0e-6_real64 * layout%extent(i)
         end do
@@ -148,7 +149,7 @@ contains
       map%unit = trim(layout%unit(1))
     else if (minval([(unit_number(layout%unit(i)), i=1, 3)]) > 0) then
       do i = 1, 2
-        map%spacing(i) = map%spacing(i) * unit_ratio(layout%unit(i), 1) / &
+        map%pixel_spacing(i) = map%pixel_spacing(i) * unit_ratio(layout%unit(i), 1) / &
                          unit_ratio(layout%unit(3), 1)
       end do
       map%unit = trim(layout%unit(3))
@@ -246,16 +247,16 @@ contains
     do row = 1, map%rows
       call file%next_cells(cells)
       if (cells%missing > 0) &
-        call problems%add_at(cells%line, column_of(cells, min(cells%missing, cells%count)), &
+        call problems%add_at(cells%line, column_of(cells, min(cells%missing, cells%cell_count)), &
                              'an empty cell ' // merge('before', 'behind', &
-                             cells%missing <= cells%count) // ' this one, expected ' // &
+                             cells%missing <= cells%cell_count) // ' this one, expected ' // &
                              expected_cell)
-      do i = 1, min(cells%count, map%columns)
+      do i = 1, min(cells%cell_count, map%columns)
         call read_cell(file, layout, cells, i, .false., map%height(i, row), good, power, problems)
       end do
-      if (cells%count /= map%columns) &
-        call problems%add_at(cells%line, cells%last(cells%count) - cells%start + 2, 'found ' // &
-                             decimal_text(cells%count) // ' pixels, expected ' // &
+      if (cells%cell_count /= map%columns) &
+        call problems%add_at(cells%line, cells%last(cells%cell_count) - cells%start + 2, &
+                             'found ' // decimal_text(cells%cell_count) // ' pixels, expected ' // &
                              decimal_text(map%columns) // ' as in the first profile')
       call shown%reach(row)
     end do
@@ -286,9 +287,9 @@ contains
     cells = layout%cells
     do
       call next_point(file, layout, option, cells, values, good, power, problems)
-      if (cells%count == 0) exit
+      if (cells%cell_count == 0) exit
       ! Where the first line is none the file is of another kind: that is one mistake, not many.
-      if (cells%count /= 3 .and. lines == 0_int64) return
+      if (cells%cell_count /= 3 .and. lines == 0_int64) return
       if (.not. good) cycle
       lines = lines + 1_int64
       do i = 1, 2
@@ -301,8 +302,8 @@ contains
     grid = lines > 0_int64 .and. int(map%columns, int64) * map%rows == lines .and. &
            min(map%columns, map%rows) > 1
     if (grid) then
-      map%spacing = (along%last - along%first) / real([map%columns - 1, map%rows - 1], real64)
-      grid = all(is_length(map%spacing)) .and. lines <= most_samples
+      map%pixel_spacing = (along%last - along%first) / real([map%columns - 1, map%rows - 1], real64)
+      grid = all(is_length(map%pixel_spacing)) .and. lines <= most_samples
     end if
     if (.not. grid) then
       call problems%add_at(cells%line, column_of(cells, 1), 'found ' // decimal_text(lines) // &
@@ -320,12 +321,12 @@ contains
     do done = 1_int64, lines
       call next_point(file, layout, option, cells, values, good, power, problems)
       do i = 1, 2
-        place(i) = 1 + nint((values(i) - along(i)%first) / map%spacing(i))
-        if (abs(values(i) - along(i)%first - (place(i) - 1) * map%spacing(i)) > &
-            most_off * map%spacing(i)) good = .false.
+        place(i) = 1 + nint((values(i) - along(i)%first) / map%pixel_spacing(i))
+        if (abs(values(i) - along(i)%first - (place(i) - 1) * map%pixel_spacing(i)) > &
+            most_off * map%pixel_spacing(i)) good = .false.
         if (good) cycle
         call problems%add_at(cells%line, column_of(cells, i), 'found ' // &
-                             quoted(file%cell_text(cells, i)) // ', expected a ' // &
+                             in_quotes(file%cell_text(cells, i)) // ', expected a ' // &
                              merge('column', 'row   ', i == 1) // ' of a regular grid of ' // &
                              decimal_text(map%columns) // ' x ' // decimal_text(map%rows))
         exit
@@ -357,11 +358,12 @@ contains
     values = 0.0_real64
     good = .true.
     call file%next_cells(cells)
-    if (cells%count == 0) return
-    if (cells%count /= 3 .or. cells%missing > 0) then
+    if (cells%cell_count == 0) return
+    if (cells%cell_count /= 3 .or. cells%missing > 0) then
       good = .false.
       call problems%add_at(cells%line, column_of(cells, 1), 'found ' // &
-                           decimal_text(cells%count) // ' cells or an empty one, expected ' // &
+                           decimal_text(cells%cell_count) // &
+                           ' cells or an empty one, expected ' // &
                            'x,y,z; a matrix of heights needs its ' // option // ' along x and y')
       return
     end if
@@ -417,7 +419,7 @@ contains
       good = good .and. .not. must_be_measured
     end if
     if (.not. good) call problems%add_at(cells%line, column_of(cells, i), 'found ' // &
-                                         quoted(file%cell_text(cells, i)) // ', expected ' // &
+                                         in_quotes(file%cell_text(cells, i)) // ', expected ' // &
                                          expected_cell)
   end subroutine read_cell
 

@@ -59,7 +59,7 @@ contains
     end if
     map%columns = spec%pixels(1)
     map%rows = spec%pixels(2)
-    map%spacing = decimal_to_real64(spec%spacing)
+    map%pixel_spacing = decimal_to_real64(spec%pixel_spacing)
     map%unit = ''
     if (spec%unit > 0) map%unit = trim(length_units(spec%unit))
     map%periodic = spec%periodic

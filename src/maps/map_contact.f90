@@ -20,7 +20,7 @@ module asperity_map_contact
 
   public :: half_map, map_answer, most_load, press_map, room_to_press
 
-  !> What a pressed map answers.
+  !> Request and solution of the contact of a map with a rigid flat.
   type :: map_answer
     real(real64) :: level = 0.0_real64            !! height of the flat
     real(real64) :: load = 0.0_real64             !! given, or found
@@ -40,7 +40,7 @@ module asperity_map_contact
   !> are only a start.
   real(real64), parameter, public :: closed_fully = 1.0e-10_real64, closed_start = 1.0e-4_real64
 
-  ! What a load may be missed by, a share of it.
+  ! Tolerance of a load that is asked for, relative.
   real(real64), parameter :: load_met = 1.0e-6_real64
 
   ! Samples from which on a coarser map saves more than it costs.
@@ -53,6 +53,8 @@ module asperity_map_contact
 
 contains
 
+  ! Long: requests that need no solve, the start from a coarser map, and the solve share the
+  ! scaling.
   !> Presses a map, to a level of the flat or to a load.
   recursive subroutine press_map(map, modulus, answer, load, tolerance, hardness)
     type(height_map), intent(in) :: map               !! at least one pixel measured
@@ -69,7 +71,7 @@ contains
     type(map_answer) :: start
     real(real64), allocatable :: gap(:, :)
     real(real64), allocatable :: limit                ! largest force
-    real(real64) :: top, range, unit, closing, allowed
+    real(real64) :: top, height_range, unit, closing, allowed
     integer :: i
 
     if (.not. has_memory(room_to_press(map))) then
@@ -80,8 +82,8 @@ contains
     allowed = closed_fully
     if (present(tolerance)) allowed = tolerance
     top = maxval(map%height)
-    range = top - minval(map%height, mask=is_measured(map%height))
-    if (.not. range > 0.0_real64) range = maxval(map%spacing)
+    height_range = top - minval(map%height, mask=is_measured(map%height))
+    if (.not. height_range > 0.0_real64) height_range = maxval(map%pixel_spacing)
     if (.not. present(load)) then
       if (.not. answer%level < top) then
         answer%pressure = 0.0_real64 * map%height
@@ -96,17 +98,17 @@ contains
         answer%failure = 'the flat is not above the mean height of a map that repeats itself'
         return
       end if
-      range = min(range, top - answer%level)
+      height_range = min(height_range, top - answer%level)
     end if
     ! Lengths across are over the side, heights over the range, pressures over that times modulus.
-    unit = modulus * range / map%spacing(1)
+    unit = modulus * height_range / map%pixel_spacing(1)
     allocate (gap(size(map%height, 1), size(map%height, 2)))
     where (is_measured(map%height))
-      gap = (top - map%height) / range
+      gap = (top - map%height) / height_range
     else where
       gap = missing_gap
     end where
-    if (.not. present(load)) gap = gap - (top - answer%level) / range
+    if (.not. present(load)) gap = gap - (top - answer%level) / height_range
     if (.not. allocated(answer%pressure)) then
       if (size(gap) >= worth_halving) then
         half = half_map(map)
@@ -134,15 +136,15 @@ contains
     associate (force => answer%pressure)
       if (map%periodic) then
         call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
-                                        map%spacing(2) / map%spacing(1))
+                                        map%pixel_spacing(2) / map%pixel_spacing(1))
       else
         call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), &
-                                                map%spacing(2) / map%spacing(1)))
+                                                map%pixel_spacing(2) / map%pixel_spacing(1)))
       end if
       force = force / unit
       if (present(hardness)) limit = hardness / unit
       if (present(load)) then
-        closing = load / (unit * product(map%spacing))
+        closing = load / (unit * product(map%pixel_spacing))
         if (.not. sum(force) > 0.0_real64) force = merge(1.0_real64, 0.0_real64, &
                                                          gap < 0.5_real64)
         force = force * (closing / sum(force))
@@ -151,12 +153,12 @@ contains
         ! Next to nothing is lost beside the gaps.
         if (.not. abs(sum(force) - closing) < load_met * closing) answer%failure = &
           'the load is too small beside the modulus and the heights to be met on the pixels'
-        answer%level = top - range * answer%level
+        answer%level = top - height_range * answer%level
         answer%load = load
       else
         call relax(influence, gap, allowed, force, answer%ending, answer%interrupt, &
                    displacement=answer%displacement, limit=limit)
-        answer%load = sum(force) * unit * product(map%spacing)
+        answer%load = sum(force) * unit * product(map%pixel_spacing)
       end if
       if (present(hardness)) then
         where (force < limit)
@@ -167,7 +169,7 @@ contains
       else
         force = force * unit
       end if
-      answer%displacement = answer%displacement * range
+      answer%displacement = answer%displacement * height_range
     end associate
     if (.not. (answer%ending%converged .or. allocated(answer%failure))) &
       answer%failure = 'the pressures on the map did not converge'
@@ -176,15 +178,15 @@ contains
 
   !> The largest load of a perfectly plastic map: the hardness on all measured pixels.
   pure real(real64) function most_load(map, hardness)
-    type(height_map), intent(in) :: map    !! any
-    real(real64), intent(in) :: hardness   !! largest pressure
+    type(height_map), intent(in) :: map    !! height map with at least one pixel measured
+    real(real64), intent(in) :: hardness   !! hardness, largest pressure a body bears [pressure]
 
-    most_load = hardness * product(map%spacing) * count(is_measured(map%height))
+    most_load = hardness * product(map%pixel_spacing) * count(is_measured(map%height))
   end function most_load
 
   !> Memory that `press_map` takes beside the map, bytes.
   pure integer(int64) function room_to_press(map) result(bytes)
-    type(height_map), intent(in) :: map  !! any
+    type(height_map), intent(in) :: map  !! height map, periodic or free
     real(real64) :: padded(2)
 
     padded = shape(map%height)
@@ -204,9 +206,10 @@ contains
 
     half%columns = (map%columns + 1) / 2
     half%rows = (map%rows + 1) / 2
-    half%spacing = merge(2, 1, shape(map%height) > 1) * map%spacing
+    half%pixel_spacing = merge(2, 1, shape(map%height) > 1) * map%pixel_spacing
     half%periodic = map%periodic
-    if (map%periodic) half%spacing = map%spacing * shape(map%height) / [half%columns, half%rows]
+    if (map%periodic) half%pixel_spacing = map%pixel_spacing * shape(map%height) / [half%columns, &
+      half%rows]
     allocate (half%height(half%columns, half%rows), source=no_height)
     do j = 1, size(half%height, 2)
       do i = 1, size(half%height, 1)

@@ -42,15 +42,15 @@ contains
         squares = squares + gap**2
         energy = energy + answer%pressure(i, j) * answer%displacement(i, j)
         if (is_rim(i, j, index_beside(i + 1, map%columns, map%periodic), j)) &
-          perimeter = perimeter + map%spacing(2)
+          perimeter = perimeter + map%pixel_spacing(2)
         if (is_rim(i, j, i, index_beside(j + 1, map%rows, map%periodic))) &
-          perimeter = perimeter + map%spacing(1)
+          perimeter = perimeter + map%pixel_spacing(1)
       end do
     end do
     state%mean_gap = total / measured
     state%rms_gap = sqrt(squares / measured)
     state%contact_perimeter = perimeter
-    state%elastic_energy = 0.5_real64 * energy * product(map%spacing)
+    state%elastic_energy = 0.5_real64 * energy * product(map%pixel_spacing)
 
   contains
 
@@ -78,7 +78,7 @@ contains
     field%state = number
     field%columns = map%columns
     field%rows = map%rows
-    field%spacing = map%spacing
+    field%pixel_spacing = map%pixel_spacing
     field%level = answer%level
     field%pressure = merge(answer%pressure, not_computed, is_measured(map%height))
     field%displacement = merge(answer%displacement, not_computed, is_measured(map%height))

@@ -35,6 +35,7 @@ module asperity_map_patches
 
 contains
 
+  ! Long: the procedures of the flood fill share its stack and labels.
   !> Finds the patches, in the order of their first pixels, along x first.
   subroutine find_patches(map, pressure, patches, spot)
     type(height_map), intent(in) :: map            !! heights, and whether the map is periodic
@@ -67,7 +68,7 @@ contains
         label(i, j) = n
         spans = .false.
         do while (deep > 0)
-          call take(stack(1, deep), stack(2, deep), patches(n))
+          call take_pixel(stack(1, deep), stack(2, deep), patches(n))
         end do
         associate (patch => patches(n))
           patch%x = centre_of(1, patch%x / patch%load)
@@ -76,8 +77,8 @@ contains
       end do
     end do
     patches = patches(:n)
-    patches%load = patches%load * product(map%spacing)
-    patches%area = patches%area * product(map%spacing)
+    patches%load = patches%load * product(map%pixel_spacing)
+    patches%area = patches%area * product(map%pixel_spacing)
     if (present(spot)) call move_alloc(label, spot)
 
   contains
@@ -86,14 +87,14 @@ contains
     ! on the stack are unwrapped: a patch that goes on beyond an end of a periodic map is in one
     ! piece. A pixel that is reached by two paths of different windings lies on a closed path
     ! around the map.
-    subroutine take(across, along, patch)
+    subroutine take_pixel(across, along, patch)
       integer, value :: across, along
       type(map_patch), intent(inout) :: patch
       integer, parameter :: step(2, 4) = reshape([1, 0, -1, 0, 0, 1, 0, -1], [2, 4])
       integer :: k, next(2), place(2), sides, winding(2)
 
       deep = deep - 1
-      place = home(across, along)
+      place = wrapped_pixel(across, along)
       associate (p => pressure(place(1), place(2)))
         patch%samples = patch%samples + 1
         patch%load = patch%load + p
@@ -106,7 +107,7 @@ contains
       end associate
       sides = 0
       do k = 1, 4
-        next = home(across + step(1, k), along + step(2, k))
+        next = wrapped_pixel(across + step(1, k), along + step(2, k))
         if (any(next < 1 .or. next > shape(pressure))) cycle
         winding = ([across, along] + step(:, k) - next) / shape(pressure)
         if (.not. pressure(next(1), next(2)) > 0.0_real64) then
@@ -121,15 +122,15 @@ contains
         end if
       end do
       patch%area = patch%area + (1.0_real64 - rim_of_samples * sides)
-    end subroutine take
+    end subroutine take_pixel
 
-    pure function home(across, along) result(place)
+    pure function wrapped_pixel(across, along) result(place)
       integer, intent(in) :: across, along
       integer :: place(2)
 
       place = [across, along]
       if (map%periodic) place = 1 + modulo(place - 1, shape(pressure))
-    end function home
+    end function wrapped_pixel
 
     ! Length from the first pixel, of an unwrapped centre in pixels.
     pure real(real64) function centre_of(axis, centre) result(place)
@@ -140,7 +141,7 @@ contains
       if (map%periodic) place = modulo(centre, real(size(pressure, axis), real64))
       ! An error must not move a centre from the begin of a periodic map to its end.
       if (map%periodic .and. size(pressure, axis) - place < centre_error) place = 0.0_real64
-      place = place * map%spacing(axis)
+      place = place * map%pixel_spacing(axis)
       if (spans(axis)) place = not_computed
     end function centre_of
 

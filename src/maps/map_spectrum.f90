@@ -108,7 +108,7 @@ contains
     allocate (spectrum%q(last), spectrum%c(last), spectrum%number(last))
     window(:) = line_window(n, map%periodic)
     plan = row_plan(line, waves)
-    spectrum%q(:) = [(2 * pi * k / (n * map%spacing(along)), k=1, last)]
+    spectrum%q(:) = [(2 * pi * k / (n * map%pixel_spacing(along)), k=1, last)]
     spectrum%c(:) = 0.0_real64
     do i = 1, lines
       if (along == 1) then
@@ -120,7 +120,7 @@ contains
       spectrum%c = spectrum%c + real(waves(1:last))**2 + aimag(waves(1:last))**2
     end do
     call drop_plan(plan)
-    spectrum%c = spectrum%c * map%spacing(along) / n / lines
+    spectrum%c = spectrum%c * map%pixel_spacing(along) / n / lines
     spectrum%number(:) = lines
   end subroutine measure_lines
 
@@ -169,7 +169,8 @@ contains
     call drop_plan(plan)
     call drop_plan(column_plan)
     call average_rings(map, waves, spectrum)
-    spectrum%c = spectrum%c * map%spacing(1) * map%spacing(2) / mean_square / map%columns / map%rows
+    spectrum%c = spectrum%c * &
+      map%pixel_spacing(1) * map%pixel_spacing(2) / mean_square / map%columns / map%rows
   end subroutine measure_area
 
   ! Hann's window of one row of the area.
@@ -180,10 +181,10 @@ contains
     real(real64) :: radius, r
     integer :: i
 
-    radius = minval(map%spacing * [map%columns, map%rows]) / 2
+    radius = minval(map%pixel_spacing * [map%columns, map%rows]) / 2
     do i = 1, map%columns
-      r = hypot(map%spacing(1) * (i - 1 - map%columns / 2), &
-                map%spacing(2) * (row - 1 - map%rows / 2))
+      r = hypot(map%pixel_spacing(1) * (i - 1 - map%columns / 2), &
+                map%pixel_spacing(2) * (row - 1 - map%rows / 2))
       window(i) = 0.0_real64
       if (r <= radius) window(i) = 1.0_real64 + cos(pi * r / radius)
     end do
@@ -199,9 +200,9 @@ contains
     real(real64) :: step(2), low, width, q
     integer :: i, j, k, number, twice
 
-    step = 2 * pi / (map%spacing * [map%columns, map%rows])
+    step = 2 * pi / (map%pixel_spacing * [map%columns, map%rows])
     low = log10(minval(step))
-    width = log10(pi / maxval(map%spacing)) - low
+    width = log10(pi / maxval(map%pixel_spacing)) - low
     number = ceiling((width + 1.0_real64) * edges_of_decade - slack) - 1
     low = low - decades_beyond
     width = (width + 2.0_real64 * decades_beyond) / number

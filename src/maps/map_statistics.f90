@@ -62,7 +62,8 @@ contains
     found%rms_slope = sqrt(sum(found%m2))
     number = size(summits%x)
     if (number > 0) then
-      found%density = number / (real(summits%possible, real64) * map%spacing(1) * map%spacing(2))
+      found%density = number / (real(summits%possible, &
+        real64) * map%pixel_spacing(1) * map%pixel_spacing(2))
       found%mean_height = sum(summits%height) / number
       found%height_deviation = sqrt(sum((summits%height - found%mean_height)**2) / number)
       found%mean_curvature = sum(1.0_real64 / summits%radius) / number
@@ -121,9 +122,9 @@ contains
     end do
     found%m0 = found%m0 / real(measured, real64)
     where (numbers(1:2) > 0_int64) &
-      found%m2 = sums(1:2) / real(numbers(1:2), real64) / map%spacing**2
+      found%m2 = sums(1:2) / real(numbers(1:2), real64) / map%pixel_spacing**2
     where (numbers(3:4) > 0_int64) &
-      found%m4 = sums(3:4) / real(numbers(3:4), real64) / map%spacing**4
+      found%m4 = sums(3:4) / real(numbers(3:4), real64) / map%pixel_spacing**4
 
   contains
 

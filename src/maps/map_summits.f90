@@ -305,8 +305,8 @@ contains
         flattest = 1.0_real64 / (most_radius * median_value(summits%radius(:kept)))
       call place_of(map, places%place(k), i, j)
       near = heights_around(map, i, j)
-      usual = mean_curvature(near, map%spacing, radius_neighbours)
-      curvature = mean_curvature(near, map%spacing, radius_rule)
+      usual = mean_curvature(near, map%pixel_spacing, radius_neighbours)
+      curvature = mean_curvature(near, map%pixel_spacing, radius_rule)
       ! A ridge may rise on one side, and has no geometric mean then.
       if (k > plain) curvature = max(flattest, usual)
       if (.not. curvature > rounding * usual) curvature = usual
@@ -324,12 +324,12 @@ contains
     do k = 1, kept
       call place_of(map, places%place(k), i, j)
       if (rule == rule_contact) &
-        call find_top(heights_around(map, i, j), sharpest * map%spacing**2, step, rise)
-      summits%x(k) = (i - 1 + step(1)) * map%spacing(1)
-      summits%y(k) = (j - 1 + step(2)) * map%spacing(2)
+        call find_top(heights_around(map, i, j), sharpest * map%pixel_spacing**2, step, rise)
+      summits%x(k) = (i - 1 + step(1)) * map%pixel_spacing(1)
+      summits%y(k) = (j - 1 + step(2)) * map%pixel_spacing(2)
       if (map%periodic) then
-        summits%x(k) = modulo(summits%x(k), map%columns * map%spacing(1))
-        summits%y(k) = modulo(summits%y(k), map%rows * map%spacing(2))
+        summits%x(k) = modulo(summits%x(k), map%columns * map%pixel_spacing(1))
+        summits%y(k) = modulo(summits%y(k), map%rows * map%pixel_spacing(2))
       end if
       summits%height(k) = map%height(i, j) + rise
     end do

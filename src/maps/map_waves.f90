@@ -79,7 +79,7 @@ contains
 
     waves%spec = spec
     waves%period = period_of(spec%pixels, spec%periodic)
-    waves%side = waves%period * exact_value(spec%spacing)
+    waves%side = waves%period * exact_value(spec%pixel_spacing)
     ! A roll-off beyond the longest wave of the map changes no ratio of two components.
     roll_off = min(spec%roll_off, maxval(waves%side))
     waves%most = min(int(waves%side / spec%cut_off * (1 + slack)), (waves%period - 1) / 2)

@@ -23,7 +23,7 @@ module asperity_summits_of_file
     integer :: radius = 0                      !! rule for radii; 0: default of the rule for summits
     integer :: unit = 0                        !! of `length_units`; 0: the file's own
     logical :: despike = .false.               !! replace single outliers
-    real(real64) :: spacing(2) = 0.0_real64    !! pixel spacing of a matrix; 0: not given
+    real(real64) :: pixel_spacing(2) = 0.0_real64  !! pixel spacing of a matrix; 0: not given
     logical :: progress = .false.              !! print the progress on a terminal
     character(len=2) :: prefix = ''            !! prefix of option names in messages: `--`, or none
   end type summit_choices
@@ -44,7 +44,7 @@ contains
     spikes = -1_int64
     call check_choices(choices, problems)
     if (problems%count() > 0) return
-    call read_height_map(path, choices%spacing, choices%progress, map, problems, failure, &
+    call read_height_map(path, choices%pixel_spacing, choices%progress, map, problems, failure, &
                          trim(choices%prefix) // 'spacing')
     if (problems%count() > 0 .or. allocated(failure)) return
     if (choices%unit > 0) call put_in_unit(map, choices%unit)
@@ -65,9 +65,10 @@ contains
     spikes = -1_int64
     choices%periodic = map%edge == periodic_edge
     call check_choices(choices, problems)
-    fault = fault_of_spacing(choices%spacing, trim(choices%prefix) // 'spacing')
+    fault = fault_of_spacing(choices%pixel_spacing, trim(choices%prefix) // 'spacing')
     if (fault == '') &
-      call give_spacing(map, choices%spacing, trim(choices%prefix) // 'spacing', .false., fault)
+      call give_spacing(map, choices%pixel_spacing, trim(choices%prefix) // 'spacing', .false., &
+      fault)
     if (fault /= '') call problems%add(fault)
     if (problems%count() > 0) return
     if (choices%unit > 0) call put_in_unit(map, choices%unit)

@@ -1,5 +1,5 @@
-!> Whether an arithmetic has the range for a deck. The original's machine would have stopped at an
-!> overflow, or gone on with a number that stands for none.
+!> Check that an arithmetic has the range for a deck. The original's machine would have stopped at
+!> an overflow, or gone on with a number that stands for none.
 module asperity_deck_range
   use asperity_card_deck, only: card_deck, model_cards
   use asperity_decimal, only: decimal_order
@@ -16,7 +16,8 @@ contains
   pure subroutine check_deck_range(arithmetic, deck, failure)
     character(len=*), intent(in) :: arithmetic             !! ibm370, real32, real64 or real128
     type(card_deck), intent(in) :: deck                    !! the checked cards
-    character(len=:), allocatable, intent(out) :: failure  !! why not
+    character(len=:), allocatable, intent(out) :: failure  !! number of the deck outside the range;
+                                                           !! not allocated: none
     integer :: orders, most
 
     ! Numbers are multiplied with each other, and by some powers of ten when units change.
@@ -31,30 +32,30 @@ contains
       orders = range(1.0_real128)
     end select
     most = orders / 2 - 2
-    if (max(largest(deck%upper), largest(deck%lower), &
+    if (max(largest_order(deck%upper), largest_order(deck%lower), &
             maxval(decimal_order([deck%lower_width, deck%x_displacement, &
                                   deck%y_displacement]))) <= most .and. &
-        min(smallest(deck%upper), smallest(deck%lower)) > -most) return
+        min(smallest_order(deck%upper), smallest_order(deck%lower)) > -most) return
     failure = 'a number of the deck is out of the range of ' // arithmetic // &
               ': expected none above 1E' // decimal_text(most) // ', and no radius or modulus ' // &
               'below 1E-' // decimal_text(most)
   end subroutine check_deck_range
 
   !> Order of a model's largest number.
-  pure integer function largest(model)
+  pure integer function largest_order(model)
     type(model_cards), intent(in) :: model
 
-    largest = max(maxval(decimal_order(model%x)), maxval(decimal_order(model%y)), &
+    largest_order = max(maxval(decimal_order(model%x)), maxval(decimal_order(model%y)), &
                   maxval(decimal_order(model%z)), &
                   maxval(decimal_order([model%radius, model%height_max, model%elastic_modulus, &
                                         model%stress_max, model%angle])))
-  end function largest
+  end function largest_order
 
   !> Order of the least number that must not become zero.
-  pure integer function smallest(model)
+  pure integer function smallest_order(model)
     type(model_cards), intent(in) :: model
 
-    smallest = minval(decimal_order([model%radius, model%elastic_modulus]))
-  end function smallest
+    smallest_order = minval(decimal_order([model%radius, model%elastic_modulus]))
+  end function smallest_order
 
 end module asperity_deck_range

@@ -5,16 +5,16 @@ module asperity_line_printer
   implicit none
   private
 
-  public :: fixed_field, letters, new_page, skip, apply_carriage_control
+  public :: fixed_field, table_letters, new_page, skip_lines, apply_carriage_control
 
 contains
 
   !> A number under `Fw.d`: rounded to nearest, ties away from zero; an exact zero is `0.0` (`0.`
   !> when d is 0) with its point where the other numbers have theirs; asterisks when it is too long.
   pure function fixed_field(value, width, decimals) result(field)
-    real(real64), intent(in) :: value      !! the number
-    integer, intent(in) :: width           !! w
-    integer, intent(in) :: decimals        !! d
+    real(real64), intent(in) :: value      !! number to be printed
+    integer, intent(in) :: width           !! width w, columns of the field
+    integer, intent(in) :: decimals        !! digits d behind the point
     character(len=width) :: field          !! the w columns
     character(len=20) :: format
 
@@ -29,23 +29,23 @@ contains
 
   !> A form: carriage control `1`, then the slashes of a FORMAT that begins with `1H1`.
   subroutine new_page(lines, slashes)
-    type(text_buffer), intent(inout) :: lines  !! the report
-    integer, intent(in) :: slashes             !! so many
+    type(text_buffer), intent(inout) :: lines  !! lines of the report
+    integer, intent(in) :: slashes             !! slashes of the FORMAT, 1 or more
 
     call lines%line('1')
-    call skip(lines, slashes - 1)
+    call skip_lines(lines, slashes - 1)
   end subroutine new_page
 
   !> Empty lines.
-  subroutine skip(lines, number)
-    type(text_buffer), intent(inout) :: lines  !! the report
-    integer, intent(in) :: number              !! so many; none from 0 down
+  subroutine skip_lines(lines, number)
+    type(text_buffer), intent(inout) :: lines  !! lines of the report
+    integer, intent(in) :: number              !! number of empty lines; none from 0 down
     integer :: i
 
     do i = 1, number
       call lines%line('')
     end do
-  end subroutine skip
+  end subroutine skip_lines
 
   !> Turns column one into what it does on a page: a form feed, or an empty line before.
   subroutine apply_carriage_control(text, buffer)
@@ -72,8 +72,8 @@ contains
   end subroutine apply_carriage_control
 
   !> A, B ... Z, AA, AB ...: the letter behind a table's number.
-  pure function letters(number) result(name)
-    integer, intent(in) :: number          !! from 1
+  pure function table_letters(number) result(name)
+    integer, intent(in) :: number          !! number of the table, from 1
     character(len=:), allocatable :: name  !! its letters
     integer :: rest
 
@@ -83,6 +83,6 @@ contains
       name = achar(iachar('A') + modulo(rest - 1, 26)) // name
       rest = (rest - 1) / 26
     end do
-  end function letters
+  end function table_letters
 
 end module asperity_line_printer

@@ -14,7 +14,7 @@ contains
   !> One line a contact, over every approach of every position that was kept.
   subroutine write_original_contacts(records, buffer)
     type(original_records), intent(in) :: records  !! what was computed
-    type(text_buffer), intent(inout) :: buffer     !! the text
+    type(text_buffer), intent(inout) :: buffer     !! text to which the lines are added
     type(csv_line) :: line
     type(contact_record) :: contact
     integer :: i
@@ -48,7 +48,7 @@ contains
   !> One line a position: its last approach.
   subroutine write_original_positions(records, buffer)
     type(original_records), intent(in) :: records  !! what was computed
-    type(text_buffer), intent(inout) :: buffer     !! the text
+    type(text_buffer), intent(inout) :: buffer     !! text to which the lines are added
     type(csv_line) :: line
     integer :: m
 
@@ -72,7 +72,7 @@ contains
   !> Table VI with all digits.
   subroutine write_original_variance(records, buffer)
     type(original_records), intent(in) :: records  !! what was computed
-    type(text_buffer), intent(inout) :: buffer     !! the text
+    type(text_buffer), intent(inout) :: buffer     !! text to which the lines are added
     character(len=*), parameter :: names(7) = [character(len=26) :: &
       'total_load', 'total_contact_area', 'contact_points', 'approach', 'slope', &
       'total_area_difference', 'individual_area_difference']

@@ -1,4 +1,4 @@
-!> What the original program computes, as records: the port fills them, the writers read them.
+!> Results of the original program as records: the port fills them, the writers read them.
 !>
 !> All numbers are doubles. They hold the numbers of the shorter arithmetics exactly; those of
 !> `real128` are rounded once.
@@ -79,7 +79,7 @@ module asperity_original_records
     real(real64), allocatable :: totals(:, :)    !! area, projected area, load; an approach a column
   end type position_record
 
-  !> What a run shall keep beside the totals.
+  !> The choices of a run: rows that are kept, and faults that are mended.
   type :: original_request
     logical :: keep_contacts(original_positions) = .false.  !! rows of these positions
     type(decimal_value) :: approach_step = decimal_value(1_int64, -3)  !! largest decrement, cm
@@ -104,8 +104,9 @@ contains
 
   !> Adds a row to those kept.
   subroutine append_contact(records, contact)
-    type(original_records), intent(inout) :: records  !! where
-    type(contact_record), intent(in) :: contact       !! the row
+    type(original_records), intent(inout) :: records  !! records of the run, one row longer after
+                                                      !! the call
+    type(contact_record), intent(in) :: contact       !! row that is added
     type(contact_record), allocatable :: larger(:)
 
     if (.not. allocated(records%contacts)) allocate (records%contacts(256))

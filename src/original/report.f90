@@ -4,7 +4,8 @@
 !> printer's carriage control. "Fault n" and "Deviation x" refer to docs/theory/faults.md.
 module asperity_report
   use asperity_kinds, only: real64
-  use asperity_line_printer, only: apply_carriage_control, fixed_field, letters, new_page, skip
+  use asperity_line_printer, only: apply_carriage_control, fixed_field, table_letters, new_page, &
+    skip_lines
   use asperity_original_records, only: approach_row, contact_record, individual_difference_row, &
                                        model_record, original_positions, original_records, &
                                        points_row, position_record, slope_row, total_area_row, &
@@ -42,7 +43,7 @@ contains
     type(original_records), intent(in) :: records            !! what was computed
     logical, intent(in) :: printed(original_positions)       !! positions with a contact table
     logical, intent(in) :: carriage_control                  !! keep column one
-    type(text_buffer), intent(inout) :: buffer               !! the text
+    type(text_buffer), intent(inout) :: buffer               !! text to which the report is added
     type(text_buffer) :: lines
     integer :: m, number
 
@@ -54,7 +55,7 @@ contains
     do m = 1, original_positions
       if (.not. printed(m)) cycle
       number = number + 1
-      call contact_table(lines, records, records%positions(m), 'TABLE VII' // letters(number))
+      call contact_table(lines, records, records%positions(m), 'TABLE VII' // table_letters(number))
     end do
     call variance_table(lines, records%variance)
     if (carriage_control) then
@@ -73,23 +74,23 @@ contains
 
     call new_page(lines, 10)
     call lines%line(repeat(' ', 53) // 'TABLE V')
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 52) // 'INPUT DATA')
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 41) // 'ASPERITY                MATERIAL')
     call lines%line(repeat(' ', 40) // 'PROPERTIES              PROPERTIES')
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 37) // 'NO. SUMMIT  MAX     ELASTIC POISSONS    MAX')
     call lines%line(repeat(' ', 41) // 'RADIUS HEIGHT   MODULUS   RATIO    ALLOW.')
     call lines%line(repeat(' ', 76) // 'STRESS')
     call lines%line(repeat(' ', 42) // '(CM)   (CM)   (NT/CM2)          (NT/CM2)')
-    call skip(lines, 1)
+    call skip_lines(lines, 1)
     call lines%line(repeat(' ', 30) // 'UPPER')
     call model_line(upper)
-    call skip(lines, 1)
+    call skip_lines(lines, 1)
     call lines%line(repeat(' ', 30) // 'LOWER')
     call model_line(lower)
-    call skip(lines, 4)
+    call skip_lines(lines, 4)
     write (line, angle_row) fixed_field(upper%angle, 5, 3), fixed_field(lower%angle, 5, 3)
     call lines%line(line)
 
@@ -117,10 +118,10 @@ contains
 
     call new_page(lines, 6)
     call lines%line(repeat(' ', 44) // 'TABLE ' // number)
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 24) // 'LOCATIONS AND HEIGHTS OF ASPERITIES ON ' // name // &
                     ' MODEL')
-    call headings()
+    call put_headings()
     page_end = first_page
     do i = 1, model%number
       write (line, asperity_row) i, fixed_field(model%x(i), 9, 3), &
@@ -129,19 +130,19 @@ contains
       if (i == model%number .or. i < page_end) cycle
       call new_page(lines, 6)
       call lines%line(repeat(' ', 44) // 'TABLE ' // number // ' (CONTINUED)')
-      call headings()
+      call put_headings()
       page_end = page_end + further_page
     end do
 
   contains
 
-    subroutine headings()
-      call skip(lines, 2)
+    subroutine put_headings()
+      call skip_lines(lines, 2)
       call lines%line(repeat(' ', 31) // 'ASPERITY  SUMMIT LOCATION     HEIGHT')
       call lines%line(repeat(' ', 32) // 'INDEX    X-COORD  Y-COORD')
       call lines%line(repeat(' ', 32) // 'NUMBER')
       call lines%line(repeat(' ', 43) // '(CM)     (CM)      (CM)')
-    end subroutine headings
+    end subroutine put_headings
 
   end subroutine asperity_table
 
@@ -159,7 +160,7 @@ contains
     write (line, displacement_row) fixed_field(position%x_displacement, 6, 3), &
       fixed_field(position%y_displacement, 6, 3)
     call lines%line(line)
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call column_headings(lines)
     on_page = 0
     row = position%first_contact
@@ -220,9 +221,9 @@ contains
 
     call new_page(lines, 10)
     call lines%line(repeat(' ', 53) // title)
-    call skip(lines, 3)
+    call skip_lines(lines, 3)
     call lines%line(repeat(' ', 49) // 'CONTACT PARAMETERS')
-    call skip(lines, 1)
+    call skip_lines(lines, 1)
   end subroutine contact_heading
 
   !> Column headings of Table VII.
@@ -247,38 +248,38 @@ contains
 
     call new_page(lines, 10)
     call lines%line(repeat(' ', 48) // 'TABLE VI')
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 37) // 'VARIANCE OF CONTACT PARAMETERS')
     call lines%line(repeat(' ', 39) // 'FOR MODEL POSITIONS TESTED')
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 25) // 'CONTACT PARAMETER   UNITS  MAXIMUM   MINIMUM   AVERAGE')
-    call skip(lines, 1)
+    call skip_lines(lines, 1)
     call number_row('TOTAL LOAD          (NT)', total_load_row, 0)
-    call skip(lines, 1)
+    call skip_lines(lines, 1)
     call number_row('TOTAL CONTACT AREA  (CM2)', total_area_row, 4)
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 25) // 'NUMBER OF CONTACT')
     write (line, count_row) 'POINTS' // repeat(' ', 18), nint(variance(points_row, :))
     ! Fault 15, mended: the average is not cut.
     if (abs(variance(points_row, 3) - nint(variance(points_row, 3))) > 0.0_real64) &
       line(70:) = fixed_field(variance(points_row, 3), 10, 2)
     call lines%line(line)
-    call skip(lines, 1)
+    call skip_lines(lines, 1)
     call number_row('APPROACH            (CM)', approach_row, 4)
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 25) // 'SLOPE OF CONTACT')
     call number_row('AREAS', slope_row, 3)
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 25) // 'DIFFERENCE IN CAL-')
     call lines%line(repeat(' ', 25) // 'CULATED AND PRO-')
     call number_row('JECTED CONTACT AREA (%)', total_difference_row, 1)
-    call skip(lines, 2)
+    call skip_lines(lines, 2)
     call lines%line(repeat(' ', 25) // 'DIFFERENCE IN CAL-')
     call lines%line(repeat(' ', 25) // 'CULATED AND PRO-')
     call lines%line(repeat(' ', 25) // 'JECTED INDIVIDUAL')
     call number_row('CONTACT AREAS       (%)', individual_difference_row, 1)
     call new_page(lines, 10)
-    call skip(lines, 1)
+    call skip_lines(lines, 1)
 
   contains
 

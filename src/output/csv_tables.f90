@@ -30,13 +30,13 @@ contains
     logical :: found
 
     if (present(comment)) call buffer%line('# ' // comment)
-    call table%begin(which, results)
+    call table%begin_rows(which, results)
     do column = 1, size(table%names)
       call line%put(table%names(column))
     end do
     do
       call line%finish(buffer)
-      call table%next(results, found)
+      call table%next_row(results, found)
       if (.not. found) exit
       do column = 1, size(table%names)
         associate (number => table%numbers(column))

@@ -68,8 +68,8 @@ contains
     real(real64), allocatable :: mean(:, :)
     type(plan_frame) :: frame
 
-    frame%low = field%origin - 0.5_real64 * field%spacing
-    frame%side = field%spacing * [field%columns, field%rows]
+    frame%low = field%origin - 0.5_real64 * field%pixel_spacing
+    frame%side = field%pixel_spacing * [field%columns, field%rows]
     frame%unit = units(1)
     if (quantity == plan_of_pressure) then
       call average_squares(field%pressure, most_pixels, mean)
@@ -106,8 +106,8 @@ contains
       frame%limits = [max(middle - most_deviations * deviation, minval(mean, is_known)), &
                      min(middle + most_deviations * deviation, maxval(mean, is_known))]
     end associate
-    frame%low = -0.5_real64 * map%spacing
-    frame%side = map%spacing * [map%columns, map%rows]
+    frame%low = -0.5_real64 * map%pixel_spacing
+    frame%side = map%pixel_spacing * [map%columns, map%rows]
     frame%unit = map%unit
     frame%name = with_unit('height', map%unit)
     frame%is_missing = .not. all(is_measured(map%height))

@@ -1,7 +1,7 @@
 !> Pieces of a page of HTML that stands alone: head with its style, escaped text, tables. A page is
 !> well-formed XML, too; it loads nothing, and runs nothing but what stands in it.
 module asperity_html_page
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_text_buffer, only: text_buffer
   implicit none
   private
@@ -202,7 +202,7 @@ contains
     do i = 1, len(shown)
       if (iachar(shown(i:i)) == 9) shown(i:i) = ' '
     end do
-    shown = printable(shown)
+    shown = printable_text(shown)
     do i = 1, len(shown)
       select case (shown(i:i))
       case ('&')

@@ -97,8 +97,8 @@ contains
 
     allocate (points(2, 0))
     if (map%columns == 0) return
-    associate (low => -0.5_real64 * map%spacing, &
-               high => map%spacing * ([map%columns, map%rows] - 0.5_real64))
+    associate (low => -0.5_real64 * map%pixel_spacing, &
+               high => map%pixel_spacing * ([map%columns, map%rows] - 0.5_real64))
       points = rectangle_corners(low, high)
     end associate
   end function map_in_plan

@@ -86,7 +86,7 @@ contains
     type(height_map) :: map
 
     map%unit = unit
-    map%spacing = 1.0_real64
+    map%pixel_spacing = 1.0_real64
     call make_header(path, ending_of(path), map, head, problems)
   end subroutine check_map_path
 
@@ -111,7 +111,7 @@ contains
       if (map%unit == '') then
         call problems%add(path // ': found a map without a unit, expected one: lengths of ' // &
                           'surface data are metres')
-      else if (.not. all(map%spacing > 0.0_real64)) then
+      else if (.not. all(map%pixel_spacing > 0.0_real64)) then
         call problems%add(path // ': found a map without a spacing, expected one')
       else
         head = surface_data_header(map)
@@ -180,8 +180,8 @@ contains
     wide = merge(2, 4, max(map%columns, map%rows) <= most_of_iso_1)
     head = 'bISO-' // merge('1.0', '2.0', wide == 2) // 'asperity  ' // repeat('0', 24) // &
            bytes_of(int(map%columns, int64), wide) // bytes_of(int(map%rows, int64), wide) // &
-           double_bytes(map%spacing(1) * metres) // double_bytes(map%spacing(2) * metres) // &
-           double_bytes(metres) // &
+           double_bytes(map%pixel_spacing(1) * metres) // &
+           double_bytes(map%pixel_spacing(2) * metres) // double_bytes(metres) // &
            double_bytes(-1.0_real64) // char(0) // char(binary64) // char(0)
 
   contains
@@ -213,9 +213,9 @@ contains
     character(len=:), allocatable :: head
 
     head = ''
-    if (all(map%spacing > 0.0_real64)) &
-      head = '# Spacing: ' // real_text(map%spacing(1), 'es24.16e3') // ' ' // &
-             real_text(map%spacing(2), 'es24.16e3') // new_line('a')
+    if (all(map%pixel_spacing > 0.0_real64)) &
+      head = '# Spacing: ' // real_text(map%pixel_spacing(1), 'es24.16e3') // ' ' // &
+             real_text(map%pixel_spacing(2), 'es24.16e3') // new_line('a')
     if (map%unit /= '') head = head // '# Units: ' // map%unit // new_line('a')
   end function text_header
 

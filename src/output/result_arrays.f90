@@ -44,7 +44,7 @@ contains
     integer :: column, i, row
     logical :: found
 
-    call table%begin(which, results)
+    call table%begin_rows(which, results)
     arrays%rows = table%rows
     if (.not. has_memory(8_int64 * size(table%names) * table%rows)) then
       failure = 'not enough memory for the ' // trim(table_names(which)) // ' as arrays'
@@ -67,7 +67,7 @@ contains
       end associate
     end do
     do row = 1, table%rows
-      call table%next(results, found)
+      call table%next_row(results, found)
       do column = 1, size(arrays%columns)
         associate (into => arrays%columns(column), value => table%numbers(column))
           select case (table%kinds(column))

@@ -49,8 +49,8 @@ module asperity_result_table
     integer, private :: at = 0                               ! column filled last
     integer, private :: position = 0, state = 0, contact = 0 ! of this row
   contains
-    procedure :: begin            !! names the columns, before the first row
-    procedure :: next             !! goes to the next row
+    procedure :: begin_rows       !! names the columns, before the first row
+    procedure :: next_row         !! goes to the next row
     procedure, private :: put_number
     procedure, private :: put_whole
     procedure, private :: put_word
@@ -60,7 +60,7 @@ module asperity_result_table
 contains
 
   !> Stands before the first row.
-  subroutine begin(self, which, results)
+  subroutine begin_rows(self, which, results)
     class(result_table), intent(out) :: self    !! gets the columns
     integer, intent(in) :: which                !! one of the `of_` numbers
     type(scene_results), intent(in) :: results  !! results of a run; contacts need their rows
@@ -98,12 +98,12 @@ contains
     self%names = self%names(:self%at)
     self%kinds = self%kinds(:self%at)
     self%dimensions = self%dimensions(:self%at)
-  end subroutine begin
+  end subroutine begin_rows
 
   !> Goes to the next row. `found` is false behind the last.
-  subroutine next(self, results, found)
+  subroutine next_row(self, results, found)
     class(result_table), intent(inout) :: self  !! table with named columns
-    type(scene_results), intent(in) :: results  !! the results of `begin`
+    type(scene_results), intent(in) :: results  !! the results of `begin_rows`
     logical, intent(out) :: found               !! there is one
 
     self%at = 0
@@ -145,7 +145,7 @@ contains
       self%state = 1
     end subroutine next_position
 
-  end subroutine next
+  end subroutine next_row
 
   ! One position: its last state, and what the effects did.
   subroutine fill_position(self, results, m, position)

@@ -299,12 +299,12 @@ contains
     integer :: i, row
     logical :: found
 
-    call table%begin(which, results)
+    call table%begin_rows(which, results)
     columns = [(findloc(table%names, wanted(i), 1), i=1, size(wanted))]
     columns = pack(columns, columns > 0)
     call begin_table(caption, table%names(columns), buffer)
     do row = 1, min(table%rows, most_rows)
-      call table%next(results, found)
+      call table%next_row(results, found)
       do i = 1, size(columns)
         associate (k => columns(i))
           cells(i) = number_text(table%numbers(k))

@@ -3,7 +3,7 @@
 module asperity_results_json
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use asperity_kinds, only: int32, real64
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, problem_list, real_text
   use asperity_result_arrays, only: array_table, make_arrays
   use asperity_result_table, only: of_contacts, table_names
@@ -116,9 +116,9 @@ contains
   end subroutine put_table
 
   !> A text in quotes. Bytes that are no UTF-8 become question marks.
-  pure function json_text(text) result(quoted)
+  pure function json_text(text) result(in_quotes)
     character(len=*), intent(in) :: text    !! text of any bytes
-    character(len=:), allocatable :: quoted !! with its quotes
+    character(len=:), allocatable :: in_quotes  !! with its quotes
     type(text_buffer) :: buffer
     character(len=6) :: escape
     integer :: first, i
@@ -136,11 +136,11 @@ contains
       case default
         cycle
       end select
-      call buffer%append(printable(text(first:i - 1)) // trim(escape))
+      call buffer%append(printable_text(text(first:i - 1)) // trim(escape))
       first = i + 1
     end do
-    call buffer%append(printable(text(first:)) // '"')
-    quoted = buffer%text()
+    call buffer%append(printable_text(text(first:)) // '"')
+    in_quotes = buffer%text()
   end function json_text
 
   !> A list of doubles with 17 digits; NaN is null.

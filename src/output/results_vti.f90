@@ -47,10 +47,10 @@ contains
     call buffer%line('<VTKFile type="ImageData" version="1.0" byte_order="' // &
                      trim(merge('LittleEndian', 'BigEndian   ', &
                                 transfer(1, 'a') == achar(1))) // '" header_type="UInt64">')
-    write (numbers, '(2es25.16e3)') field%origin - 0.5_real64 * field%spacing
+    write (numbers, '(2es25.16e3)') field%origin - 0.5_real64 * field%pixel_spacing
     call buffer%append('<ImageData WholeExtent=' // extent // ' Origin="' // &
                        trim(adjustl(numbers)) // ' 0"')
-    write (numbers, '(2es25.16e3)') field%spacing
+    write (numbers, '(2es25.16e3)') field%pixel_spacing
     call buffer%line(' Spacing="' // trim(adjustl(numbers)) // ' 1">')
     if (field%hertz_contacts >= 0) then
       call buffer%line('<FieldData>')

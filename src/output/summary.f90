@@ -140,7 +140,7 @@ contains
       if (parts_in_words(field) /= '') &
         call buffer%line('fields on ' // decimal_text(field%columns) // ' x ' // &
                          decimal_text(field%rows) // ' pixels of ' // &
-                         trim(number_text(field%spacing(1)) // ' ' // &
+                         trim(number_text(field%pixel_spacing(1)) // ' ' // &
                               unit_of(scene_in, is_length)) // &
                          '; pressures of contacts: ' // parts_in_words(field))
     end associate

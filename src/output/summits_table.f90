@@ -6,7 +6,7 @@ module asperity_summits_table
   use asperity_map_levelling, only: is_flat
   use asperity_map_statistics, only: map_statistics
   use asperity_map_summits, only: map_summits, rule_contact, rule_names
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_problems, only: decimal_text, real_text
   use asperity_summit_spheres, only: radius_names
   use asperity_summits_of_file, only: summit_choices
@@ -31,7 +31,7 @@ contains
     type(map_statistics), intent(in) :: found     !! statistics of both
     type(text_buffer), intent(inout) :: buffer    !! gets the text
 
-    call buffer%line(printable(path) // ': ' // decimal_text(map%columns) // ' x ' // &
+    call buffer%line(printable_text(path) // ': ' // decimal_text(map%columns) // ' x ' // &
                      decimal_text(map%rows) // ' pixels, level: ' // &
                      trim(level_names(choices%level)) // ', rule: ' // &
                      trim(rule_names(choices%rule)) // ', radius: ' // &
@@ -46,8 +46,8 @@ contains
     if (choices%rule == rule_contact) call put_count('  on ridges', int(summits%on_ridges, int64))
     call buffer%line('')
     call put_line('', '', '', 'Nayak expects', buffer)
-    call put_value('spacing along x', map%spacing(1), 1)
-    call put_value('spacing along y', map%spacing(2), 1)
+    call put_value('spacing along x', map%pixel_spacing(1), 1)
+    call put_value('spacing along y', map%pixel_spacing(2), 1)
     call put_value('rms height', found%rms_height, 1)
     call put_value('rms slope', found%rms_slope, 0)
     call put_value('m0', found%m0, 2)

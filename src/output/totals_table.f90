@@ -21,7 +21,7 @@ module asperity_totals_table
   !> One quantity over all positions.
   type :: total_line
     character(len=40) :: name = ''            !! of the quantity, with its unit where that is known
-    character(len=40) :: remark = ''          !! its reference; blank: the name is enough
+    character(len=40) :: remark = ''       !! its reference; blank: the name is enough
     integer :: known = 0                      !! how many of `numbers` are used, 1 or 3
     real(real64) :: numbers(3) = 0.0_real64   !! the value; of several: largest, smallest, mean
   end type total_line
@@ -122,7 +122,7 @@ contains
                 1.0e-12_real64 * abs(values(:, i - 1)))) cycle
       end if
       call add_line(with_unit(trim(names(i)), unit_of(scene_in, dimensions(i))), values(:, i), &
-                    remark(i), lines)
+                    remark_of(i), lines)
     end do
     call list_held(scene_in, results, lines)
     call list_effect_totals(scene_in, results, lines)
@@ -130,14 +130,14 @@ contains
   contains
 
     ! The gap of asperities is that on the grid of their fields.
-    pure function remark(i) result(text)
+    pure function remark_of(i) result(text)
       integer, intent(in) :: i
       character(len=len(remarks)) :: text
 
       text = remarks(i)
       if (i /= 7 .or. .not. allocated(results%positions(1)%fields)) return
       if (parts_in_words(results%positions(1)%fields(1)) /= '') text = 'over the grid of the fields'
-    end function remark
+    end function remark_of
 
   end subroutine list_totals
 

@@ -62,9 +62,9 @@ contains
       if (.not. allocated(results%positions(m)%warnings)) cycle
       associate (found => results%positions(m)%warnings)
         do i = 1, size(found)
-          if (found(i)%kind /= which) cycle
+          if (found(i)%number /= which) cycle
           positions = positions + 1
-          if (at > 0 .and. found(i)%size <= worst%size) cycle
+          if (at > 0 .and. found(i)%magnitude <= worst%magnitude) cycle
           at = m
           worst = found(i)
         end do
@@ -78,16 +78,16 @@ contains
     character(len=:), allocatable :: text
     character(len=12) :: size_text
 
-    associate (which => warning_kinds(warning%kind))
+    associate (which => warning_kinds(warning%number))
       text = with_effect(which%what)
       if (warning%whose /= '' .and. index(which%what, '*') == 0) &
         text = text // ' (' // trim(warning%whose) // ')'
       if (which%is_share) then
-        text = text // ', ' // percent_text(warning%size)
+        text = text // ', ' // percent_text(warning%magnitude)
       else
-        write (size_text, '(g12.3)') warning%size
-        if (abs(warning%size - anint(warning%size)) <= 0.0_real64 .and. &
-            warning%size < 1.0e6_real64) size_text = decimal_text(nint(warning%size))
+        write (size_text, '(g12.3)') warning%magnitude
+        if (abs(warning%magnitude - anint(warning%magnitude)) <= 0.0_real64 .and. &
+            warning%magnitude < 1.0e6_real64) size_text = decimal_text(nint(warning%magnitude))
         text = text // ', ' // trim(adjustl(size_text))
         if (text(len(text):) == '.') text = text(:len(text) - 1)
       end if

@@ -94,7 +94,7 @@ contains
           name = 'not with ' // known_effects(i)%name
       end do
     end associate
-    if (scene_in%contact_modulus%digits > 0) name = 'not with contact_modulus'
+    if (scene_in%contact_modulus%all_digits > 0) name = 'not with contact_modulus'
   end function ruling_out_plasticity
 
   !> Adds a contact outside of the theories to the warnings of a state.

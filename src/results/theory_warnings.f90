@@ -154,10 +154,10 @@ module asperity_theory_warnings
 
   !> One kind of warning at one position.
   type :: theory_warning
-    integer :: kind = 0                  !! one of the `of_` numbers
+    integer :: number = 0                !! one of the `of_` numbers
     integer :: state = 0                 !! state of the position with the largest size
     integer :: contacts = 0              !! number of contacts; 0: of the whole state
-    real(real64) :: size = 0.0_real64    !! size in the measure of the kind
+    real(real64) :: magnitude = 0.0_real64  !! size in the measure of the kind
     character(len=32) :: whose = ''      !! effects of the warning, unless set by the kind
   end type theory_warning
 
@@ -174,9 +174,9 @@ contains
 
     call find_place(list, number, at)
     if (present(contacts)) list(at)%contacts = list(at)%contacts + contacts
-    if (list(at)%size >= size_found) return
+    if (list(at)%magnitude >= size_found) return
     ! A size beyond the range of a double is reported as the largest double.
-    list(at)%size = min(size_found, huge(size_found))
+    list(at)%magnitude = min(size_found, huge(size_found))
     if (present(whose)) list(at)%whose = whose
   end subroutine warn
 
@@ -190,8 +190,8 @@ contains
 
     if (.not. allocated(found)) return
     do i = 1, size(found)
-      call find_place(list, found(i)%kind, at)
-      if (list(at)%size >= found(i)%size) cycle
+      call find_place(list, found(i)%number, at)
+      if (list(at)%magnitude >= found(i)%magnitude) cycle
       list(at) = found(i)
       list(at)%state = state
     end do
@@ -204,9 +204,9 @@ contains
     integer, intent(out) :: at
 
     if (.not. allocated(list)) allocate (list(0))
-    at = count(list%kind < number) + 1
-    if (any(list%kind == number)) return
-    list = [list(:at - 1), theory_warning(kind=number, size=-1.0_real64), list(at:)]
+    at = count(list%number < number) + 1
+    if (any(list%number == number)) return
+    list = [list(:at - 1), theory_warning(number=number, magnitude=-1.0_real64), list(at:)]
   end subroutine find_place
 
 end module asperity_theory_warnings

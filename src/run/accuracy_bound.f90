@@ -69,8 +69,8 @@ contains
       slope = min(warning_kinds(of_slope)%limit, &
                   sqrt(4 * max(2 * in_height - last%approach, last%closing) / least))
       if (allocated(positions(m)%warnings)) &
-        slope = max(slope, maxval(positions(m)%warnings%size, &
-                                  positions(m)%warnings%kind == of_slope))
+        slope = max(slope, maxval(positions(m)%warnings%magnitude, &
+                                  positions(m)%warnings%number == of_slope))
       of_overlap = roundings * roundoff * (in_height + min(slope, 1.0_real64) * &
                                            (in_plan + 2 * widest))
       of_touch = roundings * roundoff * (in_height + slope * (in_plan + 2 * widest))

@@ -71,7 +71,7 @@ contains
     from = 0.0_real64
     do i = 1, size(scene_in%loading%path)
       to = value_of(scene_in, pairs, scene_in%loading%path(i))
-      if (is_load(scene_in%loading%control) .and. scene_in%loading%path(i)%digits /= 0 .and. &
+      if (is_load(scene_in%loading%control) .and. scene_in%loading%path(i)%all_digits /= 0 .and. &
           .not. abs(to) / real(parts, real64) > 0.0_real64) then
         failure = 'a load of the path is too small beside the moduli and lengths to be met'
         return

@@ -145,7 +145,7 @@ contains
         result%states(i)%asked = merge(asked_vertical, asked_normal, pairs%vertical)
         result%states(i)%load_asked = in_scene_units(pairs, there%load_asked, 1, 2)
       end if
-      call pairs%count%count_state(result%counted)
+      call pairs%progress_count%count_state(result%counted)
       ! Effects keep this state and may answer otherwise in the next one.
       if (allocated(there%outcomes)) deallocate (there%outcomes)
       if (steps(i)%control /= as_before) held = load_asked_for(pairs, there%state)

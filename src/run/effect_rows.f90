@@ -248,7 +248,7 @@ contains
     share = not_computed
     if (.not. allocated(result%warnings)) return
     do i = 1, size(result%warnings)
-      if (result%warnings(i)%kind == of_together) share = result%warnings(i)%size * &
+      if (result%warnings(i)%number == of_together) share = result%warnings(i)%magnitude * &
         merge(of_compression, 1.0_real64, is_load(scene_in%loading%control))
     end do
   end function left_out_beside

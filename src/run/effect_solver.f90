@@ -141,7 +141,7 @@ contains
     end if
     call run_effects()
     if (run%too_far) then
-      call self%count%add_work(-result%counted)
+      call self%progress_count%add_work(-result%counted)
       ! Pairs beyond the candidate distance may touch: all that can touch are listed.
       call list_pairs(self%placed, m, .true., pairs, failure)
       if (.not. allocated(failure)) call run_effects()
@@ -169,7 +169,7 @@ contains
     subroutine run_effects()
       call copy_effects(self%effects, effects)
       pairs%interrupt = self%interrupt
-      pairs%count = self%count
+      pairs%progress_count = self%progress_count
       if (self%fields /= fields_none) then
         pressures%of_all_states = self%fields == fields_all
         pairs%pressures => pressures

@@ -28,8 +28,8 @@ contains
 
     solver%interrupt = options%interrupt
     solver%reuse = options%reuse
-    solver%count = options%counted_work
-    solver%count%of_position = max(1, solver%states)
+    solver%progress_count = options%counted_work
+    solver%progress_count%of_position = max(1, solver%states)
     solver%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
     call name_work(scene_in, options, kept, failure)
     if (allocated(failure)) return

@@ -68,10 +68,11 @@ contains
     if (.not. allocated(position%warnings)) return
     do i = 1, size(position%warnings)
       associate (found => position%warnings(i))
-        if (found%kind == of_contact_radius .and. &
-            found%size > sqrt(2.0_real64) * (1.0_real64 + rounding)) &
+        if (found%number == of_contact_radius .and. &
+            found%magnitude > sqrt(2.0_real64) * (1.0_real64 + rounding)) &
           failure = 'a contact circle of state ' // decimal_text(found%state) // ' has ' // &
-                    real_text(found%size) // ' times the radius of its sphere, which lies ' // &
+                    real_text(found%magnitude) // &
+                    ' times the radius of its sphere, which lies ' // &
                     'beyond the sphere: reduce the load'
       end associate
     end do

@@ -208,8 +208,8 @@ contains
     if (reference%coarser == 1) check%area_difference = area / sum(patches%area) - 1.0_real64
     allocate (has_summit(0:size(patches)), source=.false.)
     do k = 1, size(summits%x)
-      i = 1 + nint(summits%x(k) / reference%map%spacing(1) - first)
-      j = 1 + nint(summits%y(k) / reference%map%spacing(2) - first)
+      i = 1 + nint(summits%x(k) / reference%map%pixel_spacing(1) - first)
+      j = 1 + nint(summits%y(k) / reference%map%pixel_spacing(2) - first)
       if (reference%map%periodic) then
         i = 1 + modulo(i - 1, reference%map%columns)
         j = 1 + modulo(j - 1, reference%map%rows)

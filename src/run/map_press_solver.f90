@@ -148,10 +148,10 @@ contains
                         result%fields(i - self%states + size(result%fields)))
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])
-      call self%count%count_state(result%counted)
+      call self%progress_count%count_state(result%counted)
     end do
     result%state_values = count(answer%pressure > 0.0_real64) * &
-                          [1.0_real64, product(self%map%spacing)]
+                          [1.0_real64, product(self%map%pixel_spacing)]
     call move_alloc(values, result%contact_values)
     if (allocated(self%hardness)) result%state_values = [result%state_values, &
       result%states(self%states)%plastic_area, work]
@@ -193,7 +193,7 @@ contains
         if (answer%pressure(i, j) < hardness) cycle
         overlap = max(0.0_real64, (map%height(i, j) - answer%level) - answer%displacement(i, j))
         map%height(i, j) = map%height(i, j) - overlap
-        work = work + hardness * overlap * product(map%spacing)
+        work = work + hardness * overlap * product(map%pixel_spacing)
       end do
     end do
   end subroutine deform_map
@@ -237,7 +237,7 @@ contains
                             patches(i)%highest / peak, patches(i)%load, warnings)
     end do
     rim = 1.0_real64 - sum(patches%area) / (sum(real(patches%samples, real64)) * &
-                                            product(self%map%spacing))
+                                            product(self%map%pixel_spacing))
     if (is_last .and. rim > warning_kinds(of_resolution)%limit) &
       call warn(warnings, of_resolution, rim)
   end subroutine warn_of_patches
@@ -266,7 +266,8 @@ contains
     state%greatest_pressure = maxval([0.0_real64, patches%highest])
     call measure_fields(deformed, answer, state)
     if (allocated(self%hardness)) then
-      state%plastic_area = product(self%map%spacing) * count(.not. answer%pressure < self%hardness)
+      state%plastic_area = product(self%map%pixel_spacing) * &
+        count(.not. answer%pressure < self%hardness)
       state%dissipated_work = work
     end if
     if (keep_rows) then

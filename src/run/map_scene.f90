@@ -64,7 +64,7 @@ contains
   pure real(real64) function area_of_map(map) result(area)
     type(height_map), intent(in) :: map  !! height map, levelled or not
 
-    area = product(map%spacing) * count(is_measured(map%height))
+    area = product(map%pixel_spacing) * count(is_measured(map%height))
   end function area_of_map
 
   !> Makes the scene with the summits of the map as its lower surface, under a plane.
@@ -84,7 +84,7 @@ contains
     end if
     plain = scene_in
     deallocate (plain%map)
-    if (plain%nominal_area%digits == 0_int64) &
+    if (plain%nominal_area%all_digits == 0_int64) &
       plain%nominal_area = rounded_decimal(area_of_map(map), 17)
     ! The error of Hertzian contacts, which `auto` would avoid, is less than that of summits.
     if (plain%effects%mode('interaction') == effect_auto) &
@@ -132,7 +132,7 @@ contains
     do i = 1, size(ends)
       to = unit * decimal_to_real64(ends(i))
       if (scene_in%loading%control == control_compression) to = maxval(map%height) - to
-      if (loading%by_load .and. ends(i)%digits > 0 .and. &
+      if (loading%by_load .and. ends(i)%all_digits > 0 .and. &
           .not. to / real(parts, real64) > 0.0_real64) then
         failure = 'a load of the map is too small for a double, expected other units'
         return

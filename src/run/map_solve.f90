@@ -77,7 +77,7 @@ contains
     if (mode == effect_auto .and. allocated(options%keep_file)) &
       deallocate (of_summits_options%keep_file)
     call solve_with_fields(plain, of_summits_options, of_summits, failure, &
-                           reshape([-0.5_real64 * map%spacing, map%spacing * &
+                           reshape([-0.5_real64 * map%pixel_spacing, map%pixel_spacing * &
                                     ([map%columns, map%rows] - 0.5_real64)], [2, 2]))
     if (allocated(failure)) return
     call check_summits(scene_in, plain, map, reference, summits, of_summits, failure)
@@ -181,7 +181,7 @@ contains
     end if
     ! The estimate of the contacts among themselves is replaced by the comparison with the map.
     if (allocated(results%positions(1)%warnings)) results%positions(1)%warnings = &
-      pack(results%positions(1)%warnings, results%positions(1)%warnings%kind /= of_error)
+      pack(results%positions(1)%warnings, results%positions(1)%warnings%number /= of_error)
     if (results%positions(1)%error_estimate > scene_in%effects%number('tolerance')) &
       call warn(warnings, of_error, results%positions(1)%error_estimate)
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))

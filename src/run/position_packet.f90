@@ -131,18 +131,18 @@ contains
     type(theory_warning), intent(in) :: warning
     integer(int64) :: words(of_warning)
 
-    words = [int([warning%kind, warning%state, warning%contacts], int64), &
-             transfer(warning%size, word), transfer(warning%whose, word)]
+    words = [int([warning%number, warning%state, warning%contacts], int64), &
+             transfer(warning%magnitude, word), transfer(warning%whose, word)]
   end function words_of_warning
 
   pure function warning_of(words) result(warning)
     integer(int64), intent(in) :: words(of_warning)
     type(theory_warning) :: warning
 
-    warning%kind = int(words(1))
+    warning%number = int(words(1))
     warning%state = int(words(2))
     warning%contacts = int(words(3))
-    warning%size = transfer(words(4), warning%size)
+    warning%magnitude = transfer(words(4), warning%magnitude)
     warning%whose = transfer(words(5:8), warning%whose)
   end function warning_of
 

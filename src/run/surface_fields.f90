@@ -46,7 +46,7 @@ contains
   pure logical function has_field_grid(scene_in)
     type(scene), intent(in) :: scene_in  !! scene, checked for faults
 
-    has_field_grid = scene_in%field_spacing%digits > 0_int64
+    has_field_grid = scene_in%field_spacing%all_digits > 0_int64
   end function has_field_grid
 
   !> Whether a scene of asperities certainly has fields: a grid, one position, Hertz' law.
@@ -122,7 +122,7 @@ contains
     if (allocated(failure)) return
     surfaces%columns = grid%cells(1)
     surfaces%rows = grid%cells(2)
-    surfaces%spacing = grid%side
+    surfaces%pixel_spacing = grid%side
     surfaces%height = sum_of(elevation_of(upper, grid), elevation_of(lower, grid))
     allocate (position%fields(size(position%states) - first + 1))
     do i = first, size(position%states)

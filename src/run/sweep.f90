@@ -80,8 +80,8 @@ contains
     if (allocated(kept%more) .and. sum(int(positions%rows_used, int64)) > most_rows) &
       watch%work%ending = too_many()
     call watch%progress%begin(options%progress, 'positions', number, watch%work%done)
-    call solver%count%begin_count(int(min(states, int(huge(number), int64))), &
-                                  watch%work%done * solver%count%of_position)
+    call solver%progress_count%begin_count(int(min(states, int(huge(number), int64))), &
+                                  watch%work%done * solver%progress_count%of_position)
     do
       call begin_round(watch%work, continues)
       if (.not. continues) exit
@@ -172,7 +172,7 @@ contains
     !$omp atomic write
     watch%last = last
     call watch%progress%step()
-    call solver%count%add_work(solver%count%of_position - position%counted)
+    call solver%progress_count%add_work(solver%progress_count%of_position - position%counted)
     !$omp end critical (asperity_positions)
   end subroutine solve_one
 

@@ -13,7 +13,7 @@ module asperity_area_study_surface
                                           quantities, vertical_per_area
   use asperity_kinds, only: real64
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: compliance, control_separation, criterion_none, scene, &
+  use asperity_scene_values, only: body_compliance, control_separation, criterion_none, scene, &
                                    scene_surface
   use asperity_solve, only: solve
   use asperity_study_spec, only: against_plane, study_spec
@@ -128,7 +128,7 @@ contains
     real(real64) :: separation, modulus
 
     separation = decimal_to_real64(plan%separation)
-    modulus = 1 / sum(compliance(spec%elastic_modulus, spec%poisson_ratio))
+    modulus = 1 / sum(body_compliance(spec%elastic_modulus, spec%poisson_ratio))
     overlap = pack(surface%height - separation, surface%height > separation)
     radius = pack(surface%radius, surface%height > separation)
     allocate (contacts(size(overlap)))

@@ -202,8 +202,8 @@ contains
     type(decimal_value), intent(in) :: values(:)
 
     last_digit_unit = 0.0_real64
-    if (any(values%digits /= 0_int64)) &
-      last_digit_unit = 10.0_real64**minval(values%exponent, values%digits /= 0_int64)
+    if (any(values%all_digits /= 0_int64)) &
+      last_digit_unit = 10.0_real64**minval(values%power_of_ten, values%all_digits /= 0_int64)
   end function last_digit_unit
 
   ! Unit of the last digit of doubles: that of the shortest decimals that give them back.

@@ -45,7 +45,8 @@ module asperity_study_methods
   ! Step of the original program, cm.
   real(real64), parameter :: original_step = 1.0e-3_real64
 
-  !> What `auto` may leave out of other effects beside a given method of taking neighbours.
+  !> Largest estimated influence of an effect that `auto` leaves out, relative to the load, beside a
+  !> given method of taking neighbours.
   type(decimal_value), parameter :: tolerance_of_others = decimal_value(1_int64, -4)
 
   !> One method.
@@ -257,7 +258,8 @@ contains
     type(decimal_value), intent(in) :: share
     character(len=:), allocatable :: text
 
-    text = '0.' // repeat('0', -share%exponent - 1) // achar(iachar('0') + int(share%digits))
+    text = '0.' // repeat('0', -share%power_of_ten - 1) // achar(iachar('0') + &
+      int(share%all_digits))
   end function tolerance_text
 
   !> Runs a scene in a method, all positions, the ends of its path alone. The original program is

@@ -60,7 +60,7 @@ contains
     boxes(1)%middle = 0.5_real64 * (low + high)
     if (any(high > low)) boxes%half = 0.5_real64 * maxval(high - low)
     do i = 1, deepest
-      call divide(place, order, boxes, level(i))
+      call divide_boxes(place, order, boxes, level(i))
       if (size(boxes) < level(i + 1)) exit
       level = [level, size(boxes) + 1]
     end do
@@ -68,14 +68,14 @@ contains
 
   !> The boxes that touch one, itself included.
   pure function touching(this) result(near)
-    type(square_box), intent(in) :: this  !! the one
+    type(square_box), intent(in) :: this  !! box of a level with its neighbours known
     integer, allocatable :: near(:)       !! those of its level
 
     near = pack(this%around(-1:1, -1:1), this%around(-1:1, -1:1) > 0)
   end function touching
 
   ! Makes the next level from boxes that are split.
-  subroutine divide(place, order, boxes, from)
+  subroutine divide_boxes(place, order, boxes, from)
     real(real64), intent(inout) :: place(:, :)
     integer, intent(inout) :: order(:)
     type(square_box), allocatable, intent(inout) :: boxes(:)
@@ -128,7 +128,7 @@ contains
         end do
       end associate
     end do
-  end subroutine divide
+  end subroutine divide_boxes
 
   ! Orders the circles of a box: those that rest in it, then quarter by quarter.
   subroutine sort_into_quarters(place, order, this, run)

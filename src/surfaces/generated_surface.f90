@@ -177,8 +177,8 @@ contains
            number_digits - order_of(max(abs(spec%lowest), abs(spec%highest))))
     else
       ! The digits of the specification; a number of more than 15 digits loses three.
-      gaussian%decimals = -spec%mean%exponent
-      if (abs(spec%mean%digits) >= 10_int64**number_digits) &
+      gaussian%decimals = -spec%mean%power_of_ten
+      if (abs(spec%mean%all_digits) >= 10_int64**number_digits) &
         gaussian%decimals = gaussian%decimals - 3
     end if
     if (.not. spec%highest > spec%lowest) then

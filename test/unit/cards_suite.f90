@@ -268,15 +268,15 @@ contains
     integer :: least
 
     if (digits == 0_int64) then
-      call check(error, value%digits, 0_int64, name//', zero')
+      call check(error, value%all_digits, 0_int64, name//', zero')
       return
     end if
-    least = min(value%exponent, exponent)
-    if (max(value%exponent, exponent) - least > 5) then
-      call check(error, value%exponent, exponent, name//', power of ten')
+    least = min(value%power_of_ten, exponent)
+    if (max(value%power_of_ten, exponent) - least > 5) then
+      call check(error, value%power_of_ten, exponent, name//', power of ten')
       return
     end if
-    found = value%digits*10_int64**(value%exponent - least)
+    found = value%all_digits*10_int64**(value%power_of_ten - least)
     expected = digits*10_int64**(exponent - least)
     call check(error, found, expected, name)
   end subroutine check_number

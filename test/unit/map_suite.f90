@@ -56,12 +56,13 @@ contains
 
     map%columns = n
     map%rows = m
-    map%spacing = across / [n, m]
+    map%pixel_spacing = across / [n, m]
     allocate (map%height(n, m))
     do j = 1, m
       do i = 1, n
-        map%height(i, j) = -(((i - 0.5_real64) * map%spacing(1) - across / 2)**2 + &
-                             ((j - 0.5_real64) * map%spacing(2) - across / 2)**2) / (2 * radius)
+        map%height(i, j) = -(((i - 0.5_real64) * map%pixel_spacing(1) - across / 2)**2 + &
+                             ((j - 0.5_real64) * map%pixel_spacing(2) - &
+                             across / 2)**2) / (2 * radius)
       end do
     end do
   end function ball
@@ -123,7 +124,8 @@ contains
     integer :: i, k
     integer, parameter :: n = 512
 
-    map = height_map(columns=n, rows=4, spacing=[1.0_real64 / n, 0.01_real64], periodic=.true.)
+    map = height_map(columns=n, rows=4, pixel_spacing=[1.0_real64 / n, 0.01_real64], &
+      periodic=.true.)
     allocate (map%height(n, 4))
     do i = 1, n
       map%height(i, :) = 0.02_real64 * cos(2 * pi * (i - 0.5_real64) / n)
@@ -131,7 +133,7 @@ contains
     do k = 1, 4
       answer = map_answer()
       mean = pi * 3.0_real64 * 0.02_real64 * sin(pi * 0.1_real64 * k)**2
-      call press_map(map, 3.0_real64, answer, mean * n * 4 * product(map%spacing))
+      call press_map(map, 3.0_real64, answer, mean * n * 4 * product(map%pixel_spacing))
       call check(error, .not. allocated(answer%failure), 'a wave is solved')
       call check(error, abs(count(answer%pressure > 0.0_real64) / (0.2_real64 * k * n * 4) - &
                             1.0_real64) < 2.0_real64 / n / (0.2_real64 * k) * 2, &
@@ -160,7 +162,7 @@ contains
                  'the level of a load gives the load')
       call check(error, all(by_level%pressure > 0.0_real64 .eqv. by_load%pressure > 0.0_real64), &
                  'and the same samples under pressure')
-      call check(error, abs(sum(by_load%pressure) * product(map%spacing) / 2.0_real64 - &
+      call check(error, abs(sum(by_load%pressure) * product(map%pixel_spacing) / 2.0_real64 - &
                             1.0_real64) < 1.0e-12_real64, 'the pressures add up to the load')
       if (periodic) exit
       periodic = .true.
@@ -197,12 +199,12 @@ contains
     map%periodic = .true.
     half = half_map(map)
     call check(error, half%periodic, 'the half of a periodic map is periodic')
-    call check(error, all(abs(half%spacing * shape(half%height) / (map%spacing * &
+    call check(error, all(abs(half%pixel_spacing * shape(half%height) / (map%pixel_spacing * &
                                                                    shape(map%height)) - 1) < &
                           1.0e-14_real64), 'of the same lengths')
     map%periodic = .false.
     ! One sample alone is Love's square: 4 asinh(1) p s/(pi E) at its centre.
-    map = height_map(columns=1, rows=1, spacing=[0.1_real64, 0.1_real64])
+    map = height_map(columns=1, rows=1, pixel_spacing=[0.1_real64, 0.1_real64])
     map%height = reshape([0.5_real64], [1, 1])
     answer = map_answer()
     call press_map(map, ball_modulus, answer, 3.0_real64)
@@ -263,7 +265,7 @@ contains
     integer, parameter :: n = 128
     integer :: i, j, sides
 
-    map = height_map(columns=n, rows=n, spacing=spread(1.0_real64 / n, 1, 2), periodic=.true.)
+    map = height_map(columns=n, rows=n, pixel_spacing=spread(1.0_real64 / n, 1, 2), periodic=.true.)
     allocate (map%height(n, n))
     do j = 1, n
       do i = 1, n
@@ -356,7 +358,7 @@ contains
     plain = map_answer()
     call press_map(map, ball_modulus, plain, ball_load)
     map%height = map%height * across
-    map%spacing = map%spacing * across
+    map%pixel_spacing = map%pixel_spacing * across
     large = map_answer()
     call press_map(map, ball_modulus * along, large, ball_load * along * across**2)
     call check(error, .not. abs(large%level - plain%level * across) > 0.0_real64, &

@@ -1,6 +1,6 @@
 !> Tests of text that is shown on a terminal: which bytes of UTF-8 (RFC 3629) are kept.
 module asperity_printable_suite
-  use asperity_printable, only: printable
+  use asperity_printable, only: printable_text
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -32,7 +32,7 @@ contains
 
     do i = 1, size(letters)
       text = 'a' // encoded(letters(i), bytes_of(letters(i))) // 'z'
-      call check(error, printable(text), text, 'letter of its own length')
+      call check(error, printable_text(text), text, 'letter of its own length')
     end do
   end subroutine test_letters
 
@@ -44,10 +44,11 @@ contains
     do i = 1, size(letters)
       do bytes = bytes_of(letters(i)) + 1, 4
         text = 'a' // encoded(letters(i), bytes) // 'z'
-        call check(error, printable(text), 'a' // repeat('?', bytes) // 'z', 'longer than needed')
+        call check(error, printable_text(text), 'a' // repeat('?', bytes) // 'z', &
+          'longer than needed')
       end do
     end do
-    call check(error, printable(encoded(127, 2)), '??', '127 in two bytes')
+    call check(error, printable_text(encoded(127, 2)), '??', '127 in two bytes')
   end subroutine test_too_long
 
   subroutine test_broken(error)
@@ -55,11 +56,11 @@ contains
     character(len=:), allocatable :: euro
 
     euro = encoded(8364, 3)
-    call check(error, printable(euro(:2)), '??', 'end of the text')
-    call check(error, printable(euro(:2) // 'a'), '??a', 'a letter instead of the last byte')
-    call check(error, printable(euro(2:) // euro), '??' // euro, 'begins within a letter')
-    call check(error, printable(achar(27) // '[1m'), '?[1m', 'escape')
-    call check(error, printable(encoded(8238, 3)), '???', 'turns the direction')
+    call check(error, printable_text(euro(:2)), '??', 'end of the text')
+    call check(error, printable_text(euro(:2) // 'a'), '??a', 'a letter instead of the last byte')
+    call check(error, printable_text(euro(2:) // euro), '??' // euro, 'begins within a letter')
+    call check(error, printable_text(achar(27) // '[1m'), '?[1m', 'escape')
+    call check(error, printable_text(encoded(8238, 3)), '???', 'turns the direction')
   end subroutine test_broken
 
   ! Bytes a letter needs, by the table of RFC 3629, section 3.

@@ -96,8 +96,8 @@ contains
 
       call read_numeral(token, value, good)
       call check(error, good, token // ' was refused')
-      call check(error, value%digits, digits, 'digits of ' // token)
-      call check(error, value%exponent, exponent, 'exponent of ' // token)
+      call check(error, value%all_digits, digits, 'digits of ' // token)
+      call check(error, value%power_of_ten, exponent, 'exponent of ' // token)
     end subroutine one
 
   end subroutine test_numerals
@@ -284,8 +284,8 @@ contains
       type(decimal_value) :: total
 
       total = decimal_sum(a, b)
-      call check(error, total%digits, digits, 'digits of the sum')
-      call check(error, total%exponent, exponent, 'exponent of the sum')
+      call check(error, total%all_digits, digits, 'digits of the sum')
+      call check(error, total%power_of_ten, exponent, 'exponent of the sum')
     end subroutine one
 
   end subroutine test_decimal_sum
@@ -915,8 +915,8 @@ contains
     integer, intent(in) :: exponent
     character(len=*), intent(in) :: what
 
-    call check(error, found%digits, digits, 'digits of ' // what)
-    call check(error, found%exponent, exponent, 'exponent of ' // what)
+    call check(error, found%all_digits, digits, 'digits of ' // what)
+    call check(error, found%power_of_ten, exponent, 'exponent of ' // what)
   end subroutine check_decimal
 
   !> The nearest double of a decimal, to the last bit.

@@ -12,7 +12,7 @@ module asperity_creep
   use asperity_contact_state, only: contact_state
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_problems, only: decimal_text
-  use asperity_scene_values, only: compliance, effect_auto, effect_boundary, hold_load, scene
+  use asperity_scene_values, only: body_compliance, effect_auto, effect_boundary, hold_load, scene
   use asperity_theory_warnings, only: of_creep_strain, of_relaxing, of_unlike_bodies, warn, &
                                       warning_kinds
   use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, load_after, &
@@ -80,10 +80,11 @@ contains
       if (effects%mode('interaction') == effect_auto) &
         new%may_fall = max(new%may_fall, new%tolerance)
     end associate
-    if (scene_in%contact_modulus%digits == 0_int64 .and. &
-        min(scene_in%upper%elastic_modulus%digits, &
-            scene_in%lower%elastic_modulus%digits) > 0_int64) then
-      compliances = compliance([scene_in%upper%elastic_modulus, scene_in%lower%elastic_modulus], &
+    if (scene_in%contact_modulus%all_digits == 0_int64 .and. &
+        min(scene_in%upper%elastic_modulus%all_digits, &
+            scene_in%lower%elastic_modulus%all_digits) > 0_int64) then
+      compliances = body_compliance([scene_in%upper%elastic_modulus, &
+                               scene_in%lower%elastic_modulus], &
                                [scene_in%upper%poisson_ratio, scene_in%lower%poisson_ratio])
       new%softer_share = maxval(compliances) / sum(compliances)
       ! It is 0 for equal bodies and for a rigid one.
