@@ -7,15 +7,13 @@
 !> through their conjugates: a penetration of 1e-12 of the radius keeps its digits.
 module asperity_cells_lattice
   use asperity_constants, only: pi
+  use asperity_cells_relax, only: missing_gap
   use asperity_contact_pairs, only: contact_pair
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: box_of, cell_lattice, gap_at, gap_nowhere, gap_shape, lay_cells, shape_of_gap
-
-  ! Gauss' two places in a cell, from its centre, over its side.
-  real(real64), parameter :: gauss = 0.5_real64 / sqrt(3.0_real64)
+  public :: box_of, cell_lattice, gap_at, gap_shape, lay_cells, shape_of_gap
 
   !> A rectangle of cells. Cell (1, 1) has its lower left corner at (left, bottom) cells from the
   !> origin. Lengths in the unit of the pairs.
@@ -30,12 +28,6 @@ module asperity_cells_lattice
     integer, allocatable :: owner(:, :)    !! place of its contact in the list; 0: no pressure here
     real(real64), allocatable :: force(:, :) !! over the modulus, the scale and the side of a cell
   end type cell_lattice
-
-  !> Gap beside the spheres. Far more than any height.
-  real(real64), parameter :: gap_nowhere = 1.0e6_real64
-
-  ! Height of a centre over a plane: nothing curves.
-  real(real64), parameter :: far_above = 1.0e150_real64
 
   !> The gap of one pair. Lengths in the unit of the pairs.
   type :: gap_shape
@@ -90,12 +82,13 @@ contains
     rows = floor(high(2) / cell) - lattice%bottom + 1
     allocate (lattice%gap(columns, rows), lattice%owner(columns, rows))
     allocate (lattice%force(columns, rows), least(4, columns))
-    lattice%gap = gap_nowhere
+    lattice%gap = missing_gap
     lattice%owner = 0
     lattice%force = 0.0_real64
-    step = gauss * cell
+    ! Gauss' two places in an element, from its centre.
+    step = 0.5_real64 / sqrt(3.0_real64) * cell
     do j = 1, rows
-      least = gap_nowhere
+      least = missing_gap
       do k = 1, size(shapes)
         associate (s => shapes(k))
           y = y0 - s%y + (lattice%bottom + j - 0.5_real64) * cell
@@ -134,8 +127,10 @@ contains
     integer, intent(in) :: number                 !! its place in the list of pairs
     real(real64), intent(in) :: penetration       !! more than 0, less than the pair's zc
     type(gap_shape) :: shape
-    real(real64) :: apart(2), share
+    real(real64) :: apart(2), share, far_above
 
+    ! Height of a centre over a plane, the largest whose square is a number: nothing curves.
+    far_above = 0.5_real64 * sqrt(huge(far_above))
     apart = [pair%lower_x - pair%upper_x, pair%lower_y - pair%upper_y]
     share = pair%upper_radius / pair%s
     shape%pair = number
@@ -165,7 +160,7 @@ contains
     real(real64), intent(in) :: y         !! from the place of first touch
     real(real64) :: gap, square, upper, lower
 
-    gap = gap_nowhere
+    gap = missing_gap
     square = x * x + y * y
     upper = 2.0_real64 * (shape%upper(1) * x + shape%upper(2) * y) + square
     lower = 2.0_real64 * (shape%lower(1) * x + shape%lower(2) * y) + square

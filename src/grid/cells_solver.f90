@@ -5,8 +5,7 @@
 !> end of the half-space. The cells are as fine as the load and the area call for.
 module asperity_cells_solver
   use asperity_cell_convolution, only: cell_convolution
-  use asperity_cells_answer, only: area_error, area_order, cell_contact, cells_answer, &
-                                   keep_elements, tell
+  use asperity_cells_answer, only: area_error, cell_contact, cells_answer, keep_elements, tell
   use asperity_cells_influence, only: mean_influence
   use asperity_cells_lattice, only: box_of, cell_lattice, gap_at, gap_shape, lay_cells, &
                                     shape_of_gap
@@ -30,75 +29,35 @@ module asperity_cells_solver
     type(cell_lattice) :: cells               !! last lattice solved; forces not allocated: none
     real(real64) :: window(4) = 0.0_real64    !! x, y of two corners from its origin
     real(real64) :: deepest = 0.0_real64      !! penetration when it was laid
-    real(real64) :: change = 0.0_real64       !! relative, of the load by the last halving
-    real(real64) :: area_change = 0.0_real64  !! relative, of the area by the last halving
+    !> relative error of load and area that the change by the last halving leaves
+    real(real64) :: left(2) = 0.0_real64
   end type cluster_lattice
 
-  ! Elements along the longer side of the box of a cluster: while the box is searched, and at least
-  ! on the first lattice that is halved (chosen).
-  real(real64), parameter :: box_cells = 32.0_real64, first_cells = 12.0_real64
-  ! The box shrinks to the loaded elements while they fill less than this share of its longer side
-  ! (chosen).
-  real(real64), parameter :: filled = 0.6_real64
-  ! Width of the margin of the box around the loaded elements, in elements (chosen).
-  real(real64), parameter :: beyond = 1.5_real64
+  ! Elements along the longer side of the box of a cluster while the box is searched; half as many
+  ! at least on the first lattice that is halved, and twice as many at most in the radius of an
+  ! isolated contact, whose load is in error by less than 1e-5 there (chosen; test: loads against
+  ! Hertz in test/regression/test_effect_contacts.py).
+  integer, parameter :: box_elements = 24
   ! Elements in a radius from which on the load of the isolated contact is taken from them, and that
-  ! the least radius of a loaded contact has to have: with fewer, the box has four times as many
-  ! elements along its longer side (chosen: 24 give the load of 120 caps on caps an error of 3 %).
-  real(real64), parameter :: least_seen = 2.0_real64
-  ! Ratio of the side of an element to the required one below which it is not halved (chosen).
-  real(real64), parameter :: nearly = 1.2_real64
-  ! Elements in a radius from which on the isolated contact is solved on larger ones: the error of
-  ! its load is 1e-5 there.
-  real(real64), parameter :: most_alone = 32.0_real64
-  ! Share of its longer side by which the box grows where its rim is loaded (chosen).
-  real(real64), parameter :: widened = 0.2_real64
-  ! Places at which an open contact is tested, from its first touch, over its isolated radius
-  ! (chosen): the displacement by others may leave it loaded beside its first touch only.
-  real(real64), parameter :: half = 0.5_real64, probes(2, 5) = reshape([0.0_real64, 0.0_real64, &
-    -half, 0.0_real64, half, 0.0_real64, 0.0_real64, -half, 0.0_real64, half], [2, 5])
-  ! Largest number of boxes in a search (chosen).
-  integer, parameter :: most_boxes = 12
-
-  ! Bound of the remaining error of the load, and of the area, over the change by the last halving
-  ! of the elements. The error of a load is 0.8/3 of the change in the median, 2.7/3 at 90 % (12
-  ! scenes, 32 to 256 elements a side).
-  real(real64), parameter :: left_of_change = 2.0_real64 / 3.0_real64
-  real(real64), parameter :: area_left_of_change = 0.5_real64
-
-  ! Number of standard deviations of a load in the error estimate, and the share of the tolerance
-  ! that they count at most: in caps on caps the scatter of each contact exceeds the error of their
-  ! sum (chosen).
-  real(real64), parameter :: scatter_told = 2.0_real64, scatter_share = 0.5_real64
-
+  ! the least radius of a loaded contact has to have: with fewer the elements of the box are halved
+  ! (chosen: else the load of 120 caps on caps has an error of 3 %; test: boundary elements in
+  ! test/regression/test_dense.py).
+  integer, parameter :: least_elements = 2
   ! Offset of the lattice from the contact with the largest isolated load, in elements of the first
-  ! lattice that is halved. A symmetric offset would let the errors of elements at the rim add up.
-  real(real64), parameter :: lattice_x = 0.29_real64, lattice_y = 0.13_real64
-
-  ! A lattice is kept while the side of its elements over the root of the deepest penetration is
-  ! within these factors of the first. A new lattice has another discretisation error, with which
-  ! the iteration of Hertzian contacts and boundary elements would not settle.
-  real(real64), parameter :: least_kept = 0.5_real64, most_kept = 1.05_real64
-
-  ! Bytes that may be held, and that are held for each cell.
-  real(real64), parameter :: bytes_allowed = 2.0_real64**31, bytes_per_cell = 170.0_real64
-
-  ! Least penetration over the radius that is solved: squares of smaller ones underflow.
-  real(real64), parameter :: shallowest = 1.0e-120_real64
-  ! Least contact radius over its coordinates: elements of a thousandth of it then have coordinates
-  ! of three digits (derived from the rounding of numbers).
-  real(real64), parameter :: least_radius = 1.0e6_real64 * epsilon(1.0_real64)
-
-  ! Number of standard deviations of an area that its tolerance holds, and of those in its estimate
-  ! (chosen).
-  real(real64), parameter :: area_told = 5.5_real64
-  real(real64), parameter, public :: area_scatter_told = 3.0_real64
-  ! Least residual of the gaps, over the deepest penetration, above the rounding of sums (chosen).
-  real(real64), parameter :: least_residual = 1.0e-10_real64
-
-  ! The gaps are closed to that times the tolerance, of the penetration. The load is then off by .44
-  ! (rms; 1.1 at most) of it: measured on 3 times 130 circles. While the box is sought: to this.
-  real(real64), parameter :: inner = 0.004_real64, inner_of_box = 0.01_real64
+  ! lattice that is halved, x and y (chosen: a symmetric offset lets the errors of elements at the
+  ! rim add up; test: areas in test/regression/test_dense.py).
+  real(real64), parameter :: lattice_offset(2) = [0.29_real64, 0.13_real64]
+  !> Number of standard deviations of an area, and of a load, that its error estimate holds (chosen;
+  !! test: estimates in test/regression/test_dense.py).
+  real(real64), parameter, public :: deviations = 3.0_real64
+  ! Residual of the gaps over the deepest penetration: so much while the box is searched, then so
+  ! much times the tolerance of the load, whose error is then 0.44 of the residual in the root mean
+  ! square (measured on 390 Hertz contacts; test: loads against Hertz in
+  ! test/unit/cells_suite.f90).
+  real(real64), parameter :: gap_residual = 0.004_real64
+  ! Bytes that a cluster may use (chosen; test: refusals in test/unit/cells_suite.f90), and that are
+  ! held for each element (measured; test: memory in test/regression/test_cost.py).
+  real(real64), parameter :: bytes_allowed = 2.0_real64**31, bytes_per_element = 170.0_real64
 
 contains
 
@@ -121,12 +80,13 @@ contains
     y1 = high(2)
   end subroutine reach_of_cluster
 
-  !> Whether a contact is wide enough for elements of its own at its place.
+  !> Whether a contact is wide enough for elements of its own at its place: half of the digits of
+  !! its coordinates are left for its radius.
   elemental logical function is_resolved(x, y, contact_radius)
     real(real64), intent(in) :: x, y            !! first touch, in plan
     real(real64), intent(in) :: contact_radius  !! in the same unit
 
-    is_resolved = contact_radius > least_radius * max(abs(x), abs(y))
+    is_resolved = contact_radius > sqrt(epsilon(x)) * max(abs(x), abs(y))
   end function is_resolved
 
   !> Solves a cluster at a closing.
@@ -159,25 +119,27 @@ contains
     end if
     if (.not. all(shapes%penetration < level_height(pairs%list(members(shapes%pair))))) then
       answer%failure = 'a penetration reaches the level of the centres'
-    else if (.not. maxval(shapes%penetration / shapes%curvature_radius) > shallowest) then
+    else if (.not. maxval(shapes%penetration / shapes%curvature_radius)**2 > tiny(closing)) then
       answer%failure = 'penetrations below the resolution of boundary elements'
     end if
     if (allocated(answer%failure)) return
     if (is_kept()) then
-      call press_in_window(lattice%cells%cell, inner * tolerance(1), now)
+      call press_in_window(lattice%cells%cell, gap_residual * tolerance(1), now)
     else
       call find_box()
       if (.not. allocated(answer%failure)) call halve()
     end if
     if (.not. allocated(answer%failure)) then
-      ! The change can be small by chance: the scatter is added as a lower bound.
-      answer%error = max(left_of_change * lattice%change * sum(answer%together%load), &
-        min(scatter_told * norm2(answer%together%error), &
-            scatter_share * tolerance(1) * max(worth(1), sum(answer%together%load))))
-      if (lattice%change > 0.0_real64) answer%area_error = max( &
-        area_left_of_change * lattice%area_change / area_scatter_told, area_error * &
+      ! The change can be small by chance: the scatter is added as a lower bound, up to what a
+      ! change of the tolerance leaves.
+      answer%error = max(lattice%left(1) * sum(answer%together%load), &
+        min(deviations * norm2(answer%together%error), &
+            error_left(tolerance(1)) * max(worth(1), sum(answer%together%load))))
+      if (lattice%left(1) > 0.0_real64 .and. any(answer%together%load > 0.0_real64)) &
+        answer%area_error = max( &
+        lattice%left(2) / deviations, area_error * &
         (lattice%cells%cell / max(sqrt(maxval(answer%together%area) / pi), &
-                                  radius_of(lattice%cells%force > 0.0_real64)))**area_order)
+                                  radius_of(lattice%cells%force > 0.0_real64)))**1.5_real64)
       answer%cells = size(lattice%cells%force)
       if (associated(pairs%pressures)) &
         call keep_elements(lattice%cells, members(shapes%pair), answer%loaded)
@@ -188,8 +150,14 @@ contains
         if (allocated(answer%failure)) exit
         answer%alone(shapes(i)%pair) = hertz_contact(pairs%modulus, shapes(i))
         answer%known_alone(shapes(i)%pair) = shapes(i)%contact_radius > &
-                                             least_seen * lattice%cells%cell
-        if (answer%known_alone(shapes(i)%pair)) call press_alone(shapes(i:i))
+                                             least_elements * lattice%cells%cell
+        if (.not. answer%known_alone(shapes(i)%pair)) cycle
+        if (size(shapes) == 1 .and. .not. (allocated(outside%x) .or. allocated(outside%at_nodes))) &
+          then
+          answer%alone = answer%together
+        else
+          call press_alone(shapes(i:i))
+        end if
       end do
     end if
     if (.not. allocated(answer%failure)) return
@@ -198,51 +166,52 @@ contains
 
   contains
 
-    ! Whether the last lattice suffices.
+    ! Whether the last lattice suffices. Its elements are smaller than required by a factor from 1
+    ! to the root of 2, and the radius of a contact is as the root of the penetration. A new lattice
+    ! has another discretisation error, with which the iteration of Hertzian contacts and boundary
+    ! elements would not settle.
     logical function is_kept()
-      real(real64) :: larger
-
       is_kept = allocated(lattice%cells%force)
-      if (.not. is_kept) return
-      larger = sqrt(lattice%deepest / maxval(shapes%penetration))
-      is_kept = larger > least_kept .and. larger < most_kept
+      if (is_kept) is_kept = 2 * maxval(shapes%penetration) > lattice%deepest .and. &
+                             maxval(shapes%penetration) < 2 * lattice%deepest
     end function is_kept
 
     ! Finds the box that the contact fills, and the side of the first elements that are halved.
     subroutine find_box()
       real(real64) :: cell, side, loaded(4), moved(2)
-      integer :: box
 
       if (allocated(lattice%cells%force)) deallocate (lattice%cells%force)
       lattice%deepest = maxval(shapes%penetration)
       ! Origin: the contact with the largest isolated load.
       k = maxloc(shapes%contact_radius * shapes%penetration * shapes%cosine, 1)
       call box_of(shapes, shapes(k)%x, shapes(k)%y, low, high)
-      cell = maxval(high - low) / box_cells
-      lattice%x = shapes(k)%x - lattice_x * cell
-      lattice%y = shapes(k)%y - lattice_y * cell
+      cell = maxval(high - low) / box_elements
+      lattice%x = shapes(k)%x - lattice_offset(1) * cell
+      lattice%y = shapes(k)%y - lattice_offset(2) * cell
       call box_of(shapes, lattice%x, lattice%y, low, high)
       lattice%window = [low, high]
-      do box = 1, most_boxes
-        call press_in_window(cell, inner_of_box, now)
+      ! Each round halves the side of the box, or of its elements, at least.
+      do
+        call press_in_window(cell, gap_residual, now)
         if (allocated(answer%failure)) return
         if (.not. now(1) > 0.0_real64) then
           ! No element is loaded: the contact may be smaller than an element.
-          if (least_seen * cell < shapes(k)%contact_radius) exit
+          if (least_elements * cell < shapes(k)%contact_radius) exit
           cell = 0.5_real64 * cell
           cycle
         end if
         side = maxval(lattice%window(3:) - lattice%window(:2))
         call find_loaded(loaded)
         lattice%window = loaded
-        if (maxval(loaded(3:) - loaded(:2)) > filled * side) exit
-        cell = maxval(loaded(3:) - loaded(:2)) / box_cells
+        ! The loaded elements are no fewer than on the first lattice that is halved.
+        if (2 * maxval(loaded(3:) - loaded(:2)) > side) exit
+        cell = maxval(loaded(3:) - loaded(:2)) / box_elements
       end do
       side = maxval(lattice%window(3:) - lattice%window(:2))
-      first = side / first_cells
-      if (now(1) > 0.0_real64) first = min(first, 2 * called_for())
-      moved = [shapes(k)%x - lattice_x * first - lattice%x, &
-               shapes(k)%y - lattice_y * first - lattice%y]
+      first = 2 * side / box_elements
+      ! One halving leads from above the required side to below it, in equal ratios.
+      if (now(1) > 0.0_real64) first = min(first, sqrt(2.0_real64) * required_side())
+      moved = [shapes(k)%x, shapes(k)%y] - lattice_offset * first - [lattice%x, lattice%y]
       lattice%x = lattice%x + moved(1)
       lattice%y = lattice%y + moved(2)
       lattice%window = lattice%window - [moved, moved]
@@ -253,18 +222,14 @@ contains
       real(real64) :: cell
 
       cell = first
-      call press_in_window(cell, inner * tolerance(1), before)
-      lattice%change = 0.0_real64
-      lattice%area_change = 0.0_real64
+      call press_in_window(cell, gap_residual * tolerance(1), before)
+      lattice%left = 0.0_real64
       do while (.not. allocated(answer%failure) .and. before(1) > 0.0_real64)
         cell = 0.5_real64 * cell
-        call press_in_window(cell, inner * tolerance(1), now)
+        call press_in_window(cell, gap_residual * tolerance(1), now)
         if (allocated(answer%failure)) return
-        lattice%change = abs(now(1) / before(1) - 1.0_real64)
-        lattice%area_change = abs(now(2) / before(2) - 1.0_real64)
-        if (all([left_of_change * lattice%change, &
-                 area_left_of_change * lattice%area_change] <= allowed()) .and. &
-            cell < nearly * called_for()) exit
+        lattice%left = error_left(abs(now / before - 1.0_real64))
+        if (all(lattice%left <= allowed_errors()) .and. cell < required_side()) exit
         ! The place of the lattice is rounded to the place of the contact: further halving would
         ! converge slowly. The change is the estimate.
         if (.not. is_resolved(shapes(k)%x, shapes(k)%y, shapes(k)%contact_radius)) exit
@@ -273,23 +238,23 @@ contains
     end subroutine halve
 
     ! Relative errors that load and area may have.
-    function allowed() result(share)
+    function allowed_errors() result(share)
       real(real64) :: share(2)
 
       share = tolerance * max(1.0_real64, worth / max(now, tiny(now)))
-    end function allowed
+    end function allowed_errors
 
     ! Side of the elements that the scatter of areas and the smallest loaded contacts require.
-    real(real64) function called_for() result(cell)
+    real(real64) function required_side() result(cell)
       real(real64) :: share(2), radius(size(members))
 
-      share = allowed()
+      share = allowed_errors()
       radius = sqrt(answer%together%area / pi)
-      cell = max(maxval(radius), radius_of(lattice%cells%force > 0.0_real64)) / &
-             (area_told * area_error / share(2))**(1.0_real64 / area_order)
-      if (minval(radius, mask=radius > 0.0_real64) < least_seen * cell) cell = min(cell, &
-        maxval(lattice%window(3:) - lattice%window(:2)) / (4 * first_cells))
-    end function called_for
+      cell = max(maxval(radius), radius_of(lattice%cells%force > 0.0_real64)) * &
+             (share(2) / (deviations * area_error))**(2.0_real64 / 3.0_real64)
+      if (minval(radius, mask=radius > 0.0_real64) < least_elements * cell) cell = min(cell, &
+        sqrt(0.5_real64) * maxval(lattice%window(3:) - lattice%window(:2)) / box_elements)
+    end function required_side
 
     ! Radius of circles with the area and the rim of the loaded elements. A circle of radius a has 8
     ! a/h element sides on its rim; contacts that merge have none between them.
@@ -316,8 +281,8 @@ contains
     real(real64) function bytes_of(cell) result(bytes)
       real(real64), intent(in) :: cell
 
-      bytes = bytes_per_cell * product((lattice%window(3:) - lattice%window(:2)) / cell + &
-                                       2.0_real64)
+      bytes = bytes_per_element * product((lattice%window(3:) - lattice%window(:2)) / cell + &
+                                          2.0_real64)
     end function bytes_of
 
     ! Solves all contacts in the box, which grows where its rim is loaded; totals: load and area.
@@ -326,11 +291,12 @@ contains
       real(real64), intent(out) :: totals(2)
       type(cell_lattice) :: next
       real(real64) :: rim(4)
-      integer :: turn
+      real(real64) :: growth
       logical :: is_complete
 
       call box_of(shapes, lattice%x, lattice%y, low, high)
-      do turn = 1, most_boxes
+      growth = cell
+      do
         totals = 0.0_real64
         if (.not. bytes_of(cell) < bytes_allowed) then
           answer%failure = 'the boundary elements would need more than 2 GiB of memory'
@@ -351,8 +317,8 @@ contains
         end associate
         rim = rim * merge(1.0_real64, 0.0_real64, [lattice%window(:2) > low, &
                                                    lattice%window(3:) < high])
-        lattice%window = lattice%window + widened * maxval(lattice%window(3:) - &
-          lattice%window(:2)) * rim * [-1, -1, 1, 1]
+        growth = 2 * growth
+        lattice%window = lattice%window + growth * rim * [-1, -1, 1, 1]
         call add_missed(is_complete)
         if (is_complete .and. .not. any(rim > 0.0_real64)) exit
       end do
@@ -377,7 +343,7 @@ contains
         if (.not. gap < 0.0_real64) cycle
         is_complete = .false.
         reach = shapes(n)%contact_radius * sqrt(min(1.0_real64, -gap / shapes(n)%penetration)) + &
-                beyond * lattice%cells%cell
+                lattice%cells%cell
         lattice%window(:2) = min(lattice%window(:2), place - reach)
         lattice%window(3:) = max(lattice%window(3:), place + reach)
       end do
@@ -394,8 +360,8 @@ contains
       call influence%prepare(mean_influence(size(next%gap, 1), size(next%gap, 2)))
       if (pairs%interrupt%is_asked()) answer%failure = 'interrupted'
       if (allocated(answer%failure)) return
-      call relax(influence, next%gap, max(least_residual, tolerance), next%force, answer%ending, &
-                 pairs%interrupt, displacement=displacement)
+      call relax(influence, next%gap, tolerance, next%force, answer%ending, pairs%interrupt, &
+                 displacement=displacement)
       if (.not. answer%ending%converged) &
         answer%failure = 'the pressures on the boundary elements did not converge'
     end subroutine press
@@ -409,18 +375,18 @@ contains
 
       ending = answer%ending
       cell = lattice%cells%cell * 2.0_real64**max(0, ceiling(log(shape(1)%contact_radius / &
-        (most_alone * lattice%cells%cell)) / log(2.0_real64)))
+        (2 * box_elements * lattice%cells%cell)) / log(2.0_real64)))
       middle = [shape(1)%x - lattice%x, shape(1)%y - lattice%y]
-      reach = shape(1)%contact_radius + beyond * cell
+      reach = shape(1)%contact_radius + cell
       call lay_cells(shape, lattice%x, lattice%y, cell, &
                      [middle - reach, middle + reach], next)
-      call press(next, inner * tolerance(1))
+      call press(next, gap_residual * tolerance(1))
       call tell(pairs%modulus, shape, next, answer%alone)
       answer%ending = ending
     end subroutine press_alone
 
-    ! The box of the loaded elements, and of contacts smaller than an element that the displacement
-    ! there leaves loaded.
+    ! The box of the loaded elements and their neighbours, and of contacts smaller than an element
+    ! that the displacement there leaves loaded.
     subroutine find_loaded(box)
       real(real64), intent(out) :: box(4)
       real(real64) :: reach
@@ -432,10 +398,8 @@ contains
         do j = 1, size(cells%force, 2)
           do i = 1, size(cells%force, 1)
             if (.not. cells%force(i, j) > 0.0_real64) cycle
-            box(:2) = min(box(:2), (real([i, j], real64) - 1.0_real64 - beyond + &
-                                    [cells%left, cells%bottom]) * cells%cell)
-            box(3:) = max(box(3:), (real([i, j], real64) + beyond + &
-                                    [cells%left, cells%bottom]) * cells%cell)
+            box(:2) = min(box(:2), ([i, j] - 2 + [cells%left, cells%bottom]) * cells%cell)
+            box(3:) = max(box(3:), ([i, j] + 1 + [cells%left, cells%bottom]) * cells%cell)
           end do
         end do
         do n = 1, size(shapes)
@@ -445,7 +409,7 @@ contains
             j = floor(y / cells%cell) - cells%bottom + 1
             if (min(i, j) < 1 .or. i > size(cells%force, 1) .or. j > size(cells%force, 2)) cycle
             if (.not. shapes(n)%penetration > displacement(i, j) * cells%scale) cycle
-            reach = min(shapes(n)%reach, beyond * cells%cell)
+            reach = min(shapes(n)%reach, cells%cell)
             box(:2) = min(box(:2), [x, y] - reach)
             box(3:) = max(box(3:), [x, y] + reach)
           end associate
@@ -473,22 +437,34 @@ contains
     end do
   end function any_loaded
 
-  ! Least gap of a contact at `probes` in the displacement by elements and contacts outside, or 0.
+  ! Least gap of a contact in the displacement by elements and contacts outside, or 0: at its first
+  ! touch and half its isolated radius from there, as the displacement may leave it loaded beside
+  ! its first touch only.
   pure real(real64) function least_gap(shape, cells, outside, modulus) result(gap)
     type(gap_shape), intent(in) :: shape
     type(cell_lattice), intent(in) :: cells
     type(outside_field), intent(in) :: outside
     real(real64), intent(in) :: modulus
+    real(real64) :: place(2, 5)
     integer :: i
 
+    place = 0.5_real64 * shape%contact_radius * reshape([0, 0, -1, 0, 1, 0, 0, -1, 0, 1], [2, 5])
     gap = 0.0_real64
-    do i = 1, size(probes, 2)
-      associate (x => probes(1, i) * shape%contact_radius, y => probes(2, i) * shape%contact_radius)
+    do i = 1, size(place, 2)
+      associate (x => place(1, i), y => place(2, i))
         gap = min(gap, gap_at(shape, x, y) + field_of_cells(cells, shape%x + x, shape%y + y) + &
                   outside_at(outside, modulus, shape%x + x, shape%y + y))
       end associate
     end do
   end function least_gap
+
+  ! Relative error that is left where halving the elements changed a result by `change`: errors fall
+  ! as the power 3/2 of the side of the elements, those of loads by a higher one.
+  elemental real(real64) function error_left(change)
+    real(real64), intent(in) :: change
+
+    error_left = change / (2.0_real64**1.5_real64 - 1.0_real64)
+  end function error_left
 
   ! Penetration at which the centres of a pair are level, or a centre comes to the plane.
   elemental real(real64) function level_height(pair)

@@ -114,27 +114,21 @@ contains
   subroutine influence_by_quadrature(error)
     type(error_type), allocatable, intent(out) :: error
     integer, parameter :: cases(2, 9) = reshape([0, 0, 1, 0, 1, 1, 2, 1, 15, 0, 15, 15, 16, 0, &
-                                                 16, 7, 40, 33], [2, 9])
-    integer, parameter :: parts = 400
+                                                 27, 7, 40, 33], [2, 9])
+    integer, parameter :: parts = 200
     real(real64), allocatable :: table(:, :)
-    real(real64) :: mean, x, y, off
-    integer :: i, k, l
+    real(real64) :: mean, off
+    integer :: i
     character(60) :: text
 
     allocate (table(0:40, 0:33), source=pi * mean_influence(41, 34))
     do i = 1, size(cases, 2)
-      mean = 0.0_real64
-      do l = 1, parts
-        do k = 1, parts
-          x = cases(1, i) + (k - 0.5_real64) / parts - 0.5_real64
-          y = cases(2, i) + (l - 0.5_real64) / parts - 0.5_real64
-          mean = mean + love(x, y) / parts**2
-        end do
-      end do
+      ! The midpoints' error, of second order, is extrapolated away.
+      mean = (4 * midpoints(cases(:, i), 2 * parts) - midpoints(cases(:, i), parts)) / 3
       off = table(cases(1, i), cases(2, i)) / mean - 1
       write (text, '(a, 2i4, es12.3)') 'influence at', cases(:, i), off
-      ! The midpoints' own error falls with the square of the distance.
-      call check(error, abs(off) < merge(8.0e-6_real64, 5.0e-9_real64, cases(1, i) < 15), text)
+      ! Near by the integrand is not smooth.
+      call check(error, abs(off) < merge(8.0e-6_real64, 3.0e-10_real64, cases(1, i) < 15), text)
     end do
     ! Closed form of the mean distance's inverse within one square.
     off = table(0, 0) - 4.0_real64 * (log(1.0_real64 + sqrt(2.0_real64)) + &
@@ -142,6 +136,20 @@ contains
     call check(error, abs(off) < 1.0e-14_real64, 'a cell on itself')
     call check(error, abs(table(3, 2) - table(2, 3)) < 1.0e-15_real64, 'not symmetric')
   end subroutine influence_by_quadrature
+
+  ! Mean over a cell at an offset by midpoints.
+  pure real(real64) function midpoints(offset, parts) result(mean)
+    integer, intent(in) :: offset(2), parts
+    integer :: k, l
+
+    mean = 0.0_real64
+    do l = 1, parts
+      do k = 1, parts
+        mean = mean + love(offset(1) + (k - 0.5_real64) / parts - 0.5_real64, &
+                           offset(2) + (l - 0.5_real64) / parts - 0.5_real64) / parts**2
+      end do
+    end do
+  end function midpoints
 
   ! Integral of 1/r from a point over the square of side 1 around the origin (Love 1929).
   pure function love(x, y) result(integral)
@@ -162,7 +170,7 @@ contains
   subroutine single_is_hertz(error)
     type(error_type), allocatable, intent(out) :: error
     real(real64), parameter :: depths(5) = [1.0e-3_real64, 1.0e-6_real64, 1.0e-12_real64, &
-                                            1.0e-24_real64, 1.0e-50_real64]
+                                            1.0e-24_real64, 1.0e-140_real64]
     type(contact_pairs) :: pairs
     type(cells_answer) :: outcome
     real(real64) :: hertz, p0
@@ -259,10 +267,19 @@ contains
                'kept, finer than called for')
     call solve_cells(pairs, [1], 0.95e-4_real64, nothing, shares, no_more, lattice, outcome)
     call check(error, all(abs(place_of(lattice) - first) <= 0.0_real64), 'kept, a little coarser')
-    call solve_cells(pairs, [1], 0.8e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call solve_cells(pairs, [1], 0.4e-4_real64, nothing, shares, no_more, lattice, outcome)
     call check(error, lattice%cells%cell < first(3), 'laid anew, finer')
     call solve_cells(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, lattice, outcome)
     call check(error, lattice%cells%cell > first(3), 'laid anew, coarser')
+    ! Others take all load off a lattice that is kept.
+    nothing%x0 = -1.0_real64
+    nothing%x1 = 1.0_real64
+    nothing%y0 = -1.0_real64
+    nothing%y1 = 1.0_real64
+    allocate (nothing%at_nodes(2, 2), source=1.0e-2_real64)
+    call solve_cells(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call check(error, outcome%ending%converged, 'lifted: not converged')
+    call check(error, outcome%together(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine lattice_stays
 
   ! The second contact is below the displacement by the first at one closing, and above it at
@@ -462,7 +479,7 @@ contains
     call solve(pairs, [4.0_real64, 0.0_real64, 0.0_real64], asked, outcome)
     call check(error, allocated(outcome%failure), 'level centres not refused')
     call check(error, .not. outcome%ending%converged, 'refused, yet converged')
-    call solve(pairs, [1.0e-130_real64, 0.0_real64, 0.0_real64], asked, outcome)
+    call solve(pairs, [1.0e-160_real64, 0.0_real64, 0.0_real64], asked, outcome)
     call check(error, allocated(outcome%failure), 'too shallow not refused')
   end subroutine hard_cases
 
