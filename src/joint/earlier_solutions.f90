@@ -14,17 +14,13 @@ module asperity_earlier_solutions
 
   public :: closing_expected, keep_solution, mark_crowded, start_from_earlier
 
-  ! Solutions between which is interpolated (measured on 50 loads: 4 save no more iterations).
-  integer, parameter :: most_nodes = 3
-  ! Compressions that differ by no more than this share are those of one solution (chosen: between
-  ! solutions that are nearer their errors would be interpolated).
-  real(real64), parameter :: same = 1.0e-5_real64
-  ! Solutions of a position that are kept (chosen: each takes 48 bytes a pair, and is copied).
-  integer, parameter :: most_kept = 16
-  real(real64), parameter :: two_thirds = 2.0_real64 / 3.0_real64
-  ! Load**(2/3) or compression over that of an earlier solution, or its inverse, at most: of several
-  ! solutions, of one (measured: beyond it a solve takes longer than one without a start).
-  real(real64), parameter :: farthest = 1.5_real64, farthest_of_one = 1.2_real64
+  ! Solutions of a position that are kept, between which is interpolated (measured on 50 loads: 4
+  ! save no more iterations; test: loads one after the other in
+  ! test/regression/test_solve_again.py).
+  integer, parameter :: most_kept = 3
+  ! Load**(2/3) or compression over that of an earlier solution, or its inverse, at most (measured:
+  ! beyond it a solve takes longer than one without a start; test: ibid.).
+  real(real64), parameter :: farthest = 1.5_real64
 
 contains
 
@@ -42,7 +38,7 @@ contains
     if (.not. associated(pairs%start)) return
     if (.not. allocated(pairs%start%of)) return
     if (present(target)) then
-      here = (target / pairs%modulus)**two_thirds
+      here = hertz_power(target / pairs%modulus)
       if (target / pairs%modulus >= pairs%start%crowded_load) return
     else
       here = solution%closing
@@ -52,11 +48,11 @@ contains
     associate (of => pairs%start%of)
       do k = 1, size(of)
         at(k) = of(k)%closing
-        if (present(target)) at(k) = of(k)%load(merge(2, 1, pairs%vertical))**two_thirds
+        if (present(target)) at(k) = hertz_power(of(k)%load(merge(2, 1, pairs%vertical)))
         if (.not. (is_of(pairs, of(k)) .and. at(k) < farthest * here .and. &
                    here < farthest * at(k))) at(k) = -1.0_real64
       end do
-      do while (size(node) < most_nodes .and. any(at > 0.0_real64))
+      do while (any(at > 0.0_real64))
         k = minloc(abs(at - here), 1, at > 0.0_real64)
         node = [node, k]
         at(k) = -at(k)
@@ -64,7 +60,6 @@ contains
       if (size(node) == 0) return
       at = -at(node)
       n = farthest_order(here, at)
-      if (n == 1 .and. max(at(1), here) > farthest_of_one * min(at(1), here)) return
       weight = weights(here, at(:n))
       solution%is_near = .true.
       if (present(target)) then
@@ -143,10 +138,10 @@ contains
     if (associated(pairs%start)) then
       if (allocated(pairs%start%of)) then
         stays = [(is_of(pairs, pairs%start%of(k)) .and. &
-                  abs(pairs%start%of(k)%closing - closing) > same * closing, &
+                  abs(pairs%start%of(k)%closing - closing) > sqrt(epsilon(closing)) * closing, &
                   k=1, size(pairs%start%of))]
         if (count(stays) >= most_kept) &
-          stays(least_needed(pairs%start%of%closing, stays, closing)) = .false.
+          stays(maxloc(abs(pairs%start%of%closing - closing), 1, stays)) = .false.
       end if
     end if
     if (associated(pairs%start)) then
@@ -184,26 +179,6 @@ contains
     start%crowded_load = min(start%crowded_load, load / pairs%modulus)
   end subroutine mark_crowded
 
-  ! The solution without which the others lie nearest to each other, but none of those nearest to
-  ! the new one.
-  pure integer function least_needed(closings, stays, new) result(least)
-    real(real64), intent(in) :: closings(:), new
-    logical, intent(in) :: stays(:)
-    real(real64) :: span(size(closings))
-    logical :: far(size(closings))
-    integer :: k
-
-    far = stays
-    do k = 1, most_nodes
-      far(minloc(abs(closings - new), 1, far)) = .false.
-    end do
-    do k = 1, size(closings)
-      span(k) = minval(closings, stays .and. closings > closings(k)) - &
-                maxval(closings, stays .and. closings < closings(k))
-    end do
-    least = minloc(span, 1, far)
-  end function least_needed
-
   !> Compression expected under the load of the pairs from the earlier solution under the nearest
   !> load, by Hertz' law; 0 where there is none.
   pure real(real64) function closing_expected(pairs) result(closing)
@@ -218,12 +193,20 @@ contains
     associate (of => pairs%start%of)
       allocate (ratio(size(of)))
       do k = 1, size(of)
-        ratio(k) = pairs%target / (pairs%modulus * of(k)%load(merge(2, 1, pairs%vertical)))
+        ratio(k) = hertz_power(pairs%target / &
+                               (pairs%modulus * of(k)%load(merge(2, 1, pairs%vertical))))
       end do
       k = minloc(abs(log(ratio)), 1)
-      if (ratio(k)**two_thirds < farthest) closing = of(k)%closing * ratio(k)**two_thirds
+      if (ratio(k) < farthest) closing = of(k)%closing * ratio(k)
     end associate
   end function closing_expected
+
+  ! Power of a load with which the compression of a Hertzian contact is linear.
+  elemental real(real64) function hertz_power(load)
+    real(real64), intent(in) :: load
+
+    hertz_power = load**(2.0_real64 / 3.0_real64)
+  end function hertz_power
 
   ! Whether a solution is one of these pairs: those that both have are the same.
   pure logical function is_of(pairs, one)

@@ -9,7 +9,7 @@
 module asperity_joint_contacts
   use asperity_circle_error, only: find_errors, open_about
   use asperity_cells_outside, only: outside_field
-  use asperity_cells_solver, only: any_loaded, area_scatter_told, cluster_lattice
+  use asperity_cells_solver, only: any_loaded, cluster_lattice, deviations
   use asperity_circle_field, only: are_close
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
@@ -24,12 +24,12 @@ module asperity_joint_contacts
   use asperity_near_tops, only: find_near_tops
   use asperity_problems, only: decimal_text, real_text
   use asperity_resolved_answers, only: answer_with, share_out
-  use asperity_resolved_clusters, only: cluster, form_clusters, solve_clusters
+  use asperity_resolved_clusters, only: area_per_load, cluster, form_clusters, solve_clusters
   use asperity_source_tree, only: source_tree
   implicit none
   private
 
-  public :: joint_solution, solve_joint
+  public :: joint_solution, resolve_all, resolve_called_for, resolve_none, solve_joint
 
   !> What was found.
   type :: joint_solution
@@ -45,42 +45,26 @@ module asperity_joint_contacts
     character(len=:), allocatable :: failure        !! why there is none
   end type joint_solution
 
-  !> Which contacts are resolved.
-  integer, parameter, public :: resolve_none = 0, resolve_all = 1, resolve_called_for = 2
+  !> Which contacts are resolved by boundary elements.
+  enum, bind(c)
+    enumerator :: resolve_none, resolve_all, resolve_called_for
+  end enum
 
-  ! Shares of a tolerance: what circles may leave out, halving of cells, the last round.
-  real(real64), parameter :: left_share = 0.4_real64, cells_share = 0.25_real64
-  real(real64), parameter :: round_share = 0.02_real64
-  ! Share for the error of replacing spheres by paraboloids, whose estimate is an upper bound.
-  real(real64), parameter :: shape_share = 0.8_real64
-  ! What circles may leave out of the area: of the tolerance, or of that of areas if more.
-  real(real64), parameter :: area_share = 0.7_real64
+  ! Share of the tolerance for the boundary elements; the errors of areas, and of spheres as
+  ! paraboloids, have what it leaves, those of Hertzian contacts half of that (chosen; test: errors
+  ! within the tolerance in test/regression/test_dense.py).
+  real(real64), parameter :: elements_share = 0.25_real64
+  ! Share of the tolerance of a load by which one cluster may miss a given load, and by which the
+  ! last round of Hertzian contacts and boundary elements may change the total; as a relative error
+  ! of the load that of the elements while the compression is searched (chosen; test: load that a
+  ! separation gave in test/regression/test_dense.py).
+  real(real64), parameter :: settled = 0.02_real64
+  ! Largest number of rounds (chosen: 3 to 9 are taken in the dense scenes; test: loads of
+  ! clusters in test/unit/joint_suite.f90).
   integer, parameter :: most_rounds = 30
-  ! Share of the error above the tolerance that is resolved at a time, before its neighbours are
-  ! (chosen: the neighbours may be most of the rest).
-  real(real64), parameter :: gone_at_once = 0.5_real64
-  ! Relative residual of the load of one cluster over the tolerance; boundary elements are solved to
-  ! half of that (chosen). One common change of the penetrations then meets the load.
-  real(real64), parameter :: load_met = 0.01_real64
-  ! Relative error of the boundary elements while the closing of a load is searched (chosen).
-  real(real64), parameter :: searched = 0.03_real64
-  ! Power of the load that the closing of one cluster follows at first (Hertz' law), and the largest
-  ! factor of a step (chosen).
-  real(real64), parameter :: load_power = 2.0_real64 / 3.0_real64, most_factor = 2.0_real64
-  ! Estimated error of stopping the iteration between Hertzian contacts and boundary elements, over
-  ! the last change of the total load. Changes alternate in sign and contract by q from 0.25 to 0.5,
-  ! so the remainder is at most q/(1 + q) = 1/3 of the last change.
-  real(real64), parameter :: round_left = 0.33_real64
-  ! Relative error of an area over that of its load: for an ellipse (n = 2) 4/3 of what the load
-  ! gains, and a load that is off has the area off by 2/3; twice that, as of circles that all but
-  ! touch more is missing: 3.3 at most in 97 of 100 scenes.
-  real(real64), parameter :: area_per_load = 2 * (4.0_real64 / 3.0_real64 + 2.0_real64 / 3.0_real64)
-  real(real64), parameter :: most_of_area = 0.3_real64
-
-  ! Radii from a circle within which an open contact shares its cells.
-  real(real64), parameter :: about_member = 1.3_real64
-  ! Sums of radii: circles nearer to each other than that go together. Just beside a large circle
-  ! the errors indicated for a small one were a third of the true ones.
+  ! Sums of radii: Hertzian contacts nearer to each other go to boundary elements together, with the
+  ! open contacts within as many radii (chosen: just beside a large contact the error indicated for
+  ! a small one is a third of the true one; test: errors in test/regression/test_dense.py).
   real(real64), parameter :: along = 1.1_real64
 
 contains
@@ -101,7 +85,7 @@ contains
     real(real64), dimension(size(pairs%list)) :: error, shape, area_error, circle
     logical, dimension(size(pairs%list)) :: is_near, is_host
     integer :: hosts(size(pairs%list)), k
-    real(real64) :: before, now, of_closing, total, expected
+    real(real64) :: before, now, of_closing, total, expected, allowed
     logical :: more, is_whole
 
     if (associated(pairs%pressures)) pairs%pressures%closing = -1.0_real64
@@ -172,7 +156,7 @@ contains
       real(real64), intent(inout) :: closing
       logical, intent(out), optional :: is_whole
 
-      call solve_one_cluster(pairs, law, merge(cells_tolerance, cells_share * tolerance, &
+      call solve_one_cluster(pairs, law, merge(cells_tolerance, elements_share * tolerance, &
                              which == resolve_all), area_tolerance, closing, clusters, resolved, &
                              solution, of_closing, target, is_whole)
       if (allocated(solution%failure)) return
@@ -209,14 +193,15 @@ contains
         end where
         if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
         associate (set => coupled%set)
-          area_error(set%number) = pi * set%circle**2 * min(most_of_area, &
+          area_error(set%number) = pi * set%circle**2 * min(1.0_real64, &
                                    area_per_load * error(set%number) / set%load)
           ! Shares of next to nothing are no numbers, and its contacts too shallow for cells.
-          if (which == resolve_called_for .and. left_share * tolerance * total > tiny(total)) &
+          allowed = (1 - elements_share) * tolerance * total
+          if (which == resolve_called_for .and. allowed > tiny(allowed)) &
             call choose_resolved(pairs, coupled, &
-              max(error / (left_share * tolerance * total), &
-                  (error + shape) / (shape_share * tolerance * total), area_error / (area_share * &
-                  max(tolerance, area_tolerance) * pi * sum(set%circle**2))), hosts, is_one)
+              max(2 * error, error + shape, area_error * total * tolerance / &
+                  (max(tolerance, area_tolerance) * pi * sum(set%circle**2))) / allowed, &
+              hosts, is_one)
         end associate
         now = total
         before = total
@@ -234,7 +219,7 @@ contains
               end if
             end if
             solution%rounds = solution%rounds + 1
-            call solve_clusters(pairs, coupled, merge(cells_tolerance, cells_share * tolerance, &
+            call solve_clusters(pairs, coupled, merge(cells_tolerance, elements_share * tolerance, &
                                 which == resolve_all), area_tolerance, clusters, solution%failure)
             if (allocated(solution%failure)) return
             call reach_others(pairs, clusters, is_one, more)
@@ -248,8 +233,8 @@ contains
             call solve_coupled(pairs, law, coupled, target, resolved)
             if (failed(solution)) return
             now = sum(coupled%set%load)
-            if (abs(now - before) <= round_share * merge(cells_tolerance, tolerance, &
-                                                         which == resolve_all) * now) exit
+            if (abs(now - before) <= settled * merge(cells_tolerance, tolerance, &
+                                                     which == resolve_all) * now) exit
             if (solution%rounds == most_rounds) then
               solution%failure = 'Hertzian contacts and boundary elements did not converge together'
               return
@@ -284,7 +269,8 @@ contains
             (sum(clusters%answer%error) + norm2([(clusters(k)%answer%ending%residual * &
               sum(clusters(k)%answer%together%load), k=1, size(clusters))])) / &
               (pairs%modulus * total), &
-            round_left * abs(now - before) / now])
+            ! Changes alternate and contract: the rest is less than the last one.
+            abs(now - before) / now])
         end if
         if (present(target)) solution%error = of_closing * solution%error
       end associate
@@ -351,10 +337,10 @@ contains
     integer :: k
 
     of_closing = 1.0_real64
-    power = load_power
+    power = 2.0_real64 / 3.0_real64  ! Hertz' law
     ! The elements are those of the closing of the load, which coarse ones find.
     share = tolerance
-    if (present(target)) share = max(tolerance, searched)
+    if (present(target)) share = max(tolerance, settled)
     is_member = .not. present(is_whole)
     is_member(clusters(1)%members) = .true.
     if (present(is_whole)) is_whole = .true.
@@ -386,7 +372,7 @@ contains
         if (.not. present(target)) exit
         call bear(pairs, law, coupled%penetration, 0.0_real64, load, slope)
         load = load * pairs%modulus
-        met = merge(share, load_met * tolerance, share > tolerance)
+        met = merge(share, settled * tolerance, share > tolerance)
         if (abs(load - target) <= met * target) then
           if (any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), closing, &
                          outside_field(), clusters(1)%lattice)) then
@@ -412,13 +398,13 @@ contains
         ! Secant; first step by a power of the load; kept inside the bracket.
         next = closing + (target - load) * (closing - earlier(1)) / (load - earlier(2))
         if (earlier(2) <= 0.0_real64) then
-          next = low0 + (closing - low0) * min(most_factor, (target / load)**power)
+          next = low0 + (closing - low0) * min(2.0_real64, (target / load)**power)
         else
           of_closing = load / (closing - low0) * (closing - earlier(1)) / (load - earlier(2))
           if (of_closing > 0.0_real64 .and. of_closing < 1.0_real64) power = of_closing
         end if
         if (.not. (next > low .and. next < high)) next = merge(0.5_real64 * (low + high), &
-          low0 + most_factor * (closing - low0), high < huge(high))
+          low0 + 2 * (closing - low0), high < huge(high))
         earlier = [closing, load]
         closing = next
       end do
@@ -489,7 +475,7 @@ contains
     if (.not. total > 0.0_real64) return
     share = sum(error, mask=.not. solution%is_resolved) / total
     if (.not. allocated(clusters)) return
-    share = share + area_scatter_told * norm2([(clusters(k)%answer%area_error * &
+    share = share + deviations * norm2([(clusters(k)%answer%area_error * &
             sum(solution%area(clusters(k)%members)), k=1, size(clusters))]) / total
   end function area_left
 
@@ -550,7 +536,7 @@ contains
       call gather_groups(set%one, set%other, &
                          [(are_close(set, set%one(k), set%other(k), along), k=1, size(set%one))], &
                          spread(.true., 1, size(set%number)), size(set%number), member, first)
-      call open_about(pairs, coupled, about_member, tree, number)
+      call open_about(pairs, coupled, along, tree, number)
       call sort_keys(-error, order)
       next = 1
       do
@@ -566,9 +552,10 @@ contains
         end do
         over = sum(error, mask=.not. is_one) - 1.0_real64
         if (.not. over > 0.0_real64) exit
-        ! The largest errors, the more at a time the farther off the rest is.
+        ! The largest errors, half of what is too much at a time: their neighbours, which follow,
+        ! may be most of the rest.
         gone = 0.0_real64
-        do while (gone < gone_at_once * over .and. next <= size(order))
+        do while (gone < over - gone .and. next <= size(order))
           i = order(next)
           next = next + 1
           if (is_one(i)) cycle

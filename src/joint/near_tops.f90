@@ -3,7 +3,9 @@
 !> The penetrations are those of isolated contacts times one factor t, which minimises the
 !> potential: with the loads V, penetrations p and displacements by neighbours u of isolated
 !> contacts, t + t**1.5 sum(V u)/sum(V p) = 1. Where the first touch of a contact lies within the
-!> larger of two such circles, both are resolved. A lower and sharper cap whose top is inside the
+!> larger of two such circles, both are resolved: up to 0.3 of the radius the potential of two
+!> contacts is not convex, from the radius on the harmonics of a field indicate the error of a
+!> Hertzian contact. A lower and sharper cap whose top is inside the
 !> other's sphere does not count.
 module asperity_near_tops
   use asperity_cells_solver, only: is_resolved
@@ -20,12 +22,6 @@ module asperity_near_tops
 
   public :: find_near_tops
 
-  ! Distance of first touches over the larger radius. Up to 0.3 the potential of two contacts is not
-  ! convex; from 1 on the harmonics of a field indicate the error of a Hertzian contact (chosen).
-  real(real64), parameter :: near_tops = 1.0_real64
-  ! Steps of Newton's method, which converges quadratically from above (chosen).
-  integer, parameter :: most_steps = 20
-
 contains
 
   !> Finds the contacts whose first touches are near, with all contacts that their circles touch.
@@ -41,7 +37,7 @@ contains
     type(circle_set) :: set
     type(source_tree) :: tree
     type(contact_response) :: answer
-    real(real64) :: p(size(pairs%list)), t, ratio
+    real(real64) :: p(size(pairs%list)), t, ratio, before
     integer, allocatable :: number(:), one(:), other(:), member(:), first(:)
     integer :: i, k, l
     integer, allocatable :: order(:)
@@ -87,10 +83,12 @@ contains
       if (allocated(set%tree%failure)) return
       call find_field(set)
       ratio = dot_product(set%load, set%lift) / dot_product(set%load, p(number))
-      ! Newton's method from above on a convex function.
-      do i = 1, most_steps
+      ! Newton's method from above on a convex function falls to the root, up to rounding.
+      do
+        before = t
         t = t - (t + ratio * t**1.5_real64 - 1.0_real64) / &
             (1.0_real64 + 1.5_real64 * ratio * sqrt(t))
+        if (.not. t < before) exit
       end do
     end if
     set%circle = sqrt(t) * set%circle
@@ -132,7 +130,7 @@ contains
       real(real64) :: square
 
       square = (set%x(a) - set%x(b))**2 + (set%y(a) - set%y(b))**2
-      has = square < (near_tops * max(set%circle(a), set%circle(b)))**2 .and. &
+      has = square < max(set%circle(a), set%circle(b))**2 .and. &
             is_resolved(set%x(a), set%y(a), max(set%circle(a), set%circle(b)))
       if (has) has = .not. (is_hidden(number(a), number(b), square) .or. &
                             is_hidden(number(b), number(a), square))

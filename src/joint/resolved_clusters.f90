@@ -31,26 +31,23 @@ module asperity_resolved_clusters
     type(outside_field) :: outside                  !! of the others, at its cells
   end type cluster
 
-  ! Sums of radii between members of two clusters, at least: what a contact's being oval changes at
-  ! another falls with the sixth power of their distance, and is below 4e-6 of its load from there.
-  real(real64), parameter :: between = 3.0_real64
-  ! A cluster that carries less than its equal part of the total over this number is solved to the
-  ! error of that load: the sum of all errors exceeds the tolerance by half of it at most.
-  real(real64), parameter :: few_of_all = 2.0_real64
-  ! An area may be off by so much more than a load.
-  real(real64), parameter :: area_over_load = 4.0_real64
-  ! Chebyshev nodes of a field whose sources are farther off than so many half diagonals: 8 nodes
-  ! are right within (3 + sqrt(8))**-8 = 1e-6 of it.
-  integer, parameter :: nodes = 8
-  ! Least value of a field between the nodes over the least at them (chosen).
-  real(real64), parameter :: least_between = 0.98_real64
-  ! Reach of a contact that no circle stands for, over its isolated radius (chosen: any small one).
-  real(real64), parameter :: open_reach = 1.0e-3_real64
+  ! Sums of radii between members of two clusters at least, and half diagonals of a cluster from its
+  ! middle to the circles whose field is interpolated. The change of another contact by the
+  ! ellipticity of one falls with the sixth power of their distance, and is below 4e-6 of its load
+  ! from there (derived; test: clusters far apart in test/unit/joint_suite.f90).
   real(real64), parameter :: far_off = 3.0_real64
+  ! Chebyshev nodes along an axis of the interpolated field: its error is (3 + sqrt(8))**-8 = 1e-6
+  ! of it (derived; test: fields at nodes in test/unit/cells_suite.f90).
+  integer, parameter :: nodes = 8
+  !> Relative error of an area over that of its load, as an error indicator, and as tolerances. For
+  !! an ellipse the area gains 4/3 of what its load gains, and a load in error has the area in
+  !! error by 2/3; twice their sum, as the field of contacts that nearly touch adds more (measured:
+  !! 3.3 at most in 97 of 100 dense scenes; test: areas in test/regression/test_dense.py).
+  real(real64), parameter, public :: area_per_load = 4.0_real64
 
 contains
 
-  !> Members nearer to each other than `between` share a lattice.
+  !> Members nearer to each other than `far_off` sums of their radii share a lattice.
   subroutine form_clusters(pairs, coupled, is_one, circle, clusters)
     type(contact_pairs), intent(in) :: pairs                 !! the position
     type(coupled_solution), intent(in) :: coupled            !! solved
@@ -65,13 +62,11 @@ contains
     number = pack([(i, i=1, size(pairs%list))], is_one)
     allocate (row(size(pairs%list)), source=0)
     row(coupled%set%number) = [(i, i=1, size(coupled%set%number))]
-    reach = open_reach * sqrt(pairs%list(number)%radius * &
-                                 (coupled%closing - pairs%list(number)%gap))
+    reach = circle(number)
     do i = 1, size(number)
-      if (row(number(i)) > 0) reach(i) = coupled%set%circle(row(number(i)))
+      if (row(number(i)) > 0) reach(i) = max(reach(i), coupled%set%circle(row(number(i))))
     end do
-    reach = max(reach, circle(number))
-    call plant_tree(tree, pairs%list(number)%x, pairs%list(number)%y, reach, between)
+    call plant_tree(tree, pairs%list(number)%x, pairs%list(number)%y, reach, far_off)
     call gather_groups([((i, l=tree%first(i), tree%first(i + 1) - 1), i=1, size(number))], &
                        tree%near, spread(.true., 1, size(tree%near)), &
                        spread(.true., 1, size(number)), size(number), member, first)
@@ -108,7 +103,7 @@ contains
       clusters(1)%outside = outside_field()
     end if
     ! Areas scatter: their squares add up.
-    worth = [pairs%modulus * sum(coupled%set%load) / (few_of_all * size(clusters)), &
+    worth = [pairs%modulus * sum(coupled%set%load) / size(clusters), &
              pi * sum(coupled%set%circle**2) / sqrt(real(size(clusters), real64))]
     !$omp parallel do schedule(dynamic) if(size(clusters) > 1)
     do k = 1, size(clusters)
@@ -117,7 +112,7 @@ contains
           one%outside%at_nodes = one%outside%at_nodes - one%lowered
         if (one%is_solved) cycle
         call solve_cells(pairs, one%members, coupled%closing - one%lowered, one%outside, &
-                         [tolerance, max(area_over_load * tolerance, area_tolerance)], worth, &
+                         [tolerance, max(area_per_load * tolerance, area_tolerance)], worth, &
                          one%lattice, one%answer)
       end associate
     end do
@@ -198,8 +193,9 @@ contains
             end do
           end do
           o%at_nodes = reshape(field(1, n + 1:n + nodes**2), [nodes, nodes])
-          ! A lower bound of the field.
-          clusters(k)%lowered = least_between * minval(o%at_nodes) + sum(set%load(beside) * &
+          ! A lower bound of the field: it changes less between nodes than from node to node.
+          clusters(k)%lowered = max(0.0_real64, minval(o%at_nodes) - (maxval(o%at_nodes) - &
+            minval(o%at_nodes)) / nodes) + sum(set%load(beside) * &
             beside_circle(set%circle(beside), &
                           hypot(abs(o%x - middle_x) + 0.5_real64 * (o%x1 - o%x0), &
                                 abs(o%y - middle_y) + 0.5_real64 * (o%y1 - o%y0))))
