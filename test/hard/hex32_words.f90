@@ -10,8 +10,8 @@ program hex32_words
   use, intrinsic :: iso_fortran_env, only: error_unit
   use asperity_hex32, only: hex32, hex32_from_integer, hex32_from_word, hex32_to_integer, &
                             hex32_word, operator(*), operator(+), operator(-), operator(/), &
-                            operator(<), operator(>), sqrt, three_halves_power, &
-                            hex32_from_decimal
+                            operator(<), operator(>), cos, hex32_from_decimal, sin, sqrt, &
+                            three_halves_power
   use asperity_kinds, only: int32, int64
   implicit none
 
@@ -71,6 +71,10 @@ contains
       z = sqrt(x)
     case ('POWER')
       z = three_halves_power(x)
+    case ('SIN')
+      z = sin(x)
+    case ('COS')
+      z = cos(x)
     case ('DECIMAL')
       z = hex32_from_decimal(int(whole(1), int64), int(whole(2)))
     case default

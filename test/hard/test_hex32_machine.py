@@ -8,6 +8,7 @@ import csv
 import random
 from fractions import Fraction
 
+import mpmath
 import pytest
 import s370_machine
 from builds import ROOT, build
@@ -128,6 +129,24 @@ def test_random_powers(program, tally):
         ties += (result - half) ** 2 == cube
     assert ties > 10
     tally.add("hexadecimal arithmetic, exact", len(words), len(words))
+
+
+@pytest.mark.parametrize("kind, function", [("SIN", mpmath.sin), ("COS", mpmath.cos)])
+def test_random_angles(kind, function, program, tally):
+    """Sine and cosine of 1e-6 to 65535 rad are the nearest numbers."""
+    rng = random.Random(kind)
+    words = [word(rng.getrandbits(1), rng.randrange(60, 69), fraction(rng)) for _ in range(NUMBER)]
+    with mpmath.workdps(30):
+        for operand, (found, _) in zip(words, arithmetic(program, kind, [(w, 0) for w in words]),
+                                       strict=True):
+            angle, result = value(operand), value(found)
+            exact = function(mpmath.mpf(angle.numerator) / angle.denominator)
+            off = exact - mpmath.mpf(result.numerator) / result.denominator
+            below = 16 if found & FRACTION == 0x100000 and abs(exact) < abs(result) else 1
+            size = unit(found)
+            assert abs(off) * 2 * below <= mpmath.mpf(size.numerator) / size.denominator, \
+                f"{operand:08X}"
+    tally.add("hexadecimal arithmetic, exact", NUMBER, NUMBER)
 
 
 def test_random_decimals(program, tally):
