@@ -106,6 +106,10 @@ def test_auto_meets_a_refused_pair(asperity, tmp_path):
 
 
 BAD = [
+    ("interaction", "'on'", "the text 'on', expected 'off', 'auto', 'coupled' or 'boundary'"),
+    ("friction", "'coupled'", "the text 'coupled', expected 'off', 'on' or 'auto'"),
+    ("boundary_tolerance", "1.", "more than 0 and less than 1"),
+    ("boundary_tolerance", "'x'", "more than 0 and less than 1"),
     ("plasticity", "'maybe'", "expected"), ("adhesion", "1", "expected"),
     ("creep", "'coupled'", "expected"), ("plastic_yield_stress", "0", "a number more than 0"),
     ("plastic_yield_stress", "-1", "a number more than 0"),
@@ -160,6 +164,14 @@ def test_missing_numbers(asperity, tmp_path, tally):
     assert done.status == 2
     assert "plasticity needs plastic_yield_stress in &effects, or a &limit" in done.stderr
     tally.add("effects: missing numbers", len(MISSING) + 1, len(MISSING) + 1)
+
+
+@pytest.mark.parametrize("arithmetic", ("ibm370", "real32"))
+def test_arithmetics_without_effects(arithmetic, asperity, tmp_path):
+    """Effects are computed in doubles: another arithmetic is refused, not ignored."""
+    scene = write_scene(tmp_path / "one.scene", surfaces={"deck": str(DECK)},
+                        motion={"x_first": 0.1}, effects={"interaction": "coupled"})
+    assert solve(asperity, scene, "--arithmetic", arithmetic).status == 2
 
 
 def test_bad_paths(asperity, tmp_path):

@@ -4,11 +4,9 @@
 !> implied, an exponent has a letter or only its sign. A number is given as digits and a power of
 !> ten, so nothing is rounded here.
 module asperity_cards_suite
-  use asperity_card_deck, only: card_deck, parse_card_deck
   use asperity_card_reader, only: read_f_field, read_i_field
-  use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_kinds, only: int64, real64
-  use asperity_problems, only: problem_list
+  use asperity_decimal, only: decimal_value
+  use asperity_kinds, only: int64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -28,13 +26,9 @@ contains
             new_unittest('F field, a point of its own', test_explicit_point), &
             new_unittest('F field, signs', test_signs), &
             new_unittest('F field, exponents', test_exponents), &
-            new_unittest('F field, exponents out of range', test_extreme_exponents), &
             new_unittest('F field, column of what is wrong', test_bad_f), &
             new_unittest('I field', test_i), &
-            new_unittest('I field, column of what is wrong', test_bad_i), &
-            new_unittest('deck, all fields land where they belong', test_deck), &
-            new_unittest('deck, no line end behind the last card', test_no_line_end) &
-            ]
+            new_unittest('I field, column of what is wrong', test_bad_i)]
   end subroutine collect_cards
 
   subroutine test_implied_point(error)
@@ -101,25 +95,6 @@ contains
     call check_f(error, '1.E1 ', 3, 1_int64, 10)
   end subroutine test_exponents
 
-  subroutine test_extreme_exponents(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(decimal_value) :: value
-    integer :: bad_at
-
-    call read_f_field('1.E999', 3, value, bad_at)
-    call check(error, bad_at, 0, '1.E999 is a number')
-    call check(error, decimal_to_real64(value) > huge(1.0_real64), '1.E999 is beyond every double')
-    call read_f_field('-1.E99999', 3, value, bad_at)
-    call check(error, bad_at, 0, '-1.E99999 is a number')
-    call check(error, decimal_to_real64(value) < -huge(1.0_real64), '-1.E99999 is beyond doubles')
-    call read_f_field('1.E-999', 3, value, bad_at)
-    call check(error, decimal_to_real64(value), 0.0_real64, 0.0_real64, '1.E-999 vanishes')
-    call read_f_field('0.E999', 3, value, bad_at)
-    call check(error, decimal_to_real64(value), 0.0_real64, 0.0_real64, '0.E999 is zero')
-    call read_f_field('1.E308', 3, value, bad_at)
-    call check(error, decimal_to_real64(value), 1.0e308_real64, 0.0_real64, '1.E308 is a double')
-  end subroutine test_extreme_exponents
-
   subroutine test_bad_f(error)
     type(error_type), allocatable, intent(out) :: error
 
@@ -177,71 +152,6 @@ contains
     call check_bad_i(error, ' .5  ', 2)
     call check_bad_i(error, '2147483648', 1)
   end subroutine test_bad_i
-
-  subroutine test_deck(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(card_deck) :: deck
-    type(problem_list) :: problems
-
-    call parse_card_deck('small', small_deck(new_line('a')), deck, problems)
-    call check(error, problems%text(), '', 'problems')
-    call check(error, deck%word_no, 'NO  ', 'word for no')
-    call check(error, deck%word_yes, 'YES ', 'word for yes')
-    call check(error, deck%upper%number, 1, 'NU')
-    call check(error, deck%lower%number, 2, 'NL')
-    call check_number(error, deck%upper%radius, 500_int64, -3, 'RU')
-    call check_number(error, deck%upper%height_max, 71_int64, -3, 'ZUMAX')
-    call check_number(error, deck%upper%elastic_modulus, 400000_int64, 0, 'EU')
-    call check_number(error, deck%upper%poisson_ratio, 420_int64, -3, 'MUU')
-    call check_number(error, deck%upper%stress_max, 11200_int64, 0, 'ELIMTU')
-    call check_number(error, deck%lower%radius, 600_int64, -3, 'RL')
-    call check_number(error, deck%lower%height_max, 72_int64, -3, 'ZLMAX')
-    call check_number(error, deck%lower%elastic_modulus, 500000_int64, 0, 'EL')
-    call check_number(error, deck%lower%poisson_ratio, 430_int64, -3, 'MUL')
-    call check_number(error, deck%lower%stress_max, 11300_int64, 0, 'ELIMTL')
-    call check_number(error, deck%lower_width, 34550_int64, -4, 'WIDTHL')
-    call check_number(error, deck%upper%angle, 100_int64, -4, 'THETAU')
-    call check_number(error, deck%lower%angle, -200_int64, -4, 'THETAL')
-    call check_number(error, deck%x_displacement, 1500_int64, -3, 'XDISPL')
-    call check_number(error, deck%y_displacement, -2500_int64, -3, 'YDISPL')
-    call check(error, size(deck%upper%x), 1, 'upper cards')
-    call check(error, size(deck%lower%x), 2, 'lower cards')
-    if (allocated(error)) return
-    call check_number(error, deck%upper%x(1), 3228_int64, -3, 'upper x')
-    call check_number(error, deck%upper%y(1), 977_int64, -3, 'upper y')
-    call check_number(error, deck%upper%z(1), 654_int64, -4, 'upper height')
-    call check_number(error, deck%lower%x(2), 4000_int64, -3, 'lower x')
-    call check_number(error, deck%lower%y(2), 2586_int64, -3, 'lower y')
-    call check_number(error, deck%lower%z(2), 719_int64, -4, 'lower height')
-  end subroutine test_deck
-
-  subroutine test_no_line_end(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(card_deck) :: deck
-    type(problem_list) :: problems
-
-    call parse_card_deck('small', small_deck(''), deck, problems)
-    call check(error, problems%text(), '', 'problems')
-    call check(error, size(deck%lower%z), 2, 'lower cards')
-    if (allocated(error)) return
-    call check_number(error, deck%lower%z(2), 719_int64, -4, 'height on the last card')
-  end subroutine test_no_line_end
-
-  !> A deck of one and two asperities in which no two numbers are the same.
-  function small_deck(ending) result(text)
-    !> what follows the last card
-    character(*), intent(in) :: ending
-    character(:), allocatable :: text
-    character(1), parameter :: feed = new_line('a')
-
-    text = 'NO  YES '//feed// &
-           '    10.5000.071   400000.0.420    11200.'//feed// &
-           '    20.6000.072   500000.0.430    11300.  34550'//feed// &
-           '  0.0100 -0.0200  1.500 -2.500'//feed// &
-           ' 3.228 0.977 0.0654'//feed// &
-           ' 5.844 0.845 0.0659'//feed// &
-           ' 4.000 2.586 0.0719'//ending
-  end function small_deck
 
   subroutine check_f(error, field, decimals, digits, exponent)
     type(error_type), allocatable, intent(inout) :: error

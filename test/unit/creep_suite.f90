@@ -11,7 +11,7 @@ module asperity_creep_suite
   use asperity_kinds, only: real64
   use asperity_scene_values, only: effect_on, scene
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
-  use asperity_viscoelastic_solid, only: hold_times, load_after, solid_step, &
+  use asperity_viscoelastic_solid, only: creep_compliance, hold_times, load_after, solid_step, &
                                          standard_linear_solid, step_over
   implicit none
   private
@@ -29,6 +29,7 @@ contains
     suite = [ &
       new_unittest('the stiffness is the slope of the vertical load', slopes), &
       new_unittest('shrinking areas are refused, rounding is not', refusals), &
+      new_unittest('compliance: Laplace inversion, no time, endless time', compliances), &
       new_unittest('steps of a smooth course: second order, against mpmath', steps_converge), &
       new_unittest('steps from no time to endless time, r from 1e-12 to 1', extreme_steps), &
       new_unittest('times of a hold: ends, order, extremes', times_of_hold)]
@@ -89,6 +90,26 @@ contains
     call held_at(pairs, creep, 0.05_real64, 1.0_real64, state, outcome)
     call check(error, .not. allocated(outcome%failure), 'growing')
   end subroutine refusals
+
+  subroutine compliances(error)
+    type(error_type), allocatable, intent(out) :: error
+    type(standard_linear_solid) :: solid
+    integer :: i
+    ! r, tau, t, J(t) E(0): `compliance` of test/truth/creep_truth.py.
+    real(real64), parameter :: truth(4, 4) = reshape([ &
+      0.5_real64, 1.0_real64, 0.7_real64, 1.29531191028128655_real64, &
+      0.9_real64, 150.0_real64, 600.0_real64, 1.1080751419503008_real64, &
+      0.01_real64, 2.0_real64, 30.0_real64, 14.789910333919277_real64, &
+      0.75_real64, 100.0_real64, 0.001_real64, 1.0000024999906250_real64], [4, 4])
+
+    do i = 1, 4
+      solid = standard_linear_solid(truth(1, i), truth(2, i))
+      call near(error, creep_compliance(solid, truth(3, i)), truth(4, i), 1.0e-13_real64, 'J E0')
+      call near(error, creep_compliance(solid, 0.0_real64), 1.0_real64, epsilon(1.0_real64), 'J(0)')
+      call near(error, creep_compliance(solid, 1.0e300_real64), 1.0_real64 / solid%relaxed_ratio, &
+                1.0e-15_real64, 'crept')
+    end do
+  end subroutine compliances
 
   ! Elastic load (1 + t)**1.5 up to t = 2.
   subroutine steps_converge(error)

@@ -1,11 +1,7 @@
-!> Tests of random surfaces: draws, positions, numbers as text, specifications.
+!> Tests of random surfaces: draws, numbers as text.
 module asperity_generation_suite
-  use asperity_generation_spec, only: parse_generation_spec
-  use asperity_generation_values, only: generation_spec
   use asperity_kinds, only: int64, real128, real64
-  use asperity_problems, only: problem_list
-  use asperity_random_philox, only: philox_block, scaled_words
-  use asperity_random_positions, only: place_at_random
+  use asperity_random_philox, only: philox_block
   use asperity_surface_text, only: field_length, write_decimal
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   use asperity_truncated_normal, only: draw_normal, prepare_normal, truncated_normal, whole_range
@@ -15,7 +11,6 @@ module asperity_generation_suite
   public :: collect_generation
 
   integer(int64), parameter :: ones = int(z'FFFFFFFF', int64), piece = 2_int64**31
-  character(*), parameter :: nl = new_line('a')
 
 contains
 
@@ -25,36 +20,23 @@ contains
     type(unittest_type), allocatable, intent(out) :: suite(:)
 
     suite = [ &
-      new_unittest('draws from the whole Gaussian are its inverse', whole_gaussian), &
-      new_unittest('draws between cut-offs are the inverse', cut_gaussian), &
-      new_unittest('draws from far tails are the inverse', tails), &
+      new_unittest('draws from Gaussians, cut or not, are the inverse', gaussians), &
       new_unittest('the ends of the range are met', range_ends), &
-      new_unittest('positions are those of the definition, without cells', positions), &
-      new_unittest('too many asperities are told', too_many), &
-      new_unittest('numbers of units as text', numbers), &
-      new_unittest('a specification is read', good_spec), &
-      new_unittest('all problems of a specification are told', bad_spec)]
+      new_unittest('numbers of units as text', numbers)]
   end subroutine collect_generation
 
-  subroutine whole_gaussian(error)
+  subroutine gaussians(error)
     type(error_type), allocatable, intent(out) :: error
+    ! The whole Gaussian, cut ones, far tails.
+    real(real128), parameter :: cuts(2, 5) = reshape([-8.2_real128, 8.2_real128, -1.0_real128, &
+      1.9_real128, 0.1_real128, 0.1001_real128, 25.0_real128, 26.6_real128, -12.0_real128, &
+      -4.0_real128], [2, 5])
+    integer :: i
 
-    call compare_draws(error, -8.2_real128, 8.2_real128)
-  end subroutine whole_gaussian
-
-  subroutine cut_gaussian(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call compare_draws(error, -1.0_real128, 1.9_real128)
-    if (.not. allocated(error)) call compare_draws(error, 0.1_real128, 0.1001_real128)
-  end subroutine cut_gaussian
-
-  subroutine tails(error)
-    type(error_type), allocatable, intent(out) :: error
-
-    call compare_draws(error, 25.0_real128, 26.6_real128)
-    if (.not. allocated(error)) call compare_draws(error, -12.0_real128, -4.0_real128)
-  end subroutine tails
+    do i = 1, size(cuts, 2)
+      if (.not. allocated(error)) call compare_draws(error, cuts(1, i), cuts(2, i))
+    end do
+  end subroutine gaussians
 
   !> Compares draws with the definition. The piece must be the one whose probability holds the
   !> first 52 bits, and the place in it must split the probability of the piece at the other bits,
@@ -109,51 +91,6 @@ contains
     call check(error, top > whole_range - 20_int64 .and. top <= whole_range, 'upper end')
   end subroutine range_ends
 
-  !> Against the definition: all earlier asperities are asked, in numbers that cannot overflow.
-  subroutine positions(error)
-    type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: number = 300
-    integer(int64), parameter :: key(2) = [11_int64, 0_int64], stream(2) = [4_int64, 1_int64]
-    integer(int64), parameter :: extent(2) = [40000_int64, 9000_int64], least = 900_int64
-    integer(int64) :: x(number), y(number), a(number), b(number), words(4)
-    character(:), allocatable :: failure
-    integer :: i, attempt, most
-
-    call place_at_random(key, stream, extent, least, 10000, x, y, failure)
-    call check(error, .not. allocated(failure), 'not packed')
-    most = 0
-    do i = 1, number
-      do attempt = 1, 10000
-        words = philox_block([int(i, int64), int(attempt, int64), stream], key)
-        a(i) = scaled_words(words(1:2), extent(1) + 1_int64)
-        b(i) = scaled_words(words(3:4), extent(2) + 1_int64)
-        if (all((a(:i - 1) - a(i))**2 + (b(:i - 1) - b(i))**2 >= least**2)) exit
-      end do
-      most = max(most, attempt)
-    end do
-    call check(error, all(x == a) .and. all(y == b), 'other positions')
-    call check(error, most > 5, 'too easy a case')
-  end subroutine positions
-
-  subroutine too_many(error)
-    type(error_type), allocatable, intent(out) :: error
-    integer(int64), parameter :: key(2) = 0_int64, extent(2) = 1000_int64
-    integer(int64) :: x(100), y(100)
-    character(:), allocatable :: failure
-
-    ! 100 points on a square of 10 least distances: between random placing and the densest one.
-    call place_at_random(key, key, extent, 100_int64, 50, x, y, failure)
-    call check(error, allocated(failure), 'random placing packed too many')
-    if (allocated(error)) return
-    call check(error, index(failure, 'found room for ') > 0 .and. index(failure, ' 50 tries') > 0, &
-               failure)
-    ! 100 points 130 apart: 2/sqrt(3) 7.69**2 + 2 7.69 + 1 = 84.7.
-    call place_at_random(key, key, extent, 130_int64, 50, x, y, failure)
-    call check(error, allocated(failure), 'packed the impossible')
-    if (allocated(error)) return
-    call check(error, index(failure, 'at most 84,') > 0, failure)
-  end subroutine too_many
-
   subroutine numbers(error)
     type(error_type), allocatable, intent(out) :: error
 
@@ -182,49 +119,5 @@ contains
     end subroutine compare_number
 
   end subroutine numbers
-
-  subroutine good_spec(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(generation_spec) :: spec
-    type(problem_list) :: problems
-
-    call parse_generation_spec('s', '&surfaces density = 2., 3., length = 4, width = 3 /' // nl // &
-         '&heights mean = 0.05, deviation = 0.01, lowest_deviation = -1.5, highest = 0.07 /' // &
-         nl // '&radii mean = 0.5 /', spec, problems)
-    call check(error, problems%text(), '', 'problems')
-    call check(error, spec%sides(1)%number, 24, 'upper number')
-    call check(error, spec%sides(2)%number, 36, 'lower number')
-    call check(error, real(spec%sides(1)%height%lowest, real64), 0.035_real64, 1.0e-17_real64, &
-               'lowest')
-    call check(error, real(spec%sides(2)%height%highest, real64), 0.07_real64, 1.0e-17_real64, &
-               'highest')
-    call check(error, .not. spec%is_deck, 'a deck')
-    call check(error, spec%tries, 10000, 'tries')
-  end subroutine good_spec
-
-  subroutine bad_spec(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(generation_spec) :: spec
-    type(problem_list) :: problems
-
-    call parse_generation_spec('s', '&surfaces number = 2.5, length = -4., colour = 3 /' // nl // &
-         '&heights mean = a, lowest = 1., lowest_deviation = -1. /' // nl // &
-         '&random seed = -1 /' // nl // '&tilt /', spec, problems)
-    call check(error, problems%text(), &
-      's:4:1: unknown group: found ''&tilt'', expected &surfaces, &heights, ' // &
-      '&radii, &random, &deck or &map' // nl // &
-      's:1:39: unknown name in &surfaces: found ''colour'', expected number, density, ' // &
-      'length, width or least_distance' // nl // &
-      's:1:34: length: found ''-4.'', expected a number more than 0' // nl // &
-      's:1:1: &surfaces needs width: found none, expected one' // nl // &
-      's:1:11: number: no count of asperities given for the upper surface, expected a whole ' // &
-      'number from 1 to 20000000' // nl // &
-      's:2:1: &heights needs deviation: found none, expected one, or 0' // nl // &
-      's:2:17: mean: found ''a'', expected a finite number within the range of a double' // &
-      nl // &
-      's:2:33: lowest_deviation: found beside lowest, expected one of them' // nl // &
-      's:1:1: &radii needs mean: found none, expected one' // nl // &
-      's:3:16: seed: found ''-1'', expected a whole number from 0 to 2147483647' // nl, 'problems')
-  end subroutine bad_spec
 
 end module asperity_generation_suite

@@ -1,20 +1,15 @@
 !> Tests of a map of heights under a rigid flat, against closed forms: Hertz' ball (1882) and
 !> Westergaard's wave (1939).
 module asperity_map_suite
-  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use asperity_contact_records, only: state_row
-  use asperity_height_map, only: height_map, is_measured, no_height
-  use asperity_height_map_reader, only: take_map
+  use asperity_height_map, only: height_map, no_height
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_map_check, only: compare_with_map, map_reference, solve_reference
   use asperity_map_contact, only: half_map, map_answer, press_map
   use asperity_map_patches, only: find_patches, map_patch
   use asperity_map_scene, only: map_loading
   use asperity_map_summits, only: map_summits
-  use asperity_problems, only: problem_list
-  use asperity_scene_reader, only: build_scene_of
   use asperity_scene_results, only: map_record
-  use asperity_scene_values, only: scene, scene_side
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -36,15 +31,10 @@ contains
 
     suite = [ &
       new_unittest('a ball on a grid converges to Hertz', ball_converges), &
-      new_unittest('a wave that repeats itself is Westergaard''s', wave), &
-      new_unittest('load and level give each other back', there_and_back), &
       new_unittest('unequal sides, missing samples, one sample alone', odd_maps), &
       new_unittest('two balls far apart are two spots, also across the end', two_spots), &
       new_unittest('a coarser map says what all samples do', coarser_map), &
-      new_unittest('nothing touches; a flat below the mean height is refused', refused), &
-      new_unittest('far beyond full contact load adds a punch', far_beyond_full_contact), &
-      new_unittest('units of length and load scale by powers of two', scaled), &
-      new_unittest('a map in memory is that of a scene', map_in_memory)]
+      new_unittest('far beyond full contact load adds a punch', far_beyond_full_contact)]
   end subroutine collect_maps
 
   ! The ball's cap, on a square a little wider than its contact.
@@ -113,61 +103,6 @@ contains
     call check(error, abs(maxval(answer%pressure) / (2 * ball_modulus / (10 * pi)) - 1.0_real64) < &
                1.0e-3_real64, 'the greatest pressure is that of Hertz')
   end subroutine ball_converges
-
-  ! Height D cos(2 pi x/L): contacts of width 2 a under the mean pressure pi E D/L sin(pi a/L)**2.
-  subroutine wave(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
-    type(height_map) :: map
-    type(map_answer) :: answer
-    real(real64) :: mean
-    integer :: i, k
-    integer, parameter :: n = 512
-
-    map = height_map(columns=n, rows=4, pixel_spacing=[1.0_real64 / n, 0.01_real64], &
-      periodic=.true.)
-    allocate (map%height(n, 4))
-    do i = 1, n
-      map%height(i, :) = 0.02_real64 * cos(2 * pi * (i - 0.5_real64) / n)
-    end do
-    do k = 1, 4
-      answer = map_answer()
-      mean = pi * 3.0_real64 * 0.02_real64 * sin(pi * 0.1_real64 * k)**2
-      call press_map(map, 3.0_real64, answer, mean * n * 4 * product(map%pixel_spacing))
-      call check(error, .not. allocated(answer%failure), 'a wave is solved')
-      call check(error, abs(count(answer%pressure > 0.0_real64) / (0.2_real64 * k * n * 4) - &
-                            1.0_real64) < 2.0_real64 / n / (0.2_real64 * k) * 2, &
-                 'the width is Westergaard''s')
-      call check(error, all(abs(answer%pressure(:, 1) - answer%pressure(:, 3)) < &
-                            1.0e-6_real64 * mean), 'all rows are alike')
-    end do
-  end subroutine wave
-
-  subroutine there_and_back(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
-    type(map_answer) :: by_load, by_level
-    type(height_map) :: map
-    logical :: periodic
-
-    periodic = .false.
-    do
-      map = waves(70, 0.9_real64, 0.7_real64, 0.23_real64, 0.41_real64)
-      map%periodic = periodic
-      by_load = map_answer()
-      call press_map(map, ball_modulus, by_load, 2.0_real64)
-      by_level = map_answer(level=by_load%level)
-      call press_map(map, ball_modulus, by_level)
-      call check(error, abs(by_level%load / 2.0_real64 - 1.0_real64) < 1.0e-6_real64, &
-                 'the level of a load gives the load')
-      call check(error, all(by_level%pressure > 0.0_real64 .eqv. by_load%pressure > 0.0_real64), &
-                 'and the same samples under pressure')
-      call check(error, abs(sum(by_load%pressure) * product(map%pixel_spacing) / 2.0_real64 - &
-                            1.0_real64) < 1.0e-12_real64, 'the pressures add up to the load')
-      if (periodic) exit
-      periodic = .true.
-    end do
-  end subroutine there_and_back
 
   subroutine odd_maps(error)
     !> failure
@@ -305,23 +240,6 @@ contains
 
   end subroutine two_spots
 
-  subroutine refused(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
-    type(height_map) :: map
-    type(map_answer) :: answer
-
-    map = ball(20, 20)
-    answer = map_answer(level=1.0_real64)
-    call press_map(map, ball_modulus, answer)
-    call check(error, .not. allocated(answer%failure) .and. .not. answer%load > 0.0_real64, &
-               'a flat above the highest sample bears nothing')
-    answer = map_answer(level=minval(map%height))
-    map%periodic = .true.
-    call press_map(map, ball_modulus, answer)
-    call check(error, allocated(answer%failure), 'a flat below the mean height has no answer')
-  end subroutine refused
-
   ! In full contact pressures are linear in the load: more load adds that of a flat punch. The
   ! displacements are 1e6 times the heights, whose share of a gap is near rounding.
   subroutine far_beyond_full_contact(error)
@@ -346,61 +264,5 @@ contains
     call check(error, maxval(abs(answers(2)%pressure - answers(1)%pressure - punch%pressure)) < &
                1.0e-8_real64 * maxval(punch%pressure), 'more load is that of a punch')
   end subroutine far_beyond_full_contact
-
-  subroutine scaled(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
-    type(height_map) :: map
-    type(map_answer) :: plain, large
-    real(real64), parameter :: across = 2.0_real64**300, along = 2.0_real64**(-90)
-
-    map = ball(40, 40)
-    plain = map_answer()
-    call press_map(map, ball_modulus, plain, ball_load)
-    map%height = map%height * across
-    map%pixel_spacing = map%pixel_spacing * across
-    large = map_answer()
-    call press_map(map, ball_modulus * along, large, ball_load * along * across**2)
-    call check(error, .not. abs(large%level - plain%level * across) > 0.0_real64, &
-               'the level scales without rounding')
-    call check(error, .not. any(abs(large%pressure - plain%pressure * along) > 0.0_real64), &
-               'the pressures scale without rounding')
-  end subroutine scaled
-
-  ! Places, missing pixels, unit and edge arrive in a scene, the heights by being moved.
-  subroutine map_in_memory(error)
-    !> failure
-    type(error_type), allocatable, intent(out) :: error
-    character(len=*), parameter :: groups = '&surfaces upper = ''plane'' / &material ' // &
-      'contact_modulus = 1. / &loading control = ''load'', value = 1. /'
-    type(height_map) :: map
-    type(scene_side) :: sides(2)
-    type(scene) :: built
-    type(problem_list) :: problems
-    character(len=:), allocatable :: failure
-    real(real64) :: heights(4, 3)
-    integer :: i
-
-    heights = reshape([(real(i, real64), i = 1, 12)], [4, 3])
-    heights(2, 3) = ieee_value(1.0_real64, ieee_quiet_nan)
-    call take_map('lower', heights, [0.5_real64, 0.25_real64], 'micron', 2, map, problems, failure)
-    call check(error, problems%text(), '', 'nothing is wrong')
-    allocate (sides(2)%map, source=map)
-    call build_scene_of(sides, groups, built, problems)
-    call check(error, problems%text(), '', 'nothing is wrong with the scene')
-    if (allocated(error)) return
-    call check(error, .not. allocated(sides(2)%map%height), 'the heights are moved')
-    associate (lower => built%map%lower)
-      call check(error, built%map%periodic .and. lower%unit == 'um', 'edge and unit')
-      call check(error, all([lower%columns, lower%rows] == [4, 3]), 'columns and rows')
-      call check(error, count(.not. is_measured(lower%height)), 1, 'one pixel is missing')
-      heights(2, 3) = no_height
-      call check(error, .not. any(abs(lower%height - heights) > 0.0_real64), 'the heights')
-      call check(error, lower%digit, spacing(12.0_real64), 0.0_real64, 'the last digit')
-    end associate
-    call take_map('lower', heights, [1.0_real64, 0.0_real64], 'ell', 3, map, problems, &
-                  failure)
-    call check(error, problems%count(), 4, 'spacing, unit, edge, too large a height')
-  end subroutine map_in_memory
 
 end module asperity_map_suite

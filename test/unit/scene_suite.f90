@@ -12,11 +12,9 @@ module asperity_scene_suite
   use asperity_numbers_real32, only: number_32 => decimal_number
   use asperity_numeral, only: decimal_sum, read_double_numeral, read_numeral
   use asperity_problems, only: problem_list
-  use asperity_scene_reader, only: parse_scene, read_scene
-  use asperity_scene_values, only: control_separation, control_limit, control_load, &
-                                   criterion_greenwood_williamson, criterion_hardy, &
-                                   criterion_load, criterion_none, criterion_pressure, &
-                                   effect_auto, effect_coupled, effect_off, scene
+  use asperity_scene_reader, only: parse_scene
+  use asperity_scene_values, only: control_separation, control_limit, criterion_load, &
+                                   effect_auto, effect_off, scene
   use asperity_surface_csv, only: parse_surface_csv, surface_table
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
@@ -46,27 +44,19 @@ contains
             new_unittest('doubles are kept exactly', test_doubles), &
             new_unittest('sums of decimals', test_decimal_sum), &
             new_unittest('a deck in a scene, and the defaults', test_deck_defaults), &
-            new_unittest('a deck in the place of a scene', test_bare_deck), &
             new_unittest('a group overrides the deck name by name', test_overrides), &
             new_unittest('syntax that is accepted', test_syntax), &
-            new_unittest('the thesis'' scene', test_thesis_scene), &
-            new_unittest('surfaces from CSV files', test_csv_scene), &
             new_unittest('radii from the files', test_csv_radii), &
-            new_unittest('loading and limit', test_loading_and_limit), &
             new_unittest('bad syntax', test_bad_syntax), &
             new_unittest('unknown and repeated groups and names', test_unknown), &
             new_unittest('bad values', test_bad_values), &
             new_unittest('names missing or out of place', test_missing), &
-            new_unittest('effects', test_effects), &
             new_unittest('all problems of all files are told', test_all_problems), &
-            new_unittest('files that cannot be read', test_unreadable), &
             new_unittest('a file that changes while it is read', test_changing_file), &
             new_unittest('true and false', test_true_and_false), &
-            new_unittest('good surface files', test_good_csv), &
             new_unittest('long surface files', test_long_csv), &
             new_unittest('bad surface files', test_bad_csv), &
-            new_unittest('many problems are counted', test_many_problems) &
-            ]
+            new_unittest('many problems are counted', test_many_problems)]
   end subroutine collect_scene
 
   subroutine test_numerals(error)
@@ -335,33 +325,6 @@ contains
     call check(error, found%notes%count(), 1, 'the deck''s eight high asperities are noted')
   end subroutine test_deck_defaults
 
-  subroutine test_bare_deck(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(scene) :: found
-    type(problem_list) :: problems
-
-    call read_scene('data/thesis.deck', found, problems)
-    call check(error, problems%text(), '', 'problems')
-    if (allocated(error)) return
-    call check(error, found%file, 'data/thesis.deck', 'file')
-    call check(error, size(found%lower%x), 75, 'lower asperities')
-    call check(error, found%motion%positions, 100, 'positions')
-    call check_number(error, found%motion%x_first, 0.1_real64, 'first x')
-    call check_number(error, found%motion%x_step, 0.1_real64, 'x step')
-    call check_number(error, found%motion%y_first, 0.0_real64, 'first y')
-    call check_number(error, found%motion%y_step, 0.0_real64, 'y step')
-    call check(error, found%limit%from_thesis, 'the limit is the thesis''')
-
-    call read_scene('data/examples/shifted.deck', found, problems)
-    call check(error, problems%text(), '', 'problems of the shifted deck')
-    if (allocated(error)) return
-    ! XDISPL 0.5 in, YDISPL -0.25 in; angles 0.1 and -0.2.
-    call check_number(error, found%motion%x_first, 1.37_real64, 'first x, shifted')
-    call check_number(error, found%motion%y_first, -0.635_real64, 'first y, shifted')
-    call check_number(error, found%upper%rotation, 0.1_real64, 'upper rotation')
-    call check_number(error, found%lower%rotation, -0.2_real64, 'lower rotation')
-  end subroutine test_bare_deck
-
   subroutine test_overrides(error)
     type(error_type), allocatable, intent(out) :: error
     type(scene) :: found
@@ -408,70 +371,10 @@ contains
     call refuse_file(error, '&surfaces deck="/none/x.deck" /', '/none/x.deck:1:1: cannot be opened')
   end subroutine test_syntax
 
-  subroutine test_thesis_scene(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(scene) :: long, bare
-    type(problem_list) :: problems
-    integer :: i
-
-    call read_scene('data/examples/thesis.scene', long, problems)
-    call check(error, problems%text(), '', 'problems')
-    call read_scene('data/thesis.deck', bare, problems)
-    if (allocated(error)) return
-    ! What is written out equals what the deck stands for.
-    do i = 1, 2
-      call check_number(error, long%upper%slope(i), decimal_to_real64(bare%upper%slope(i)), 'slope')
-      call check_number(error, long%lower%slope(i), decimal_to_real64(bare%lower%slope(i)), 'slope')
-    end do
-    call check_number(error, long%upper%elastic_modulus, &
-                      decimal_to_real64(bare%upper%elastic_modulus), 'modulus')
-    call check_number(error, long%motion%x_first, decimal_to_real64(bare%motion%x_first), 'first x')
-    call check_number(error, long%motion%x_step, decimal_to_real64(bare%motion%x_step), 'x step')
-    call check(error, long%motion%positions, bare%motion%positions, 'positions')
-    call check(error, long%limit%from_thesis, 'the limit is the thesis''')
-    call read_scene('data/examples/position_56.scene', long, problems)
-    call check(error, problems%text(), '', 'problems of position 56')
-    call check(error, long%loading%points, 50, 'points')
-    call check(error, long%loading%events .and. .not. bare%loading%events, 'events')
-  end subroutine test_thesis_scene
-
-  subroutine test_csv_scene(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(scene) :: found
-    type(problem_list) :: problems
-
-    call read_scene('data/examples/csv_surfaces.scene', found, problems)
-    call check(error, problems%text(), '', 'problems')
-    if (allocated(error)) return
-    call check(error, .not. (found%from_deck .or. found%lower_is_mirrored), 'no deck')
-    call check(error, .not. allocated(found%upper%exact_x), 'no exact decimals')
-    call check(error, found%lower%file, 'data/examples/lower.csv', 'file')
-    call check(error, size(found%upper%x), 5, 'upper asperities')
-    call check_double(error, found%upper%x(3), -2.5_real64, 'x')
-    call check_double(error, found%upper%y(3), 1.0_real64, 'y')
-    call check_double(error, found%lower%height(5), 0.052_real64, 'height')
-    call check_double(error, found%upper%radius(5), 2.0_real64, 'upper radius')
-    call check_double(error, found%lower%radius(1), 1.5_real64, 'lower radius')
-    call check_number(error, found%lower%elastic_modulus, 70000.0_real64, 'modulus')
-    call check_number(error, found%lower%slope(2), 0.0_real64, 'slope')
-    call check_number(error, found%starting_gap, 0.0_real64, 'gap')
-    call check(error, found%loading%control, control_load, 'control')
-    call check(error, found%limit%criterion, criterion_hardy, 'criterion')
-    call check_number(error, found%limit%yield_stress, 250.0_real64, 'yield stress')
-  end subroutine test_csv_scene
-
   subroutine test_csv_radii(error)
     type(error_type), allocatable, intent(out) :: error
     type(scene) :: found
-    type(problem_list) :: problems
 
-    call read_scene('data/examples/one_pair.scene', found, problems)
-    call check(error, problems%text(), '', 'problems')
-    if (allocated(error)) return
-    call check_double(error, found%upper%radius(1), 5.0_real64, 'upper radius')
-    call check_double(error, found%lower%radius(1), 10.0_real64, 'lower radius')
-    call check_double(error, found%lower%height(1), 0.1_real64, 'lower height')
-    call check(error, found%limit%criterion, criterion_none, 'no limit')
     ! A radius for the file that has none; the other keeps its own.
     call accept(error, '&surfaces upper="ball.csv", lower="lower.csv", radius=9,7 /' // &
                 material // limit, found)
@@ -485,27 +388,6 @@ contains
     call refuse(error, '&surfaces upper="ball.csv", lower="bump.csv",| radius=1,1 /' // &
                 material // limit, '2:2', 'radius: found although both surfaces')
   end subroutine test_csv_radii
-
-  subroutine test_loading_and_limit(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(scene) :: found
-
-    call accept(error, files // material // '&loading control="load", value=1e-300, points=7 /' // &
-                '&limit criterion="pressure", value=2.5 /', found)
-    if (allocated(error)) return
-    call check(error, found%loading%points, 7, 'points')
-    call check_number(error, found%loading%value, 1e-300_real64, 'load')
-    call check(error, found%limit%criterion, criterion_pressure, 'criterion')
-    call check_number(error, found%limit%value, 2.5_real64, 'pressure')
-    call accept(error, deck // '&limit criterion="greenwood_williamson", hardness=3e4 /', found)
-    if (allocated(error)) return
-    call check(error, found%limit%criterion, criterion_greenwood_williamson, 'criterion')
-    call check_number(error, found%limit%hardness, 3e4_real64, 'hardness')
-    call check(error, .not. found%limit%from_thesis, 'the thesis'' load has no part in it')
-    call accept(error, deck // '&limit criterion="load" /', found)
-    if (allocated(error)) return
-    call check(error, found%limit%from_thesis, 'the thesis'' load')
-  end subroutine test_loading_and_limit
 
   subroutine test_bad_syntax(error)
     type(error_type), allocatable, intent(out) :: error
@@ -609,43 +491,6 @@ contains
     call refuse(error, deck // '|&loading value=3 /', '2:10', 'value: not used with control')
   end subroutine test_missing
 
-  subroutine test_effects(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(scene) :: found
-
-    call accept(error, deck // '&effects interaction="OFF", friction="off", plasticity="off", ' // &
-                'adhesion="off", creep="off", tolerance=0.5 /', found)
-    call check(error, .not. found%effects%any_on(), 'an effect is on')
-    call accept(error, deck // '&effects interaction="Coupled", friction="auto", ' // &
-                'friction_coefficient=0, boundary_tolerance=1e-4 /', found)
-    call check(error, found%effects%mode('interaction'), effect_coupled, 'interaction coupled')
-    call check(error, found%effects%mode('friction'), effect_auto, 'friction auto')
-    call check(error, found%effects%number('boundary_tolerance') < 1.001e-4_real64, &
-               'boundary_tolerance')
-    call check(error, found%effects%any_on(), 'no effect is on')
-    ! An effect's own numbers may stand there while it is off.
-    call accept(error, deck // '&effects friction_coefficient=0.3 /', found)
-    call refuse(error, deck // '|&effects interaction="on" /', '2:22', &
-                'expected ''off'', ''auto'', ''coupled'' or ''boundary''')
-    call refuse(error, deck // '|&effects friction="coupled", friction_coefficient=1 /', '2:19', &
-                'expected ''off'', ''on'' or ''auto''')
-    call refuse(error, deck // '|&effects creep="sometimes" /', '2:16', &
-                'expected ''off'', ''on'' or ''auto''')
-    call refuse(error, deck // '|&effects friction="on" /', '2:1', &
-                'friction_coefficient is missing in &effects: found none, expected one with ' // &
-                'friction = ''on''')
-    call refuse(error, deck // '|&effects friction_coefficient=-0.1 /', '2:31', &
-                'friction_coefficient: found ''-0.1'', expected a number of 0 or more')
-    call refuse(error, deck // '|&effects tolerance=0 /', '2:20', &
-                'tolerance: found ''0'', expected a number more than 0 and less than 1')
-    call refuse(error, deck // '|&effects tolerance=1. /', '2:20', 'tolerance: found ''1.''')
-    call refuse(error, deck // '|&effects boundary_tolerance=0. /', '2:29', &
-                'boundary_tolerance: found ''0.'', expected a number more than 0 and less than 1')
-    call refuse(error, deck // '|&effects boundary_tolerance=1 /', '2:29', 'found ''1''')
-    call refuse(error, deck // '|&effects boundary_tolerance=-1 /', '2:29', 'found ''-1''')
-    call refuse(error, deck // '|&effects wear="on" /', '2:10', 'unknown name in &effects')
-  end subroutine test_effects
-
   subroutine test_all_problems(error)
     type(error_type), allocatable, intent(out) :: error
     type(scene) :: found
@@ -671,50 +516,6 @@ contains
          'data/examples/none.csv:1:1: cannot be opened: No such file or directory, ' // &
          'expected comma-separated numbers|'), 'all problems')
   end subroutine test_all_problems
-
-  subroutine test_unreadable(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(scene) :: found
-    type(problem_list) :: problems
-    character(len=:), allocatable :: text
-
-    call read_scene('data/none.scene', found, problems)
-    call check(error, problems%text(), &
-               lines('data/none.scene:1:1: cannot be opened: No such file or directory, ' // &
-                     'expected a scene or a card deck|'), 'no file')
-    call read_scene('data', found, problems)
-    call check(error, problems%count(), 1, 'a folder')
-    call read_scene('data/examples/lower.csv', found, problems)
-    text = problems%text()
-    call check(error, index(text, 'data/examples/lower.csv:1:1: found a surface: ') == 1, &
-               'a CSV file for a scene: ' // text)
-    call refuse_file(error, '&surfaces deck="lower.csv" /', &
-                     'data/examples/lower.csv:1:1: found a surface: ')
-  end subroutine test_unreadable
-
-  subroutine test_good_csv(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(surface_table) :: table
-    type(problem_list) :: problems
-
-    call parse_surface_csv('s.csv', lines(achar(13) // '||radius , height,x,y' // achar(13) // &
-                                          '||1.5,.25, 1 ,-2e0|' // achar(9) // '|2,-7,3,4'), &
-                           table, problems)
-    call check(error, problems%text(), '', 'problems')
-    if (allocated(error)) return
-    call check(error, table%has_radius, 'a radius column')
-    call check(error, size(table%x), 2, 'rows')
-    call check(error, size(table%radius), 2, 'radii')
-    call check_double(error, table%x(1), 1.0_real64, 'x')
-    call check_double(error, table%y(1), -2.0_real64, 'y')
-    call check_double(error, table%height(1), 0.25_real64, 'height')
-    call check_double(error, table%radius(1), 1.5_real64, 'radius')
-    call check_double(error, table%y(2), 4.0_real64, 'y of the last row')
-    call check_double(error, table%height(2), -7.0_real64, 'a dale is no error')
-    call parse_surface_csv('s.csv', lines('x,y,height|1,2,3|'), table, problems)
-    call check(error, problems%text(), '', 'problems without radii')
-    call check(error, .not. (table%has_radius .or. allocated(table%radius)), 'no radii')
-  end subroutine test_good_csv
 
   !> A file of several pieces, which threads may read side by side: places of rows, and lines of
   !> problems, are those of one piece.

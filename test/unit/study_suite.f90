@@ -1,22 +1,18 @@
-!> Integrals of Greenwood, Williamson and Tripp, and the cutting of surfaces into sections.
+!> Integrals of Greenwood, Williamson and Tripp. test/regression/test_study.py compares sections.
 !>
 !> Expected numbers come from mpmath (20 digits) by other ways than the code's: moments of the sum
 !> of two heights as double integrals over both heights; contacts of two rough surfaces with the
 !> offset itself as the variable; means over radii as double integrals over both radii.
 module asperity_study_suite
-  use asperity_area_study, only: area_study, evaluate_study
-  use asperity_area_study_plan, only: plan_study, section_places, section_square, study_plan
-  use asperity_area_study_surface, only: numbers_of_a_surface, prepare_surfaces, study_surface
   use asperity_decimal, only: decimal_value
   use asperity_gauss_rule, only: gauss_node, gauss_points, gauss_rule, gauss_weight
-  use asperity_generated_surface, only: surface_plan
   use asperity_generation_values, only: gaussian_spec
   use asperity_greenwood_integrals, only: densities_at, greenwood_law, greenwood_law_of, &
-                                          quantities, separation_at_pressure, vertical_per_area
+                                          quantities
   use asperity_greenwood_moments, only: excess_moments, law_of_heights, means_over_radii, &
                                         radius_means
   use asperity_kinds, only: int64, real128, real64
-  use asperity_study_spec, only: against_plane, places_grid, places_random, study_spec
+  use asperity_study_spec, only: places_grid, study_spec
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
   private
@@ -32,21 +28,18 @@ contains
   subroutine collect_study(suite)
     type(unittest_type), allocatable, intent(out) :: suite(:)  !! all tests of this suite
 
-    allocate (suite(13))
-    suite(1) = new_unittest('heights without cut-offs: moments in closed form', gaussian_moments)
-    suite(2) = new_unittest('sum of two cut heights: moments by a double integral', sum_moments)
-    suite(3) = new_unittest('sum of a narrow and a wide law', narrow_moments)
-    suite(4) = new_unittest('heights that do not vary', fixed_moments)
-    suite(5) = new_unittest('means over radii', radii_means)
-    suite(6) = new_unittest('Greenwood-Tripp: integral over the offset itself', two_rough)
-    suite(7) = new_unittest('Greenwood-Williamson against a plane', rough_on_plane)
-    suite(8) = new_unittest('Greenwood and Tripp''s own terms', shallow_terms)
-    suite(9) = new_unittest('separation at a pressure', pressure)
-    suite(10) = new_unittest('sections lie in the region, none beside another is left out', places)
-    suite(11) = new_unittest('sections side by side add up to the whole; means agree', sums)
-    suite(12) = new_unittest('Gauss''s rule: exact for polynomials; its table is it', gauss)
-    suite(13) = new_unittest('moments 29 deviations out, and of widths 1 to 10000', &
-                             moments_at_limits)
+    allocate (suite(0))
+    suite = [ &
+      new_unittest('heights without cut-offs: moments in closed form', gaussian_moments), &
+      new_unittest('sum of two cut heights: moments by a double integral', sum_moments), &
+      new_unittest('sum of a narrow and a wide law', narrow_moments), &
+      new_unittest('heights that do not vary', fixed_moments), &
+      new_unittest('means over radii', radii_means), &
+      new_unittest('Greenwood-Tripp: integral over the offset itself', two_rough), &
+      new_unittest('Greenwood-Williamson against a plane', rough_on_plane), &
+      new_unittest('Greenwood and Tripp''s own terms', shallow_terms), &
+      new_unittest('Gauss''s rule: exact for polynomials; its table is it', gauss), &
+      new_unittest('moments 29 deviations out, and of widths 1 to 10000', moments_at_limits)]
   end subroutine collect_study
 
   !> Of n points it is right for powers below 2 n: the integral of x**k from 0 to 1 is 1/(k + 1).
@@ -259,94 +252,6 @@ contains
     call check_all(error, values(2:), [(pi * 0.5_real64 * 1.27_real64)**2 * &
                                        real(moments(1), real64), load, load], exact, 'published')
   end subroutine shallow_terms
-
-  subroutine pressure(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(study_spec) :: spec
-    type(greenwood_law) :: law
-    character(len=:), allocatable :: failure
-    real(real64) :: separation, values(quantities)
-
-    call fill(spec)
-    law = greenwood_law_of(spec%surfaces, spec%elastic_modulus, spec%poisson_ratio, .false.)
-    values = densities_at(law, 0.2_real64)
-    call separation_at_pressure(law, values(vertical_per_area), separation, failure)
-    call check(error, .not. allocated(failure), 'a separation is found')
-    call check(error, separation, 0.2_real64, 1.0e-14_real64, 'separation')
-    call separation_at_pressure(law, 1.0e9_real64, separation, failure)
-    call check(error, allocated(failure), 'too high a pressure is refused')
-  end subroutine pressure
-
-  !> A grid: corners differ by whole sides. At random: anywhere in the region, all over it.
-  subroutine places(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(study_spec) :: spec
-    type(study_plan) :: plan
-    type(section_square), allocatable :: squares(:)
-    character(len=:), allocatable :: failure
-    real(real64) :: free
-    integer :: i
-
-    call fill(spec)
-    call plan_study(spec, plan, failure)
-    call check(error, .not. allocated(failure), 'a plan is made')
-    call check(error, plan%sections(3), 16, 'sections')
-    do i = 1, 3
-      call section_places(spec, plan, i, 1, squares)
-      call check(error, size(squares), 4**(i - 1), 'squares')
-      call check(error, maxval(squares%x), plan%corner(1) + plan%extent(1) - plan%sizes(i), &
-                 1.0e-13_real64, 'the last square ends with the region')
-      call check(error, sum(squares%y) / size(squares) + plan%sizes(i) / 2, 20.0_real64, &
-                 1.0e-12_real64, 'middle of the squares')
-    end do
-    spec%places = places_random
-    spec%sections = 1000
-    call plan_study(spec, plan, failure)
-    call section_places(spec, plan, 2, 1, squares)
-    free = plan%extent(1) - plan%sizes(2)
-    call check(error, minval(squares%x) >= plan%corner(1) .and. &
-               maxval(squares%x) <= plan%corner(1) + free, 'in the region')
-    ! The mean of 1000 places, within 4 standard errors.
-    call check(error, sum(squares%x) / 1000, plan%corner(1) + free / 2, &
-               4 * free / sqrt(12000.0_real64), 'mean of the places')
-  end subroutine places
-
-  !> The chain of surfaces, solver and cutting: the quarters of a surface hold what the whole does,
-  !> and the means of an ensemble are the integral's within 4 standard errors.
-  subroutine sums(error)
-    type(error_type), allocatable, intent(out) :: error
-    type(study_spec) :: spec
-    type(study_plan) :: plan
-    type(surface_plan) :: plans(2)
-    type(area_study) :: study
-    real(real64), allocatable :: numbers(:, :)
-    real(real64) :: away(quantities)
-    character(len=:), allocatable :: failure
-    integer :: i, k, against
-
-    do against = 1, against_plane
-      call fill(spec)
-      spec%against = against
-      if (against == against_plane) spec%separation = decimal_value(13_int64, -2)
-      call plan_study(spec, plan, failure)
-      call prepare_surfaces(spec, plans)
-      allocate (numbers(numbers_of_a_surface(plan), 40))
-      do i = 1, 40
-        call study_surface(spec, plan, plans, i, numbers(:, i), failure)
-        call check(error, .not. allocated(failure), 'a surface is solved')
-        do k = 1, quantities
-          call check(error, sum(numbers(2 + quantities + k:2 + 5 * quantities:quantities, i)) / 4, &
-                     numbers(2 + k, i), 1.0e-13_real64 * numbers(2 + k, i), 'sum of the quarters')
-        end do
-      end do
-      call evaluate_study(spec, plan, numbers, study)
-      away = abs(study%sizes(1)%mean - study%integral) / study%sizes(1)%error
-      call check(error, maxval(away) < 4.0_real64, 'means are those of the integral')
-      call check(error, minval(study%sizes(1)%error / study%integral) > 0.0_real64 .and. &
-                 maxval(study%sizes(1)%error / study%integral) < 0.02_real64, 'standard errors')
-      deallocate (numbers)
-    end do
-  end subroutine sums
 
   !> The surfaces of the tests: 765 and 774 asperities on 40 by 40.
   subroutine fill(spec)
