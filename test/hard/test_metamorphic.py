@@ -44,6 +44,13 @@ def test_found_seed(seed, was, asperity, tmp_path):
     assert not wrong, was
 
 
+def test_surfaces_exchanged(asperity, tmp_path, tally):
+    solved = sum(laws.same_after(scene, scenes.exchanged(scene), asperity, tmp_path) == 0
+                 for scene in map(scenes.scene_of_seed, range(60)))
+    assert solved > 20
+    tally.add("law: surfaces exchanged", solved, solved)
+
+
 def test_what_is_told_of_a_contact_is_its_own(asperity, tmp_path):
     """Seed 41937: `auto` left interaction out, the states were those of contacts alone, and what it
     told of contacts those of the points asked for: other rows, then memory of nobody."""

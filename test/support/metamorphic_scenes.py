@@ -122,6 +122,17 @@ def turned(scene):
     return mapped(scene, lambda row: (-row[1], row[0], *row[2:]), lambda x, y: (-y, x))
 
 
+def exchanged(scene):
+    """Mirrored at the mean plane: slopes and displacements change their signs."""
+    new = mapped(scene, lambda row: row, lambda x, y: (-x, -y))
+    new.upper, new.lower = new.lower, new.upper
+    for values in new.groups["material"].values():
+        values.reverse()
+    new.groups["tilt"] = {{"upper": "lower", "lower": "upper"}[name[:5]] + name[5:]: value
+                          for name, value in new.groups.get("tilt", {}).items()}
+    return new
+
+
 def permuted(scene, rng):
     new = copy.deepcopy(scene)
     rng.shuffle(new.upper)
