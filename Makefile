@@ -15,11 +15,11 @@ report: ## print the report of the original program (DECK=other.deck for another
 	@exe=$$(bash .ci/build release) && "$$exe" "$(DECK)"
 
 test: ## unit tests in the strict build, then the harness without its slow tests
-	@bash .ci/setup build test
+	@bash .ci/setup build
 	@bash .ci/test -m "not slow"
 
 test-all: ## the same with the tests of test/slow_tests.txt
-	@bash .ci/setup build test
+	@bash .ci/setup build
 	@bash .ci/test
 
 wheel: ## a wheel that needs no compiler and no other library, and the sources, in dist/

@@ -4,7 +4,7 @@
 
 Cheap, so that CI can ask it at every change: no target is run. An import is looked for in the
 standard library, beside the script and in the folders of tests, then in the lists of requirements
-of the groups that the target's own line `.ci/setup GROUP...` names.
+of the groups that a line `.ci/setup GROUP...` of the target or of its script names.
 """
 
 import ast
@@ -62,8 +62,11 @@ def brought(groups):
 def main():
     wrong, looked_at = [], 0
     for target, text in recipes():
-        groups = set(re.findall(r"\.ci/setup ([a-z ]+)", text)[0].split()) \
-            if ".ci/setup" in text else set()
+        called = [(ROOT / name).read_text(encoding="utf-8")
+                  for name in re.findall(r"bash (\.ci/[a-z-]+)", text)]
+        groups = {group for lines in (text, *called)
+                  for found in re.findall(r"\.ci/setup ([a-z ]+)", lines)
+                  for group in found.split()}
         scripts = [ROOT / name for name in re.findall(r"python (\S+\.py)", text)]
         if any(f"bash {script}" in text for script in HARNESS):
             scripts += [file for name in ("", "regression", "hard", "wheel")

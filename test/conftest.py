@@ -25,9 +25,8 @@ settings.load_profile("fixed")
 
 
 # Tests that share what takes long to make: all of such a file run in one process.
-TOGETHER = ("test_archive.py", "test_accuracy.py", "test_effects.py", "test_python.py",
-            "test_python_arguments.py", "test_python_copies.py", "test_c_arguments.py",
-            "test_map_arrays.py")
+TOGETHER = ("test_accuracy.py", "test_effects.py", "test_python.py", "test_python_arguments.py",
+            "test_python_copies.py", "test_c_arguments.py", "test_map_arrays.py")
 
 
 class Tally:
@@ -69,11 +68,15 @@ def pytest_configure(config):
 
 def pytest_collection_modifyitems(items):
     """Mark the tests that test/slow_tests.txt lists."""
-    listed = set((ROOT / "test/slow_tests.txt").read_text(encoding="ascii").split())
+    listed = set((ROOT / "test/slow_tests.txt").read_text(encoding="utf-8").splitlines())
     for item in items:
-        name = item.path.relative_to(ROOT).as_posix() + "::" + item.originalname
-        if name in listed:
+        if not listed.isdisjoint((name_of(item), name_of(item).partition("[")[0])):
             item.add_marker(pytest.mark.slow)
+
+
+def name_of(item):
+    """File, function and parameters of a test, without a comma."""
+    return item.path.relative_to(ROOT).as_posix() + "::" + item.name.replace(",", ";")
 
 
 @pytest.hookimpl(wrapper=True)
@@ -82,9 +85,8 @@ def pytest_runtest_protocol(item):
     before = sum(os.times()[:4])
     result = yield
     if path := os.environ.get("ASPERITY_TEST_TIMES"):
-        name = item.path.relative_to(ROOT).as_posix() + "::" + item.name.replace(",", ";")
         with open(path, "a", encoding="utf-8") as file:
-            file.write(f"{name},{sum(os.times()[:4]) - before:.2f}\n")
+            file.write(f"{name_of(item)},{sum(os.times()[:4]) - before:.2f}\n")
     return result
 
 

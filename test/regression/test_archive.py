@@ -1,8 +1,6 @@
-"""The archived output, and the promise that makes it safe to diff.
-
-The archives belong to the build of `make archive`, which forbids what may change a last bit of IEEE
-arithmetic. `ibm370` is integer work and has the same bytes under every flag. Nothing here writes an
-archive.
+"""The archived output: the build under test prints its bytes, and so does that of `make archive`,
+which forbids what may change a last bit of IEEE arithmetic. `ibm370` is integer work and has the
+same bytes under every flag. Nothing here writes an archive.
 """
 
 import difflib
@@ -15,8 +13,6 @@ REPORTS = ("ibm370", "real32", "real64", "real128")
 CONTACTS = ("ibm370", "real64")
 # Two ends of what a compiler may do: look for faults alone, and more than the standard allows.
 ENDS = ("strict", "fast")
-# Builds of its own: nothing here is about the build under test.
-pytestmark = pytest.mark.once
 
 
 def same_text(found, expected, name):
@@ -46,32 +42,25 @@ def run(executable, root, arithmetic, folder):
     return done.stdout, (folder / "contacts.csv").read_bytes()
 
 
-@pytest.fixture(scope="module")
-def archive_build():
-    """The executable as `make archive` builds it."""
-    return build("archive")
-
-
-@pytest.fixture(scope="module", params=REPORTS)
-def fresh(request, root, archive_build, tmp_path_factory):
-    """Arithmetic, report and contacts of a run made now."""
-    arithmetic = request.param
-    return arithmetic, *run(archive_build, root, arithmetic, tmp_path_factory.mktemp(arithmetic))
-
-
-def test_report_is_the_archived_one(fresh, root):
-    arithmetic, report, _ = fresh
+def prints_the_archive(executable, root, arithmetic, folder):
+    report, contacts = run(executable, root, arithmetic, folder)
     name = f"thesis.{arithmetic}.txt"
     same_text(report, archived(root, name), name)
-
-
-def test_contacts_are_the_archived_ones(fresh, root):
-    arithmetic, _, contacts = fresh
-    name = f"thesis.{arithmetic}.contacts.csv"
     if arithmetic in CONTACTS:
+        name = f"thesis.{arithmetic}.contacts.csv"
         same_text(contacts, archived(root, name), name)
-    else:
-        assert not (root / "reference_output" / name).exists(), "an archive that nothing compares"
+
+
+@pytest.mark.parametrize("arithmetic", REPORTS)
+def test_archived_output(arithmetic, asperity, root, tmp_path):
+    prints_the_archive(asperity, root, arithmetic, tmp_path)
+
+
+@pytest.mark.once
+def test_archived_output_of_its_own_build(root, tmp_path):
+    executable = build("archive")
+    for arithmetic in REPORTS:
+        prints_the_archive(executable, root, arithmetic, tmp_path)
 
 
 def test_every_archive_is_compared(root):
@@ -87,6 +76,7 @@ def test_a_missing_archive_fails(root, tmp_path):
         same_text(b"one\ntwo\n", b"one\n2\n", "a text")
 
 
+@pytest.mark.once
 def test_ibm370_is_the_same_under_all_flags(root, tmp_path):
     """Unoptimised, and with every liberty a compiler can be given: the same bytes."""
     for end in ENDS:
