@@ -345,7 +345,7 @@ contains
     ending = lower_case(path(index(path, '.', back=.true.) + 1:))
     if (path /= '' .and. path /= '/dev/stdout' .and. ending /= 'svg' .and. ending /= 'png') &
       call problems%add('--picture: found ' // in_quotes(path) // &
-                        ', expected a name that ends ' // 'with .svg or .png')
+                        ', expected a name that ends with .svg or .png')
   end subroutine check_endings
 
   !> The ending of an output's name must not be that of another format than its own.

@@ -23,38 +23,37 @@ contains
     character(len=*), intent(in) :: expected       !! what is expected, for a message
     integer, intent(inout) :: number               !! 0 when the word is no such number
     type(problem_list), intent(inout) :: problems  !! what is wrong
-    integer :: status
 
-    status = 1
-    if (len(value) <= most_digits .and. verify(value, '0123456789') == 0) &
-      read (value, '(i9)', iostat=status) number
-    if (status == 0 .and. number > 0) return
-    number = 0
-    call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // expected)
+    number = count_of(value, most_digits)
+    if (number == 0) &
+      call problems%add(option // ': found ' // in_quotes(value) // ', expected ' // expected)
   end subroutine read_count
+
+  ! The whole number from 1 on that a word is, of so many digits at most; 0 when it is none.
+  integer function count_of(word, most_digits)
+    character(len=*), intent(in) :: word
+    integer, intent(in) :: most_digits
+
+    count_of = 0
+    if (len(word) > 0 .and. len(word) <= most_digits .and. verify(word, '0123456789') == 0) &
+      read (word, '(i9)') count_of
+  end function count_of
 
   !> A part and how many there are: `I/N`.
   subroutine read_share(value, share, problems)
     character(len=*), intent(in) :: value          !! value of the option, as given
     integer, intent(inout) :: share(2)             !! as it was when the word is no such pair
     type(problem_list), intent(inout) :: problems  !! what is wrong
-    character(len=len(value)) :: pair
-    integer :: found(2), slash, status
+    integer :: found(2), slash
 
     slash = index(value, '/')
-    pair = value
-    if (slash > 0) pair(slash:slash) = ' '
-    found = 0
-    status = 1
-    if (slash > 1 .and. verify(value(:max(1, slash - 1)) // value(slash + 1:), '0123456789') == 0 &
-        .and. max(slash - 1, len(value) - slash) <= 6 .and. slash < len(value)) &
-      read (pair, *, iostat=status) found
-    if (status == 0 .and. found(1) >= 1 .and. found(1) <= found(2)) then
+    found = [count_of(value(:slash - 1), 6), count_of(value(slash + 1:), 6)]
+    if (found(1) >= 1 .and. found(1) <= found(2)) then
       share = found
       return
     end if
     call problems%add('--share: found ' // in_quotes(value) // &
-                      ', expected I/N, part I of N, for ' // 'instance 3/16')
+                      ', expected I/N, part I of N, for instance 3/16')
   end subroutine read_share
 
   !> A number more than 0 and below a limit.
@@ -146,22 +145,15 @@ contains
     logical, intent(out) :: printed(:)             !! whether the contact table of each position is
                                                    !! printed
     type(problem_list), intent(inout) :: problems  !! what is wrong
-    integer :: first, last, position, status
+    integer :: first, last, position
 
     printed = list == 'all'
     if (list == 'all' .or. list == 'none') return
     first = 1
     do while (first <= len(list) + 1)
       last = first + index(list(first:) // ',', ',') - 2
-      status = 1
-      if (last >= first .and. last - first < 4) then
-        if (verify(list(first:last), '0123456789') == 0) &
-          read (list(first:last), '(i4)', iostat=status) position
-      end if
-      if (status == 0) then
-        if (position < 1 .or. position > size(printed)) status = 1
-      end if
-      if (status == 0) then
+      position = count_of(list(first:last), 4)
+      if (position >= 1 .and. position <= size(printed)) then
         printed(position) = .true.
       else
         call problems%add('--tables: found ' // in_quotes(list(first:last)) // ' in ' // &

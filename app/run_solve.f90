@@ -64,6 +64,7 @@ contains
     type(error_budget) :: budget
     type(run_options) :: options
     type(work_cost) :: cost
+    type(text_buffer) :: vtk
     character(len=:), allocatable :: units  ! first line of CSV files; not allocated: none
     integer :: i
 
@@ -101,7 +102,10 @@ contains
     call write_table('--positions', of_positions)
     call write_table('--curve', of_states)
     if (line%output_path('--json') /= '') call stage_whole('--json')
-    if (line%output_path('--vtk') /= '') call stage_vtk()
+    if (line%output_path('--vtk') /= '') then
+      if (.not. allocated(outcome%failure)) call write_vtk(results, vtk, outcome%failure)
+      call stage_output('--vtk', vtk)
+    end if
     if (line%output_path('--html') /= '') call stage_whole('--html')
     if (needs_fields(line)) then
       do i = 1, size(results%positions(1)%fields)
@@ -171,13 +175,6 @@ contains
         call write_svg(drawing, title, .false., picture)
       end if
     end subroutine draw_pressure
-
-    subroutine stage_vtk()
-      type(text_buffer) :: vtk
-
-      if (.not. allocated(outcome%failure)) call write_vtk(results, vtk, outcome%failure)
-      call stage_output('--vtk', vtk)
-    end subroutine stage_vtk
 
     subroutine write_table(option, which)
       character(len=*), intent(in) :: option

@@ -11,7 +11,7 @@ module asperity_byte_reader
   implicit none
   private
 
-  public :: byte_reader
+  public :: byte_reader, signed_bits, whole_bits
 
   integer(c_int), parameter :: read_only = 0_c_int, from_start = 0_c_int, from_end = 2_c_int
   integer, parameter :: block_size = 65536
@@ -169,5 +169,28 @@ contains
     if (self%descriptor >= 0_c_int) status = posix_close(self%descriptor)
     self%descriptor = -1_c_int
   end subroutine close_file
+
+  !> The whole number without sign in some bytes.
+  pure integer(int64) function whole_bits(bytes, big_endian)
+    character(len=*), intent(in) :: bytes          !! 1 to 8 bytes of the number
+    logical, intent(in), optional :: big_endian    !! highest byte first; absent: lowest first
+    integer :: i, place
+
+    whole_bits = 0_int64
+    do i = 1, len(bytes)
+      place = len(bytes) + 1 - i
+      if (present(big_endian)) place = merge(i, place, big_endian)
+      whole_bits = ior(shiftl(whole_bits, 8), int(iachar(bytes(place:place)), int64))
+    end do
+  end function whole_bits
+
+  !> Bits as a whole number with sign, in two's complement.
+  pure integer(int64) function signed_bits(bits, wide)
+    integer(int64), intent(in) :: bits  !! number without sign
+    integer, intent(in) :: wide         !! number of its bits, up to 64
+
+    signed_bits = bits
+    if (wide < 64 .and. btest(bits, wide - 1)) signed_bits = bits - shiftl(1_int64, wide)
+  end function signed_bits
 
 end module asperity_byte_reader

@@ -67,17 +67,9 @@ contains
       first = last + 1
       last = line_end(text, min(first, len(text) + 1)) + 1
       if (line > 1 .and. first <= len(text)) &
-        has_cards = has_cards .or. is_number_card(text(first:last - 1))
+        has_cards = has_cards .or. (scan(text(first:last - 1), '0123456789') > 0 .and. &
+                    verify(text(first:last - 1), blanks // '+-.0123456789eEdD') == 0)
     end do
-
-  contains
-
-    pure logical function is_number_card(card)
-      character(len=*), intent(in) :: card
-
-      is_number_card = verify(card, blanks // '+-.0123456789eEdD') == 0 .and. &
-                       scan(card, '0123456789') > 0
-    end function is_number_card
 
   end function has_cards
 
@@ -241,7 +233,7 @@ contains
       call reader%problems%add_at(header_cards + cards + 1, 1, wrong_count)
       return
     end if
-    do line = header_cards + expected + 1, reader%count_lines()
+    do line = header_cards + expected + 1, reader%last_card()
       if (.not. reader%has_text(line)) cycle
       columns = reader%card_columns(line)
       call reader%problems%add_at(line, verify(columns, ' ' // achar(9)), &

@@ -66,7 +66,6 @@ module asperity_card_reader
     type(problem_list), public :: problems      !! what is wrong with the deck
   contains
     procedure :: take_text     !! takes the text of a deck
-    procedure :: count_lines   !! number of lines
     procedure :: card_columns  !! the columns of a card
     procedure :: has_text      !! whether a card holds more than blanks and a sequence number
     procedure :: last_card     !! the last line that is a card
@@ -105,13 +104,6 @@ contains
       end if
     end do
   end subroutine take_text
-
-  !> Number of lines.
-  pure integer function count_lines(self)
-    class(card_reader), intent(in) :: self  !! cards of the deck
-
-    count_lines = size(self%first)
-  end function count_lines
 
   !> The 80 columns of a card; a card that is not there is blank.
   pure function card_columns(self, line) result(columns)
@@ -254,7 +246,7 @@ contains
     behind_point = 0
     significant = 0
     do i = 1, len(field)
-      digit = digit_of(field(i:i))
+      digit = index(digit_characters, field(i:i)) - 1
       if (field(i:i) == ' ') then
         if (.not. started) cycle
         ! A blank between the exponent's letter and its digits stands for nothing.
@@ -285,7 +277,8 @@ contains
           if (.not. started) then
             negative = field(i:i) == '-'
             started = .true.
-          else if (exponent_digit .or. .not. digit_seen .or. sign_before(field, i)) then
+          else if (exponent_digit .or. .not. digit_seen .or. len_trim(field(:i - 1)) == &
+                   scan(field(:i - 1), '+-', back=.true.)) then
             bad_at = i
           else
             in_exponent = .true.
@@ -301,7 +294,8 @@ contains
       end if
     end do
     if (in_exponent .and. .not. exponent_digit) bad_at = len(field)
-    if (lone_sign_or_point(field)) bad_at = verify(field, ' ')
+    ! A sign or a point without a digit.
+    if (scan(field, digit_characters) == 0 .and. field /= '') bad_at = verify(field, ' ')
     if (negative) value%all_digits = -value%all_digits
     if (.not. after_point) behind_point = implied_decimals
     value%power_of_ten = exponent_sign * power - behind_point
@@ -332,30 +326,5 @@ contains
     if (abs(number%all_digits) > int(huge(value), int64)) bad_at = first
     if (bad_at == 0) value = int(number%all_digits)
   end subroutine read_i_field
-
-  !> The digit's value, or -1.
-  elemental integer function digit_of(letter)
-    character(len=1), intent(in) :: letter
-
-    digit_of = index(digit_characters, letter) - 1
-  end function digit_of
-
-  !> Whether the last character that is not blank before column `i` is a sign.
-  pure logical function sign_before(field, i)
-    character(len=*), intent(in) :: field
-    integer, intent(in) :: i
-    integer :: last
-
-    last = len_trim(field(:i - 1))
-    sign_before = .false.
-    if (last > 0) sign_before = scan(field(last:last), '+-') > 0
-  end function sign_before
-
-  !> Whether the field has a sign or a point but no digit.
-  pure logical function lone_sign_or_point(field)
-    character(len=*), intent(in) :: field
-
-    lone_sign_or_point = scan(field, digit_characters) == 0 .and. verify(field, ' ') > 0
-  end function lone_sign_or_point
 
 end module asperity_card_reader

@@ -9,7 +9,7 @@ module asperity_delimited_text
   implicit none
   private
 
-  public :: line_cells, line_reader, find_separator, read_cells, column_of
+  public :: line_cells, line_reader, read_cells, column_of
 
   ! Bytes that are read at once, as many as a block of a file; a longer line needs more.
   integer, parameter :: block_length = 65536
@@ -23,6 +23,7 @@ module asperity_delimited_text
     character(len=2) :: line_comments = '#'    !! a line that begins with one of them is a comment
     character(len=1) :: comment = feed         !! begins a comment within a line; a line feed: none
     logical :: keep_empty = .true.             !! empty cells are counted
+    logical :: decimal_comma = .false.         !! a comma stands before decimals
     integer :: missing = 0                     !! number of the cell behind an empty one; 0: none
     integer :: cell_count = 0                  !! number of cells; 0 behind the last line
     integer :: line = 0                        !! number of the line
@@ -49,15 +50,6 @@ module asperity_delimited_text
   end type line_reader
 
 contains
-
-  !> The sign that separates the cells of a header: semicolons, else tabulators, else commas.
-  pure character(len=1) function find_separator(line) result(separator)
-    character(len=*), intent(in) :: line  !! names of columns, without a decimal comma
-
-    separator = ','
-    if (index(line, tabulator) > 0 .and. index(line, ',') == 0) separator = tabulator
-    if (index(line, ';') > 0) separator = ';'
-  end function find_separator
 
   !> Finds the cells of the next line that has some.
   pure subroutine read_cells(text, at, line, cells)

@@ -96,45 +96,38 @@ contains
   subroutine take_generation(fields, spec)
     type(scene_fields), intent(inout) :: fields   !! the text; problems are added
     type(generation_spec), intent(inout) :: spec  !! values of the groups, defaults filled in
-    type(gaussian_spec) :: pair(2)
     logical :: good_plane, good_heights, good_radii
     integer :: before
 
     before = fields%problems%count()
     call read_plane(fields, spec)
     good_plane = fields%problems%count() == before
-    call read_gaussian(fields, 'heights', any_number, pair, good_heights)
-    spec%sides%height = pair
-    call read_gaussian(fields, 'radii', above_zero, pair, good_radii)
-    spec%sides%radius = pair
+    call read_gaussian(fields, 'heights', any_number, spec%sides%height, good_heights)
+    call read_gaussian(fields, 'radii', above_zero, spec%sides%radius, good_radii)
     if (good_heights .and. good_radii) call check_spheres(fields, spec)
     call fields%take_whole('random', 'seed', 0, huge(spec%seed), spec%seed)
     call fields%take_whole('random', 'ensemble', 1, most_members, spec%ensemble)
     call fields%take_whole('random', 'tries', 1, most_tries, spec%tries)
     spec%is_deck = fields%has_group('deck')
-    if (spec%is_deck) &
-      call check_deck(fields, good_plane, good_heights, good_radii, spec)
+    if (spec%is_deck) call check_deck(fields, good_plane, good_heights, good_radii, spec)
   end subroutine take_generation
 
   !> Group &surfaces.
   subroutine read_plane(fields, spec)
     type(scene_fields), intent(inout) :: fields
     type(generation_spec), intent(inout) :: spec
-    type(decimal_value) :: wanted(2), lengths(2), widths(2), distances(2)
+    type(decimal_value) :: wanted(2)
     real(real128) :: number
     integer :: side, before
     logical :: good_extent
 
     before = fields%problems%count()
     call fields%require_name('surfaces', 'length', 'one')
-    call fields%take_pair('surfaces', 'length', above_zero, lengths)
+    call fields%take_pair('surfaces', 'length', above_zero, spec%sides%length)
     call fields%require_name('surfaces', 'width', 'one')
-    call fields%take_pair('surfaces', 'width', above_zero, widths)
+    call fields%take_pair('surfaces', 'width', above_zero, spec%sides%width)
     good_extent = fields%problems%count() == before
-    call fields%take_pair('surfaces', 'least_distance', not_negative, distances)
-    spec%sides%length = lengths
-    spec%sides%width = widths
-    spec%sides%least_distance = distances
+    call fields%take_pair('surfaces', 'least_distance', not_negative, spec%sides%least_distance)
     before = fields%problems%count()
     if (fields%has_name('surfaces', 'number') .and. fields%has_name('surfaces', 'density')) then
       call fields%complain_of('surfaces', 'density', 'found beside number, expected one of them')
@@ -149,7 +142,8 @@ contains
       number = exact_value(wanted(side))
       if (fields%has_name('surfaces', 'density')) then
         if (.not. good_extent) return
-        number = anint(number * exact_value(lengths(side)) * exact_value(widths(side)))
+        number = anint(number * exact_value(spec%sides(side)%length) * &
+                       exact_value(spec%sides(side)%width))
       end if
       if (number >= 1.0_real128 .and. number <= real(most_asperities, real128) .and. &
           abs(number - anint(number)) <= 0.0_real128) then
@@ -175,19 +169,18 @@ contains
     integer, intent(in) :: number_range
     type(gaussian_spec), intent(out) :: gaussian(2)
     logical, intent(out) :: good
-    type(decimal_value) :: means(2), deviations(2)
-    real(real128) :: low(2), high(2)
+    real(real128) :: means(2), deviations(2), low(2), high(2)
     integer :: before, side
 
     before = fields%problems%count()
     call fields%require_name(group, 'mean', 'one')
     if (group == 'heights') call fields%require_name(group, 'deviation', 'one, or 0')
-    call fields%take_pair(group, 'mean', number_range, means)
-    call fields%take_pair(group, 'deviation', not_negative, deviations)
-    gaussian%mean = means
-    gaussian%deviation = deviations
-    low = exact_value(means) - usual_cut * exact_value(deviations)
-    high = exact_value(means) + usual_cut * exact_value(deviations)
+    call fields%take_pair(group, 'mean', number_range, gaussian%mean)
+    call fields%take_pair(group, 'deviation', not_negative, gaussian%deviation)
+    means = exact_value(gaussian%mean)
+    deviations = exact_value(gaussian%deviation)
+    low = means - usual_cut * deviations
+    high = means + usual_cut * deviations
     call take_cut('lowest', low)
     call take_cut('highest', high)
     good = fields%problems%count() == before
@@ -213,28 +206,26 @@ contains
         cut = exact_value(values)
       else if (fields%has_name(group, name // '_deviation')) then
         call fields%take_pair(group, name // '_deviation', any_number, values)
-        cut = exact_value(means) + exact_value(values) * exact_value(deviations)
+        cut = means + exact_value(values) * deviations
       end if
     end subroutine take_cut
 
     !> Checks the range of one side, and leaves out what no draw would reach.
     subroutine set_range(i)
       integer, intent(in) :: i
-      real(real128) :: mean, deviation, from, to
+      real(real128) :: from, to
 
-      mean = exact_value(gaussian(i)%mean)
-      deviation = exact_value(gaussian(i)%deviation)
-      if (deviation <= 0.0_real128) then
-        if (low(i) > mean .or. high(i) < mean) &
+      if (deviations(i) <= 0.0_real128) then
+        if (low(i) > means(i) .or. high(i) < means(i)) &
           call fields%complain_of_group(group, 'the ' // trim(side_names(i)) // ' mean is cut ' // &
                                         'off: found deviation 0, expected lowest <= mean <= ' // &
                                         'highest in &' // group)
-        gaussian(i)%lowest = mean
-        gaussian(i)%highest = mean
+        gaussian(i)%lowest = means(i)
+        gaussian(i)%highest = means(i)
         return
       end if
-      from = (low(i) - mean) / deviation
-      to = (high(i) - mean) / deviation
+      from = (low(i) - means(i)) / deviations(i)
+      to = (high(i) - means(i)) / deviations(i)
       if (.not. from < to) then
         call fields%complain_of_group(group, 'nothing is left between the ' // &
              trim(side_names(i)) // ' cut-offs: expected lowest < highest in &' // group)
@@ -243,16 +234,12 @@ contains
              'leave only what is more than 30 deviations from the mean: expected a range ' // &
              'nearer to it in &' // group)
       end if
-      gaussian(i)%lowest = mean + deviation * max(from, min(-usual_cut, to - reach_beyond(-to)))
-      gaussian(i)%highest = mean + deviation * min(to, max(usual_cut, from + reach_beyond(from)))
+      ! The chance has fallen by 1e-17 at 40/d deviations further out than d, 5 or more.
+      gaussian(i)%lowest = means(i) + deviations(i) * &
+        max(from, min(-usual_cut, to - 40.0_real128 / max(-to, 5.0_real128)))
+      gaussian(i)%highest = means(i) + deviations(i) * &
+        min(to, max(usual_cut, from + 40.0_real128 / max(from, 5.0_real128)))
     end subroutine set_range
-
-    !> So many deviations further out than `place` the chance has fallen by 1e-17.
-    pure real(real128) function reach_beyond(place)
-      real(real128), intent(in) :: place
-
-      reach_beyond = 40.0_real128 / max(place, 5.0_real128)
-    end function reach_beyond
 
   end subroutine read_gaussian
 

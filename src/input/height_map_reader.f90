@@ -42,8 +42,7 @@ contains
     call read_header(head, header, line, problems, notes)
     is_height_map = has_spacing .or. header%names_line > 0 .or. header%has_spacing()
     if (is_numeric_line(line)) then
-      is_height_map = is_height_map .or. &
-                      count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
+      is_height_map = is_height_map .or. count([(scan(line(i:i), ',;') > 0, i=1, len(line))]) /= 3
     else if (is_surface_header(line)) then
       is_height_map = .false.
     end if

@@ -16,7 +16,7 @@ module asperity_input_text
 contains
 
   !> Reads a whole file; a file that cannot be read is a problem at its first byte.
-  subroutine read_text(path, expected_kind, text, problems, opened)
+  recursive subroutine read_text(path, expected_kind, text, problems, opened)
     character(len=*), intent(in) :: path                !! the file; `-` is standard input
     character(len=*), intent(in) :: expected_kind       !! what it should be, for the message
     character(len=:), allocatable, intent(out) :: text  !! all bytes of the file
@@ -24,31 +24,22 @@ contains
     class(byte_reader), intent(inout), optional :: opened  !! the file, at its first byte
     type(byte_reader) :: file
 
-    call problems%start(path)
-    if (present(opened)) then
-      call take_bytes(opened)
-    else
+    if (.not. present(opened)) then
       if (path == '-') then
         call file%open('/dev/stdin')
       else
         call file%open(path)
       end if
-      call take_bytes(file)
+      call read_text(path, expected_kind, text, problems, file)
       call file%close()
+      return
     end if
-
-  contains
-
-    subroutine take_bytes(from)
-      class(byte_reader), intent(inout) :: from
-
-      if (.not. allocated(from%failure)) call from%take_whole(text)
-      if (.not. allocated(from%failure)) return
-      problems%lacks_memory = index(from%failure, not_enough_memory) > 0
-      call problems%add_at(1, 1, from%failure // ', expected ' // expected_kind)
-      text = ''
-    end subroutine take_bytes
-
+    call problems%start(path)
+    if (.not. allocated(opened%failure)) call opened%take_whole(text)
+    if (.not. allocated(opened%failure)) return
+    problems%lacks_memory = index(opened%failure, not_enough_memory) > 0
+    call problems%add_at(1, 1, opened%failure // ', expected ' // expected_kind)
+    text = ''
   end subroutine read_text
 
   !> Reports the first byte that is no text.

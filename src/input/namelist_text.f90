@@ -252,7 +252,7 @@ contains
     integer :: i, last
 
     repeats = 1
-    last = digits_end(text, at)
+    last = place_before(text, at, verify(text(at:), digit_signs))
     if (last < at .or. next_character(text, last + 1) /= '*') return
     repeats = 0
     do i = at, last
@@ -365,14 +365,6 @@ contains
 
     word_end = place_before(text, first, scan(text(first:), word_ends))
   end function word_end
-
-  !> Last of the digits that begin at `first`; `first - 1` when none do.
-  pure integer function digits_end(text, first)
-    character(len=*), intent(in) :: text  !! the whole file
-    integer, intent(in) :: first          !! place where they begin
-
-    digits_end = place_before(text, first, verify(text(first:), digit_signs))
-  end function digits_end
 
   !> Last character inside the quotes that open at `first`; `first - 1` when the line ends before.
   pure integer function quote_end(text, first)

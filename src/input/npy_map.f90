@@ -4,7 +4,7 @@
 !> array in Fortran order has its columns one behind the other; its indices mean the same. Format:
 !> numpy.org/doc/stable/reference/generated/numpy.lib.format.html.
 module asperity_npy_map
-  use asperity_byte_reader, only: byte_reader
+  use asperity_byte_reader, only: byte_reader, signed_bits, whole_bits
   use asperity_height_map, only: expected_height, height_map, highest, largest_height, make_room, &
                                  most_samples, no_height
   use asperity_input_text, only: blanks, in_quotes
@@ -118,7 +118,7 @@ contains
       return
     end if
     call file%take(merge(2, 4, version == 1), bytes)
-    length = bits_of(bytes, .false.)
+    length = whole_bits(bytes)
     if (length > longest_header) then
       call problems%add_in_file('byte 9, length of the header: found ' // decimal_text(length) // &
                                 ', expected at most ' // decimal_text(longest_header))
@@ -186,9 +186,7 @@ contains
       integer :: last
 
       found = ''
-      if (at > len(text)) return
-      last = verify(text(at:), blanks)
-      at = merge(len(text) + 1, at + last - 1, last == 0)
+      at = at - 1 + verify(text(at:) // '.', blanks)
       if (at > len(text)) return
       if (scan(text(at:at), '''"') == 1) then
         last = index(text(at + 1:), text(at:at)) + at
@@ -315,7 +313,7 @@ contains
     integer(int64) :: bits, top
     integer :: fraction_bits
 
-    bits = bits_of(bytes, header%big_endian)
+    bits = whole_bits(bytes, header%big_endian)
     good = .true.
     height = no_height
     if (header%sample_kind == 'f') then
@@ -325,10 +323,11 @@ contains
         good = iand(bits, shiftl(1_int64, fraction_bits) - 1_int64) /= 0_int64
         return
       end if
-      if (header%wide == 4) height = real(transfer(int(signed_bits(), int32), 1.0_real32), real64)
+      if (header%wide == 4) &
+        height = real(transfer(int(signed_bits(bits, 32), int32), 1.0_real32), real64)
       if (header%wide == 8) height = transfer(bits, height)
     else if (header%sample_kind == 'i') then
-      height = real(signed_bits(), real64)
+      height = real(signed_bits(bits, 8 * header%wide), real64)
     else if (bits >= 0_int64) then
       height = real(bits, real64)
     else
@@ -336,32 +335,6 @@ contains
       height = 2.0_real64 * real(ior(shiftr(bits, 1), iand(bits, 1_int64)), real64)
     end if
     good = abs(height) <= highest
-
-  contains
-
-    ! The bits as a number with sign.
-    pure integer(int64) function signed_bits()
-      signed_bits = bits
-      if (header%wide == 8) return
-      if (btest(bits, 8 * header%wide - 1)) signed_bits = bits - shiftl(1_int64, 8 * header%wide)
-    end function signed_bits
-
   end subroutine decode_pixel
-
-  ! The whole number without sign in some bytes.
-  pure integer(int64) function bits_of(bytes, big_endian)
-    character(len=*), intent(in) :: bytes
-    logical, intent(in) :: big_endian
-    integer :: i
-
-    bits_of = 0_int64
-    do i = 1, len(bytes)
-      if (big_endian) then
-        bits_of = ior(shiftl(bits_of, 8), int(iachar(bytes(i:i)), int64))
-      else
-        bits_of = ior(bits_of, shiftl(int(iachar(bytes(i:i)), int64), 8 * (i - 1)))
-      end if
-    end do
-  end function bits_of
 
 end module asperity_npy_map

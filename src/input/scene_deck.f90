@@ -45,6 +45,7 @@ contains
     character(len=*), intent(in), optional :: text !! the deck, when it has been read already
     type(card_deck) :: deck
     type(problem_list) :: found
+    type(decimal_value) :: shift
     character(len=:), allocatable :: own_text
 
     if (present(text)) then
@@ -70,26 +71,17 @@ contains
       target_scene%upper%slope = upper_slope
       target_scene%lower%slope = lower_slope
       call convert_number(3, width_field, deck%lower_width, inch, &
-        target_scene%lower_mirror_width, found)
-      call thesis_sweep(deck, sweep, found)
+                          target_scene%lower_mirror_width, found)
+      ! XDISPL and YDISPL are added, as the original's print says.
+      call convert_number(header_cards, shift_field(1), deck%x_displacement, inch, shift, found)
+      sweep%x_first = decimal_sum(thesis_step, shift)
+      sweep%x_step = thesis_step
+      call convert_number(header_cards, shift_field(2), deck%y_displacement, inch, sweep%y_first, &
+                          found)
+      sweep%positions = thesis_positions
     end if
     call problems%append(found)
   end subroutine surfaces_from_deck
-
-  !> The motion of the thesis, in cm. XDISPL and YDISPL are added, as the original's print says.
-  subroutine thesis_sweep(deck, sweep, problems)
-    type(card_deck), intent(in) :: deck
-    type(scene_motion), intent(out) :: sweep
-    type(problem_list), intent(inout) :: problems
-    type(decimal_value) :: shift
-
-    call convert_number(header_cards, shift_field(1), deck%x_displacement, inch, shift, problems)
-    sweep%x_first = decimal_sum(thesis_step, shift)
-    sweep%x_step = thesis_step
-    call convert_number(header_cards, shift_field(2), deck%y_displacement, inch, shift, problems)
-    sweep%y_first = shift
-    sweep%positions = thesis_positions
-  end subroutine thesis_sweep
 
   !> One model in cm and N/cm2. Card `header` holds its numbers; its asperities follow `before`.
   subroutine convert_model(path, header, before, model, surface, problems)

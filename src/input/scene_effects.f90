@@ -25,12 +25,17 @@ contains
   subroutine read_effects(fields, checked)
     type(scene_fields), intent(inout) :: fields  !! the scene's text
     type(scene), intent(inout) :: checked        !! with material and limit; gets the effects
-    integer :: i
+    integer :: chosen, i
 
     associate (effects => checked%effects)
       do i = 1, size(known_effects)
-        call take_mode(fields, known_effects(i), effects%modes(i))
-        if (fields%has_name('effects', trim(known_effects(i)%name))) effects%given(i) = by_word
+        associate (effect => known_effects(i))
+          chosen = 1
+          call fields%take_word('effects', trim(effect%name), &
+                                effect_words(pack(effect%ways, effect%ways > 0)), chosen)
+          if (chosen > 0) effects%modes(i) = effect%ways(chosen)
+          if (fields%has_name('effects', trim(effect%name))) effects%given(i) = by_word
+        end associate
       end do
       do i = 1, size(effect_numbers)
         call take_number(fields, effect_numbers(i), effects%numbers(i))
@@ -110,21 +115,6 @@ contains
     end if
   end function why_not
 
-  ! One of the words that an effect knows.
-  subroutine take_mode(fields, effect, mode)
-    type(scene_fields), intent(inout) :: fields
-    type(known_effect), intent(in) :: effect
-    integer, intent(inout) :: mode
-    integer :: chosen
-
-    chosen = 1
-    associate (ways => pack(effect%ways, effect%ways > 0))
-      call fields%take_word('effects', trim(effect%name), effect_words(ways), chosen)
-      mode = effect_off
-      if (chosen > 0) mode = ways(chosen)
-    end associate
-  end subroutine take_mode
-
   ! A number, a whole number or a word; what is not there stays as it is.
   subroutine take_number(fields, number, value)
     type(scene_fields), intent(inout) :: fields
@@ -197,8 +187,7 @@ contains
     given = checked%effects%given(findloc(known_effects%name, 'plasticity', 1))
     if (flows_on_pixels(checked)) then
       call fields%refuse_name('effects', 'plastic_yield_stress', 'the pixels of a map yield ' // &
-                              'at a pressure: found a stress, expected ' // name // &
-                              ' in its place')
+                              'at a pressure: found a stress, expected ' // name // ' in its place')
     else if (fields%has_name('effects', name) .and. &
              (checked%effects%mode('plasticity') /= effect_off .or. given < by_word)) then
       call fields%complain_of('effects', name, 'it limits the pressures on the pixels of a map: ' &
@@ -269,27 +258,18 @@ contains
            '&material: found contact_modulus in their place'
   end function needs_both
 
-  ! Whether friction would have to follow a path back.
+  ! Whether friction would have to follow a path of loads or separations back.
   pure logical function rubs_back(checked)
     type(scene), intent(in) :: checked
-
-    rubs_back = is_there(checked%effects, 'friction_coefficient') .and. goes_back(checked)
-  end function rubs_back
-
-  ! Whether the path of loads or approaches goes back anywhere.
-  pure logical function goes_back(checked)
-    type(scene), intent(in) :: checked
     real(real64), allocatable :: closing(:)
-    integer :: last
 
-    goes_back = .false.
-    if (.not. allocated(checked%loading%path)) return
-    last = size(checked%loading%path)
-    allocate (closing(last))
-    closing = decimal_to_real64(checked%loading%path)
+    rubs_back = is_there(checked%effects, 'friction_coefficient') .and. &
+                allocated(checked%loading%path)
+    if (.not. rubs_back) return
+    allocate (closing, source=decimal_to_real64(checked%loading%path))
     if (checked%loading%control == control_separation) closing = -closing
-    goes_back = any(closing(2:) < closing(:last - 1))
-  end function goes_back
+    rubs_back = any(closing(2:) < closing(:size(closing) - 1))
+  end function rubs_back
 
   ! Effects whose theories do not go together. With `auto` it shows only at a position whether both
   ! are called for.

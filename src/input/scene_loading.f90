@@ -64,8 +64,8 @@ contains
     logical :: pulls
 
     problems = fields%problems%count()
-    pulls = fields%has_name('effects', 'adhesion') .or. fields%has_name('effects', &
-      'work_of_adhesion')
+    pulls = fields%has_name('effects', 'adhesion') .or. &
+            fields%has_name('effects', 'work_of_adhesion')
     number = fields%value_count('loading', 'value')
     if (number <= 1 .or. loading%control == control_limit) then
       call fields%take_number('loading', 'value', &
@@ -80,24 +80,16 @@ contains
       call fields%take_numbers('loading', 'value', &
            merge(not_negative, any_number, is_load(loading%control) .and. .not. pulls .or. &
                  loading%control == control_compression), loading%path)
-      loading%value = deepest_value(loading%path, loading%control)
+      ! The largest load or compression, or the least separation.
+      associate (numbers => decimal_to_real64(loading%path))
+        loading%value = loading%path(merge(minloc(numbers, 1), maxloc(numbers, 1), &
+                                           loading%control == control_separation))
+      end associate
       if (is_load(loading%control) .and. .not. pulls .and. &
           loading%value%all_digits == 0_int64 .and. fields%problems%count() == problems) &
         call fields%complain_of('loading', 'value', 'no load is more than 0, expected one')
     end if
   end subroutine read_path
-
-  !> The largest load or compression, or the least separation.
-  pure function deepest_value(path, control) result(value)
-    type(decimal_value), intent(in) :: path(:)
-    integer, intent(in) :: control
-    type(decimal_value) :: value
-    real(real64) :: numbers(size(path))
-
-    numbers = decimal_to_real64(path)
-    if (control /= control_separation) numbers = -numbers
-    value = path(minloc(numbers, 1))
-  end function deepest_value
 
   !> A curve at every position must have room.
   subroutine check_states(fields, checked)

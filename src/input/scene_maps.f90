@@ -203,7 +203,7 @@ contains
           lower%pixel_spacing(i)) <= most_off * upper%pixel_spacing(i)) cycle
         call fields%complain_of('surfaces', 'upper', 'two maps: found spacings along ' // &
              'xy'(i:i) // ' of ' // spacing_text(upper) // ' and ' // spacing_text(lower) // &
-             ', expected ' // 'the same grid: the plane is in contact with their sum')
+             ', expected the same grid: the plane is in contact with their sum')
       end do
     end if
 

@@ -70,7 +70,9 @@ contains
              did_you_mean(name, known%group))
         near = nearest_word(name, known%group)
         if (near == 0) cycle
-        if (known(near)%group_at == 0 .and. .not. group_stands(known(near)%group)) then
+        if (known(near)%group_at == 0 .and. &
+            .not. any([(list%items(k)%item_kind == a_group .and. &
+                        list%name_text(k) == known(near)%group, k=1, list%item_count)])) then
           where (known%group == known(near)%group) known%group_at = i
         end if
       else if (any(known%group == name .and. known%group_at > 0)) then
@@ -97,8 +99,7 @@ contains
         if (near == 0) near = findloc(known%name == name, .true., 1)
         call problems%add_at_byte(list%text, list%items(i)%first, 'unknown name in &' // group // &
              ': found ' // in_quotes(name) // ', expected ' // &
-             any_of(pack(known%name, known%group == group)) // &
-             what_is_meant(near))
+             any_of(pack(known%name, known%group == group)) // what_is_meant(near))
         if (near == 0) cycle
         if (known(near)%at == 0) known(near)%at = i
       else if (known(k)%group_at /= list%items(i)%group) then
@@ -123,18 +124,6 @@ contains
       text = '; did you mean ''' // trim(known(k)%name) // '''?'
       if (known(k)%name == name) text = '; it is a name of &' // trim(known(k)%group)
     end function what_is_meant
-
-    ! Whether a group stands anywhere in the text.
-    pure logical function group_stands(group)
-      character(len=*), intent(in) :: group
-      integer :: item
-
-      group_stands = .false.
-      do item = 1, list%item_count
-        if (list%items(item)%item_kind == a_group) group_stands = group_stands .or. &
-          list%name_text(item) == group
-      end do
-    end function group_stands
 
   end subroutine find_names
 

@@ -82,26 +82,20 @@ contains
     type(scene), intent(out) :: checked             !! its values, defaults filled in
     type(problem_list), intent(inout) :: problems   !! all that is wrong
     type(scene_fields) :: fields
+    integer :: side
 
     checked%file = 'scene'
     checked%text = text
     call read_fields(checked%file, text, 'a scene', [a_scene], scene_table(), fields)
-    fields%given = [is_given(sides(1)), is_given(sides(2))]
+    do side = 1, 2
+      fields%given(side) = allocated(sides(side)%surface) .or. allocated(sides(side)%map)
+    end do
     if (allocated(sides(1)%map) .or. allocated(sides(2)%map)) allocate (checked%map)
     if (allocated(sides(1)%map)) call move_map(sides(1)%map, checked%map%upper)
     if (allocated(sides(2)%map)) call move_map(sides(2)%map, checked%map%lower)
     if (allocated(sides(1)%surface)) checked%upper = sides(1)%surface
     if (allocated(sides(2)%surface)) checked%lower = sides(2)%surface
     call read_groups(fields, checked, problems)
-
-  contains
-
-    pure logical function is_given(side)
-      type(scene_side), intent(in) :: side
-
-      is_given = allocated(side%surface) .or. allocated(side%map)
-    end function is_given
-
   end subroutine build_scene_of
 
   !> Makes a scene with the surfaces of another one, which are not read again, from the text of all

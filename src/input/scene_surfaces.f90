@@ -142,6 +142,7 @@ contains
 
   end subroutine read_files
 
+  ! Long: the reading of a side shares files and radii with the checks of both.
   !> The two CSV files, or one and a plane; the scene's radius serves those that have no radius
   !> column.
   subroutine read_csv_files(path, upper, lower, files, fields, checked, other_files)
@@ -152,35 +153,20 @@ contains
     type(scene), intent(inout) :: checked
     type(problem_list), intent(inout) :: other_files
     type(decimal_value) :: radius(2)
-    character(len=:), allocatable :: which
-    character(len=:), allocatable :: upper_unit, lower_unit
-    logical :: upper_has_radius, lower_has_radius
+    character(len=:), allocatable :: which, upper_unit, lower_unit
+    logical :: has_radius(2)
 
-    upper_unit = ''
-    lower_unit = ''
-    upper_has_radius = .true.
-    lower_has_radius = .true.
     if (checked%upper%is_plane .or. checked%lower%is_plane) then
       call fields%take_pair('surfaces', 'radius', above_zero, radius)
     else
       call fields%take_numbers('surfaces', 'radius', above_zero, radius)
     end if
-    if (checked%upper%is_plane) then
-      checked%upper = plane_surface()
-    else if (allocated(upper)) then
-      call surface_from_csv(path_beside(path, upper), files(1), radius(1), checked%upper, &
-                            upper_has_radius, upper_unit, checked%notes, other_files)
-    end if
-    if (checked%lower%is_plane) then
-      checked%lower = plane_surface()
-    else if (allocated(lower)) then
-      call surface_from_csv(path_beside(path, lower), files(2), radius(2), checked%lower, &
-                            lower_has_radius, lower_unit, checked%notes, other_files)
-    end if
+    call read_side(1, upper, checked%upper, upper_unit)
+    call read_side(2, lower, checked%lower, lower_unit)
     if (upper_unit /= '' .and. lower_unit /= '' .and. upper_unit /= lower_unit) &
       call fields%complain_of('surfaces', 'lower', 'found unit ' // in_quotes(lower_unit) // &
                               ' in its header beside ' // in_quotes(upper_unit) // &
-                              ' of upper, ' // 'expected all lengths in one unit')
+                              ' of upper, expected all lengths in one unit')
     if (upper_unit == '') upper_unit = lower_unit
     if (upper_unit /= '' .and. checked%units(1) /= '' .and. &
         upper_unit /= plain_unit(checked%units(1))) &
@@ -190,16 +176,57 @@ contains
                               'the same: nothing is converted')
     if (.not. fields%has_name('surfaces', 'radius')) then
       which = 'upper and the lower'
-      if (upper_has_radius) which = 'lower'
-      if (lower_has_radius) which = 'upper'
-      if (.not. (upper_has_radius .and. lower_has_radius)) &
+      if (has_radius(1)) which = 'lower'
+      if (has_radius(2)) which = 'upper'
+      if (.not. all(has_radius)) &
         call fields%complain_of_group('surfaces', 'no radius: found no radius column in the ' // &
              which // ' surface''s file, expected radius = upper, lower in &surfaces')
-    else if (upper_has_radius .and. lower_has_radius .and. other_files%count() == 0 .and. &
+    else if (all(has_radius) .and. other_files%count() == 0 .and. &
              all(fields%given .or. [allocated(upper), allocated(lower)])) then
       call fields%complain_of('surfaces', 'radius', 'found although both surfaces have radii ' // &
                               'of their own, expected only where a file has none')
     end if
+
+  contains
+
+    ! Reads the surface of one side, unless it is given; a common radius of 0 is none.
+    subroutine read_side(side, name, surface, unit)
+      integer, intent(in) :: side
+      character(len=:), allocatable, intent(in) :: name
+      type(scene_surface), intent(inout) :: surface
+      character(len=:), allocatable, intent(out) :: unit  ! of lengths, from its header
+      type(surface_table) :: table
+      type(problem_list) :: found
+
+      unit = ''
+      has_radius(side) = .true.
+      if (surface%is_plane) surface = plane_surface()
+      if (surface%is_plane .or. .not. allocated(name)) return
+      surface%file = path_beside(path, name)
+      if (radius(side)%all_digits > 0_int64) then
+        call read_surface_csv(surface%file, table, found, decimal_to_real64(radius(side)), &
+                              opened=files(side))
+      else
+        call read_surface_csv(surface%file, table, found, opened=files(side))
+      end if
+      surface%checksum = checksum_of_pipe(files(side))
+      call other_files%append(found)
+      ! A file that could not be read is not reported for a missing radius too.
+      has_radius(side) = table%has_radius .or. found%count() > 0
+      if (found%count() == 0) then
+        unit = table%unit
+        if (table%others /= '') call checked%notes%add(surface%file // &
+            ': note: columns that are not read: ' // table%others)
+        if (all(table%height < 0.0_real64)) &
+          call checked%notes%add(surface%file // ': note: every summit lies below the ' // &
+               'reference plane: heights count upwards; is the surface upside down?')
+      end if
+      if (allocated(table%x)) call move_alloc(table%x, surface%x)
+      if (allocated(table%y)) call move_alloc(table%y, surface%y)
+      if (allocated(table%height)) call move_alloc(table%height, surface%height)
+      if (allocated(table%radius)) call move_alloc(table%radius, surface%radius)
+    end subroutine read_side
+
   end subroutine read_csv_files
 
   ! Maps of one or both surfaces; the other one is a plane.
@@ -263,42 +290,6 @@ contains
     surface%is_plane = .true.
     allocate (surface%x(0), surface%y(0), surface%height(0), surface%radius(0))
   end function plane_surface
-
-  !> Fills the numbers of one surface from a CSV file; a common radius of 0 is none.
-  subroutine surface_from_csv(path, file, common_radius, surface, has_radius, unit, notes, problems)
-    character(len=*), intent(in) :: path
-    type(line_reader), intent(inout) :: file  ! open, at its first byte
-    type(decimal_value), intent(in) :: common_radius
-    type(scene_surface), intent(inout) :: surface
-    logical, intent(out) :: has_radius
-    character(len=:), allocatable, intent(inout) :: unit  ! of lengths, from its header
-    type(problem_list), intent(inout) :: notes, problems
-    type(surface_table) :: table
-    type(problem_list) :: found
-
-    if (common_radius%all_digits > 0_int64) then
-      call read_surface_csv(path, table, found, decimal_to_real64(common_radius), opened=file)
-    else
-      call read_surface_csv(path, table, found, opened=file)
-    end if
-    surface%checksum = checksum_of_pipe(file)
-    call problems%append(found)
-    surface%file = path
-    ! A file that could not be read shall not be blamed for a missing radius too.
-    has_radius = table%has_radius .or. found%count() > 0
-    if (found%count() == 0) then
-      unit = table%unit
-      if (table%others /= '') &
-        call notes%add(path // ': note: columns that are not read: ' // table%others)
-      if (all(table%height < 0.0_real64)) &
-        call notes%add(path // ': note: every summit lies below the reference plane: heights ' // &
-                       'count upwards; is the surface upside down?')
-    end if
-    if (allocated(table%x)) call move_alloc(table%x, surface%x)
-    if (allocated(table%y)) call move_alloc(table%y, surface%y)
-    if (allocated(table%height)) call move_alloc(table%height, surface%height)
-    if (allocated(table%radius)) call move_alloc(table%radius, surface%radius)
-  end subroutine surface_from_csv
 
   !> Whether the surfaces come from CSV files, or are given: they bring neither material nor limit.
   pure logical function from_csv(fields)

@@ -4,6 +4,7 @@
 !> binary header has 81 bytes; ISO-2.0 counts samples in 4 bytes in place of 2, which makes 85. That
 !> of Olympus has 8 more, the whole numbers 5 and 1.
 module asperity_sdf_header
+  use asperity_byte_reader, only: whole_bits
   use asperity_decimal, only: decimal_to_real64, decimal_value
   use asperity_delimited_text, only: line_reader
   use asperity_height_map, only: expected_length, is_length
@@ -14,7 +15,7 @@ module asperity_sdf_header
   implicit none
   private
 
-  public :: sdf_header, is_sdf, read_text_header, read_binary_header, add_at_record, whole_bits
+  public :: sdf_header, is_sdf, read_text_header, read_binary_header, add_at_record
   public :: iso_1, iso_2, bcr, magic_length, type_names, type_bytes
 
   !> Revisions.
@@ -116,8 +117,9 @@ contains
                              ', expected NAME = VALUE, or one asterisk')
         cycle
       end if
-      i = 0
-      if (equals > first) i = findloc(lower_all(), lower_case(trim(text(first:equals - 1))), 1)
+      do i = size(fields), 1, -1
+        if (lower_case(fields(i)) == lower_case(text(first:equals - 1))) exit
+      end do
       if (i == 0) cycle
       if (seen(i)) call problems%add_at(line, first, trim(fields(i)) // &
                                         ' occurs twice, expected once')
@@ -130,16 +132,6 @@ contains
                                               trim(fields(i)) // ', expected it')
     end do
   end subroutine read_text_header
-
-  ! The fields in small letters.
-  pure function lower_all() result(small)
-    character(len=11) :: small(size(fields))
-    integer :: i
-
-    do i = 1, size(fields)
-      small(i) = lower_case(fields(i))
-    end do
-  end function lower_all
 
   ! In BCR-1.0 a semicolon begins a comment.
   pure subroutine cut_comment(header, text)
@@ -298,17 +290,6 @@ contains
       text = trim(adjustl(number_text))
     end if
   end function float_text
-
-  !> The whole number in some bytes, the lowest first, as little-endian machines write it.
-  pure integer(int64) function whole_bits(bytes)
-    character(len=*), intent(in) :: bytes  !! 1 to 8
-    integer :: i
-
-    whole_bits = 0_int64
-    do i = len(bytes), 1, -1
-      whole_bits = ior(shiftl(whole_bits, 8), int(iachar(bytes(i:i)), int64))
-    end do
-  end function whole_bits
 
   !> Adds a problem at a byte of a binary file.
   pure subroutine add_at_record(problems, byte, record, message)

@@ -5,6 +5,7 @@
 !> the first profile is that of the largest y, as other programs have it. Bytes behind the pixels
 !> are text of the maker, which is noted, or refused: the header may be longer than it should be.
 module asperity_sdf_samples
+  use asperity_byte_reader, only: signed_bits, whole_bits
   use asperity_delimited_text, only: column_of, line_cells, line_reader
   use asperity_height_map, only: digit_of, height_map, highest, is_measured, largest_height, &
                                  make_room, most_samples, no_height, no_power, read_height
@@ -12,7 +13,7 @@ module asperity_sdf_samples
   use asperity_kinds, only: int64, real32, real64
   use asperity_problems, only: decimal_text, problem_list
   use asperity_progress, only: progress_line
-  use asperity_sdf_header, only: add_at_record, bcr, sdf_header, type_bytes, type_names, whole_bits
+  use asperity_sdf_header, only: add_at_record, bcr, sdf_header, type_bytes, type_names
   implicit none
   private
 
@@ -215,15 +216,6 @@ contains
     other_limit = merge(-other_limit, other_limit - 1_int64, header%revision == bcr)
   end function other_limit
 
-  ! Bits as a number with sign.
-  pure integer(int64) function signed_bits(bits, wide)
-    integer(int64), intent(in) :: bits
-    integer, intent(in) :: wide
-
-    signed_bits = bits
-    if (wide < 64 .and. btest(bits, wide - 1)) signed_bits = bits - shiftl(1_int64, wide)
-  end function signed_bits
-
   ! Whether a number stands for a missing sample. No sample of a text comes as near to it.
   pure logical function is_reserved(header, number)
     type(sdf_header), intent(in) :: header
@@ -234,24 +226,14 @@ contains
     real(real64), parameter :: highest_of(0:7) = [255.0_real64, 65535.0_real64, &
       4294967295.0_real64, 3.4e38_real64, 127.0_real64, 32767.0_real64, 2147483647.0_real64, &
       1.7e308_real64]
+    real(real64) :: limit
 
-    if (header%revision == bcr) then
-      is_reserved = number >= reserved_limit(highest_of(header%data_type))
-    else
-      is_reserved = number <= lowest(header%data_type)
-    end if
-
-  contains
-
+    is_reserved = number <= lowest(header%data_type)
+    if (header%revision /= bcr) return
     ! 3.4E38 as the bytes of a sample have it.
-    pure real(real64) function reserved_limit(limit)
-      real(real64), intent(in) :: limit
-
-      reserved_limit = limit
-      if (header%data_type == binary32) reserved_limit = real(real(limit, real32), real64)
-      if (reserved_limit > limit) reserved_limit = limit
-    end function reserved_limit
-
+    limit = highest_of(header%data_type)
+    if (header%data_type == binary32) limit = min(limit, real(real(limit, real32), real64))
+    is_reserved = number >= limit
   end function is_reserved
 
   ! The number of a sample becomes its height.
@@ -332,7 +314,7 @@ contains
       return
     end do
     call refuse_word('found ' // in_quotes(word) // ' behind ' // grid // &
-                ' pixels, expected an ' // 'asterisk, and no value behind it')
+                ' pixels, expected an asterisk, and no value behind it')
 
   contains
 

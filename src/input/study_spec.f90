@@ -12,7 +12,7 @@ module asperity_study_spec
   use asperity_number_ranges, only: above_zero, any_number, poisson_range, share
   use asperity_problems, only: problem_list
   use asperity_scene_fields, only: read_fields, scene_fields
-  use asperity_scene_names, only: in_group, known_name
+  use asperity_scene_names, only: in_group
   implicit none
   private
 
@@ -73,7 +73,10 @@ contains
     call read_text(path, 'a specification', spec%text, problems)
     if (problems%count() > 0) return
     call read_fields(path, spec%text, 'a specification', [a_specification, a_study], &
-                     study_table(), fields)
+                     [generation_table(), in_group('material', [character(len=15) :: &
+                      'elastic_modulus', 'poisson_ratio']), in_group('study', [character(len=10) &
+                      :: 'separation', 'pressure', 'against', 'sizes', 'factor', 'steps', &
+                      'sections', 'places', 'reference', 'tolerance', 'confidence'])], fields)
     if (fields%is_text) call take_study(fields, spec)
     problems = fields%problems
   end subroutine read_study_spec
@@ -97,17 +100,6 @@ contains
     call take_loading(fields, spec)
     call take_sections(fields, spec)
   end subroutine take_study
-
-  !> The groups and names of a study.
-  pure function study_table() result(table)
-    type(known_name), allocatable :: table(:)
-
-    table = [generation_table(), &
-             in_group('material', [character(len=15) :: 'elastic_modulus', 'poisson_ratio']), &
-             in_group('study', [character(len=10) :: 'separation', 'pressure', 'against', 'sizes', &
-                                'factor', 'steps', 'sections', 'places', 'reference', &
-                                'tolerance', 'confidence'])]
-  end function study_table
 
   !> How near the surfaces come.
   subroutine take_loading(fields, spec)

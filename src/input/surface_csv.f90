@@ -6,7 +6,7 @@
 module asperity_surface_csv
   use asperity_byte_reader, only: byte_reader
   use asperity_decimal, only: decimal_to_real64, decimal_value
-  use asperity_delimited_text, only: column_of, find_separator, line_cells, read_cells
+  use asperity_delimited_text, only: column_of, line_cells, read_cells
   use asperity_file_kind, only: a_surface, other_kind
   use asperity_height_map, only: plain_unit
   use asperity_input_text, only: check_text, line_end, lower_case, in_quotes, read_text, text_start
@@ -14,7 +14,7 @@ module asperity_surface_csv
   use asperity_numeral, only: read_numeral
   use asperity_problems, only: decimal_text, not_enough_memory, problem_list
   use asperity_process, only: has_memory
-  use asperity_word_hint, only: nearest_word
+  use asperity_word_hint, only: did_you_mean, nearest_word
   implicit none
   private
 
@@ -290,13 +290,13 @@ contains
     type(problem_list), intent(inout) :: problems   !! what is wrong
     type(line_cells) :: cells
     character(len=:), allocatable :: name, unit
-    integer :: i, role, last, start, unread
+    integer :: i, role, last, unread
     logical :: is_mixed
 
     is_mixed = .false.
     last = line_end(text, first)
-    start = first
-    cells%separator = find_separator(text(first:last))
+    if (index(text(first:last), ',') == 0) cells%separator = achar(9)  ! of names alone
+    if (index(text(first:last), ';') > 0) cells%separator = ';'
     call read_cells(text, first, line, cells)
     line = cells%line + 1
     columns%column_count = cells%cell_count
@@ -336,8 +336,8 @@ contains
       if (role == 0) cycle
       if (columns%cell_of(role) > 0) cycle
       columns%cell_of(role) = i
-      call refuse_cell(i, 'unknown column: found ' // in_quotes(name) // '; did you mean ''' // &
-                  trim(column_names(role)) // '''?', problems)
+      call refuse_cell(i, 'unknown column: found ' // in_quotes(name) // &
+                       did_you_mean(name, column_names), problems)
     end do
     if (unread > 0) columns%others = columns%others(3:)
     if (unread > most_named) &
@@ -348,9 +348,8 @@ contains
     end do
     if (name /= '') &
       call problems%add_at(cells%line, 1, 'no column ' // name(3:) // ': found ' // &
-                           in_quotes(text(start:last)) // &
-                           ', expected x, y, height and perhaps ' // &
-                           'radius, between commas, semicolons or tabulators')
+                           in_quotes(text(cells%start:last)) // ', expected x, y, height and ' // &
+                           'perhaps radius, between commas, semicolons or tabulators')
 
   contains
 

@@ -246,7 +246,7 @@ contains
       end do
     else if (has_unit(text) .or. name == 'width' .or. name == 'height') then
       call notes%add_at(line, 1, 'note: the unit in ' // in_quotes(text) // &
-                        ' is not understood ' // 'and not used')
+                        ' is not understood and not used')
     end if
   end subroutine read_comment
 

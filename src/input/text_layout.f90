@@ -17,7 +17,6 @@ module asperity_text_layout
     integer(int64) :: lines = 0_int64           !! lines of numbers
     integer :: columns = 0                      !! cells of the first line of numbers
     integer :: gap_line = 0                     !! empty, or a comment, between numbers; 0: none
-    logical :: decimal_comma = .false.          !! a comma stands before decimals
     !> Signs that separate the cells.
     type(line_cells) :: cells = line_cells(' ', '#%', '#', .false.)
   end type text_layout
@@ -216,7 +215,7 @@ contains
     first = findloc(used(:a_semicolon), .true., 1)
     if (used(a_decimal_comma) .and. count(used) == 2 .and. .not. used(a_comma) .and. &
         .not. (counts%point .or. counts%two_commas)) then
-      layout%decimal_comma = .true.
+      layout%cells%decimal_comma = .true.
       layout%cells%separator = signs(first:first)
       if (.not. counts%surely_decimal) &
         call refuse_gaps([a_decimal_comma], &
@@ -286,8 +285,7 @@ contains
     integer(int64), parameter :: many = 200_int64
     logical :: alike
 
-    alike = all([counts%least(1), counts%most(1)] == counts%least(0)) .and. &
-            .not. counts%signed(1)
+    alike = all([counts%least(1), counts%most(1)] == counts%least(0)) .and. .not. counts%signed(1)
     may_be_decimals = counts%least(0) == counts%most(0) .and. .not. counts%signed(0) .and. &
       (.not. alike .or. counts%least(0) == 1 .or. counts%gaps(a_decimal_comma) < many)
     may_be_decimals = may_be_decimals .or. (counts%zero_first(0) .and. .not. counts%zero_first(1))

@@ -68,20 +68,18 @@ contains
     if (.not. points) then
       call read_matrix(file, layout, progress, map, problems, failure)
       if (problems%count() > 0 .or. allocated(failure)) return
-      if (.not. given .or. .not. is_list_of_points(map%height)) then
-        if (.not. given) then
-          map%pixel_spacing = layout%pixel_spacing
-          if (.not. all(map%pixel_spacing > 0.0_real64)) &
-            map%pixel_spacing = layout%extent / real([map%columns, map%rows], real64)
+      if (.not. given) then
+        map%pixel_spacing = layout%pixel_spacing
+        if (.not. all(map%pixel_spacing > 0.0_real64)) &
+          map%pixel_spacing = layout%extent / real([map%columns, map%rows], real64)
+      else if (is_list_of_points(map%height)) then
+        if (.not. shared) then
+          call problems%add_at(layout%first_line, 1, option // ' given, but the first two ' // &
+               'columns are places on a grid: x,y,z lines have their own spacing, expected none')
+          return
         end if
-      else if (shared) then
         deallocate (map%height)
         points = .true.
-      else
-        call problems%add_at(layout%first_line, 1, option // ' given, but the first two columns ' &
-                             // 'are places on a grid: x,y,z lines have their own spacing, ' // &
-                             'expected none')
-        return
       end if
     end if
     if (points) call read_points(file, layout, option, progress, map, problems, failure)
@@ -106,9 +104,8 @@ contains
           same(i) = abs(width - layout%extent(i)) <= layout%extent_error(i) + &
                                                      1.0e-6_real64 * layout%extent(i)
         end do
-        if (.not. all(same)) cycle
-        layout%unit(:2) = length_units(k)
-        return
+        if (all(same)) layout%unit(:2) = length_units(k)
+        if (all(same)) return
       end do
       call problems%add_in_file(option // ' contradicts the width or height of the map in its ' // &
                                 'header, found another one in every unit of length, expected ' // &
@@ -141,7 +138,7 @@ contains
       if (layout%unit(i) == '') cycle
       same = same .and. (found == '' .or. &
                          index(found // ',', ' ' // trim(layout%unit(i)) // ',') > 0)
-      found = found // ', ' // 'xyz'(i:i) // ' ' // trim(layout%unit(i))
+      found = found // ', xyz'(i:i) // ' ' // trim(layout%unit(i))
     end do
     if (found == '') return
     found = found(3:)
@@ -252,7 +249,7 @@ contains
                              cells%missing <= cells%cell_count) // ' this one, expected ' // &
                              expected_cell)
       do i = 1, min(cells%cell_count, map%columns)
-        call read_cell(file, layout, cells, i, .false., map%height(i, row), good, power, problems)
+        call read_cell(file, cells, i, .false., map%height(i, row), good, power, problems)
       end do
       if (cells%cell_count /= map%columns) &
         call problems%add_at(cells%line, cells%last(cells%cell_count) - cells%start + 2, &
@@ -286,7 +283,7 @@ contains
     call file%begin_text(layout%first_line)
     cells = layout%cells
     do
-      call next_point(file, layout, option, cells, values, good, power, problems)
+      call next_point(file, option, cells, values, good, power, problems)
       if (cells%cell_count == 0) exit
       ! Where the first line is none the file is of another kind: that is one mistake, not many.
       if (cells%cell_count /= 3 .and. lines == 0_int64) return
@@ -319,7 +316,7 @@ contains
     call shown%begin(progress, 'lines read', int(lines), 0)
     call file%begin_text(layout%first_line)
     do done = 1_int64, lines
-      call next_point(file, layout, option, cells, values, good, power, problems)
+      call next_point(file, option, cells, values, good, power, problems)
       do i = 1, 2
         place(i) = 1 + nint((values(i) - along(i)%first) / map%pixel_spacing(i))
         if (abs(values(i) - along(i)%first - (place(i) - 1) * map%pixel_spacing(i)) > &
@@ -344,9 +341,8 @@ contains
   end subroutine read_points
 
   ! Reads the next line of three cells; there is none at the end of the file.
-  subroutine next_point(file, layout, option, cells, values, good, power, problems)
+  subroutine next_point(file, option, cells, values, good, power, problems)
     type(line_reader), intent(inout) :: file
-    type(text_layout), intent(in) :: layout
     character(len=*), intent(in) :: option
     type(line_cells), intent(inout) :: cells
     real(real64), intent(out) :: values(3)
@@ -369,13 +365,13 @@ contains
     end if
     do i = 1, 3
       any_power = no_power
-      call read_cell(file, layout, cells, i, i < 3, values(i), good, any_power, problems)
+      call read_cell(file, cells, i, i < 3, values(i), good, any_power, problems)
       if (i == 3) power = min(power, any_power)
       if (.not. good) return
     end do
   end subroutine next_point
 
-  ! A coordinate more.
+  ! Takes one more coordinate into the range of all.
   pure subroutine take_coordinate(value, along)
     real(real64), intent(in) :: value
     type(extent), intent(inout) :: along
@@ -392,9 +388,8 @@ contains
   end subroutine take_coordinate
 
   ! Reads a cell of a line as a height, which is no missing one where it must be measured.
-  subroutine read_cell(file, layout, cells, i, must_be_measured, height, good, power, problems)
+  subroutine read_cell(file, cells, i, must_be_measured, height, good, power, problems)
     type(line_reader), intent(in) :: file
-    type(text_layout), intent(in) :: layout
     type(line_cells), intent(in) :: cells
     integer, intent(in) :: i
     logical, intent(in) :: must_be_measured
@@ -405,7 +400,7 @@ contains
     character(len=:), allocatable :: text
     integer :: comma
 
-    if (layout%decimal_comma) then
+    if (cells%decimal_comma) then
       text = file%cell_text(cells, i)
       comma = index(text, ',')
       if (comma > 0) text(comma:comma) = '.'

@@ -145,8 +145,7 @@ contains
       if (present(hardness)) limit = hardness / unit
       if (present(load)) then
         closing = load / (unit * product(map%pixel_spacing))
-        if (.not. sum(force) > 0.0_real64) force = merge(1.0_real64, 0.0_real64, &
-                                                         gap < 0.5_real64)
+        if (.not. sum(force) > 0.0_real64) force = merge(1.0_real64, 0.0_real64, gap < 0.5_real64)
         force = force * (closing / sum(force))
         call relax(influence, gap, allowed, force, answer%ending, answer%interrupt, closing, &
                    answer%level, answer%displacement, limit)

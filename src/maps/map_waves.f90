@@ -191,8 +191,7 @@ contains
       integer(int64) :: words(4)
 
       words = philox_block([int(x, int64), iand(int(y, int64), low_32), int(which, int64), &
-                            stream], &
-                           [int(waves%spec%seed, int64), 0_int64])
+                            stream], [int(waves%spec%seed, int64), 0_int64])
       drawn_number = draw_normal(gaussian, words(:3)) - whole_range / 2_int64
     end function drawn_number
 

@@ -37,8 +37,7 @@ contains
     if (.not. has_line(near(0, :))) along(2) = along(1)
     if (rule == radius_geometric) then
       curvature = 0.0_real64
-      if (minval(along) > 0.0_real64) &
-        curvature = along(1) * sqrt(along(2) / along(1))
+      if (minval(along) > 0.0_real64) curvature = along(1) * sqrt(along(2) / along(1))
     else
       curvature = 0.5_real64 * (along(1) + along(2))
     end if

@@ -6,8 +6,7 @@ module asperity_summits_of_file
   use asperity_kinds, only: int64, real64
   use asperity_map_despiking, only: despike_map
   use asperity_map_levelling, only: level_map
-  use asperity_map_summits, only: find_summits, map_summits, rule_eight, rule_names, &
-                                  usual_radius
+  use asperity_map_summits, only: find_summits, map_summits, rule_eight, rule_names, usual_radius
   use asperity_problems, only: decimal_text, problem_list
   use asperity_summit_spheres, only: radius_names
   implicit none

@@ -62,12 +62,12 @@ module asperity_contact_records
     real(real64) :: maximum_pressure = 0.0_real64  !! 1.5 times the average
   end type contact_row
 
-  !> One state of one position: totals over its contacts.
+  !> One state of one position: totals over its contacts. Whole numbers stand in pairs: a record is
+  !> sent in words of 64 bits, without gaps.
   type :: state_row
     real(real64) :: approach = 0.0_real64        !! separation of the reference planes
     real(real64) :: closing = 0.0_real64         !! compression since first touch
     real(real64) :: time = 0.0_real64            !! time since the end of loading
-    integer :: contacts = 0                      !! touching ones included
     real(real64) :: load = 0.0_real64            !! sum of the normal forces
     real(real64) :: vertical_load = 0.0_real64   !! sum of their vertical parts
     real(real64) :: area = 0.0_real64            !! sum of the areas
@@ -75,8 +75,9 @@ module asperity_contact_records
     real(real64) :: greatest_pressure = 0.0_real64  !! at any point of a contact
     !> Work dissipated by plasticity since first contact [force length]; `not_computed` without it.
     real(real64) :: dissipated_work = not_computed
-    integer :: asked = asked_nothing             !! prescribed load: an `asked_` number
     real(real64) :: load_asked = 0.0_real64      !! value of the prescribed load
+    integer :: asked = asked_nothing             !! prescribed load: an `asked_` number
+    integer :: contacts = 0                      !! touching ones included
     integer :: first_row = 1                     !! its contacts are rows(first_row ...
     integer :: last_row = 0                      !! ... last_row) of the position
     !> Mean gap and root mean square of the gap [length], length of the rims of the contact patches

@@ -12,8 +12,7 @@ module asperity_accuracy_choice
   use asperity_numeral, only: rounded_decimal
   use asperity_problems, only: real_text
   use asperity_scene_results, only: scene_results
-  use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, &
-                                   effect_off, scene
+  use asperity_scene_values, only: effect_auto, effect_boundary, effect_coupled, effect_off, scene
   implicit none
   private
 

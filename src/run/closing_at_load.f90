@@ -40,16 +40,19 @@ contains
     real(real64), intent(in) :: time               !! time since the end of loading, 0 or more
     type(found_state), intent(inout) :: there      !! a guess of the compression; the state found
     character(len=:), allocatable, intent(out) :: failure   !! reason, when the load is not carried
-    logical :: jumps
+    logical :: jumps, unloads
     integer :: i
 
     if (allocated(there%called_for)) deallocate (there%called_for)
     if (allocated(there%found)) deallocate (there%found)
     if (has_attraction(pairs, effects)) then
-      if (is_unloading()) then
-        call close_to_pull(pairs, effects, target, there, failure)
-        return
+      unloads = .not. target > 0.0_real64
+      if (.not. unloads) then
+        call simulate_effects(pairs, effects, time, there, .true.)
+        unloads = load_asked_for(pairs, there%state) > target
       end if
+      if (unloads) call close_to_pull(pairs, effects, target, there, failure)
+      if (unloads) return
     end if
     call search_load(pairs, effects, target, time, there, jumps, failure)
     if (.not. jumps) return
@@ -60,17 +63,6 @@ contains
     end do
     deallocate (failure)
     call search_load(pairs, effects, target, time, there, jumps, failure)
-
-  contains
-
-    ! Whether the compression decreases to reach the load.
-    logical function is_unloading()
-      is_unloading = .true.
-      if (.not. target > 0.0_real64) return
-      call simulate_effects(pairs, effects, time, there, .true.)
-      is_unloading = load_asked_for(pairs, there%state) > target
-    end function is_unloading
-
   end subroutine close_to_load
 
   !> Finds the compression at which the contacts carry a compressive load on loading, by a bracketed

@@ -30,7 +30,7 @@ contains
     type(found_state) :: fewer
     real(real64) :: area, area_before, closing, closing_before
     logical :: jumps
-    integer :: i, number, simulated
+    integer :: i, k, number, simulated
 
     simulated = count(records%simulated /= 'off')
     if (simulated == 0) return
@@ -50,7 +50,10 @@ contains
         closing = state%closing
         area = area_of(state)
       else
-        call begin_effects(pairs, those(:number))
+        ! The memory is that of all effects together.
+        do k = 1, number
+          call those(k)%effect%begin(pairs)
+        end do
         allocate (fewer%called_for(number))
         fewer%called_for = .true.
         call search_load(pairs, those(:number), load, state%time, fewer, jumps, failure)
@@ -64,17 +67,6 @@ contains
       if (area_before > 0.0_real64) records(i)%area_change = area / area_before - 1.0_real64
     end do
   end subroutine compare_at_load
-
-  ! Resets the memory of effects, which is that of all effects together.
-  subroutine begin_effects(pairs, effects)
-    type(contact_pairs), intent(in) :: pairs
-    type(effect_box), intent(inout) :: effects(:)
-    integer :: i
-
-    do i = 1, size(effects)
-      call effects(i)%effect%begin(pairs)
-    end do
-  end subroutine begin_effects
 
   ! Contact area over pi, length squared.
   pure real(real64) function area_of(state)

@@ -4,8 +4,7 @@ module asperity_effect_position
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_records, only: asked_normal, asked_vertical, most_rows, &
-                                      position_result
+  use asperity_contact_records, only: asked_normal, asked_vertical, most_rows, position_result
   use asperity_contact_state, only: apart, contact_state, load_asked_for, move_x, move_y, &
                                     start_state, total_load, total_vertical_load
   use asperity_earlier_solutions, only: keep_solution, mark_crowded
@@ -178,11 +177,9 @@ contains
     integer :: i
 
     is_known = allocated(there%outcomes)
-    if (is_known .and. time > 0.0_real64) &
-      is_known = .not. abs(there%state%time - time) > 0.0_real64
+    if (is_known .and. time > 0.0_real64) is_known = .not. abs(there%state%time - time) > 0.0_real64
     do i = 1, size(effects)
-      if (.not. time > 0.0_real64) &
-        is_known = is_known .and. .not. effects(i)%effect%acts_in_time
+      if (.not. time > 0.0_real64) is_known = is_known .and. .not. effects(i)%effect%acts_in_time
     end do
     if (is_known) is_known = .not. abs(there%state%closing - there%closing) > 0.0_real64
   end function is_known

@@ -164,8 +164,7 @@ contains
       call effects(i)%effect%finish(pairs, state, outcomes(i))
     end do
     if (keep_rows) then
-      result%rows_used = result%rows_used + &
-                         count([(in_contact(state, i), i=1, size(pairs%list))])
+      result%rows_used = result%rows_used + count([(in_contact(state, i), i=1, size(pairs%list))])
       call add_contact_values(pairs, effects, state, outcomes, result)
     end if
     if (number == size(result%states)) &
@@ -292,8 +291,7 @@ contains
       row%slope = pair%d / (pair%zc - state%penetration(i))
       row%load = in_scene_units(pairs, answer%load, 1, 2)
       row%vertical_load = in_scene_units(pairs, answer%vertical_load, 1, 2)
-      if (area > 0.0_real64) &
-        row%average_pressure = in_scene_units(pairs, answer%load / area, 1, 0)
+      if (area > 0.0_real64) row%average_pressure = in_scene_units(pairs, answer%load / area, 1, 0)
       row%maximum_pressure = in_scene_units(pairs, answer%maximum_pressure, 1, 0)
     end associate
   end subroutine fill_row
@@ -391,8 +389,7 @@ contains
           result%state_values = [result%state_values, &
                                  in_units(columns, pairs, outcomes(e)%of_state)]
         else
-          result%state_values = [result%state_values, &
-                                 spread(not_computed, 1, size(columns))]
+          result%state_values = [result%state_values, spread(not_computed, 1, size(columns))]
         end if
       end associate
     end do

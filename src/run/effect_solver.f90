@@ -240,19 +240,11 @@ contains
       if (allocated(outcomes)) deallocate (outcomes)
       allocate (outcomes(size(effects)))
       call start_state(pairs, hertz_law(modulus=pairs%modulus), &
-                       compression_of(pairs, result%states(number)%closing), state)
+                       scale(result%states(number)%closing, -4 * pairs%length_power), state)
       call choose_effects(pairs, effects, state, outcomes, called, left)
     end subroutine choose_in
 
   end subroutine solve_without
-
-  ! A compression in the unit of the pairs.
-  pure real(real64) function compression_of(pairs, closing)
-    type(contact_pairs), intent(in) :: pairs
-    real(real64), intent(in) :: closing
-
-    compression_of = scale(closing, -4 * pairs%length_power)
-  end function compression_of
 
   ! Moves the results of the effects to a position that was solved without them.
   subroutine move_values(columns, result)
@@ -282,7 +274,8 @@ contains
     call copy_effects(self%left_out, effects)
     if (.not. allocated(law)) allocate (law, source=hertz_law(modulus=pairs%modulus))
     deepest = maxloc(result%states%closing, 1)
-    call start_state(pairs, law, compression_of(pairs, result%states(deepest)%closing), state)
+    call start_state(pairs, law, scale(result%states(deepest)%closing, -4 * pairs%length_power), &
+                     state)
     do i = 1, size(effects)
       associate (effect => effects(i)%effect, effects_of_scene => self%scene_in%effects)
         call effect%begin(pairs)

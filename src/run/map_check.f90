@@ -14,7 +14,7 @@ module asperity_map_check
   use asperity_map_scene, only: area_of_map, map_loading
   use asperity_map_shares, only: find_shares
   use asperity_map_summits, only: map_summits
-  use asperity_numeral, only: read_numeral
+  use asperity_numeral, only: rounded_decimal
   use asperity_scene_results, only: map_record
   use asperity_scene_values, only: control_load, scene_loading
   implicit none
@@ -48,12 +48,9 @@ contains
   !> Loading by the load of a state, increased for the stiffness.
   type(scene_loading) function increased_load(state) result(loading)
     type(state_row), intent(in) :: state  !! state with a load > 0
-    character(len=24) :: load_text
-    logical :: good
 
-    write (load_text, '(es24.16e3)') (1.0_real64 + stiffness_step) * state%load
     loading%control = control_load
-    call read_numeral(trim(adjustl(load_text)), loading%value, good)
+    loading%value = rounded_decimal((1.0_real64 + stiffness_step) * state%load, 17)
   end function increased_load
 
   !> Stiffness between two states: increase of the load over that of the compression.

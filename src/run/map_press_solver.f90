@@ -117,8 +117,15 @@ contains
     if (allocated(self%hardness)) then
       allocate (deformed, source=self%map)
       pressed => deformed
-      call check_load(self, failure)
-      if (allocated(failure)) return
+      associate (most => most_load(self%map, self%hardness))
+        if (self%loading%by_load .and. &
+            maxval(self%loading%values) > most * (1.0_real64 + load_rounding)) then
+          failure = 'the load is above plastic_hardness times the measured area: found ' // &
+                    real_text(maxval(self%loading%values)) // ', expected at most ' // &
+                    real_text(most)
+          return
+        end if
+      end associate
     end if
     answer%interrupt = self%interrupt
     do i = m, self%states
@@ -144,8 +151,7 @@ contains
       call take_worse(result%warnings, warnings, i)
       call fill_state(self, pressed, answer, patches, work, keep_rows, result, i)
       if (self%fields == fields_all .or. (self%fields /= fields_none .and. i == self%states)) &
-        call take_field(pressed, answer, i, &
-                        result%fields(i - self%states + size(result%fields)))
+        call take_field(pressed, answer, i, result%fields(i - self%states + size(result%fields)))
       if (keep_rows) values = reshape([values, real(patches%samples, real64)], &
                                       [size(values) + size(patches), 1])
       call self%progress_count%count_state(result%counted)
@@ -164,20 +170,6 @@ contains
     result%effects%ending = answer%ending
     result%error_estimate = answer%ending%residual
   end subroutine press_to_states
-
-  ! Checks that the load is within the hardness times the measured area.
-  subroutine check_load(self, failure)
-    class(map_press_solver), intent(in) :: self
-    character(len=:), allocatable, intent(out) :: failure
-
-    if (.not. self%loading%by_load) return
-    associate (most => most_load(self%map, self%hardness))
-      if (maxval(self%loading%values) > most * (1.0_real64 + load_rounding)) &
-        failure = 'the load is above plastic_hardness times the measured area: found ' // &
-                  real_text(maxval(self%loading%values)) // ', expected at most ' // &
-                  real_text(most)
-    end associate
-  end subroutine check_load
 
   ! Lowers the pixels at the hardness by the overlap of the surfaces there, and adds its work.
   subroutine deform_map(hardness, answer, map, work)

@@ -6,8 +6,7 @@ module asperity_map_shares
   use asperity_map_despiking, only: is_spike
   use asperity_map_patches, only: map_patch
   use asperity_theory_warnings, only: of_border, of_map_edge, of_missing, of_no_summit, &
-                                      of_scan_lines, of_spikes, theory_warning, warn, &
-                                      warning_kinds
+                                      of_scan_lines, of_spikes, theory_warning, warn, warning_kinds
   implicit none
   private
 

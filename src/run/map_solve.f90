@@ -85,14 +85,14 @@ contains
     if (allocated(failure)) return
     of_summits%nominal_area = results%nominal_area
     if (by_summits .and. mode == effect_auto .and. scene_in%loading%control /= control_limit) &
-      by_summits = has_other_effect(of_summits)
+      by_summits = any(of_summits%effects%names /= 'interaction' .and. &
+                       of_summits%positions(1)%effects%simulated /= 'off')
     if (.not. by_summits) by_summits = is_good_enough(scene_in, of_summits)
     if (.not. by_summits) then
       results%map = of_summits%map
       call solve_pixels(scene_in, map, options, results, failure)
-      if (allocated(failure)) failure = 'the error of its summits is above the tolerance; ' // &
-          'its pixels: ' // &
-                                        failure
+      if (allocated(failure)) &
+        failure = 'the error of its summits is above the tolerance; its pixels: ' // failure
     else
       results = of_summits
       call add_map_warnings(scene_in, map, results)
@@ -186,14 +186,6 @@ contains
       call warn(warnings, of_error, results%positions(1)%error_estimate)
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine check_summits
-
-  ! Whether an effect other than interaction was simulated.
-  pure logical function has_other_effect(results) result(has)
-    type(scene_results), intent(in) :: results
-
-    has = any(results%effects%names /= 'interaction' .and. &
-              results%positions(1)%effects%simulated /= 'off')
-  end function has_other_effect
 
   ! The name that rules out interaction = 'boundary': another effect, or the control; '': none.
   pure function forbids_boundary(scene_in) result(name)

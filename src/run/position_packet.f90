@@ -3,7 +3,7 @@
 !> Numbers are copied bit by bit, so that the result is restored exactly. Only the version of the
 !> program that wrote the words reads them.
 module asperity_position_packet
-  use asperity_contact_records, only: effect_record, position_result, state_row
+  use asperity_contact_records, only: effect_record, position_result
   use asperity_effect_names, only: known_effects
   use asperity_kinds, only: int64, real64
   use asperity_theory_warnings, only: theory_warning
@@ -12,8 +12,9 @@ module asperity_position_packet
 
   public :: pack_position, unpack_position
 
-  ! Numbers of words: a position without its lists, a state, a contact, an effect, a warning.
-  integer, parameter :: of_head = 13 + size(known_effects), of_state = 19, of_row = 13, &
+  ! Numbers of words: a position without its lists, a state, a contact, an effect, a warning. States
+  ! and contacts have no gaps between their components: they are copied whole.
+  integer, parameter :: of_head = 13 + size(known_effects), of_state = 17, of_row = 13, &
                         of_effect = 16, of_warning = 8
   ! Mold of `transfer` to words.
   integer(int64), parameter :: word(1) = 0_int64
@@ -44,8 +45,7 @@ contains
                   warnings], int64), &
              transfer(result%left_out, word), &
              [(words_of_warning(result%warnings(i)), i = 1, warnings)], &
-             [(words_of_state(result%states(i)), i = 1, size(result%states))]]
-    ! A contact has no gaps between its components: 4 halves of a word, then 11 words.
+             transfer(result%states, word)]
     if (result%rows_used > 0) words = [words, transfer(result%rows(:result%rows_used), word)]
     if (effects < 0) return
     words = [words, [(words_of_effect(result%effects(i)), i = 1, effects)], &
@@ -79,10 +79,8 @@ contains
       result%warnings(i) = warning_of(words(at + 1:at + of_warning))
       at = at + of_warning
     end do
-    do i = 1, states
-      result%states(i) = state_of(words(at + 1:at + of_state))
-      at = at + of_state
-    end do
+    result%states = transfer(words(at + 1:at + of_state * states), result%states, states)
+    at = at + of_state * states
     result%rows = transfer(words(at + 1:at + of_row * result%rows_used), result%rows, &
                            result%rows_used)
     at = at + of_row * result%rows_used
@@ -98,34 +96,6 @@ contains
     result%contact_values = reshape(transfer(words(at + 1:at + product(values)), &
                                              result%state_values, product(values)), values)
   end subroutine unpack_position
-
-  pure function words_of_state(state) result(words)
-    type(state_row), intent(in) :: state
-    integer(int64) :: words(of_state)
-
-    words = [transfer([state%approach, state%closing, state%time, state%load, &
-                       state%vertical_load, state%area, state%projected_area, &
-                       state%greatest_pressure, state%load_asked, state%dissipated_work, &
-                       state%mean_gap, state%rms_gap, state%contact_perimeter, &
-                       state%elastic_energy, state%plastic_area], word), &
-             int([state%contacts, state%asked, state%first_row, state%last_row], int64)]
-  end function words_of_state
-
-  pure function state_of(words) result(state)
-    integer(int64), intent(in) :: words(of_state)
-    type(state_row) :: state
-    real(real64) :: numbers(15)
-
-    numbers = transfer(words(:15), numbers)
-    state = state_row(approach=numbers(1), closing=numbers(2), time=numbers(3), load=numbers(4), &
-                      vertical_load=numbers(5), area=numbers(6), projected_area=numbers(7), &
-                      greatest_pressure=numbers(8), load_asked=numbers(9), &
-                      dissipated_work=numbers(10), mean_gap=numbers(11), rms_gap=numbers(12), &
-                      contact_perimeter=numbers(13), elastic_energy=numbers(14), &
-                      plastic_area=numbers(15), &
-                      contacts=int(words(16)), asked=int(words(17)), first_row=int(words(18)), &
-                      last_row=int(words(19)))
-  end function state_of
 
   pure function words_of_warning(warning) result(words)
     type(theory_warning), intent(in) :: warning

@@ -72,6 +72,7 @@ contains
     type(run_options) :: with_contacts  ! or without fields
     type(placed_surface) :: upper, lower
     type(field_grid) :: grid
+    real(real64), allocatable :: mirror  ! not allocated: the lower surface is not mirrored
 
     if (options%fields == fields_none .or. .not. has_field_grid(scene_in)) then
       with_contacts = options
@@ -85,12 +86,8 @@ contains
       return
     end if
     upper = place_surface(scene_in%upper, -1, [scene_in%motion%x_first, scene_in%motion%y_first])
-    if (scene_in%lower_is_mirrored) then
-      lower = place_surface(scene_in%lower, 1, &
-                            mirror=decimal_to_real64(scene_in%lower_mirror_width))
-    else
-      lower = place_surface(scene_in%lower, 1)
-    end if
+    if (scene_in%lower_is_mirrored) mirror = decimal_to_real64(scene_in%lower_mirror_width)
+    lower = place_surface(scene_in%lower, 1, mirror=mirror)
     call lay_grid(upper, lower, decimal_to_real64(scene_in%field_spacing), grid, failure, corners)
     if (allocated(failure)) return
     with_contacts = options
@@ -103,7 +100,16 @@ contains
     if (allocated(failure)) return
     call take_fields(scene_in, options%fields == fields_all, upper, lower, grid, &
                      results%positions(1), failure)
-    if (.not. options%keep_contacts) call drop_contacts(results%positions(1))
+    if (options%keep_contacts) return
+    ! Contacts were kept for the fields only.
+    associate (position => results%positions(1))
+      position%rows_used = 0
+      position%rows = position%rows(:0)
+      position%states%first_row = 1
+      position%states%last_row = 0
+      if (allocated(position%contact_values)) &
+        position%contact_values = position%contact_values(:0, :)
+    end associate
   end subroutine solve_with_fields
 
   ! Computes the fields of the last state, or of all.
@@ -132,18 +138,6 @@ contains
     end do
     if (allocated(position%pressures)) deallocate (position%pressures)
   end subroutine take_fields
-
-  ! Removes contacts that were kept for the fields only.
-  subroutine drop_contacts(position)
-    type(position_result), intent(inout) :: position
-
-    position%rows_used = 0
-    position%rows = position%rows(:0)
-    position%states%first_row = 1
-    position%states%last_row = 0
-    if (allocated(position%contact_values)) &
-      position%contact_values = position%contact_values(:0, :)
-  end subroutine drop_contacts
 
   ! Refuses effects that change the pressure of Hertz.
   subroutine check_effects(results, failure)
@@ -185,8 +179,9 @@ contains
       return
     end if
     ! Rounding makes no further column.
-    numbers = max(1.0_real64, real(ceiling_of((high - grid%low) / side * &
-                                              (1.0_real64 - 1.0e-12_real64)), real64))
+    numbers = (high - grid%low) / side * (1.0_real64 - 1.0e-12_real64)
+    ! As real numbers: they may be beyond the range of integers.
+    numbers = max(1.0_real64, aint(numbers) + merge(1, 0, aint(numbers) < numbers))
     grid%cells = int(min(numbers, real(most_cells, real64)))
     grid%side = side
     call check_memory(grid, 1, failure)
@@ -203,14 +198,6 @@ contains
                                 minval(surface%y - surface%reach)])
       high = min(high, [maxval(surface%x + surface%reach), maxval(surface%y + surface%reach)])
     end subroutine narrow_grid
-
-    ! Ceiling as a real number: it may be beyond the range of integers.
-    elemental real(real64) function ceiling_of(number)
-      real(real64), intent(in) :: number
-
-      ceiling_of = anint(number)
-      if (ceiling_of < number) ceiling_of = ceiling_of + 1.0_real64
-    end function ceiling_of
 
   end subroutine lay_grid
 

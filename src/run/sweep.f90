@@ -193,8 +193,7 @@ contains
       do m = 1, min(work%last, work%failed)
         rows = rows + int(positions(m)%rows_used, int64)
         if (m == work%failed) work%ending = work%failure
-        if (rows > int(most_rows, int64)) &
-          work%ending = too_many()
+        if (rows > int(most_rows, int64)) work%ending = too_many()
         if (.not. allocated(work%ending)) cycle
         work%ending = 'position ' // &
                       decimal_text(whole_number(m, watch%start, watch%stride)) // ': ' // &

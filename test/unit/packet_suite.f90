@@ -46,9 +46,9 @@ contains
     sent%overlapping_circles = 3
     sent%first_step_pressure = huge(1.0_real64)
     allocate (sent%states(2), sent%rows(4))
-    sent%states(2) = state_row(1.0_real64, 2.0_real64, 3.0_real64, 4, 5.0_real64, 6.0_real64, &
-                               7.0_real64, 8.0_real64, 8.5_real64, 10.0_real64, 2, 9.0_real64, 1, &
-                               2, 11.0_real64, 12.0_real64, 13.0_real64, 14.0_real64)
+    sent%states(2) = state_row(1.0_real64, 2.0_real64, 3.0_real64, 5.0_real64, 6.0_real64, &
+                               7.0_real64, 8.0_real64, 8.5_real64, 10.0_real64, 9.0_real64, 2, 4, &
+                               1, 2, 11.0_real64, 12.0_real64, 13.0_real64, 14.0_real64)
     sent%rows(2) = contact_row(2, 3, 4, .true., 5.0_real64, 6.0_real64, 7.0_real64, 8.0_real64, &
                                9.0_real64, 10.0_real64, 11.0_real64, 12.0_real64, 13.0_real64, &
                                14.0_real64, 15.0_real64)
