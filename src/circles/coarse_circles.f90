@@ -7,7 +7,7 @@
 !> a start: they change how many steps are needed, not the result.
 module asperity_coarse_circles
   use asperity_cell_convolution, only: cell_convolution
-  use asperity_cells_influence, only: mean_influence
+  use asperity_element_influence, only: mean_influence
   use asperity_kinds, only: real64
   implicit none
   private

@@ -1,13 +1,13 @@
-!> How far contacts outside a cluster press the cells of the cluster down.
+!> Displacement of the elements of a cluster by the contacts outside it.
 module asperity_cells_outside
-  use asperity_cells_lattice, only: cell_lattice
+  use asperity_element_lattice, only: element_lattice
   use asperity_chebyshev_basis, only: lagrange_at_cells
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   implicit none
   private
 
-  public :: outside_field, add_outside, beside_circle, field_of_cells, outside_at
+  public :: outside_field, add_outside, beside_circle, field_of_elements, outside_at
 
   !> The field of the contacts outside. Lengths and loads in the units of the pairs.
   type :: outside_field
@@ -26,26 +26,26 @@ module asperity_cells_outside
 
 contains
 
-  !> Opens the gaps of a lattice by the displacement at the centres of its cells.
+  !> Opens the gaps of a lattice by the displacement at the centres of its elements.
   subroutine add_outside(outside, modulus, lattice)
-    type(outside_field), intent(in) :: outside      !! the field
-    real(real64), intent(in) :: modulus             !! combined
-    type(cell_lattice), intent(inout) :: lattice    !! gets its gaps changed
+    type(outside_field), intent(in) :: outside      !! field of the contacts outside
+    real(real64), intent(in) :: modulus             !! combined modulus, > 0
+    type(element_lattice), intent(inout) :: lattice    !! gets its gaps changed
     real(real64) :: x, y
     integer :: i, j
 
-    x = lattice%x + lattice%left * lattice%cell
-    y = lattice%y + lattice%bottom * lattice%cell
+    x = lattice%x + lattice%left * lattice%side
+    y = lattice%y + lattice%bottom * lattice%side
     if (allocated(outside%at_nodes)) then
       associate (wide => 0.5_real64 * (outside%x1 - outside%x0), &
                  high => 0.5_real64 * (outside%y1 - outside%y0), &
                  n => size(outside%at_nodes, 1), m => size(outside%at_nodes, 2))
         lattice%gap = lattice%gap + matmul( &
           transpose(lagrange_at_cells(n, size(lattice%gap, 1), (x - outside%x0) / wide - &
-                                      1.0_real64, lattice%cell / wide)), &
-          matmul(outside%at_nodes / lattice%scale, &
+                                      1.0_real64, lattice%side / wide)), &
+          matmul(outside%at_nodes / lattice%depth, &
                  lagrange_at_cells(m, size(lattice%gap, 2), (y - outside%y0) / high - &
-                                   1.0_real64, lattice%cell / high)))
+                                   1.0_real64, lattice%side / high)))
       end associate
     end if
     if (.not. allocated(outside%x)) return
@@ -53,16 +53,16 @@ contains
       do i = 1, size(lattice%gap, 1)
         if (lattice%owner(i, j) == 0) cycle
         lattice%gap(i, j) = lattice%gap(i, j) + sum(outside%load * beside_circle(outside%circle, &
-          hypot(x + (i - 0.5_real64) * lattice%cell - outside%x, &
-                y + (j - 0.5_real64) * lattice%cell - outside%y))) / (modulus * lattice%scale)
+          hypot(x + (i - 0.5_real64) * lattice%side - outside%x, &
+                y + (j - 0.5_real64) * lattice%side - outside%y))) / (modulus * lattice%depth)
       end do
     end do
   end subroutine add_outside
 
   !> Displacement by the contacts outside at a place.
   pure real(real64) function outside_at(outside, modulus, x, y) result(field)
-    type(outside_field), intent(in) :: outside      !! the field
-    real(real64), intent(in) :: modulus             !! combined
+    type(outside_field), intent(in) :: outside      !! field of the contacts outside
+    real(real64), intent(in) :: modulus             !! combined modulus, > 0
     real(real64), intent(in) :: x, y                !! the place, in plan
 
     field = 0.0_real64
@@ -80,30 +80,30 @@ contains
       beside_circle(outside%circle, hypot(x - outside%x, y - outside%y))) / modulus
   end function outside_at
 
-  !> Displacement by the cells at a place at which there are none.
-  pure real(real64) function field_of_cells(lattice, x, y) result(field)
-    type(cell_lattice), intent(in) :: lattice       !! solved
+  !> Displacement by the elements at a place outside them.
+  elemental real(real64) function field_of_elements(lattice, x, y) result(field)
+    type(element_lattice), intent(in) :: lattice       !! elements with their forces
     real(real64), intent(in) :: x, y                !! the place, in plan
     real(real64) :: across, along
     integer :: i, j
 
     field = 0.0_real64
-    along = (y - lattice%y) / lattice%cell - lattice%bottom
-    across = (x - lattice%x) / lattice%cell - lattice%left
+    along = (y - lattice%y) / lattice%side - lattice%bottom
+    across = (x - lattice%x) / lattice%side - lattice%left
     do j = 1, size(lattice%force, 2)
       do i = 1, size(lattice%force, 1)
         if (lattice%force(i, j) > 0.0_real64) field = field + lattice%force(i, j) / &
           hypot(across - i + 0.5_real64, along - j + 0.5_real64)
       end do
     end do
-    field = lattice%scale * field / pi
-  end function field_of_cells
+    field = lattice%depth * field / pi
+  end function field_of_elements
 
   !> Displacement times modulus over load at a distance from the centre of a circle under the
   !> pressure of Hertz (Johnson, Contact Mechanics, 1985, eq. 3.41a and 3.42a).
   elemental real(real64) function beside_circle(a, r) result(u)
     real(real64), intent(in) :: a  !! radius, 0 or more; one of both more than 0
-    real(real64), intent(in) :: r  !! distance
+    real(real64), intent(in) :: r  !! distance from its centre
 
     if (r <= a) then
       u = 0.375_real64 * (2.0_real64 - (r / a)**2) / a

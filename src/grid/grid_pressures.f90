@@ -1,4 +1,4 @@
-!> Loads of contacts, shared out to the cells of a grid.
+!> Loads of contacts, distributed over the cells of a grid.
 !>
 !> A load is conserved: the cells get all of it, whatever their size. Parts beyond the grid go to
 !> the cells at its edge.
@@ -21,8 +21,8 @@ contains
   !> Adds the load of a circle under the pressure of Hertz, p0 sqrt(1 - (r/a)**2): each cell gets
   !> the integral over it, in closed form.
   pure subroutine add_circle(grid, x, y, radius, load, force)
-    type(field_grid), intent(in) :: grid               !! the cells
-    real(real64), intent(in) :: x, y                   !! centre [length]
+    type(field_grid), intent(in) :: grid               !! grid of square cells
+    real(real64), intent(in) :: x, y                   !! centre in plan [length]
     real(real64), intent(in) :: radius                 !! a, 0 or more [length]
     real(real64), intent(in) :: load                   !! 0 or more [force]
     real(real64), intent(inout) :: force(:, :)         !! of each cell, grows [force]
@@ -57,8 +57,8 @@ contains
 
   !> Adds the load of a square of uniform pressure: each cell gets that of their common area.
   pure subroutine add_square(grid, x, y, side, load, force)
-    type(field_grid), intent(in) :: grid          !! the cells
-    real(real64), intent(in) :: x, y              !! centre [length]
+    type(field_grid), intent(in) :: grid          !! grid of square cells
+    real(real64), intent(in) :: x, y              !! centre in plan [length]
     real(real64), intent(in) :: side              !! more than 0 [length]
     real(real64), intent(in) :: load              !! 0 or more [force]
     real(real64), intent(inout) :: force(:, :)    !! of each cell, grows [force]

@@ -27,7 +27,7 @@ contains
   !> Sets a start from the earlier solutions of the position; without one that serves the solution
   !> stays as it is.
   subroutine start_from_earlier(pairs, solution, target)
-    type(contact_pairs), intent(in) :: pairs            !! the position
+    type(contact_pairs), intent(in) :: pairs            !! pairs of the position
     type(coupled_solution), intent(inout) :: solution   !! closing; gets penetrations and shifts
     real(real64), intent(in), optional :: target        !! load, more than 0
     real(real64), allocatable :: at(:), weight(:)
@@ -60,7 +60,7 @@ contains
       if (size(node) == 0) return
       at = -at(node)
       n = farthest_order(here, at)
-      weight = weights(here, at(:n))
+      weight = lagrange_weights(here, at(:n))
       solution%is_near = .true.
       if (present(target)) then
         solution%closing = sum([(weight(k) * of(node(k))%closing, k=1, n)])
@@ -71,7 +71,7 @@ contains
       allocate (solution%penetration(size(pairs%list)), source=far_below)
       allocate (solution%move(2, size(pairs%list)), source=0.0_real64)
       do j = n, 1, -1
-        weight = weights(here, at(:j))
+        weight = lagrange_weights(here, at(:j))
         do i = 1, min(size(pairs%list), size(of(node(1))%gap))
           if (.not. of(node(1))%penetration(i) > 0.0_real64) cycle
           ! Where a pair was open its shift may be another one than that with which it closed.
@@ -110,7 +110,7 @@ contains
   end function farthest_order
 
   ! Lagrange's weights of nodes in a value.
-  pure function weights(here, at) result(weight)
+  pure function lagrange_weights(here, at) result(weight)
     real(real64), intent(in) :: here, at(:)
     real(real64) :: weight(size(at))
     integer :: j, k
@@ -121,16 +121,16 @@ contains
         if (j /= k) weight(k) = weight(k) * (here - at(j)) / (at(k) - at(j))
       end do
     end do
-  end function weights
+  end function lagrange_weights
 
   !> Adds a solution to the earlier ones of its position, as far as these are of the same pairs.
   subroutine keep_solution(pairs, closing, load, penetration, move, start)
-    type(contact_pairs), intent(in) :: pairs           !! the position
-    real(real64), intent(in) :: closing                !! past first touch
+    type(contact_pairs), intent(in) :: pairs           !! pairs of the position
+    real(real64), intent(in) :: closing                !! compression of the contacts
     real(real64), intent(in) :: load(2)                !! normal and vertical
-    real(real64), intent(in) :: penetration(:)         !! by pair
+    real(real64), intent(in) :: penetration(:)         !! penetrations by pair, <= 0 where open
     real(real64), intent(in) :: move(:, :)             !! shifts (2, pair)
-    type(solution_start), intent(out) :: start         !! gets all
+    type(solution_start), intent(out) :: start         !! earlier solutions and this one
     logical, allocatable :: stays(:)
     integer :: k, n, used
 
@@ -169,10 +169,10 @@ contains
 
   !> Keeps the earlier solutions, and the compression and load of one that depends on its start.
   subroutine mark_crowded(pairs, closing, load, start)
-    type(contact_pairs), intent(in) :: pairs     !! the position
-    real(real64), intent(in) :: closing          !! past first touch
-    real(real64), intent(in) :: load             !! that is given, normal or vertical
-    type(solution_start), intent(out) :: start   !! gets all
+    type(contact_pairs), intent(in) :: pairs     !! pairs of the position
+    real(real64), intent(in) :: closing          !! compression of the contacts
+    real(real64), intent(in) :: load             !! prescribed load, normal or vertical
+    type(solution_start), intent(out) :: start   !! earlier solutions, marked
 
     if (associated(pairs%start)) start = pairs%start
     start%crowded_from = min(start%crowded_from, closing)
@@ -182,7 +182,7 @@ contains
   !> Compression expected under the load of the pairs from the earlier solution under the nearest
   !> load, by Hertz' law; 0 where there is none.
   pure real(real64) function closing_expected(pairs) result(closing)
-    type(contact_pairs), intent(in) :: pairs   !! the position
+    type(contact_pairs), intent(in) :: pairs   !! pairs of the position
     real(real64), allocatable :: ratio(:)
     integer :: k
 

@@ -1,15 +1,19 @@
-!> Contacts that share a half-space: circles, and on cells those that are none any more.
+!> Contacts that share a half-space: Hertzian contacts, and boundary elements for the others.
 !>
-!> All contacts are coupled as circles. Those whose indicated error is too large, with all that is
-!> close to them, are solved on cells, a cluster on a lattice, under the field of all others cell by
-!> cell. A cluster answers with its loads, the centres and the spread of its pressures; the circles
-!> are coupled again with contacts that carry just these loads there, and so on until the total
-!> settles. The coupling knows how every load moves every other, so that only the cells' corrections
-!> lag.
+!> All contacts are coupled as Hertzian contacts. Those whose indicated error is too large, with all
+!> that are close to them, are solved on boundary elements, a cluster on a lattice, in the field of
+!> all others. A cluster returns its loads and the centres of its pressures. The Hertzian contacts
+!> are coupled again with contacts that carry these loads there. This is block coordinate descent
+!> (Gauss and Seidel) between clusters and Hertzian contacts, with the derivatives of all loads in
+!> the second block. Exits: converged, where the total load changes by `settled` times the tolerance
+!> at most; not converged after `most_rounds` rounds.
+!>
+!> One cluster of all contacts needs no Hertzian contacts. Its compression at a load is found by
+!> secants in a bracket, with elements of a coarse tolerance first.
 module asperity_joint_contacts
   use asperity_circle_error, only: find_errors, open_about
   use asperity_cells_outside, only: outside_field
-  use asperity_cells_solver, only: any_loaded, cluster_lattice, deviations
+  use asperity_element_solver, only: any_loaded, cluster_lattice, deviations
   use asperity_circle_field, only: are_close
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
@@ -31,14 +35,14 @@ module asperity_joint_contacts
 
   public :: joint_solution, resolve_all, resolve_called_for, resolve_none, solve_joint
 
-  !> What was found.
+  !> Solution of the contacts of a position.
   type :: joint_solution
-    type(coupled_solution) :: coupled               !! closing, penetrations, circles
+    type(coupled_solution) :: coupled               !! compression, penetrations, circles
     real(real64), allocatable :: area(:)            !! in plan, by pair
     real(real64), allocatable :: maximum_pressure(:) !! by pair; below 0: that of its law
     logical, allocatable :: is_resolved(:)          !! by pair
-    integer :: clusters = 0, cells = 0              !! of those resolved
-    integer :: rounds = 0                           !! of circles and cells
+    integer :: clusters = 0, cells = 0              !! of the resolved; number of elements
+    integer :: rounds = 0                           !! of Hertzian contacts and clusters
     real(real64) :: error = 0.0_real64              !! estimate, a share of load or closing
     real(real64) :: area_error = 0.0_real64         !! estimate, a share of the area
     real(real64) :: nested = 0.0_real64             !! share of the load on nested contacts
@@ -59,224 +63,268 @@ module asperity_joint_contacts
   ! of the load that of the elements while the compression is searched (chosen; test: load that a
   ! separation gave in test/regression/test_dense.py).
   real(real64), parameter :: settled = 0.02_real64
-  ! Largest number of rounds (chosen: 3 to 9 are taken in the dense scenes; test: loads of
-  ! clusters in test/unit/joint_suite.f90).
+  ! Largest number of rounds (chosen; test: loads of clusters in test/unit/joint_suite.f90).
   integer, parameter :: most_rounds = 30
   ! Sums of radii: Hertzian contacts nearer to each other go to boundary elements together, with the
   ! open contacts within as many radii (chosen: just beside a large contact the error indicated for
   ! a small one is a third of the true one; test: errors in test/regression/test_dense.py).
   real(real64), parameter :: along = 1.1_real64
 
+  ! A position, what is asked of its solution, and what the stages leave to each other.
+  type :: joint_task
+    type(contact_pairs), pointer :: pairs => null()
+    class(contact_law), pointer :: law => null()
+    integer :: which = resolve_none                  ! `resolve_none` ...
+    real(real64) :: tolerance = 0.0_real64           ! relative error of load and area
+    real(real64) :: elements_tolerance = 0.0_real64  ! relative error of loads on elements
+    real(real64) :: area_tolerance = 0.0_real64      ! least relative error of the area
+    real(real64), allocatable :: target              ! normal load, or at a given compression
+    logical, allocatable :: is_near(:), is_host(:)   ! by pair: first touches are near
+    real(real64), allocatable :: circle(:)           ! by pair: least radius for clusters
+    !> errors of load and area as a Hertzian contact, and of the load as a paraboloid, by pair
+    real(real64), allocatable :: error(:), area_error(:), sphere_error(:)
+    real(real64) :: of_closing = 1.0_real64          ! error of the compression over that of a load
+    real(real64) :: last_change = 0.0_real64         ! relative, of the load in the last round
+    type(resolved_contacts) :: resolved
+    type(cluster), allocatable :: clusters(:)
+  end type joint_task
+
+  ! Search of the compression at a load, by secants in a bracket.
+  type :: load_search
+    real(real64) :: least = 0.0_real64                 ! first touch of all contacts
+    real(real64) :: low = 0.0_real64, high = 0.0_real64
+    real(real64) :: earlier(2) = 0.0_real64            ! compression and load before the last
+    real(real64) :: power = 2.0_real64 / 3.0_real64    ! of the load, as Hertz' law has it at first
+  end type load_search
+
 contains
 
-  !> Solves at the closing in `solution%coupled`, or at a load.
+  !> Solves at the compression in `solution%coupled`, or at a load.
   subroutine solve_joint(pairs, law, which, tolerance, cells_tolerance, area_tolerance, solution, &
                          target)
-    type(contact_pairs), intent(in) :: pairs           !! those that may touch, ascending gap
-    class(contact_law), intent(in) :: law              !! of each contact
-    integer, intent(in) :: which                       !! `resolve_none` ...
-    real(real64), intent(in) :: tolerance              !! share of load and area, where called for
-    real(real64), intent(in) :: cells_tolerance        !! share of the load that halving may change
-    real(real64), intent(in) :: area_tolerance         !! share of the area that may be off at least
-    type(joint_solution), intent(inout) :: solution    !! closing; then all
-    real(real64), intent(in), optional :: target       !! normal load
-    type(resolved_contacts) :: resolved
-    type(cluster), allocatable :: clusters(:), former(:)
-    real(real64), dimension(size(pairs%list)) :: error, shape, area_error, circle
-    logical, dimension(size(pairs%list)) :: is_near, is_host
-    integer :: hosts(size(pairs%list)), k
-    real(real64) :: before, now, of_closing, total, expected, allowed
-    logical :: more, is_whole
+    type(contact_pairs), intent(in), target :: pairs   !! pairs that may touch, ascending gap
+    class(contact_law), intent(in), target :: law      !! contact law of each pair
+    integer, intent(in) :: which                       !! contacts resolved: `resolve_none` ...
+    real(real64), intent(in) :: tolerance              !! relative error of load and area
+    real(real64), intent(in) :: cells_tolerance        !! relative error of the load on elements
+    real(real64), intent(in) :: area_tolerance         !! least relative error of the area
+    type(joint_solution), intent(inout) :: solution    !! compression; then all components
+    real(real64), intent(in), optional :: target       !! normal load [force]
+    type(joint_task) :: task
+    real(real64) :: expected
+    logical :: is_whole
 
     if (associated(pairs%pressures)) pairs%pressures%closing = -1.0_real64
-    is_near = .false.
-    circle = 0.0_real64
+    task%pairs => pairs
+    task%law => law
+    task%which = which
+    task%tolerance = tolerance
+    task%elements_tolerance = merge(cells_tolerance, elements_share * tolerance, &
+                                    which == resolve_all)
+    task%area_tolerance = area_tolerance
+    if (present(target)) task%target = target
+    associate (n => size(pairs%list))
+      allocate (task%is_near(n), task%is_host(n), solution%is_resolved(n), source=.false.)
+      allocate (task%circle(n), task%error(n), task%area_error(n), task%sphere_error(n), &
+                source=0.0_real64)
+    end associate
     expected = solution%coupled%closing
-    if (which /= resolve_none) &
-      call find_near_tops(pairs, law, along, expected, is_near, is_host, circle, target)
-    allocate (solution%is_resolved(size(error)), source=is_near)
-    if (any(is_near)) then
-      ! First touches that are near are no Hertzian contacts: one represents those near to it.
-      if (allocated(solution%coupled%penetration)) &
-        deallocate (solution%coupled%penetration, solution%coupled%move)
-      solution%coupled%is_near = .false.
-      resolved = resolved_contacts(is_near, pairs%list%x, pairs%list%y, pairs%list%gap)
-    end if
-    error = 0.0_real64
-    shape = 0.0_real64
-    area_error = 0.0_real64
-    is_whole = is_one_cluster(pairs, is_near, circle, clusters)
+    if (which /= resolve_none) call find_near_tops(pairs, law, along, expected, task%is_near, &
+                                                   task%is_host, task%circle, target)
+    if (any(task%is_near)) call begin_with_near(task, solution)
+    is_whole = is_one_cluster(pairs, task%is_near, task%circle, task%clusters)
     if (is_whole) then
-      call solve_whole(expected, is_whole)
-      if (allocated(solution%failure)) return
-      if (.not. is_whole) call add_near(expected)
+      call solve_one_cluster(task, solution, expected, is_whole)
+      if (.not. (allocated(solution%failure) .or. is_whole)) call add_near(task, solution, expected)
     end if
-    if (.not. is_whole) call solve_with_circles()
+    if (.not. (allocated(solution%failure) .or. is_whole)) call solve_with_circles(task, solution)
     if (allocated(solution%failure)) return
-    if (allocated(clusters)) then
-      solution%clusters = size(clusters)
-      solution%cells = sum(clusters%answer%cells)
+    if (allocated(task%clusters)) then
+      solution%clusters = size(task%clusters)
+      solution%cells = sum(task%clusters%answer%cells)
       if (associated(pairs%pressures)) then
-        call join_elements(clusters%answer%loaded, pairs%pressures)
+        call join_elements(task%clusters%answer%loaded, pairs%pressures)
         pairs%pressures%closing = solution%coupled%closing
       end if
     end if
-    call finish()
-
-  contains
-
-    ! Adds the contacts whose first touches are near at a closing, and starts anew with them.
-    subroutine add_near(closing, grown)
-      real(real64), intent(in) :: closing
-      logical, intent(out), optional :: grown
-      logical, dimension(size(pairs%list)) :: near, host
-      real(real64) :: at, radius(size(pairs%list))
-
-      at = closing
-      call find_near_tops(pairs, law, along, at, near, host, radius)
-      if (present(grown)) then
-        grown = any(near .and. .not. is_near)
-        if (.not. grown) return
-      end if
-      is_host = host .or. (is_host .and. .not. near)
-      is_near = is_near .or. near
-      circle = max(circle, radius)
-      solution%is_resolved = is_near
-      resolved = resolved_contacts(is_near, pairs%list%x, pairs%list%y, pairs%list%gap)
-      if (allocated(clusters)) deallocate (clusters)
-      if (allocated(solution%coupled%penetration)) &
-        deallocate (solution%coupled%penetration, solution%coupled%move)
-      solution%coupled%is_near = .false.
-      solution%rounds = 0
-    end subroutine add_near
-
-    ! Solves one cluster of all contacts. `is_whole` is false where others are loaded: the closing
-    ! is then an upper bound of that at the load.
-    subroutine solve_whole(closing, is_whole)
-      real(real64), intent(inout) :: closing
-      logical, intent(out), optional :: is_whole
-
-      call solve_one_cluster(pairs, law, merge(cells_tolerance, elements_share * tolerance, &
-                             which == resolve_all), area_tolerance, closing, clusters, resolved, &
-                             solution, of_closing, target, is_whole)
-      if (allocated(solution%failure)) return
-      if (present(is_whole)) then
-        if (.not. is_whole) return
-      end if
-      total = sum(solution%coupled%set%load)
-      now = total
-      before = total
-    end subroutine solve_whole
-
-    ! Solves Hertzian contacts, and clusters where some are resolved.
-    subroutine solve_with_circles()
-      more = .true.
-      do while (more)
-        if (any(is_near)) then
-          call solve_hosts(pairs, law, is_near .and. .not. is_host, solution%coupled, target)
-        else
-          call solve_coupled(pairs, law, solution%coupled, target)
-        end if
-        if (failed(solution)) return
-        more = present(target) .and. which /= resolve_none
-        ! The radii at the load are known with its closing.
-        if (more) call add_near(solution%coupled%closing, more)
-      end do
-      associate (coupled => solution%coupled, is_one => solution%is_resolved)
-        total = sum(coupled%set%load)
-        ! Else nothing touches.
-        if (total > 0.0_real64) &
-          call find_errors(pairs, coupled, hosts, error, shape, of_closing, solution%nested)
-        where (is_near)
-          error = 0.0_real64
-          shape = 0.0_real64
-        end where
-        if (which == resolve_all) is_one = pairs%list%gap < coupled%closing
-        associate (set => coupled%set)
-          area_error(set%number) = pi * set%circle**2 * min(1.0_real64, &
-                                   area_per_load * error(set%number) / set%load)
-          ! Shares of next to nothing are no numbers, and its contacts too shallow for cells.
-          allowed = (1 - elements_share) * tolerance * total
-          if (which == resolve_called_for .and. allowed > tiny(allowed)) &
-            call choose_resolved(pairs, coupled, &
-              max(2 * error, error + shape, area_error * total * tolerance / &
-                  (max(tolerance, area_tolerance) * pi * sum(set%circle**2))) / allowed, &
-              hosts, is_one)
-        end associate
-        now = total
-        before = total
-        if (any(is_one)) then
-          more = .true.
-          do
-            if (more) then
-              if (allocated(clusters)) call move_alloc(clusters, former)
-              call form_clusters(pairs, coupled, is_one, circle, clusters)
-              if (allocated(former)) call keep_lattices(former, clusters)
-              resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
-              if (size(clusters) == 1 .and. all(is_one(coupled%set%number))) then
-                call solve_whole(coupled%closing)
-                return
-              end if
-            end if
-            solution%rounds = solution%rounds + 1
-            call solve_clusters(pairs, coupled, merge(cells_tolerance, elements_share * tolerance, &
-                                which == resolve_all), area_tolerance, clusters, solution%failure)
-            if (allocated(solution%failure)) return
-            call reach_others(pairs, clusters, is_one, more)
-            if (more) cycle
-            clusters%is_solved = .false.
-            call answer_with(pairs, law, clusters, coupled, resolved, .false.)
-            if (failed(solution)) return
-            ! The cells know nothing of what the coupling changes from here on. At a given load it
-            ! changes the load that they bear at the closing that they were solved at.
-            before = sum(coupled%set%load)
-            call solve_coupled(pairs, law, coupled, target, resolved)
-            if (failed(solution)) return
-            now = sum(coupled%set%load)
-            if (abs(now - before) <= settled * merge(cells_tolerance, tolerance, &
-                                                     which == resolve_all) * now) exit
-            if (solution%rounds == most_rounds) then
-              solution%failure = 'Hertzian contacts and boundary elements did not converge together'
-              return
-            end if
-          end do
-          call share_out(pairs, law, clusters, coupled, resolved)
-          if (failed(solution)) return
-        end if
-      end associate
-    end subroutine solve_with_circles
-
-    ! Sets areas and estimates of errors.
-    subroutine finish()
-      associate (coupled => solution%coupled, is_one => solution%is_resolved)
-        ! Open: below 0, as 0 is a contact at first touch.
-        where (coupled%penetration < 0.5_real64 * far_below) coupled%penetration = -tiny(1.0_real64)
-        call tell_areas(pairs, law, clusters, solution)
-        solution%area_error = area_left(solution, clusters, area_error)
-        if (.not. total > 0.0_real64) return
-        total = sum(coupled%set%load)
-        solution%error = sum(error + shape, mask=.not. is_one) / total
-        if (allocated(clusters)) then
-          ! Neighbours turn the line of centres of an inclined contact, and its load along it.
-          associate (set => coupled%set, pair => pairs%list(coupled%set%number))
-            if (present(target)) solution%error = solution%error + &
-              sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
-                  coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
-          end associate
-          ! These know nothing of each other: their squares add up.
-          solution%error = solution%error + norm2([ &
-            ! Clusters all have too little load: their errors add up.
-            (sum(clusters%answer%error) + norm2([(clusters(k)%answer%ending%residual * &
-              sum(clusters(k)%answer%together%load), k=1, size(clusters))])) / &
-              (pairs%modulus * total), &
-            ! Changes alternate and contract: the rest is less than the last one.
-            abs(now - before) / now])
-        end if
-        if (present(target)) solution%error = of_closing * solution%error
-      end associate
-    end subroutine finish
-
+    ! Open contacts are below 0, as 0 is a contact at first touch.
+    where (solution%coupled%penetration < 0.5_real64 * far_below) &
+      solution%coupled%penetration = -tiny(1.0_real64)
+    call set_areas(task, solution)
+    call estimate_errors(task, solution)
   end subroutine solve_joint
+
+  ! Begins anew with the contacts whose first touches are near, which are no Hertzian contacts: of
+  ! those near to each other one represents the others.
+  subroutine begin_with_near(task, solution)
+    type(joint_task), intent(inout) :: task
+    type(joint_solution), intent(inout) :: solution
+
+    solution%is_resolved = task%is_near
+    if (allocated(solution%coupled%penetration)) &
+      deallocate (solution%coupled%penetration, solution%coupled%move)
+    solution%coupled%is_near = .false.
+    associate (list => task%pairs%list)
+      task%resolved = resolved_contacts(task%is_near, list%x, list%y, list%gap)
+    end associate
+  end subroutine begin_with_near
+
+  ! Adds the contacts whose first touches are near at a compression, and begins anew with them.
+  subroutine add_near(task, solution, closing, has_grown)
+    type(joint_task), intent(inout) :: task
+    type(joint_solution), intent(inout) :: solution
+    real(real64), intent(in) :: closing
+    logical, intent(out), optional :: has_grown
+    logical, dimension(size(task%is_near)) :: near, host
+    real(real64) :: at, radius(size(near))
+
+    at = closing
+    call find_near_tops(task%pairs, task%law, along, at, near, host, radius)
+    if (present(has_grown)) then
+      has_grown = any(near .and. .not. task%is_near)
+      if (.not. has_grown) return
+    end if
+    task%is_host = host .or. (task%is_host .and. .not. near)
+    task%is_near = task%is_near .or. near
+    task%circle = max(task%circle, radius)
+    if (allocated(task%clusters)) deallocate (task%clusters)
+    solution%rounds = 0
+    call begin_with_near(task, solution)
+  end subroutine add_near
+
+  ! Solves Hertzian contacts, and clusters where some are resolved.
+  subroutine solve_with_circles(task, solution)
+    type(joint_task), intent(inout) :: task
+    type(joint_solution), intent(inout) :: solution
+    logical :: more
+
+    more = .true.
+    do while (more)
+      if (any(task%is_near)) then
+        call solve_hosts(task%pairs, task%law, task%is_near .and. .not. task%is_host, &
+                         solution%coupled, task%target)
+      else
+        call solve_coupled(task%pairs, task%law, solution%coupled, task%target)
+      end if
+      if (has_failed(solution)) return
+      more = allocated(task%target) .and. task%which /= resolve_none
+      ! The radii at the load are known with its compression.
+      if (more) call add_near(task, solution, solution%coupled%closing, more)
+    end do
+    if (sum(solution%coupled%set%load) > 0.0_real64) call judge_circles(task, solution)
+    if (task%which == resolve_all) &
+      solution%is_resolved = task%pairs%list%gap < solution%coupled%closing
+    if (any(solution%is_resolved)) call alternate_blocks(task, solution)
+  end subroutine solve_with_circles
+
+  ! Estimates the errors of Hertzian contacts and chooses those that are resolved.
+  subroutine judge_circles(task, solution)
+    type(joint_task), intent(inout) :: task
+    type(joint_solution), intent(inout) :: solution
+    integer :: hosts(size(task%error))
+    real(real64) :: allowed
+
+    associate (coupled => solution%coupled, set => solution%coupled%set)
+      call find_errors(task%pairs, coupled, hosts, task%error, task%sphere_error, &
+                       task%of_closing, solution%nested)
+      where (task%is_near)
+        task%error = 0.0_real64
+        task%sphere_error = 0.0_real64
+      end where
+      task%area_error(set%number) = pi * set%circle**2 * min(1.0_real64, area_per_load * &
+                                                             task%error(set%number) / set%load)
+      allowed = (1 - elements_share) * task%tolerance * sum(set%load)
+      ! Contacts of loads that underflow are too shallow for elements.
+      if (task%which == resolve_called_for .and. allowed > tiny(allowed)) call choose_resolved( &
+        task%pairs, coupled, max(2 * task%error, task%error + task%sphere_error, &
+          task%area_error * sum(set%load) * task%tolerance / (max(task%tolerance, &
+            task%area_tolerance) * pi * sum(set%circle**2))) / allowed, hosts, solution%is_resolved)
+    end associate
+  end subroutine judge_circles
+
+  ! Solves clusters and Hertzian contacts in turns until the total load settles.
+  subroutine alternate_blocks(task, solution)
+    type(joint_task), intent(inout) :: task
+    type(joint_solution), intent(inout) :: solution
+    type(cluster), allocatable :: former(:)
+    real(real64) :: before, now, tolerance
+    logical :: more
+
+    tolerance = merge(task%elements_tolerance, task%tolerance, task%which == resolve_all)
+    more = .true.
+    associate (pairs => task%pairs, coupled => solution%coupled, is_one => solution%is_resolved)
+      do
+        if (more) then
+          if (allocated(task%clusters)) call move_alloc(task%clusters, former)
+          call form_clusters(pairs, coupled, is_one, task%circle, task%clusters)
+          if (allocated(former)) call keep_lattices(former, task%clusters)
+          task%resolved = resolved_contacts(is_one, pairs%list%x, pairs%list%y, pairs%list%gap)
+          if (size(task%clusters) == 1 .and. all(is_one(coupled%set%number))) then
+            now = coupled%closing
+            call solve_one_cluster(task, solution, now)
+            return
+          end if
+        end if
+        solution%rounds = solution%rounds + 1
+        call solve_clusters(pairs, coupled, task%elements_tolerance, task%area_tolerance, &
+                            task%clusters, solution%failure)
+        if (allocated(solution%failure)) return
+        call reach_others(pairs, task%clusters, is_one, more)
+        if (more) cycle
+        task%clusters%is_solved = .false.
+        call answer_with(pairs, task%law, task%clusters, coupled, task%resolved, .false.)
+        if (has_failed(solution)) return
+        ! The change of the load by the coupling is not in the field that the clusters were solved
+        ! in. At a given load it is that of their loads at the compression they were solved at.
+        before = sum(coupled%set%load)
+        call solve_coupled(pairs, task%law, coupled, task%target, task%resolved)
+        if (has_failed(solution)) return
+        now = sum(coupled%set%load)
+        task%last_change = abs(now - before) / max(now, tiny(now))
+        if (task%last_change <= settled * tolerance) exit
+        if (solution%rounds == most_rounds) then
+          solution%failure = 'Hertzian contacts and boundary elements did not converge together'
+          return
+        end if
+      end do
+      call share_out(pairs, task%law, task%clusters, coupled, task%resolved)
+    end associate
+    if (has_failed(solution)) return
+  end subroutine alternate_blocks
+
+  ! Estimates the errors of load, or compression at a load, and area.
+  subroutine estimate_errors(task, solution)
+    type(joint_task), intent(in) :: task
+    type(joint_solution), intent(inout) :: solution
+    real(real64) :: total, area
+    integer :: k
+
+    associate (coupled => solution%coupled, is_one => solution%is_resolved)
+      area = sum(solution%area)
+      if (area > 0.0_real64) solution%area_error = sum(task%area_error, mask=.not. is_one) / area
+      if (area > 0.0_real64 .and. allocated(task%clusters)) &
+        solution%area_error = solution%area_error + deviations * norm2([( &
+          task%clusters(k)%answer%area_error * sum(solution%area(task%clusters(k)%members)), &
+          k=1, size(task%clusters))]) / area
+      total = sum(coupled%set%load)
+      if (.not. total > 0.0_real64) return
+      solution%error = sum(task%error + task%sphere_error, mask=.not. is_one) / total
+      if (allocated(task%clusters)) then
+        ! Neighbours turn the line of centres of an inclined contact, and its load along it.
+        associate (set => coupled%set, pair => task%pairs%list(coupled%set%number))
+          if (allocated(task%target)) solution%error = solution%error + &
+            sum(set%load * (pair%d / pair%zc)**2 * max(0.0_real64, coupled%closing - pair%gap - &
+                coupled%penetration(set%number)) / pair%zc, mask=is_one(set%number)) / total
+        end associate
+        ! Errors by elements add up, as all clusters have too little load. They are independent of
+        ! the residuals and of the last change, which alternates and contracts.
+        solution%error = solution%error + norm2([(sum(task%clusters%answer%error) + norm2([( &
+          task%clusters(k)%answer%ending%residual * sum(task%clusters(k)%answer%together%load), &
+          k=1, size(task%clusters))])) / (task%pairs%modulus * total), task%last_change])
+      end if
+      if (allocated(task%target)) solution%error = task%of_closing * solution%error
+    end associate
+  end subroutine estimate_errors
 
   ! Solves Hertzian contacts but those in `is_out`, which are open.
   subroutine solve_hosts(pairs, law, is_out, coupled, target)
@@ -314,44 +362,33 @@ contains
     coupled%ending = found%ending
   end subroutine solve_hosts
 
-  ! Solves one cluster of all contacts at a closing, or at a load by the secant method.
-  ! The members of a cluster grow by contacts that are loaded at its load. `is_whole` is false where
-  ! these are no part of it; without it all contacts that penetrate are members.
-  subroutine solve_one_cluster(pairs, law, tolerance, area_tolerance, closing, clusters, &
-                               resolved, solution, of_closing, target, is_whole)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    real(real64), intent(in) :: tolerance, area_tolerance
-    real(real64), intent(inout) :: closing  ! expected; then that of the load
-    type(cluster), intent(inout), allocatable :: clusters(:)
-    type(resolved_contacts), intent(inout) :: resolved
+  ! Solves one cluster of all contacts at a compression, or at a load. The cluster grows by contacts
+  ! that are loaded at its load. `is_whole` is false where these are no part of it: the compression
+  ! is then an upper bound. Without it all contacts that penetrate are members.
+  subroutine solve_one_cluster(task, solution, closing, is_whole)
+    type(joint_task), intent(inout) :: task
     type(joint_solution), intent(inout) :: solution
-    real(real64), intent(out) :: of_closing
-    real(real64), intent(in), optional :: target
+    real(real64), intent(inout) :: closing        ! expected; then that of the load
     logical, intent(out), optional :: is_whole
-    logical, dimension(size(pairs%list)) :: is_member, near, host
+    logical, dimension(size(task%is_near)) :: is_member, near, host
     type(cluster), allocatable :: found(:)
-    real(real64) :: load, slope, next, low, high, low0, earlier(2), at, radius(size(pairs%list))
-    real(real64) :: power, share, met
-    type(cluster_lattice) :: fresh  ! no elements yet
+    type(cluster_lattice) :: fresh                ! no elements yet
+    type(load_search) :: search
+    real(real64) :: load, slope, at, share, radius(size(near))
     integer :: k
 
-    of_closing = 1.0_real64
-    power = 2.0_real64 / 3.0_real64  ! Hertz' law
-    ! The elements are those of the closing of the load, which coarse ones find.
-    share = tolerance
-    if (present(target)) share = max(tolerance, settled)
+    task%of_closing = 1.0_real64
+    ! The elements are those of the compression of the load, which coarse ones find.
+    share = task%elements_tolerance
+    if (allocated(task%target)) share = max(share, settled)
     is_member = .not. present(is_whole)
-    is_member(clusters(1)%members) = .true.
+    is_member(task%clusters(1)%members) = .true.
     if (present(is_whole)) is_whole = .true.
-    low0 = minval(pairs%list%gap)
-    low = low0
-    high = huge(high)
-    earlier = [low, 0.0_real64]
-    associate (coupled => solution%coupled)
+    search%least = minval(task%pairs%list%gap)
+    call begin_search(search)
+    associate (coupled => solution%coupled, pairs => task%pairs)
       coupled%penetration = spread(far_below, 1, size(pairs%list))
       coupled%move = spread(spread(0.0_real64, 1, 2), 2, size(pairs%list))
-      call coupled%set%make_room(0)
       do
         if (solution%rounds == most_rounds) then
           solution%failure = 'the load of the boundary elements was not met'
@@ -359,61 +396,97 @@ contains
         end if
         solution%rounds = solution%rounds + 1
         coupled%closing = closing
-        resolved%is_one = is_member .and. pairs%list%gap < closing
-        if (allocated(clusters(1)%host)) deallocate (clusters(1)%host)
-        call coupled%set%make_room(0)
-        clusters(1)%members = pack([(k, k=1, size(pairs%list))], resolved%is_one)
-        clusters%is_solved = .false.
-        call solve_clusters(pairs, coupled, share, area_tolerance, clusters, solution%failure)
+        task%resolved%is_one = is_member .and. pairs%list%gap < closing
+        call press_one_cluster(task, solution, share)
         if (allocated(solution%failure)) return
-        call answer_with(pairs, law, clusters, coupled, resolved, .true.)
-        coupled%ending = clusters(1)%answer%ending
-        if (failed(solution)) return
-        if (.not. present(target)) exit
-        call bear(pairs, law, coupled%penetration, 0.0_real64, load, slope)
+        if (.not. allocated(task%target)) exit
+        call bear(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
         load = load * pairs%modulus
-        met = merge(share, settled * tolerance, share > tolerance)
-        if (abs(load - target) <= met * target) then
-          if (any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), closing, &
-                         outside_field(), clusters(1)%lattice)) then
-            at = closing
-            call find_near_tops(pairs, law, along, at, near, host, radius)
-            is_whole = is_one_cluster(pairs, near, radius, found)
-            if (.not. is_whole) return
-            is_member = is_member .or. near
-          else if (share <= tolerance) then
-            exit
-          else
-            share = tolerance
-            clusters(1)%lattice = fresh
-          end if
-          ! The load at this closing changes: the bracket does not hold.
-          low = low0
-          high = huge(high)
-          earlier = [low, 0.0_real64]
+        if (abs(load - task%target) > task%target * &
+            merge(share, settled * share, share > task%elements_tolerance)) then
+          call take_secant(search, load, task%target, closing, task%of_closing)
           cycle
         end if
-        if (load < target) low = closing
-        if (load > target) high = closing
-        ! Secant; first step by a power of the load; kept inside the bracket.
-        next = closing + (target - load) * (closing - earlier(1)) / (load - earlier(2))
-        if (earlier(2) <= 0.0_real64) then
-          next = low0 + (closing - low0) * min(2.0_real64, (target / load)**power)
+        if (any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), closing, &
+                       outside_field(), task%clusters(1)%lattice)) then
+          at = closing
+          call find_near_tops(pairs, task%law, along, at, near, host, radius)
+          is_whole = is_one_cluster(pairs, near, radius, found)
+          if (.not. is_whole) return
+          is_member = is_member .or. near
+        else if (share <= task%elements_tolerance) then
+          exit
         else
-          of_closing = load / (closing - low0) * (closing - earlier(1)) / (load - earlier(2))
-          if (of_closing > 0.0_real64 .and. of_closing < 1.0_real64) power = of_closing
+          share = task%elements_tolerance
+          task%clusters(1)%lattice = fresh
         end if
-        if (.not. (next > low .and. next < high)) next = merge(0.5_real64 * (low + high), &
-          low0 + 2 * (closing - low0), high < huge(high))
-        earlier = [closing, load]
-        closing = next
+        ! The load at this compression changes: the bracket does not hold.
+        call begin_search(search)
       end do
-      solution%is_resolved = resolved%is_one
-      if (present(target)) call raise(pairs, law, target / pairs%modulus, coupled%penetration)
-      call share_out(pairs, law, clusters, coupled, resolved)
+      solution%is_resolved = task%resolved%is_one
+      if (allocated(task%target)) call raise(pairs, task%law, task%target / pairs%modulus, &
+                                             coupled%penetration)
+      call share_out(pairs, task%law, task%clusters, coupled, task%resolved)
     end associate
-    if (failed(solution)) return
+    if (has_failed(solution)) return
   end subroutine solve_one_cluster
+
+  ! Solves the one cluster at the compression, with nothing outside.
+  subroutine press_one_cluster(task, solution, tolerance)
+    type(joint_task), intent(inout) :: task
+    type(joint_solution), intent(inout) :: solution
+    real(real64), intent(in) :: tolerance          ! relative error of the load
+    integer :: k
+
+    associate (one => task%clusters(1), coupled => solution%coupled)
+      if (allocated(one%host)) deallocate (one%host)
+      call coupled%set%make_room(0)
+      one%members = pack([(k, k=1, size(task%is_near))], task%resolved%is_one)
+      one%is_solved = .false.
+      call solve_clusters(task%pairs, coupled, tolerance, task%area_tolerance, task%clusters, &
+                          solution%failure)
+      if (allocated(solution%failure)) return
+      call answer_with(task%pairs, task%law, task%clusters, coupled, task%resolved, .true.)
+      coupled%ending = one%answer%ending
+      if (has_failed(solution)) return
+    end associate
+  end subroutine press_one_cluster
+
+  ! Forgets bracket and secant.
+  subroutine begin_search(search)
+    type(load_search), intent(inout) :: search
+
+    search%low = search%least
+    search%high = huge(search%high)
+    search%earlier = [search%least, 0.0_real64]
+  end subroutine begin_search
+
+  ! Next compression: by a power of the load, then by secants; bisection outside the bracket, or
+  ! doubling while it is open.
+  subroutine take_secant(search, load, target, closing, of_closing)
+    type(load_search), intent(inout) :: search
+    real(real64), intent(in) :: load, target    ! load at `closing`, and the prescribed one
+    real(real64), intent(inout) :: closing
+    real(real64), intent(inout) :: of_closing   ! d log closing/d log load
+    real(real64) :: next
+
+    if (load < target) search%low = closing
+    if (load > target) search%high = closing
+    associate (least => search%least, earlier => search%earlier)
+      next = closing + (target - load) * (closing - earlier(1)) / (load - earlier(2))
+      if (earlier(2) <= 0.0_real64) then
+        next = least + (closing - least) * min(2.0_real64, (target / load)**search%power)
+      else
+        of_closing = load / (closing - least) * (closing - earlier(1)) / (load - earlier(2))
+        if (of_closing > 0.0_real64 .and. of_closing < 1.0_real64) search%power = of_closing
+      end if
+      if (.not. (next > search%low .and. next < search%high)) &
+        next = merge(0.5_real64 * (search%low + search%high), least + 2 * (closing - least), &
+                     search%high < huge(next))
+      earlier = [closing, load]
+    end associate
+    closing = next
+  end subroutine take_secant
 
   ! Clusters whose members stay keep their lattices and, as long as the circles stay, their answers.
   subroutine keep_lattices(former, clusters)
@@ -449,7 +522,8 @@ contains
     if (.not. is_one) deallocate (clusters)
   end function is_one_cluster
 
-  logical function failed(solution)
+  ! Whether a solve has failed, with the message in `solution`.
+  logical function has_failed(solution)
     type(joint_solution), intent(inout) :: solution
 
     if (allocated(solution%coupled%failure)) then
@@ -459,74 +533,53 @@ contains
                          real_text(solution%coupled%ending%residual, 'es9.1e3') // &
                          ', iteration ' // decimal_text(solution%coupled%ending%iterations)
     end if
-    failed = allocated(solution%failure)
-  end function failed
+    has_failed = allocated(solution%failure)
+  end function has_failed
 
-  ! What the area may be off by, a share of it: what circles are, and the scatter on cells.
-  real(real64) function area_left(solution, clusters, error) result(share)
-    type(joint_solution), intent(in) :: solution
-    type(cluster), allocatable, intent(in) :: clusters(:)
-    real(real64), intent(in) :: error(:)  ! of circles
-    real(real64) :: total
-    integer :: k
-
-    share = 0.0_real64
-    total = sum(solution%area)
-    if (.not. total > 0.0_real64) return
-    share = sum(error, mask=.not. solution%is_resolved) / total
-    if (.not. allocated(clusters)) return
-    share = share + deviations * norm2([(clusters(k)%answer%area_error * &
-            sum(solution%area(clusters(k)%members)), k=1, size(clusters))]) / total
-  end function area_left
-
-  ! Areas in plan. Of circles: exact for a field that bends as a paraboloid, and where it is convex;
-  ! of cells as they are.
-  subroutine tell_areas(pairs, law, clusters, solution)
-    type(contact_pairs), intent(in) :: pairs
-    class(contact_law), intent(in) :: law
-    type(cluster), allocatable, intent(in) :: clusters(:)
+  ! Sets areas in plan and pressures. The area of a Hertzian contact is exact for a field that bends
+  ! as a paraboloid; on elements the ratio to the isolated contact multiplies that of the law.
+  subroutine set_areas(task, solution)
+    type(joint_task), intent(in) :: task
     type(joint_solution), intent(inout) :: solution
     type(contact_response) :: response
     real(real64) :: bend, most
     integer :: i, k, m
 
-    allocate (solution%area(size(pairs%list)), solution%maximum_pressure(size(pairs%list)))
-    solution%area = 0.0_real64
-    solution%maximum_pressure = -1.0_real64
-    associate (coupled => solution%coupled, set => solution%coupled%set)
+    allocate (solution%area(size(task%is_near)), source=0.0_real64)
+    allocate (solution%maximum_pressure(size(task%is_near)), source=-1.0_real64)
+    associate (coupled => solution%coupled, set => solution%coupled%set, pairs => task%pairs)
       do k = 1, size(set%number)
         i = set%number(k)
         if (solution%is_resolved(i)) cycle
         bend = max(set%growth(k) / coupled%penetration(i), 0.0_real64)
         solution%area(i) = pi * set%circle(k)**2 * (2 + bend) / (2 + 3 * bend)
       end do
-      if (.not. allocated(clusters)) return
-      do k = 1, size(clusters)
-        do m = 1, size(clusters(k)%members)
-          i = clusters(k)%members(m)
-          if (.not. coupled%penetration(i) > 0.0_real64) cycle
-          ! Together over alone, as the load.
-          call law%respond(pairs%list(i), i, coupled%closing - clusters(k)%lowered - &
-                           pairs%list(i)%gap, response)
-          associate (answer => clusters(k)%answer)
+      if (.not. allocated(task%clusters)) return
+      do k = 1, size(task%clusters)
+        associate (one => task%clusters(k), answer => task%clusters(k)%answer)
+          do m = 1, size(one%members)
+            i = one%members(m)
+            if (.not. coupled%penetration(i) > 0.0_real64) cycle
+            call task%law%respond(pairs%list(i), i, coupled%closing - one%lowered - &
+                                  pairs%list(i)%gap, response)
             most = merge(1.0_real64, huge(most), answer%known_alone(m))
             solution%area(i) = pi * response%contact_radius**2 * &
                                min(most, answer%together(m)%area / answer%alone(m)%area)
             solution%maximum_pressure(i) = response%maximum_pressure * &
               min(most, answer%together(m)%pressure / answer%alone(m)%pressure)
-          end associate
-        end do
+          end do
+        end associate
       end do
     end associate
-  end subroutine tell_areas
+  end subroutine set_areas
 
-  !> Adds to the resolved until what the others are off by is no more than 1.
+  ! Adds to the resolved until the errors of the others are no more than 1.
   subroutine choose_resolved(pairs, coupled, error, hosts, is_one)
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(coupled_solution), intent(in) :: coupled   !! solved
-    real(real64), intent(in) :: error(:)            !! by pair, over what all may be off by
-    integer, intent(in) :: hosts(:)                 !! circle that hides an open pair, else 0
-    logical, intent(inout) :: is_one(:)             !! by pair: resolved
+    type(contact_pairs), intent(in) :: pairs     ! pairs of the position
+    type(coupled_solution), intent(in) :: coupled   ! solved
+    real(real64), intent(in) :: error(:)            ! by pair, over what all may be off by
+    integer, intent(in) :: hosts(:)                 ! circle that hides an open pair, else 0
+    logical, intent(inout) :: is_one(:)             ! by pair: resolved
     type(source_tree) :: tree
     integer, allocatable :: number(:), member(:), first(:)
     integer :: order(size(error)), i, k, l, next
@@ -567,13 +620,13 @@ contains
     end associate
   end subroutine choose_resolved
 
-  !> Also resolves circles that go together with a member's, as its cells have it: a contact in a
-  !> ring around another has its centre there.
+  ! Also resolves Hertzian contacts that are close to the loaded members of a cluster: a contact in
+  ! a ring around another has its centre there.
   subroutine reach_others(pairs, clusters, is_one, more)
-    type(contact_pairs), intent(in) :: pairs      !! the position
-    type(cluster), intent(in) :: clusters(:)      !! solved
-    logical, intent(inout) :: is_one(:)           !! by pair: resolved
-    logical, intent(out) :: more                  !! than before
+    type(contact_pairs), intent(in) :: pairs      ! pairs of the position
+    type(cluster), intent(in) :: clusters(:)      ! solved
+    logical, intent(inout) :: is_one(:)           ! by pair: resolved
+    logical, intent(out) :: more                  ! contacts than before
     integer :: k, l
 
     more = .false.
@@ -582,9 +635,9 @@ contains
                  list => pairs%list(clusters(k)%members))
         if (.not. allocated(o%pair)) cycle
         do l = 1, size(o%pair)
-          ! On cells of another cluster.
+          ! In another cluster.
           if (is_one(o%pair(l))) cycle
-          ! Circles of Hertz by their loads.
+          ! Radii of Hertzian contacts by their loads.
           if (.not. any(all%load > 0.0_real64 .and. hypot(all%x - o%x(l), all%y - o%y(l)) < &
               along * (o%circle(l) + (0.75_real64 * all%load / pairs%modulus * &
                                       list%radius)**(1.0_real64 / 3)))) cycle

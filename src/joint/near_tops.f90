@@ -8,7 +8,7 @@
 !> Hertzian contact. A lower and sharper cap whose top is inside the
 !> other's sphere does not count.
 module asperity_near_tops
-  use asperity_cells_solver, only: is_resolved
+  use asperity_element_solver, only: is_resolved
   use asperity_circle_field, only: circle_set, find_field, inclination, plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
@@ -26,26 +26,71 @@ contains
 
   !> Finds the contacts whose first touches are near, with all contacts that their circles touch.
   subroutine find_near_tops(pairs, law, along, closing, is_near, is_host, circle, target)
-    type(contact_pairs), intent(in) :: pairs         !! the position
-    class(contact_law), intent(in) :: law            !! of each contact
+    type(contact_pairs), intent(in) :: pairs         !! pairs of the position
+    class(contact_law), intent(in) :: law            !! contact law of each pair
     real(real64), intent(in) :: along                !! sums of radii below which circles touch
-    real(real64), intent(inout) :: closing           !! past first touch; at a load: its lower bound
-    logical, intent(out) :: is_near(:)               !! by pair
+    real(real64), intent(inout) :: closing           !! compression; at a load: its lower bound
+    logical, intent(out) :: is_near(:)               !! by pair: is near to another, or touches one
     logical, intent(out) :: is_host(:)               !! of those near to each other: largest load
-    real(real64), intent(out) :: circle(:)           !! radius of the start by pair; 0: open
-    real(real64), intent(in), optional :: target     !! normal load
+    real(real64), intent(out) :: circle(:)           !! contact radius by pair; 0: open
+    real(real64), intent(in), optional :: target     !! normal load [force]
     type(circle_set) :: set
     type(source_tree) :: tree
-    type(contact_response) :: answer
-    real(real64) :: p(size(pairs%list)), t, ratio, before
+    real(real64) :: p(size(pairs%list)), factor
     integer, allocatable :: number(:), one(:), other(:), member(:), first(:)
-    integer :: i, k, l
-    integer, allocatable :: order(:)
     logical, allocatable :: tops(:)
+    integer :: k, l
 
     is_near = .false.
     is_host = .false.
     circle = 0.0_real64
+    call isolate_contacts(pairs, law, closing, p, set, target)
+    if (.not. allocated(set%number)) return
+    allocate (number, source=set%number)
+    call plant_tree(tree, set%x, set%y, set%circle, along)
+    if (allocated(tree%failure)) return
+    one = [((k, l=tree%first(k), tree%first(k + 1) - 1), k=1, size(number))]
+    other = tree%near(:size(one))
+    tops = [(are_near(pairs, set, p, one(l), other(l)), l=1, size(one))]
+    if (.not. any(tops)) return
+    if (present(target)) then
+      ! Neighbours only reduce loads: a lower bound. The radii are those of the load.
+      closing = pairs%list(number(1))%gap + p(number(1))
+    else
+      call find_factor(set, p(number), factor)
+      if (allocated(set%tree%failure)) return
+      set%circle = sqrt(factor) * set%circle
+      tops = [(are_near(pairs, set, p, one(l), other(l)), l=1, size(one))]
+      if (.not. any(tops)) return
+    end if
+    call gather_groups(one, other, tops .or. &
+                       hypot(set%x(one) - set%x(other), set%y(one) - set%y(other)) < &
+                       along * (set%circle(one) + set%circle(other)), &
+                       spread(.true., 1, size(number)), size(number), member, first)
+    is_near(number(pack(one, tops))) = .true.
+    is_near(number(pack(other, tops))) = .true.
+    do k = 1, size(first) - 1
+      associate (group => number(member(first(k):first(k + 1) - 1)))
+        if (any(is_near(group))) is_near(group) = .true.
+      end associate
+    end do
+    circle(number) = set%circle
+    call choose_hosts(set, tree, tops, is_near, is_host)
+  end subroutine find_near_tops
+
+  ! Sets out isolated contacts at a compression, or at a load; none where their penetrations are
+  ! beyond a sphere or fewer than two are loaded.
+  subroutine isolate_contacts(pairs, law, closing, p, set, target)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    real(real64), intent(in) :: closing
+    real(real64), intent(out) :: p(:)             ! penetration by pair
+    type(circle_set), intent(out) :: set          ! without `number`: none
+    real(real64), intent(in), optional :: target
+    type(contact_response) :: answer
+    integer, allocatable :: number(:)
+    integer :: i, k
+
     p = closing - pairs%list%gap
     if (present(target)) then
       p = -pairs%list%gap
@@ -54,7 +99,6 @@ contains
     number = pack([(i, i=1, size(p))], p > 0.0_real64)
     if (size(number) < 2) return
     call set%make_room(size(number))
-    set%number = number
     set%x = pairs%list(number)%x
     set%y = pairs%list(number)%y
     do k = 1, size(number)
@@ -62,92 +106,79 @@ contains
       set%circle(k) = answer%contact_radius
       set%load(k) = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
     end do
-    if (.not. sum(set%load) > 0.0_real64) return
+    set%number = number
     ! Penetrations beyond a sphere are refused of Hertzian contacts.
-    if (any(set%circle > smaller_radius(pairs%list(number)))) return
-    call plant_tree(tree, set%x, set%y, set%circle, along)
-    if (allocated(tree%failure)) return
-    one = [((k, l=tree%first(k), tree%first(k + 1) - 1), k=1, size(number))]
-    other = tree%near(:size(one))
-    allocate (tops(size(one)))
-    do l = 1, size(one)
-      tops(l) = has_near_tops(one(l), other(l))
+    if (any(set%circle > smaller_radius(pairs%list(number))) .or. &
+        .not. sum(set%load) > 0.0_real64) deallocate (set%number)
+  end subroutine isolate_contacts
+
+  ! Finds the factor of the penetrations of isolated contacts that minimises the potential.
+  subroutine find_factor(set, p, factor)
+    type(circle_set), intent(inout) :: set      ! isolated contacts; gets their field
+    real(real64), intent(in) :: p(:)            ! penetrations
+    real(real64), intent(out) :: factor
+    real(real64) :: ratio, before
+
+    factor = 1.0_real64
+    call plant_circles(set)
+    if (allocated(set%tree%failure)) return
+    call find_field(set)
+    ratio = dot_product(set%load, set%lift) / dot_product(set%load, p)
+    ! Newton's method from above on a convex function falls to the root, up to rounding.
+    do
+      before = factor
+      factor = factor - (factor + ratio * factor**1.5_real64 - 1.0_real64) / &
+               (1.0_real64 + 1.5_real64 * ratio * sqrt(factor))
+      if (.not. factor < before) exit
     end do
-    if (.not. any(tops)) return
-    t = 1.0_real64
-    if (present(target)) then
-      ! Neighbours only reduce loads: a lower bound. The radii are those of the load.
-      closing = pairs%list(number(1))%gap + p(number(1))
-    else
-      call plant_circles(set)
-      if (allocated(set%tree%failure)) return
-      call find_field(set)
-      ratio = dot_product(set%load, set%lift) / dot_product(set%load, p(number))
-      ! Newton's method from above on a convex function falls to the root, up to rounding.
-      do
-        before = t
-        t = t - (t + ratio * t**1.5_real64 - 1.0_real64) / &
-            (1.0_real64 + 1.5_real64 * ratio * sqrt(t))
-        if (.not. t < before) exit
-      end do
-    end if
-    set%circle = sqrt(t) * set%circle
-    do l = 1, size(one)
-      tops(l) = has_near_tops(one(l), other(l))
-    end do
-    if (.not. any(tops)) return
-    call gather_groups(one, other, tops .or. &
-                       hypot(set%x(one) - set%x(other), set%y(one) - set%y(other)) < &
-                       along * (set%circle(one) + set%circle(other)), &
-                       spread(.true., 1, size(number)), size(number), member, first)
-    do l = 1, size(one)
-      if (tops(l)) is_near(number([one(l), other(l)])) = .true.
-    end do
-    do k = 1, size(first) - 1
-      associate (group => member(first(k):first(k + 1) - 1))
-        if (.not. any(is_near(number(group)))) cycle
-        is_near(number(group)) = .true.
-      end associate
-    end do
-    circle(number) = set%circle
-    ! Of first touches that are near to each other only one is a host, by falling load.
-    is_host(number) = is_near(number)
-    allocate (order(size(number)))
+  end subroutine find_factor
+
+  ! Chooses one host of first touches that are near to each other, by falling load.
+  subroutine choose_hosts(set, tree, tops, is_near, is_host)
+    type(circle_set), intent(in) :: set
+    type(source_tree), intent(in) :: tree
+    logical, intent(in) :: tops(:)              ! by pair of circles, as `tree` lists them
+    logical, intent(in) :: is_near(:)
+    logical, intent(inout) :: is_host(:)
+    integer :: order(size(set%number)), i, l
+
+    is_host(set%number) = is_near(set%number)
     call sort_keys(-set%load, order)
     do i = 1, size(order)
-      k = order(i)
-      if (.not. is_host(number(k))) cycle
-      do l = tree%first(k), tree%first(k + 1) - 1
-        if (tops(l)) is_host(number(tree%near(l))) = .false.
+      if (.not. is_host(set%number(order(i)))) cycle
+      do l = tree%first(order(i)), tree%first(order(i) + 1) - 1
+        if (tops(l)) is_host(set%number(tree%near(l))) = .false.
       end do
     end do
+  end subroutine choose_hosts
 
-  contains
+  ! Whether the first touches of two contacts are within the larger circle, neither hidden.
+  pure logical function are_near(pairs, set, p, a, b)
+    type(contact_pairs), intent(in) :: pairs
+    type(circle_set), intent(in) :: set
+    real(real64), intent(in) :: p(:)
+    integer, intent(in) :: a, b
+    real(real64) :: square
 
-    ! Whether the first touches of two contacts are within the larger circle, neither hidden.
-    logical function has_near_tops(a, b) result(has)
-      integer, intent(in) :: a, b
-      real(real64) :: square
+    square = (set%x(a) - set%x(b))**2 + (set%y(a) - set%y(b))**2
+    are_near = square < max(set%circle(a), set%circle(b))**2 .and. &
+               is_resolved(set%x(a), set%y(a), max(set%circle(a), set%circle(b)))
+    if (.not. are_near) return
+    associate (i => set%number(a), j => set%number(b))
+      are_near = .not. (is_hidden(pairs%list(i), pairs%list(j), p(i), p(j), square) .or. &
+                        is_hidden(pairs%list(j), pairs%list(i), p(j), p(i), square))
+    end associate
+  end function are_near
 
-      square = (set%x(a) - set%x(b))**2 + (set%y(a) - set%y(b))**2
-      has = square < max(set%circle(a), set%circle(b))**2 .and. &
-            is_resolved(set%x(a), set%y(a), max(set%circle(a), set%circle(b)))
-      if (has) has = .not. (is_hidden(number(a), number(b), square) .or. &
-                            is_hidden(number(b), number(a), square))
-    end function has_near_tops
+  ! Whether the top of the sharper cap of a pair is inside the paraboloid of another.
+  elemental logical function is_hidden(low, high, p_low, p_high, square)
+    type(contact_pair), intent(in) :: low, high
+    real(real64), intent(in) :: p_low, p_high     ! penetrations
+    real(real64), intent(in) :: square            ! of the distance of the first touches
 
-    ! Whether the top of the sharper cap i is inside the paraboloid of j.
-    logical function is_hidden(i, j, square)
-      integer, intent(in) :: i, j
-      real(real64), intent(in) :: square
-
-      associate (low => pairs%list(i), high => pairs%list(j))
-        is_hidden = low%radius <= high%radius .and. square > 0.0_real64 .and. &
-                    p(i) < p(j) - 0.5_real64 * square / high%radius
-      end associate
-    end function is_hidden
-
-  end subroutine find_near_tops
+    is_hidden = low%radius <= high%radius .and. square > 0.0_real64 .and. &
+                p_low < p_high - 0.5_real64 * square / high%radius
+  end function is_hidden
 
   ! The smaller radius of the two spheres of a pair; of one on a plane, its radius.
   elemental real(real64) function smaller_radius(pair)

@@ -1,8 +1,8 @@
-!> Contacts on cells: clusters, each under the field of all others.
+!> Clusters of contacts on boundary elements, each in the field of all others.
 module asperity_resolved_clusters
-  use asperity_cells_answer, only: cells_answer
+  use asperity_element_answer, only: element_answer
   use asperity_cells_outside, only: beside_circle, outside_field
-  use asperity_cells_solver, only: cluster_lattice, reach_of_cluster, solve_cells
+  use asperity_element_solver, only: cluster_lattice, reach_of_cluster, solve_elements
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_circle_field, only: hertz_spread, near_factor
   use asperity_constants, only: pi
@@ -19,16 +19,16 @@ module asperity_resolved_clusters
   !> A cluster of resolved contacts.
   type :: cluster
     integer, allocatable :: members(:)              !! places in the list of pairs
-    type(cluster_lattice) :: lattice                !! its cells
-    type(cells_answer) :: answer                    !! of its cells
-    logical :: is_solved = .false.                  !! for the members and circles as they are
+    type(cluster_lattice) :: lattice                !! its elements
+    type(element_answer) :: answer                  !! solution on its elements
+    logical :: is_solved = .false.                  !! in the present field of the others
     real(real64), allocatable :: load(:)            !! vertical, by its law; 0: open
-    integer, allocatable :: host(:)                 !! member that stands for it among circles
-    real(real64) :: lowered = 0.0_real64            !! of the closing, for its cells
-    !> for its circles, of the last round: what its cells would change of their gaps, and what share
-    !! of that was taken
+    integer, allocatable :: host(:)                 !! member that represents it among circles
+    real(real64) :: lowered = 0.0_real64            !! displacement of the cluster by the others
+    !> changes of the gaps of its circles required by its elements in the last round, and the share
+    !! of them that was applied
     real(real64), allocatable :: change(:), taken(:)
-    type(outside_field) :: outside                  !! of the others, at its cells
+    type(outside_field) :: outside                  !! field of the others
   end type cluster
 
   ! Sums of radii between members of two clusters at least, and half diagonals of a cluster from its
@@ -37,7 +37,7 @@ module asperity_resolved_clusters
   ! from there (derived; test: clusters far apart in test/unit/joint_suite.f90).
   real(real64), parameter :: far_off = 3.0_real64
   ! Chebyshev nodes along an axis of the interpolated field: its error is (3 + sqrt(8))**-8 = 1e-6
-  ! of it (derived; test: fields at nodes in test/unit/cells_suite.f90).
+  ! of it (derived; test: fields at nodes in test/unit/elements_suite.f90).
   integer, parameter :: nodes = 8
   !> Relative error of an area over that of its load, as an error indicator, and as tolerances. For
   !! an ellipse the area gains 4/3 of what its load gains, and a load in error has the area in
@@ -49,11 +49,11 @@ contains
 
   !> Members nearer to each other than `far_off` sums of their radii share a lattice.
   subroutine form_clusters(pairs, coupled, is_one, circle, clusters)
-    type(contact_pairs), intent(in) :: pairs                 !! the position
-    type(coupled_solution), intent(in) :: coupled            !! solved
+    type(contact_pairs), intent(in) :: pairs                 !! pairs of the position
+    type(coupled_solution), intent(in) :: coupled            !! solution of Hertzian contacts
     logical, intent(in) :: is_one(:)                         !! by pair: resolved
     real(real64), intent(in) :: circle(:)                    !! by pair: radius at least
-    type(cluster), allocatable, intent(out) :: clusters(:)   !! not solved
+    type(cluster), allocatable, intent(out) :: clusters(:)   !! clusters, not solved yet
     type(source_tree) :: tree
     integer, allocatable :: number(:), row(:), member(:), first(:)
     real(real64), allocatable :: reach(:)
@@ -76,14 +76,14 @@ contains
     end do
   end subroutine form_clusters
 
-  !> Solves all clusters, each under the field of the circles that are no members.
+  !> Solves all clusters, each in the field of the Hertzian contacts that are no members.
   subroutine solve_clusters(pairs, coupled, tolerance, area_tolerance, clusters, failure)
-    type(contact_pairs), intent(in) :: pairs              !! the position
-    type(coupled_solution), intent(in) :: coupled         !! solved
+    type(contact_pairs), intent(in) :: pairs              !! pairs of the position
+    type(coupled_solution), intent(in) :: coupled         !! solution of Hertzian contacts
     real(real64), intent(in) :: tolerance              !! share of the load that halving may change
     real(real64), intent(in) :: area_tolerance            !! share of the area, at least
     type(cluster), intent(inout) :: clusters(:)           !! get their answers
-    character(len=:), allocatable, intent(inout) :: failure  !! no memory, or cells that do not end
+    character(len=:), allocatable, intent(inout) :: failure  !! no memory, or not converged
     integer, allocatable :: of(:)
     integer :: k, pass
     real(real64) :: worth(2)
@@ -94,7 +94,7 @@ contains
     end do
     clusters%lowered = 0.0_real64
     if (size(clusters) > 1 .or. any(of(coupled%set%number) == 0)) then
-      ! What the others lower the whole cluster by makes its lattice smaller.
+      ! The displacement of the whole cluster by the others makes its lattice smaller.
       do pass = 1, 3
         call find_outside(pairs, coupled, of(coupled%set%number), clusters, failure)
         if (allocated(failure)) return
@@ -111,7 +111,7 @@ contains
         if (allocated(one%outside%at_nodes)) &
           one%outside%at_nodes = one%outside%at_nodes - one%lowered
         if (one%is_solved) cycle
-        call solve_cells(pairs, one%members, coupled%closing - one%lowered, one%outside, &
+        call solve_elements(pairs, one%members, coupled%closing - one%lowered, one%outside, &
                          [tolerance, max(area_per_load * tolerance, area_tolerance)], worth, &
                          one%lattice, one%answer)
       end associate

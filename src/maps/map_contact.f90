@@ -2,13 +2,13 @@
 !>
 !> The half-space under the map has the combined modulus, displacements are taken at the samples:
 !> Love's (1929) when the half-space goes on beyond the map, free of load there, or the sum of waves
-!> when the map repeats itself. The pressures are those of least energy (see cells_relax). A map is
-!> first pressed at half its resolution, that one at half of that, and so on: each is the start of
-!> the next.
+!> when the map repeats itself. The pressures are those of least energy (see element_forces). A map
+!> is first pressed at half its resolution, that one at half of that, and so on: each is the start
+!> of the next.
 module asperity_map_contact
   use asperity_cell_convolution, only: cell_convolution, padded_length
-  use asperity_cells_influence, only: centre_influence
-  use asperity_cells_relax, only: missing_gap, relax
+  use asperity_element_influence, only: centre_influence
+  use asperity_element_forces, only: find_forces, force_bounds, missing_gap
   use asperity_height_map, only: height_map, is_measured, no_height
   use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
@@ -40,50 +40,45 @@ module asperity_map_contact
   !> are only a start.
   real(real64), parameter, public :: closed_fully = 1.0e-10_real64, closed_start = 1.0e-4_real64
 
-  ! Tolerance of a load that is asked for, relative.
+  ! Relative tolerance of a prescribed load (chosen; test: loads far beyond full contact in
+  ! test/regression/test_map_edges.py).
   real(real64), parameter :: load_met = 1.0e-6_real64
 
-  ! Samples from which on a coarser map saves more than it costs.
+  ! Number of pixels from which on a coarser map saves more time than it costs (chosen; test: large
+  ! maps in test/regression/test_map_scene.py).
   integer, parameter :: worth_halving = 64 * 64
 
-  ! Bytes of the two spectra for a padded sample, of the transform for one in the rows that are
-  ! there, and of a plain one (pressures, gaps and the vectors of the method).
+  ! Bytes of the two spectra for a padded pixel, of the transform for one in the rows of the map,
+  ! and of a plain one: pressures, gaps and the vectors of the method (derived; test: memory in
+  ! test/regression/test_cost.py).
   real(real64), parameter :: bytes_padded = 4.0_real64, bytes_across = 8.0_real64, &
                              bytes_plain = 96.0_real64
 
 contains
 
-  ! Long: requests that need no solve, the start from a coarser map, and the solve share the
-  ! scaling.
   !> Presses a map, to a level of the flat or to a load.
   recursive subroutine press_map(map, modulus, answer, load, tolerance, hardness)
     type(height_map), intent(in) :: map               !! at least one pixel measured
-    real(real64), intent(in) :: modulus               !! combined, more than 0
+    real(real64), intent(in) :: modulus               !! combined modulus, more than 0
     type(map_answer), intent(inout) :: answer         !! level: given where there is no load
-    real(real64), intent(in), optional :: load        !! more than 0
-    !> Gaps over the heights; absent: `closed_fully`.
+    real(real64), intent(in), optional :: load        !! normal load, more than 0
+    !> Largest gap left over the heights; absent: `closed_fully`.
     real(real64), intent(in), optional :: tolerance
     !> Largest pressure of a perfectly plastic body, more than 0; absent: elastic. Surfaces may
     !> overlap where it is reached: the flat has then pressed them down by as much.
     real(real64), intent(in), optional :: hardness
-    type(cell_convolution) :: influence
-    type(height_map) :: half
-    type(map_answer) :: start
+    type(force_bounds) :: bounds
     real(real64), allocatable :: gap(:, :)
-    real(real64), allocatable :: limit                ! largest force
-    real(real64) :: top, height_range, unit, closing, allowed
-    integer :: i
+    real(real64) :: top, heights, unit
 
     if (.not. has_memory(room_to_press(map))) then
       answer%failure = not_enough_memory // ' for the pixels of the map'
       return
     end if
     if (allocated(answer%displacement)) deallocate (answer%displacement)
-    allowed = closed_fully
-    if (present(tolerance)) allowed = tolerance
     top = maxval(map%height)
-    height_range = top - minval(map%height, mask=is_measured(map%height))
-    if (.not. height_range > 0.0_real64) height_range = maxval(map%pixel_spacing)
+    heights = top - minval(map%height, mask=is_measured(map%height))
+    if (.not. heights > 0.0_real64) heights = maxval(map%pixel_spacing)
     if (.not. present(load)) then
       if (.not. answer%level < top) then
         answer%pressure = 0.0_real64 * map%height
@@ -98,82 +93,102 @@ contains
         answer%failure = 'the flat is not above the mean height of a map that repeats itself'
         return
       end if
-      height_range = min(height_range, top - answer%level)
+      heights = min(heights, top - answer%level)
     end if
-    ! Lengths across are over the side, heights over the range, pressures over that times modulus.
-    unit = modulus * height_range / map%pixel_spacing(1)
-    allocate (gap(size(map%height, 1), size(map%height, 2)))
+    ! Lengths across are over the side, heights over their range, pressures over that times modulus.
+    unit = modulus * heights / map%pixel_spacing(1)
+    allocate (gap, mold=map%height)
     where (is_measured(map%height))
-      gap = (top - map%height) / height_range
+      gap = (top - map%height) / heights
     else where
       gap = missing_gap
     end where
-    if (.not. present(load)) gap = gap - (top - answer%level) / height_range
+    if (.not. present(load)) gap = gap - (top - answer%level) / heights
     if (.not. allocated(answer%pressure)) then
       if (size(gap) >= worth_halving) then
-        half = half_map(map)
-        start%level = answer%level
-        start%interrupt = answer%interrupt
-        if (present(load) .and. present(hardness)) then
-          call press_map(half, modulus, start, min(load, most_load(half, hardness)), closed_start, &
-                         hardness)
-        else
-          call press_map(half, modulus, start, load, closed_start, hardness)
-        end if
-        if (allocated(start%failure)) then
-          answer%failure = start%failure
-          return
-        end if
-        answer%pressure = start%pressure([((i + 1) / 2, i=1, size(gap, 1))], &
-                                         [((i + 1) / 2, i=1, size(gap, 2))])
-        where (.not. is_measured(map%height)) answer%pressure = 0.0_real64
-        answer%coarser = [start%level, start%coarser(1)]
-        deallocate (start%pressure, start%displacement, half%height)
+        call start_from_half(map, modulus, answer, load, hardness)
+        if (allocated(answer%failure)) return
       else
         answer%pressure = merge(unit, 0.0_real64, gap < 0.5_real64)
       end if
     end if
-    associate (force => answer%pressure)
-      if (map%periodic) then
-        call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
-                                        map%pixel_spacing(2) / map%pixel_spacing(1))
-      else
-        call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), &
-                                                map%pixel_spacing(2) / map%pixel_spacing(1)))
-      end if
-      force = force / unit
-      if (present(hardness)) limit = hardness / unit
-      if (present(load)) then
-        closing = load / (unit * product(map%pixel_spacing))
-        if (.not. sum(force) > 0.0_real64) force = merge(1.0_real64, 0.0_real64, gap < 0.5_real64)
-        force = force * (closing / sum(force))
-        call relax(influence, gap, allowed, force, answer%ending, answer%interrupt, closing, &
-                   answer%level, answer%displacement, limit)
-        ! Next to nothing is lost beside the gaps.
-        if (.not. abs(sum(force) - closing) < load_met * closing) answer%failure = &
-          'the load is too small beside the modulus and the heights to be met on the pixels'
-        answer%level = top - height_range * answer%level
-        answer%load = load
-      else
-        call relax(influence, gap, allowed, force, answer%ending, answer%interrupt, &
-                   displacement=answer%displacement, limit=limit)
-        answer%load = sum(force) * unit * product(map%pixel_spacing)
-      end if
-      if (present(hardness)) then
-        where (force < limit)
-          force = force * unit
-        else where
-          force = hardness
-        end where
-      else
-        force = force * unit
-      end if
-      answer%displacement = answer%displacement * height_range
-    end associate
+    bounds%tolerance = closed_fully
+    if (present(tolerance)) bounds%tolerance = tolerance
+    if (present(hardness)) bounds%limit = hardness / unit
+    if (present(load)) bounds%load = load / (unit * product(map%pixel_spacing))
+    call find_pressures(map, gap, bounds, unit, answer)
+    if (present(hardness)) where (.not. answer%pressure < bounds%limit * unit) &
+      answer%pressure = hardness
+    answer%displacement = answer%displacement * heights
+    if (present(load)) then
+      answer%level = top - heights * answer%level
+      answer%load = load
+    end if
     if (.not. (answer%ending%converged .or. allocated(answer%failure))) &
       answer%failure = 'the pressures on the map did not converge'
     if (allocated(answer%failure) .and. answer%interrupt%is_asked()) answer%failure = 'interrupted'
   end subroutine press_map
+
+  ! Takes the pressures of the map at half its resolution, pressed in the same way, as a start.
+  recursive subroutine start_from_half(map, modulus, answer, load, hardness)
+    type(height_map), intent(in) :: map
+    real(real64), intent(in) :: modulus
+    type(map_answer), intent(inout) :: answer
+    real(real64), intent(in), optional :: load, hardness
+    type(height_map) :: half
+    type(map_answer) :: start
+    real(real64), allocatable :: load_of_half
+    integer :: i
+
+    half = half_map(map)
+    start%level = answer%level
+    start%interrupt = answer%interrupt
+    if (present(load)) load_of_half = load
+    if (present(load) .and. present(hardness)) load_of_half = min(load, most_load(half, hardness))
+    call press_map(half, modulus, start, load_of_half, closed_start, hardness)
+    if (allocated(start%failure)) then
+      answer%failure = start%failure
+      return
+    end if
+    answer%pressure = start%pressure([((i + 1) / 2, i=1, size(map%height, 1))], &
+                                     [((i + 1) / 2, i=1, size(map%height, 2))])
+    where (.not. is_measured(map%height)) answer%pressure = 0.0_real64
+    answer%coarser = [start%level, start%coarser(1)]
+  end subroutine start_from_half
+
+  ! Finds the pressures, and the load or the level (from the highest pixel, over the heights).
+  subroutine find_pressures(map, gap, bounds, unit, answer)
+    type(height_map), intent(in) :: map
+    real(real64), intent(in) :: gap(:, :)        ! over the heights
+    type(force_bounds), intent(in) :: bounds     ! pressures over `unit`
+    real(real64), intent(in) :: unit
+    type(map_answer), intent(inout) :: answer    ! pressures: start and result
+    type(cell_convolution) :: influence
+
+    if (map%periodic) then
+      call influence%prepare_periodic(size(gap, 1), size(gap, 2), 1.0_real64, &
+                                      map%pixel_spacing(2) / map%pixel_spacing(1))
+    else
+      call influence%prepare(centre_influence(size(gap, 1), size(gap, 2), &
+                                              map%pixel_spacing(2) / map%pixel_spacing(1)))
+    end if
+    answer%pressure = answer%pressure / unit
+    if (bounds%load > 0.0_real64) then
+      if (.not. sum(answer%pressure) > 0.0_real64) &
+        answer%pressure = merge(1.0_real64, 0.0_real64, gap < 0.5_real64)
+      answer%pressure = answer%pressure * (bounds%load / sum(answer%pressure))
+      call find_forces(influence, gap, bounds, answer%pressure, answer%ending, answer%interrupt, &
+                       answer%level, answer%displacement)
+      ! Next to nothing is lost beside the gaps.
+      if (.not. abs(sum(answer%pressure) - bounds%load) < load_met * bounds%load) answer%failure = &
+        'the load is too small beside the modulus and the heights to be met on the pixels'
+    else
+      call find_forces(influence, gap, bounds, answer%pressure, answer%ending, answer%interrupt, &
+                       displacement=answer%displacement)
+      answer%load = sum(answer%pressure) * unit * product(map%pixel_spacing)
+    end if
+    answer%pressure = answer%pressure * unit
+  end subroutine find_pressures
 
   !> The largest load of a perfectly plastic map: the hardness on all measured pixels.
   pure real(real64) function most_load(map, hardness)

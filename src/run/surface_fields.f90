@@ -3,10 +3,10 @@
 !> A contact that is resolved on boundary elements has their pressure. Every other contact has the
 !> pressure of Hertz on a circle of its area in plan. Both are means over the pixels of the
 !> grid. The displacement is that of a half-space of the combined modulus under these pressures
-!> (Love 1929, see cells_influence), free of load beyond the grid.
+!> (Love 1929, see element_influence), free of load beyond the grid.
 module asperity_surface_fields
   use asperity_cell_convolution, only: cell_convolution
-  use asperity_cells_influence, only: centre_influence
+  use asperity_element_influence, only: centre_influence
   use asperity_contact_field, only: contact_field, fields_all, fields_none, room_of_fields
   use asperity_contact_records, only: position_result
   use asperity_decimal, only: decimal_to_real64

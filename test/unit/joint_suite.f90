@@ -2,9 +2,9 @@
 !>
 !> Truths: boundary elements (see coupled_scenes); one contact alone; all contacts on one lattice.
 module asperity_joint_suite
-  use asperity_cells_answer, only: cells_answer
+  use asperity_element_answer, only: element_answer
   use asperity_cells_outside, only: outside_field
-  use asperity_cells_solver, only: cluster_lattice, solve_cells
+  use asperity_element_solver, only: cluster_lattice, solve_elements
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, set_out, &
                                      share_of, truth_noise
@@ -196,7 +196,7 @@ contains
     type(contact_pairs) :: pairs
     type(hertz_law) :: law
     type(joint_solution) :: solution
-    type(cells_answer) :: answer
+    type(element_answer) :: answer
     type(outside_field) :: nothing
     type(cluster_lattice) :: lattice
     real(real64) :: together
@@ -207,7 +207,7 @@ contains
                  [0.0_real64, 0.1_real64, 0.15_real64, 0.2_real64, 0.4_real64], pairs, law)
     call solve(error, pairs, law, resolve_all, 0.005_real64, solution, 'clusters')
     call check(error, solution%clusters, 2, 'clusters')
-    call solve_cells(pairs, [(i, i=1, 5)], depth, nothing, [5.0e-4_real64, 0.005_real64], &
+    call solve_elements(pairs, [(i, i=1, 5)], depth, nothing, [5.0e-4_real64, 0.005_real64], &
                      spread(0.0_real64, 1, 2), lattice, answer)
     together = sum(answer%together%load) / sum(answer%alone%load)
     call check(error, share_of(pairs, solution%coupled) / together, 1.0_real64, 1.0e-3_real64, &

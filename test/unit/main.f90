@@ -2,7 +2,7 @@
 program unit_tests
   use asperity_testing, only: finish, run_suite, tally_type
   use asperity_adhesion_suite, only: collect_adhesion
-  use asperity_cells_suite, only: collect_cells
+  use asperity_elements_suite, only: collect_elements
   use asperity_circles_suite, only: collect_circles
   use asperity_bracket_suite, only: collect_brackets
   use asperity_coupled_suite, only: collect_coupled
@@ -39,7 +39,7 @@ program unit_tests
   call run_suite('scene', collect_scene, tally)
   call run_suite('circles', collect_circles, tally)
   call run_suite('brackets of roots', collect_brackets, tally)
-  call run_suite('cells', collect_cells, tally)
+  call run_suite('elements', collect_elements, tally)
   call run_suite('sums over many circles', collect_summation, tally)
   call run_suite('circles on each other', collect_mutual, tally)
   call run_suite('potential of contacts', collect_potential, tally)

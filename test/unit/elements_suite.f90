@@ -3,12 +3,12 @@
 !> The truths are closed forms (Hertz; the displacement beside a Hertz contact), quadrature of the
 !> definition, and one case evaluated apart in numpy: a lattice turned along the line of the two
 !> contacts, Love's displacement at the cells' centres, a dense matrix solved directly.
-module asperity_cells_suite
+module asperity_elements_suite
   use asperity_cell_convolution, only: cell_convolution, padded_length
-  use asperity_cells_influence, only: mean_influence
-  use asperity_cells_answer, only: cells_answer
+  use asperity_element_influence, only: mean_influence
+  use asperity_element_answer, only: element_answer
   use asperity_cells_outside, only: outside_field
-  use asperity_cells_solver, only: cluster_lattice, reach_of_cluster, solve_cells
+  use asperity_element_solver, only: cluster_lattice, reach_of_cluster, solve_elements
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_kinds, only: real64
@@ -16,7 +16,7 @@ module asperity_cells_suite
   implicit none
   private
 
-  public :: collect_cells
+  public :: collect_elements
 
   real(real64), parameter :: pi = acos(-1.0_real64)
 
@@ -29,7 +29,7 @@ module asperity_cells_suite
 contains
 
   !> Lists the tests.
-  subroutine collect_cells(suite)
+  subroutine collect_elements(suite)
     !> all tests
     type(unittest_type), allocatable, intent(out) :: suite(:)
 
@@ -49,7 +49,7 @@ contains
       new_unittest('two far contacts in one cluster, and each outside the other', outside), &
       new_unittest('tiny caps on a flank, overlapping and far apart', tiny_and_far), &
       new_unittest('the same input gives the same bytes', repeatable)]
-  end subroutine collect_cells
+  end subroutine collect_elements
 
   ! Equal spheres, first touch at (x, y), centres offset by (dx, dy).
   function pair_at(x, y, dx, dy, radius) result(pair)
@@ -77,7 +77,7 @@ contains
   subroutine solve(pairs, penetration, tolerance, answer)
     type(contact_pairs), intent(inout) :: pairs
     real(real64), intent(in) :: penetration(:), tolerance
-    type(cells_answer), intent(out) :: answer
+    type(element_answer), intent(out) :: answer
     type(outside_field) :: nothing
     integer :: i
 
@@ -92,20 +92,20 @@ contains
     integer, intent(in) :: members(:)
     real(real64), intent(in) :: closing, tolerance(2)
     type(outside_field), intent(in) :: outside
-    type(cells_answer), intent(out) :: answer
+    type(element_answer), intent(out) :: answer
     type(cluster_lattice) :: lattice
 
-    call solve_cells(pairs, members, closing, outside, tolerance, no_more, lattice, answer)
+    call solve_elements(pairs, members, closing, outside, tolerance, no_more, lattice, answer)
   end subroutine solve_anew
 
   real(real64) function total(answer)
-    type(cells_answer), intent(in) :: answer
+    type(element_answer), intent(in) :: answer
 
     total = sum(answer%together%load)
   end function total
 
   real(real64) function alone_total(answer)
-    type(cells_answer), intent(in) :: answer
+    type(element_answer), intent(in) :: answer
 
     alone_total = sum(answer%alone%load)
   end function alone_total
@@ -172,7 +172,7 @@ contains
     real(real64), parameter :: depths(5) = [1.0e-3_real64, 1.0e-6_real64, 1.0e-12_real64, &
                                             1.0e-24_real64, 1.0e-140_real64]
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
     real(real64) :: hertz, p0
     integer :: i
 
@@ -204,7 +204,7 @@ contains
   subroutine inclined_pair(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
     real(real64) :: cosine, hertz
     real(real64), parameter :: depth = 1.0e-6_real64
 
@@ -221,7 +221,7 @@ contains
   subroutine smaller_than_cells(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
     integer, parameter :: many = 20
     real(real64), parameter :: depth = 1.0e-4_real64, tip = 4.0e-7_real64
     real(real64) :: cosine, hertz
@@ -249,7 +249,7 @@ contains
   subroutine lattice_stays(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
     type(outside_field) :: nothing
     type(cluster_lattice) :: lattice
     real(real64) :: first(3)
@@ -258,26 +258,26 @@ contains
     pairs%modulus = 1.0_real64
     pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     pairs%list%gap = 0.0_real64
-    call solve_cells(pairs, [1], 1.0e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call solve_elements(pairs, [1], 1.0e-4_real64, nothing, shares, no_more, lattice, outcome)
     first = place_of(lattice)
-    call check(error, lattice%cells%cell > 0.0_real64, 'laid')
+    call check(error, lattice%elements%side > 0.0_real64, 'laid')
     ! Radii go with the root.
-    call solve_cells(pairs, [1], 1.05e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call solve_elements(pairs, [1], 1.05e-4_real64, nothing, shares, no_more, lattice, outcome)
     call check(error, all(abs(place_of(lattice) - first) <= 0.0_real64), &
                'kept, finer than called for')
-    call solve_cells(pairs, [1], 0.95e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call solve_elements(pairs, [1], 0.95e-4_real64, nothing, shares, no_more, lattice, outcome)
     call check(error, all(abs(place_of(lattice) - first) <= 0.0_real64), 'kept, a little coarser')
-    call solve_cells(pairs, [1], 0.4e-4_real64, nothing, shares, no_more, lattice, outcome)
-    call check(error, lattice%cells%cell < first(3), 'laid anew, finer')
-    call solve_cells(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, lattice, outcome)
-    call check(error, lattice%cells%cell > first(3), 'laid anew, coarser')
+    call solve_elements(pairs, [1], 0.4e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call check(error, lattice%elements%side < first(3), 'laid anew, finer')
+    call solve_elements(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call check(error, lattice%elements%side > first(3), 'laid anew, coarser')
     ! Others take all load off a lattice that is kept.
     nothing%x0 = -1.0_real64
     nothing%x1 = 1.0_real64
     nothing%y0 = -1.0_real64
     nothing%y1 = 1.0_real64
     allocate (nothing%at_nodes(2, 2), source=1.0e-2_real64)
-    call solve_cells(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call solve_elements(pairs, [1], 5.0e-4_real64, nothing, shares, no_more, lattice, outcome)
     call check(error, outcome%ending%converged, 'lifted: not converged')
     call check(error, outcome%together(1)%load, 0.0_real64, 0.0_real64, 'lifted: a load')
   end subroutine lattice_stays
@@ -288,7 +288,7 @@ contains
   subroutine far_from_lattice(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
     type(outside_field) :: nothing
     type(cluster_lattice) :: lattice
     real(real64), parameter :: shut = 1.5e-4_real64, apart = 0.1_real64
@@ -299,9 +299,9 @@ contains
     pairs%list(1) = pair_at(0.0_real64, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     pairs%list(2) = pair_at(apart, 0.0_real64, 0.0_real64, 0.0_real64, 2.0_real64)
     pairs%list%gap = [0.0_real64, 0.98e-4_real64]
-    call solve_cells(pairs, [1, 2], 1.0e-4_real64, nothing, shares, no_more, lattice, outcome)
+    call solve_elements(pairs, [1, 2], 1.0e-4_real64, nothing, shares, no_more, lattice, outcome)
     call check(error, outcome%together(2)%load, 0.0_real64, tiny(0.0_real64), 'open')
-    call solve_cells(pairs, [1, 2], shut, nothing, shares, no_more, lattice, outcome)
+    call solve_elements(pairs, [1, 2], shut, nothing, shares, no_more, lattice, outcome)
     beside = 4.0_real64 / 3.0_real64 * sqrt(shut) * shut / (acos(-1.0_real64) * apart)
     call check(error, outcome%together(2)%load / (4.0_real64 / 3.0_real64 * &
                (shut - pairs%list(2)%gap - beside)**1.5_real64), 1.0_real64, 0.005_real64, 'load')
@@ -312,7 +312,7 @@ contains
     type(cluster_lattice), intent(in) :: lattice
     real(real64) :: place(3)
 
-    place = [lattice%cells%x, lattice%cells%y, lattice%cells%cell]
+    place = [lattice%elements%x, lattice%elements%y, lattice%elements%side]
   end function place_of
 
   ! Each contact stands in the displacement that a Hertz pressure causes beside its circle
@@ -321,7 +321,7 @@ contains
   subroutine two_apart(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
     real(real64), parameter :: depth = 1.0e-4_real64, radius = 1.0_real64
     real(real64), parameter :: apart(4) = [4.5_real64, 5.55_real64, 5.75_real64, 40.0_real64]
     real(real64) :: alone, factor, lowered, slope, a, r
@@ -379,7 +379,7 @@ contains
   subroutine two_overlapping(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
 
     allocate (pairs%list(2))
     pairs%modulus = 275760.0_real64 / (2.0_real64 * (1.0_real64 - 0.42_real64**2))
@@ -399,7 +399,7 @@ contains
   subroutine small_and_large(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
     real(real64), parameter :: depth = 1.0e-2_real64, small = 1.0e-5_real64
     real(real64) :: field, slope, hertz
 
@@ -428,7 +428,7 @@ contains
   subroutine nine(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: outcome
+    type(element_answer) :: outcome
     real(real64) :: depth(9), corners(4)
     integer :: i
 
@@ -449,7 +449,7 @@ contains
   subroutine hard_cases(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: one, outcome
+    type(element_answer) :: one, outcome
     integer :: i
 
     allocate (pairs%list(3))
@@ -534,7 +534,7 @@ contains
   subroutine outside(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: both, one
+    type(element_answer) :: both, one
     type(outside_field) :: field, nodes
     integer, parameter :: n = 12
     real(real64) :: load, x(n), y(n), a
@@ -594,7 +594,7 @@ contains
   subroutine tiny_and_far(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: answer
+    type(element_answer) :: answer
     real(real64) :: hertz
     integer :: i
 
@@ -622,7 +622,7 @@ contains
   subroutine repeatable(error)
     type(error_type), allocatable, intent(out) :: error
     type(contact_pairs) :: pairs
-    type(cells_answer) :: one, other
+    type(element_answer) :: one, other
     real(real64), parameter :: depth(2) = [1.0e-2_real64, 0.9e-2_real64]
 
     allocate (pairs%list(2))
@@ -637,4 +637,4 @@ contains
                'loads alone differ')
   end subroutine repeatable
 
-end module asperity_cells_suite
+end module asperity_elements_suite
