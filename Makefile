@@ -57,13 +57,13 @@ docs: ## the site in build/site: pages with search, Python API, Fortran API
 ifeq ($(PART),accuracy)
 bench:
 	@bash .ci/setup build test
-	@.venv/bin/python test/bench/accuracy_costs.py $(if $(SAVE),--save)
+	@.venv/bin/python test/bench/accuracy_costs.py $(if $(SAVE),--save,--seconds 40)
 	@$(if $(SAVE),"$$(bash .ci/build release)" accuracy data/thesis.deck --quiet \
 	  --html docs/accuracy-thesis.html)
 else ifeq ($(PART),maps)
 bench:
 	@bash .ci/setup build test figures
-	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save)
+	@.venv/bin/python test/bench/map_area.py $(if $(SAVE),--save,--realisations 3)
 else ifeq ($(PART),search)
 bench:
 	@bash .ci/setup build test bench

@@ -61,7 +61,9 @@ def pytest_configure(config):
         "markers", "once: says nothing about the build under test; left out of builds that look "
         "for trouble")
     config.addinivalue_line(
-        "markers", "slow: left to `make test-all`; listed in test/slow_tests.txt")
+        "markers", "slow: left to `make test-all`, by test/slow_tests.txt; left out there, too")
+    config.addinivalue_line(
+        "markers", "trouble: runs in these builds although it is slow")
     config.addinivalue_line(
         "markers", "long: runs the statements of shorter tests more often; left out there, too")
 

@@ -174,18 +174,6 @@ def test_pairs(case, tally):
     assert (distance < bound + 2.0 * rounding_of(upper, lower, shift)).all()
 
 
-def test_pairs_above_a_level(case):
-    """None is lost that touches above it, however few are looked at; few others are found."""
-    _name, upper, lower, _shift, (i, j, squared), search = case
-    touch = touching_level(upper, lower, i, j, squared)
-    for share in (0.5, 0.9, 0.999):
-        level = float(np.quantile(touch, share))
-        found, truth = search(floor=level), (i * len(lower) + j)[touch > level]
-        assert np.isin(truth, found).all()
-        # A lattice has many that touch at one level.
-        assert len(found) <= 1.01 * (touch >= level - 1e-9).sum() + 100
-
-
 def write_surface(path, surface):
     table = np.column_stack((surface.x, surface.y, surface.height, surface.radius))
     np.savetxt(path, table, "%.17g", ",", header="x,y,height,radius", comments="")
@@ -270,11 +258,3 @@ def test_candidates_of_a_shorter_arithmetic(program, tmp_path, tally):
     assert met.all()
     assert len(up) < 1.2 * len(truth)
     tally.add("pairs: candidates of 24 bits", len(truth), int(met.sum()))
-
-
-def test_far_apart(program, tmp_path):
-    """Surfaces that do not meet have no pairs."""
-    rng = np.random.default_rng(7)
-    for shift in ((1e4, 0.0), (0.0, -1e4)):
-        write_input(tmp_path / "in", uniform(rng), uniform(rng), shift=shift, height=0.178)
-        assert run_search(program, tmp_path / "in")["pairs"] == 0

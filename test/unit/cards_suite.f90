@@ -21,17 +21,13 @@ contains
     type(unittest_type), allocatable, intent(out) :: suite(:)
 
     suite = [ &
-            new_unittest('F field, implied point', test_implied_point), &
-            new_unittest('F field, blanks are zeros', test_blanks), &
-            new_unittest('F field, a point of its own', test_explicit_point), &
-            new_unittest('F field, signs', test_signs), &
-            new_unittest('F field, exponents', test_exponents), &
+            new_unittest('F field: point, blanks, sign, exponent', test_f), &
             new_unittest('F field, column of what is wrong', test_bad_f), &
             new_unittest('I field', test_i), &
             new_unittest('I field, column of what is wrong', test_bad_i)]
   end subroutine collect_cards
 
-  subroutine test_implied_point(error)
+  subroutine test_f(error)
     type(error_type), allocatable, intent(out) :: error
 
     call check_f(error, '  500', 3, 500_int64, -3)
@@ -41,11 +37,6 @@ contains
     call check_f(error, '   34550', 4, 34550_int64, -4)
     call check_f(error, '0000000001', 0, 1_int64, 0)
     call check_f(error, '9999999999', 3, 9999999999_int64, -3)
-  end subroutine test_implied_point
-
-  subroutine test_blanks(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check_f(error, '5    ', 3, 50000_int64, -3)
     call check_f(error, ' 5 1 ', 3, 5010_int64, -3)
     call check_f(error, '1.5  ', 3, 15000_int64, -4)
@@ -53,32 +44,17 @@ contains
     call check_f(error, '- 5', 1, -5_int64, -1)
     call check_f(error, '     ', 3, 0_int64, 0)
     call check_f(error, ' 0   ', 3, 0_int64, 0)
-  end subroutine test_blanks
-
-  subroutine test_explicit_point(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check_f(error, '0.500', 3, 500_int64, -3)
     call check_f(error, '0.500', 1, 500_int64, -3)
     call check_f(error, '   .5', 3, 5_int64, -1)
     call check_f(error, '   5.', 3, 5_int64, 0)
     call check_f(error, '  400000.', 0, 400000_int64, 0)
     call check_f(error, ' .0001', 3, 1_int64, -4)
-  end subroutine test_explicit_point
-
-  subroutine test_signs(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check_f(error, ' -500', 3, -500_int64, -3)
     call check_f(error, ' +500', 3, 500_int64, -3)
     call check_f(error, '-.5', 3, -5_int64, -1)
     call check_f(error, '-0.02', 3, -2_int64, -2)
     call check_f(error, '   -0', 3, 0_int64, -3)
-  end subroutine test_signs
-
-  subroutine test_exponents(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check_f(error, ' 4.E5', 0, 4_int64, 5)
     call check_f(error, ' 4.D5', 0, 4_int64, 5)
     call check_f(error, ' 4.e5', 0, 4_int64, 5)
@@ -93,7 +69,7 @@ contains
     call check_f(error, '500E1', 3, 500_int64, -2)
     ! Blanks behind an exponent are zeros as well.
     call check_f(error, '1.E1 ', 3, 1_int64, 10)
-  end subroutine test_exponents
+  end subroutine test_f
 
   subroutine test_bad_f(error)
     type(error_type), allocatable, intent(out) :: error

@@ -18,17 +18,12 @@ contains
     type(unittest_type), allocatable, intent(out) :: suite(:)
 
     suite = [ &
-            new_unittest('rounds to nearest', test_nearest), &
-            new_unittest('rounds ties away from zero', test_ties), &
-            new_unittest('prints an exact zero with its point in place', test_zero), &
-            new_unittest('prints what rounds to zero in full', test_small), &
-            new_unittest('prints negative numbers', test_negative), &
-            new_unittest('fills a field that is too short with asterisks', test_overflow), &
+            new_unittest('rounding, zeros, signs, asterisks', test_fields), &
             new_unittest('keeps to the width', test_width) &
             ]
   end subroutine collect_report_fields
 
-  subroutine test_nearest(error)
+  subroutine test_fields(error)
     type(error_type), allocatable, intent(out) :: error
 
     call check(error, fixed_field(0.33529_real64, 7, 4), ' 0.3353', 'up')
@@ -36,11 +31,6 @@ contains
     call check(error, fixed_field(1438.3_real64, 6, 0), ' 1438.', 'no decimals')
     call check(error, fixed_field(9.9996_real64, 8, 3), '  10.000', 'carry')
     call check(error, fixed_field(275760.0_real64, 11, 0), '    275760.', 'modulus')
-  end subroutine test_nearest
-
-  subroutine test_ties(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check(error, fixed_field(0.125_real64, 6, 2), '  0.13', '0.125')
     call check(error, fixed_field(-0.125_real64, 6, 2), ' -0.13', '-0.125')
     call check(error, fixed_field(0.375_real64, 6, 2), '  0.38', '0.375')
@@ -49,11 +39,6 @@ contains
     call check(error, fixed_field(2.5_real64, 6, 0), '    3.', '2.5')
     call check(error, fixed_field(-2.5_real64, 6, 0), '   -3.', '-2.5')
     call check(error, fixed_field(0.0625_real64, 7, 3), '  0.063', '0.0625')
-  end subroutine test_ties
-
-  subroutine test_zero(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check(error, fixed_field(0.0_real64, 8, 5), ' 0.0    ', 'F8.5')
     call check(error, fixed_field(0.0_real64, 7, 4), ' 0.0   ', 'F7.4')
     call check(error, fixed_field(0.0_real64, 6, 3), ' 0.0  ', 'F6.3')
@@ -64,34 +49,19 @@ contains
     call check(error, fixed_field(-0.0_real64, 6, 3), ' 0.0  ', 'negative zero')
     call check(error, index(fixed_field(0.0_real64, 8, 5), '.'), &
                index(fixed_field(0.01996_real64, 8, 5), '.'), 'column of the point')
-  end subroutine test_zero
-
-  subroutine test_small(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check(error, fixed_field(0.0004_real64, 6, 3), ' 0.000', 'F6.3')
     call check(error, fixed_field(0.4_real64, 6, 0), '    0.', 'F6.0')
     call check(error, fixed_field(tiny(1.0_real64), 8, 5), ' 0.00000', 'smallest double')
-  end subroutine test_small
-
-  subroutine test_negative(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check(error, fixed_field(-0.5_real64, 7, 3), ' -0.500', 'F7.3')
     call check(error, fixed_field(-12.34_real64, 6, 2), '-12.34', 'whole field')
     ! The zero before the point gives way to the sign.
     call check(error, fixed_field(-0.02_real64, 5, 3), '-.020', 'F5.3')
-  end subroutine test_negative
-
-  subroutine test_overflow(error)
-    type(error_type), allocatable, intent(out) :: error
-
     call check(error, fixed_field(10.0_real64, 5, 3), '*****', 'too large')
     call check(error, fixed_field(9.9996_real64, 5, 3), '*****', 'too large when rounded')
     call check(error, fixed_field(9.9994_real64, 5, 3), '9.999', 'just small enough')
     call check(error, fixed_field(-1.0_real64, 5, 3), '*****', 'no room for the sign')
     call check(error, fixed_field(1.0e27_real64, 8, 0), '********', 'far too large')
-  end subroutine test_overflow
+  end subroutine test_fields
 
   subroutine test_width(error)
     type(error_type), allocatable, intent(out) :: error

@@ -32,7 +32,6 @@ contains
     suite = [ &
       new_unittest('heights without cut-offs: moments in closed form', gaussian_moments), &
       new_unittest('sum of two cut heights: moments by a double integral', sum_moments), &
-      new_unittest('sum of a narrow and a wide law', narrow_moments), &
       new_unittest('heights that do not vary', fixed_moments), &
       new_unittest('means over radii', radii_means), &
       new_unittest('Greenwood-Tripp: integral over the offset itself', two_rough), &
@@ -105,20 +104,6 @@ contains
 
     call compare_sums(error, [upper_heights(), lower_heights()], separations, expected)
   end subroutine sum_moments
-
-  subroutine narrow_moments(error)
-    type(error_type), allocatable, intent(out) :: error
-    real(real64), parameter :: separations(3) = [0.2_real64, 0.25_real64, 0.3_real64]
-    real(real64), parameter :: expected(5, 3) = reshape([ &
-      0.0626092972366946_real64, 0.0045166447674573401_real64, 0.001263085945781792_real64, &
-      3.6072626065430552e-4_real64, 1.0483534355088716e-4_real64, &
-      0.017447613708305035_real64, 6.6774902009310228e-4_real64, 1.3878380182593774e-4_real64, &
-      2.960671175109912e-5_real64, 6.4436297997825492e-6_real64, &
-      5.186355274576091e-4_real64, 4.3406921852354202e-6_real64, 4.1912552511364247e-7_real64, &
-      4.1414200824040661e-8_real64, 4.1653528494317559e-9_real64], [5, 3])
-
-    call compare_sums(error, [wide(127, 1, 1255, 1282), lower_heights()], separations, expected)
-  end subroutine narrow_moments
 
   !> The tail beyond 29 deviations, and a sum whose parts differ 10000-fold in width: below its
   !> kinks, and between the last two of them.
