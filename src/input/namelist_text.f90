@@ -37,8 +37,7 @@ module asperity_namelist_text
   contains
     procedure :: value_text   !! the text of a value; a doubled quote is one
     procedure :: name_text    !! a name in small letters
-    procedure, private :: add_item
-    procedure, private :: refuse_item
+    procedure, private :: add_item, refuse_item
   end type namelist_text
 
 contains

@@ -46,11 +46,7 @@ module asperity_scene_fields
     procedure :: complain_of        !! reports a problem at a name
     procedure :: refuse_name        !! reports a problem at a name where it is given
     procedure :: require_name       !! reports that a name is missing
-    procedure, private :: quoting_hint
-    procedure, private :: item_of
-    procedure, private :: refuse_units
-    procedure, private :: values_of
-    procedure, private :: refuse_value
+    procedure, private :: item_of, quoting_hint, refuse_units, refuse_value, values_of
   end type scene_fields
 
 contains
@@ -89,8 +85,7 @@ contains
   !> Whether a name stands in the scene, be its values good or not.
   pure logical function has_name(self, group, name)
     class(scene_fields), intent(in) :: self  !! the scene's text
-    character(len=*), intent(in) :: group    !! a known group
-    character(len=*), intent(in) :: name     !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
 
     has_name = self%item_of(group, name) > 0
   end function has_name
@@ -98,8 +93,7 @@ contains
   !> How many values stand at a name, repeated ones counted; 0 when it does not stand there.
   pure integer function value_count(self, group, name)
     class(scene_fields), intent(in) :: self  !! the scene's text
-    character(len=*), intent(in) :: group    !! a known group
-    character(len=*), intent(in) :: name     !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
 
     value_count = 0
     if (self%has_name(group, name)) &
@@ -109,8 +103,7 @@ contains
   !> Takes two numbers, or one that serves twice.
   subroutine take_pair(self, group, name, number_range, values)
     class(scene_fields), intent(inout) :: self         !! the scene's text
-    character(len=*), intent(in) :: group              !! a known group
-    character(len=*), intent(in) :: name               !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     integer, intent(in) :: number_range                !! `any_number` or another range
     type(decimal_value), intent(inout) :: values(2)    !! numbers at the name
 
@@ -125,8 +118,7 @@ contains
   !> Takes numbers, as many as there are places for them.
   subroutine take_numbers(self, group, name, number_range, values)
     class(scene_fields), intent(inout) :: self        !! the scene's text
-    character(len=*), intent(in) :: group             !! a known group
-    character(len=*), intent(in) :: name              !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     integer, intent(in) :: number_range               !! `any_number` or another range
     type(decimal_value), intent(inout) :: values(:)   !! numbers at the name
     type(decimal_value) :: value
@@ -151,8 +143,7 @@ contains
   !> Takes one number.
   subroutine take_number(self, group, name, number_range, value)
     class(scene_fields), intent(inout) :: self    !! the scene's text
-    character(len=*), intent(in) :: group         !! a known group
-    character(len=*), intent(in) :: name          !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     integer, intent(in) :: number_range           !! `any_number` or another range
     type(decimal_value), intent(inout) :: value   !! number at the name
     type(decimal_value) :: values(1)
@@ -165,8 +156,7 @@ contains
   !> Takes one whole number of a given range.
   subroutine take_whole(self, group, name, least, most, value)
     class(scene_fields), intent(inout) :: self  !! the scene's text
-    character(len=*), intent(in) :: group       !! a known group
-    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     integer, intent(in) :: least                !! smallest number allowed
     integer, intent(in) :: most                 !! largest number allowed
     integer, intent(inout) :: value             !! number at the name
@@ -188,8 +178,7 @@ contains
   !> Takes one text between quotes. It stays unallocated when there is no good one.
   subroutine take_text(self, group, name, text)
     class(scene_fields), intent(inout) :: self             !! the scene's text
-    character(len=*), intent(in) :: group                  !! a known group
-    character(len=*), intent(in) :: name                   !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=:), allocatable, intent(inout) :: text   !! text at the name
     integer :: at
 
@@ -206,8 +195,7 @@ contains
   !> Takes short texts between quotes, as many as there are places for them, or none.
   subroutine take_names(self, group, name, texts)
     class(scene_fields), intent(inout) :: self      !! the scene's text
-    character(len=*), intent(in) :: group           !! a known group
-    character(len=*), intent(in) :: name            !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=16), intent(inout) :: texts(:)    !! the texts, without blanks behind
     character(len=:), allocatable :: text
     integer :: at, i, repeats, used
@@ -232,8 +220,7 @@ contains
   !> and `off` true and false will do.
   subroutine take_word(self, group, name, words, number)
     class(scene_fields), intent(inout) :: self  !! the scene's text
-    character(len=*), intent(in) :: group       !! a known group
-    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=*), intent(in) :: words(:)    !! words that are known
     integer, intent(inout) :: number            !! which of them; 0 when refused
     integer :: numbers(1)
@@ -247,8 +234,7 @@ contains
   !> when one is refused.
   subroutine take_units(self, group, name, words, numbers)
     class(scene_fields), intent(inout) :: self  !! the scene's text
-    character(len=*), intent(in) :: group       !! a known group
-    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=*), intent(in) :: words(:)    !! the known words
     integer, intent(inout) :: numbers(:)        !! which of them; 0 when refused
     character(len=:), allocatable :: word
@@ -284,8 +270,7 @@ contains
   !> value has a point: `12,5`, which is no decimal fraction. Empty where there are none.
   pure function comma_pair(self, group, name) result(pair)
     class(scene_fields), intent(in) :: self  !! the scene's text
-    character(len=*), intent(in) :: group    !! a known group
-    character(len=*), intent(in) :: name     !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=:), allocatable :: pair    !! as it is written
     integer :: at, i
 
@@ -324,8 +309,7 @@ contains
   !> Reports a problem at the place of a name in the scene; by group and name where it is absent.
   subroutine complain_of(self, group, name, message)
     class(scene_fields), intent(inout) :: self  !! the scene's text
-    character(len=*), intent(in) :: group       !! a known group
-    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
     if (self%has_name(group, name)) then
@@ -339,8 +323,7 @@ contains
   !> Reports a problem at a name where that stands in the scene.
   subroutine refuse_name(self, group, name, message)
     class(scene_fields), intent(inout) :: self  !! the scene's text
-    character(len=*), intent(in) :: group       !! a known group
-    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=*), intent(in) :: message     !! what is wrong, found, expected
 
     if (self%has_name(group, name)) call self%complain_of(group, name, message)
@@ -349,8 +332,7 @@ contains
   !> Reports that a required name does not occur in the scene.
   subroutine require_name(self, group, name, expected)
     class(scene_fields), intent(inout) :: self  !! the scene's text
-    character(len=*), intent(in) :: group       !! a known group
-    character(len=*), intent(in) :: name        !! a known name of it
+    character(len=*), intent(in) :: group, name  !! a known group, and a known name of it
     character(len=*), intent(in) :: expected    !! what is, for instance `one`
 
     if (.not. self%has_name(group, name)) &

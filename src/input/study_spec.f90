@@ -16,10 +16,8 @@ module asperity_study_spec
   implicit none
   private
 
-  public :: study_spec, read_study_spec, most_sections, most_sizes
-  public :: against_surface, against_plane, against_words
-  public :: places_grid, places_random, places_words
-  public :: reference_integral, reference_largest, reference_words
+  public :: study_spec, read_study_spec
+  public :: against_plane, places_grid, places_random, reference_integral, reference_largest
 
   integer, parameter :: most_sections = 1000  !! sections of one size on one surface at most
   integer, parameter :: most_sizes = 20       !! sizes at most

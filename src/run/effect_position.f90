@@ -1,14 +1,14 @@
 !> One position with its effects: loading, path and hold, state by state.
 module asperity_effect_position
-  use asperity_closing_at_load, only: close_to_load
+  use asperity_closing_at_load, only: close_to_load, search_load
   use asperity_contact_effect, only: effect_box, effect_outcome
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_contact_records, only: asked_normal, asked_vertical, most_rows, position_result
+  use asperity_contact_records, only: asked_normal, asked_vertical, effect_record, most_rows, &
+                                      position_result
   use asperity_contact_state, only: apart, contact_state, load_asked_for, move_x, move_y, &
                                     start_state, total_load, total_vertical_load
   use asperity_earlier_solutions, only: keep_solution, mark_crowded
-  use asperity_effect_at_load, only: compare_at_load
   use asperity_effect_choice, only: choose_effects
   use asperity_effect_path, only: as_before, path_step, plan_hold, plan_states, stay, to_closing, &
                                    to_load
@@ -203,5 +203,65 @@ contains
       acts_in_time = acts_in_time .or. (called(i) .and. effects(i)%effect%acts_in_time)
     end do
   end function acts_in_time
+
+  ! Compares the last state with those of fewer effects under the same load: of Hertz, then with
+  ! the first effect that was simulated, with the first two and so on. The change by an effect is
+  ! that of its addition to those before it. It is not computed where the contacts cannot carry the
+  ! load without the other effects.
+  subroutine compare_at_load(pairs, effects, load, state, records, failure)
+    type(contact_pairs), intent(in) :: pairs
+    type(effect_box), intent(inout) :: effects(:)     ! undefined on exit
+    real(real64), intent(in) :: load                  ! requested load, > 0
+    type(contact_state), intent(in) :: state          ! state with all effects at this load
+    type(effect_record), intent(inout) :: records(:)  ! results of each effect in it
+    character(len=:), allocatable, intent(out) :: failure
+    type(effect_box) :: those(size(effects))
+    type(found_state) :: fewer
+    real(real64) :: area, area_before, closing, closing_before
+    logical :: jumps
+    integer :: i, k, number, simulated
+
+    simulated = count(records%simulated /= 'off')
+    if (simulated == 0) return
+    number = 0
+    fewer%closing = pairs%closing
+    call search_load(pairs, those(:0), load, 0.0_real64, fewer, jumps, failure)
+    if (allocated(failure)) return
+    closing = fewer%closing
+    area = area_of(fewer%state)
+    do i = 1, size(effects)
+      if (records(i)%simulated == 'off') cycle
+      number = number + 1
+      call move_alloc(effects(i)%effect, those(number)%effect)
+      closing_before = closing
+      area_before = area
+      if (number == simulated) then
+        closing = state%closing
+        area = area_of(state)
+      else
+        ! The memory is that of all effects together.
+        do k = 1, number
+          call those(k)%effect%begin(pairs)
+        end do
+        allocate (fewer%called_for(number))
+        fewer%called_for = .true.
+        call search_load(pairs, those(:number), load, state%time, fewer, jumps, failure)
+        deallocate (fewer%called_for)
+        if (allocated(failure)) return
+        closing = fewer%closing
+        area = area_of(fewer%state)
+      end if
+      if (closing_before > 0.0_real64) &
+        records(i)%closing_change = closing / closing_before - 1.0_real64
+      if (area_before > 0.0_real64) records(i)%area_change = area / area_before - 1.0_real64
+    end do
+  end subroutine compare_at_load
+
+  ! Contact area over pi, length squared.
+  pure real(real64) function area_of(state)
+    type(contact_state), intent(in) :: state
+
+    area_of = sum(state%answers%contact_radius**2)
+  end function area_of
 
 end module asperity_effect_position

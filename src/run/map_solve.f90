@@ -4,7 +4,6 @@ module asperity_map_solve
   use asperity_decimal, only: decimal_to_real64
   use asperity_effect_names, only: known_effects
   use asperity_height_map, only: height_map
-  use asperity_kept_sweep, only: sweep_scene
   use asperity_kinds, only: not_computed, real64
   use asperity_map_check, only: compare_with_map, increased_load, map_reference, &
                                 solve_reference, stiffness_between
@@ -20,6 +19,7 @@ module asperity_map_solve
                                    is_load, scene, solves_pixels
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
+  use asperity_sweep, only: sweep_scene
   use asperity_theory_warnings, only: of_error, take_worse, theory_warning, warn
   implicit none
   private

@@ -6,12 +6,12 @@ module asperity_surface_solve
   use asperity_arithmetics, only: solver_in
   use asperity_contact_records, only: solve_method
   use asperity_effect_solver, only: make_effect_solver
-  use asperity_kept_sweep, only: sweep_scene
   use asperity_kinds, only: real64
   use asperity_position_solver, only: position_solver
   use asperity_run_options, only: run_options
   use asperity_scene_results, only: effect_header, scene_results
   use asperity_scene_values, only: scene
+  use asperity_sweep, only: sweep_scene
   implicit none
   private
 

@@ -6,10 +6,11 @@
 !> Without OpenMP there is one thread.
 module asperity_sweep
   use asperity_contact_records, only: are_finite, most_rows, position_result, room_of_a_state
+  use asperity_decimal, only: decimal_to_real64
   use asperity_images, only: image_number
   use asperity_interruption, only: interruption
   use asperity_kept_records, only: kept_work, pieces_of_part, whole_number
-  use asperity_kinds, only: int64
+  use asperity_kinds, only: int64, real64
   use asperity_loads_met, only: check_loads, check_meaning, compare_loads
   use asperity_position_packet, only: pack_position, unpack_position
   use asperity_position_solver, only: position_solver
@@ -17,13 +18,17 @@ module asperity_sweep
   use asperity_process, only: has_memory, threads_with_memory
   use asperity_progress, only: progress_line
   use asperity_run_options, only: run_options
+  use asperity_scene_inputs, only: input_file, list_inputs
+  use asperity_scene_results, only: scene_results
+  use asperity_scene_values, only: scene
   use asperity_shared_work, only: add_failure, begin_round, begin_work, end_round, &
                                   gather_round, is_own, shared_work
+  use asperity_version, only: version
   !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
 
-  public :: run_sweep
+  public :: sweep_scene
 
   ! Least work for threads, positions times asperities: less is done before they have started.
   integer(int64), parameter :: least_work = 30000_int64
@@ -42,15 +47,63 @@ module asperity_sweep
 
 contains
 
-  !> Solves every position. On image 1 `positions` has all of them, in order; on other images their
-  !> own. `failure` is allocated, with the position, when one cannot be solved, or when an image
-  !> fails.
-  subroutine run_sweep(solver, options, kept, positions, failure)
-    class(position_solver), intent(in) :: solver           !! solver of the scene
+  !> Solves the positions of a scene and keeps them in the file of the options.
+  subroutine sweep_scene(scene_in, options, solver, results, failure)
+    type(scene), intent(in) :: scene_in                    !! scene, checked for faults
     type(run_options), intent(in) :: options               !! options of the run
-    type(kept_work), intent(in) :: kept                    !! file of kept positions
-    type(position_result), allocatable, intent(out) :: positions(:)  !! results, by position
-    character(len=:), allocatable, intent(out) :: failure  !! reason, when the sweep fails
+    class(position_solver), intent(inout) :: solver        !! solver; gets the options
+    type(scene_results), intent(inout) :: results          !! results with all positions
+    character(len=:), allocatable, intent(out) :: failure  !! reason, when a position is not solved
+    type(kept_work) :: kept
+
+    solver%interrupt = options%interrupt
+    solver%reuse = options%reuse
+    solver%progress_count = options%counted_work
+    solver%progress_count%of_position = max(1, solver%states)
+    solver%nominal_area = max(decimal_to_real64(scene_in%nominal_area), results%nominal_area)
+    call name_work(scene_in, options, kept, failure)
+    if (allocated(failure)) return
+    if (results%begun < 0.0_real64) call cpu_time(results%begun)
+    call run_sweep(solver, options, kept, results%positions, failure)
+  end subroutine sweep_scene
+
+  ! Identifies the work of a file of kept positions: all input files of the scene, and all options
+  ! that change the results. Every image reads the files, so that a failure occurs on all images and
+  ! no image stays in a barrier.
+  subroutine name_work(scene_in, options, kept, failure)
+    type(scene), intent(in) :: scene_in
+    type(run_options), intent(in) :: options
+    type(kept_work), intent(out) :: kept
+    character(len=:), allocatable, intent(out) :: failure
+    type(input_file) :: inputs(3)
+    integer :: i
+
+    kept%path = ''
+    if (allocated(options%keep_file)) kept%path = options%keep_file
+    if (kept%path == '') return
+    kept%piece = 'position'
+    kept%part = options%part
+    kept%parts = options%parts
+    if (allocated(options%more_files)) kept%more = options%more_files
+    kept%of_what = 'this scene, arithmetic and list of contacts'
+    call list_inputs(scene_in, inputs, failure)
+    kept%heading = 'asperity ' // version // ' solve, ' // trim(options%arithmetic) // &
+                   ', contacts ' // trim(merge('kept  ', 'summed', options%keep_contacts)) // &
+                   ', input'
+    do i = 1, size(inputs)
+      kept%heading = kept%heading // ' ' // inputs(i)%checksum
+    end do
+  end subroutine name_work
+
+  ! Solves every position. On image 1 `positions` has all of them, in order; on other images their
+  ! own. `failure` is allocated, with the position, when one cannot be solved, or when an image
+  ! fails.
+  subroutine run_sweep(solver, options, kept, positions, failure)
+    class(position_solver), intent(in) :: solver
+    type(run_options), intent(in) :: options
+    type(kept_work), intent(in) :: kept
+    type(position_result), allocatable, intent(out) :: positions(:)
+    character(len=:), allocatable, intent(out) :: failure
     type(sweep_watch) :: watch
     integer(int64) :: states
     integer :: m, number, threads
