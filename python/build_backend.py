@@ -178,6 +178,9 @@ def build_library(folder, bundled):
     # Tests of the project build there, too.
     with open(ROOT / "build" / "lock", "w", encoding="ascii") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
+        # fpm adds to an archive: objects of sources that were removed would stay in it.
+        for archive in (ROOT / "build").glob("*/asperity/libasperity.a"):
+            archive.unlink()
         output = run([fpm, "install", "--profile", "release", "--no-prune", "--flag", FLAGS,
                       "--prefix", folder])
         if bundled:

@@ -68,9 +68,8 @@ module asperity_element_solver
   ! square (measured on 390 Hertz contacts; test: loads against Hertz in
   ! test/unit/elements_suite.f90).
   real(real64), parameter :: gap_residual = 0.004_real64
-  ! Bytes that a cluster may use (chosen; test: refusals in test/unit/elements_suite.f90), and that
-  ! are held for each element (derived from the arrays of the method and of FFTW; test: ibid.).
-  real(real64), parameter :: bytes_allowed = 2.0_real64**31, bytes_per_element = 170.0_real64
+  ! Bytes that a cluster may use (chosen; test: refusals in test/unit/elements_suite.f90).
+  real(real64), parameter :: bytes_allowed = 2.0_real64**31
 
 contains
 
@@ -316,7 +315,8 @@ contains
     growth = width
     task%totals = 0.0_real64
     do
-      bytes = bytes_per_element * product((lattice%window(3:) - lattice%window(:2)) / width + 2)
+      ! 17 arrays of 8 bytes, and spectra and transform of twice the size in both directions.
+      bytes = 8 * (17 + 4) * product((lattice%window(3:) - lattice%window(:2)) / width + 2)
       if (.not. bytes < bytes_allowed) then
         answer%failure = 'the boundary elements would need more than 2 GiB of memory'
       else if (.not. has_memory(nint(bytes, int64))) then

@@ -16,6 +16,8 @@ import tempfile
 import textwrap
 from pathlib import Path
 
+from constants_table import table_of_constants
+
 ROOT = Path(__file__).resolve().parents[2]
 COMMANDS = ("", "solve", "accuracy", "generate", "study", "summits")
 END = "<!-- end of what was made -->"
@@ -199,6 +201,7 @@ def table_of_group(group):
 
 
 MADE = {"options": ("docs/reference/commands.md", table_of_options),
+        "constants": ("docs/theory/interaction.md", table_of_constants),
         "effects": ("docs/reference/scene.md", table_of_effects),
         **{group: ("docs/reference/scene.md", table_of_group(group)) for group in GROUPS}}
 
