@@ -27,14 +27,19 @@ sanitize_flags="-O1 -g -fbacktrace -fno-omit-frame-pointer -fsanitize=address,un
 second_flags="-O2 -ffp-contract=off -w"
 second_compiler=flang-new-19
 
-# fpm does not see a change in an included text: then it must build everything anew. Its folders
-# are called COMPILER_HASH.
+# fpm does not see a change in an included text: then it must build everything anew. It keeps
+# the object of a removed file in its archive. Its folders are called COMPILER_HASH.
 drop_stale_builds() {
-  local texts
+  local texts sources
   texts=$(find src app test -name '*.inc' -exec cksum {} + | sort)
   if [ "$(cat build/texts 2>/dev/null)" != "$texts" ]; then
     rm -rf build/*_????????????????
     echo "$texts" >build/texts
+  fi
+  sources=$(find src -name '*.[fF]90' | sort)
+  if [ "$(cat build/sources 2>/dev/null)" != "$sources" ]; then
+    rm -f build/*_????????????????/asperity/libasperity.a
+    echo "$sources" >build/sources
   fi
 }
 
