@@ -48,8 +48,7 @@ module asperity_run_solve
     '--histogram', '--picture']
   ! States that --fields-of all writes at most: a file each.
   integer, parameter :: most_states = 1000
-  ! Pixels of a picture along its longer side.
-  integer, parameter :: most_pixels = 1024
+  integer, parameter :: most_pixels = 1024  ! pixels of a picture along its longer side
 
 contains
 

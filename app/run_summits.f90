@@ -21,8 +21,7 @@ module asperity_run_summits
 
   public :: run_summits_command
 
-  ! Rows of a map that are read to estimate the cost.
-  integer, parameter :: rows_tried = 64
+  integer, parameter :: rows_tried = 64  ! rows of a map that are read to estimate the cost
   ! A place while summits are looked for, and a sphere.
   real(real64), parameter :: bytes_of_summit = 56.0_real64 + 32.0_real64
 

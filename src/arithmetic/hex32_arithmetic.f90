@@ -30,8 +30,7 @@ module asperity_hex32_arithmetic
   integer(int32), parameter :: fraction_max = 16_int32**fraction_digits - 1_int32
   integer(int32), parameter :: fraction_min = 16_int32**(fraction_digits - 1)
 
-  !> Bits of a long integer.
-  integer, parameter :: int64_bits = bit_size(0_int64)
+  integer, parameter :: int64_bits = bit_size(0_int64)  !! bits of a long integer
 
   !> A short hexadecimal number, fraction/2**24 * 16**exponent. It starts as zero.
   !>

@@ -14,8 +14,7 @@ module asperity_hex32_conversions
 
   !> Long integers are held as limbs of this many bits, so that a product of two fits in int64.
   integer, parameter :: limb_bits = 30
-  !> The bits of a limb.
-  integer(int64), parameter :: limb_mask = 2_int64**limb_bits - 1_int64
+  integer(int64), parameter :: limb_mask = 2_int64**limb_bits - 1_int64  !! the bits of a limb
 
 contains
 

@@ -14,8 +14,7 @@ module asperity_contact_state
   !> independent of its start.
   integer, parameter :: move_x = 5, move_y = 6, apart = 7
 
-  ! Number of pairs from which threads are started.
-  integer, parameter :: thread_threshold = 1000
+  integer, parameter :: thread_threshold = 1000  ! number of pairs from which threads are started
 
   !> All contacts at one compression, in the units of their pairs.
   type :: contact_state

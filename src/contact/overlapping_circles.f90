@@ -10,8 +10,7 @@ module asperity_overlapping_circles
 
   public :: count_overlapping, circles_overlap
 
-  ! Number of circles up to which all pairs are compared.
-  integer, parameter :: few = 64
+  integer, parameter :: few = 64  ! number of circles up to which all pairs are compared
 
 contains
 

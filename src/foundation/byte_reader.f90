@@ -17,8 +17,7 @@ module asperity_byte_reader
   integer, parameter :: block_size = 65536
   ! Largest number of bytes of a pipe or device, which may never end, and of a file read as a whole.
   integer, parameter :: longest_pipe = 100000000, longest_file = 1000000000
-  ! EINTR: a signal arrived before the first byte.
-  integer, parameter :: interrupted = 4
+  integer, parameter :: interrupted = 4  ! EINTR: a signal arrived before the first byte
 
   !> A file that is being read. Its next bytes are `block(at:used)`.
   type :: byte_reader

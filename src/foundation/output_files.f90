@@ -34,8 +34,7 @@ module asperity_output_files
   integer(c_int), parameter :: fault_signals(*) = [4_c_int, 5_c_int, 6_c_int, 7_c_int, 8_c_int, &
     11_c_int, 31_c_int]
   type(c_funptr) :: fault_handlers(size(fault_signals)) = c_null_funptr
-  ! SIG_IGN of the C library.
-  integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t
+  integer(c_intptr_t), parameter :: ignore = 1_c_intptr_t  ! SIG_IGN of the C library
 
   ! Staged files. Temporary names end with a null character, as a signal handler may not build
   ! texts. They are allocated before they are counted.

@@ -11,8 +11,7 @@ module asperity_work_cost
 
   public :: pieces_tried, tell_cost, work_cost
 
-  !> Number of pieces that are tried, evenly spread.
-  integer, parameter :: pieces_tried = 3
+  integer, parameter :: pieces_tried = 3  !! number of pieces that are tried, evenly spread
 
   !> Work of which a few pieces are tried.
   type :: work_cost

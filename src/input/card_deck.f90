@@ -40,8 +40,7 @@ module asperity_card_deck
     type(problem_list) :: notes                 !! oddities that are no errors
   end type card_deck
 
-  ! Cards before the first asperity.
-  integer, parameter :: header_cards = 4
+  integer, parameter :: header_cards = 4  ! cards before the first asperity
 
 contains
 

@@ -52,11 +52,9 @@ module asperity_card_reader
     deck_field('x', '', 1, 6, 3), deck_field('y', '', 7, 12, 3), &
     deck_field('height', '', 13, 19, 4)]
 
-  !> Columns of a card.
-  integer, parameter :: card_length = 80
+  integer, parameter :: card_length = 80  !! columns of a card
 
-  ! Columns before a card's sequence number.
-  integer, parameter :: text_length = 72
+  integer, parameter :: text_length = 72  ! columns before a card's sequence number
 
   !> The cards of a file, and what is found wrong with them.
   type :: card_reader

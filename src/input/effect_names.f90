@@ -16,31 +16,21 @@ module asperity_effect_names
   public :: known_effect, known_effects, effect_number, effect_numbers
   public :: one_word, whole_number, needed_for, why_not_together
 
-  !> The effect is left out.
-  integer, parameter :: effect_off = 1
-  !> The effect is simulated.
-  integer, parameter :: effect_on = 2
-  !> The effect is simulated where it matters more than the tolerance.
-  integer, parameter :: effect_auto = 3
-  !> Interaction only: contacts lower each other elastically.
-  integer, parameter :: effect_coupled = 4
-  !> Interaction only: the whole surface by boundary elements.
-  integer, parameter :: effect_boundary = 5
+  integer, parameter :: effect_off = 1       !! the effect is left out
+  integer, parameter :: effect_on = 2        !! the effect is simulated
+  integer, parameter :: effect_auto = 3      !! simulated where it matters more than the tolerance
+  integer, parameter :: effect_coupled = 4   !! interaction only: contacts lower each other
+  integer, parameter :: effect_boundary = 5  !! interaction only: boundary elements everywhere
   !> The words of a scene for them.
   character(len=*), parameter :: effect_words(5) = &
     [character(len=8) :: 'off', 'on', 'auto', 'coupled', 'boundary']
 
-  !> The scene does not mention the effect.
-  integer, parameter :: by_default = 0
-  !> The scene gives the effect's own numbers.
-  integer, parameter :: by_numbers = 1
-  !> The scene writes how the effect is simulated.
-  integer, parameter :: by_word = 2
+  integer, parameter :: by_default = 0  !! the scene does not mention the effect
+  integer, parameter :: by_numbers = 1  !! the scene gives the effect's own numbers
+  integer, parameter :: by_word = 2     !! the scene writes how the effect is simulated
 
-  !> Creep only: the load is held.
-  integer, parameter :: hold_load = 1
-  !> Creep only: the separation is held.
-  integer, parameter :: hold_separation = 2
+  integer, parameter :: hold_load = 1        !! creep only: the load is held
+  integer, parameter :: hold_separation = 2  !! creep only: the separation is held
   !> The words of a scene for them.
   character(len=*), parameter :: hold_words(3) = &
     [character(len=10) :: 'load', 'separation', 'approach']
@@ -74,10 +64,8 @@ module asperity_effect_names
     known_effect('creep', switch, 'relaxation or creep during a hold of separation or load', &
                  own=[character(len=20) :: 'hold_time', 'relaxation_time'])]
 
-  !> A number is one of `words`, by its place, and no range.
-  integer, parameter :: one_word = -1
-  !> A number is a whole one from `least` to `most`.
-  integer, parameter :: whole_number = -2
+  integer, parameter :: one_word = -1  !! a number is one of `words`, by its place, and no range
+  integer, parameter :: whole_number = -2  !! a number is a whole one from `least` to `most`
 
   !> A number of an effect.
   type :: effect_number

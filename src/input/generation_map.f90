@@ -15,8 +15,7 @@ module asperity_generation_map
 
   ! Pixels along a side: more would leave too few bits for a wave number's square.
   integer, parameter :: most_pixels = 1048576
-  ! Fewer have no summit.
-  integer, parameter :: fewest_pixels = 3
+  integer, parameter :: fewest_pixels = 3  ! fewer have no summit
 
 contains
 

@@ -24,8 +24,7 @@ module asperity_generation_spec
   real(real128), parameter :: usual_cut = 8.2_real128, farthest = 30.0_real128
   integer, parameter :: most_members = 1000000, most_tries = 1000000
 
-  ! Most asperities of a model: five columns.
-  integer, parameter :: most_cards = 99999
+  integer, parameter :: most_cards = 99999  ! most asperities of a model: five columns
 
 contains
 

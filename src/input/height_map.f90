@@ -18,8 +18,7 @@ module asperity_height_map
 
   !> Edges: the half-space goes on without load beyond a free map; a periodic map repeats itself.
   character(len=*), parameter :: edge_names(2) = [character(len=8) :: 'free', 'periodic']
-  !> The first and the second of them.
-  integer, parameter :: free_edge = 1, periodic_edge = 2
+  integer, parameter :: free_edge = 1, periodic_edge = 2  !! the first and the second of them
   !> Levels from which heights are measured: the plane of least squares, the mean height, or the
   !> heights as they are.
   integer, parameter :: level_plane = 1, level_mean = 2, level_none = 3
@@ -40,18 +39,14 @@ module asperity_height_map
   integer(int64), parameter :: most_samples = 2147483647_int64
   ! Lengths beyond these are no lengths of anything, and their powers would not fit in a double.
   real(real64), parameter :: least_length = 1.0e-30_real64, most_length = 1.0e30_real64
-  !> Larger heights are refused.
-  real(real64), parameter :: highest = 1.0e30_real64
+  real(real64), parameter :: highest = 1.0e30_real64  !! larger heights are refused
   !> Heights that are accepted, for a message.
   character(len=*), parameter :: expected_height = 'a height of at most 1e30, or NaN where missing'
-  ! Fewer pixels a side have no summit.
-  integer, parameter :: fewest = 3
+  integer, parameter :: fewest = 3  ! fewer pixels a side have no summit
   ! Squares of flatter maps would not fit in a double.
   real(real64), parameter :: least_range = 1.0e-60_real64
-  ! Characters of a height at most: a number has fewer.
-  integer, parameter :: longest_cell = 120
-  !> No digit was read yet.
-  integer, parameter :: no_power = huge(0)
+  integer, parameter :: longest_cell = 120  ! characters of a height at most: a number has fewer
+  integer, parameter :: no_power = huge(0)  !! no digit was read yet
   !> Lengths that are accepted, for a message.
   character(len=*), parameter :: expected_length = 'a length from 1e-30 to 1e30'
 

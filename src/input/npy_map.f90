@@ -16,8 +16,7 @@ module asperity_npy_map
 
   public :: is_npy, npy_magic, read_npy_map
 
-  !> Bytes that a file begins with.
-  character(len=*), parameter :: npy_magic = char(147) // 'NUMPY'
+  character(len=*), parameter :: npy_magic = char(147) // 'NUMPY'  !! bytes that a file begins with
   ! NumPy reads no longer header either.
   integer, parameter :: longest_header = 10000
   integer, parameter :: block_pixels = 4096

@@ -8,18 +8,12 @@ module asperity_number_ranges
   public :: any_number, above_zero, share, poisson_range, not_negative, share_or_all
   public :: expected_numbers, in_range
 
-  !> Any finite number.
-  integer, parameter :: any_number = 1
-  !> More than 0.
-  integer, parameter :: above_zero = 2
-  !> More than 0 and less than 1.
-  integer, parameter :: share = 3
-  !> More than -1 and at most 0.5.
-  integer, parameter :: poisson_range = 4
-  !> 0 or more.
-  integer, parameter :: not_negative = 5
-  !> More than 0 and at most 1.
-  integer, parameter :: share_or_all = 6
+  integer, parameter :: any_number = 1     !! any finite number
+  integer, parameter :: above_zero = 2     !! more than 0
+  integer, parameter :: share = 3          !! more than 0 and less than 1
+  integer, parameter :: poisson_range = 4  !! more than -1 and at most 0.5
+  integer, parameter :: not_negative = 5   !! 0 or more
+  integer, parameter :: share_or_all = 6   !! more than 0 and at most 1
 
   !> Each range in words, for messages: `expected_numbers(above_zero)`.
   character(len=*), parameter :: expected_numbers(6) = [character(len=50) :: &

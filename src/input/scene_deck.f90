@@ -30,8 +30,7 @@ module asperity_scene_deck
   integer, parameter :: thesis_positions = 100
   type(decimal_value), parameter :: thesis_step = decimal_value(1_int64, -1)
 
-  ! Cards before the first asperity.
-  integer, parameter :: header_cards = 4
+  integer, parameter :: header_cards = 4  ! cards before the first asperity
 
 contains
 

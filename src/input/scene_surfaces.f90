@@ -33,20 +33,22 @@ contains
       'surfaces from CSV files'
     character(len=*), parameter :: beside_array = 'found beside a surface that is given as an ' // &
       'array, expected none'
+    logical :: named(2)
 
     if (fields%surfaces_kept) return
     call fields%take_number('surfaces', 'nominal_area', above_zero, checked%nominal_area)
     call fields%take_number('surfaces', 'field_spacing', above_zero, checked%field_spacing)
     call fields%take_names('surfaces', 'units', checked%units)
+    named = [fields%has_name('surfaces', 'upper'), fields%has_name('surfaces', 'lower')]
     if (any(fields%given)) then
       call fields%take_text('surfaces', 'upper', upper)
       call fields%take_text('surfaces', 'lower', lower)
       if (fields%has_name('surfaces', 'deck')) then
         call fields%complain_of('surfaces', 'deck', beside_array)
-      else if (any(fields%given .and. are_named())) then
+      else if (any(fields%given .and. named)) then
         if (fields%given(1)) call fields%refuse_name('surfaces', 'upper', beside_array)
         if (fields%given(2)) call fields%refuse_name('surfaces', 'lower', beside_array)
-      else if (.not. all(fields%given .or. are_named())) then
+      else if (.not. all(fields%given .or. named)) then
         call fields%complain_of_group('surfaces', 'a surface is missing: found one as an ' // &
              'array, expected the other one as an array, too, or its file or ''plane'' as ' // &
              trim(merge('lower', 'upper', fields%given(1))) // ' in &surfaces')
@@ -71,21 +73,12 @@ contains
                               'expected none')
       if (allocated(deck)) &
         call surfaces_from_deck(path_beside(path, deck), checked, not_asked_for, other_files)
-    else if (fields%has_name('surfaces', 'upper') .and. fields%has_name('surfaces', 'lower')) then
+    else if (all(named)) then
       call read_files(path, upper, lower, fields, checked, other_files)
     else
       call fields%complain_of_group('surfaces', 'a surface is missing: expected deck, or both ' // &
                                     'upper and lower, in &surfaces')
     end if
-
-  contains
-
-    function are_named()
-      logical :: are_named(2)
-
-      are_named = [fields%has_name('surfaces', 'upper'), fields%has_name('surfaces', 'lower')]
-    end function are_named
-
   end subroutine read_surfaces
 
   !> Two files, or one and a plane: maps or CSV files, by their first bytes. Each is opened

@@ -29,18 +29,12 @@ module asperity_scene_values
   public :: thesis_limit_load, is_thesis_sweep, body_compliance, combined_modulus, has_hardness, &
             solves_pixels
 
-  !> Closing ends at the approach at which a contact reaches the limit.
-  integer, parameter :: control_limit = 1
-  !> Closing ends at a given separation of the reference planes.
-  integer, parameter :: control_separation = 2
-  !> Closing ends at a given sum of the forces normal to the contacts.
-  integer, parameter :: control_load = 3
-  !> Closing ends at a given sum of their vertical parts: what a dead weight brings.
-  integer, parameter :: control_vertical_load = 4
-  !> Closing ends at a given vertical load over the nominal area.
-  integer, parameter :: control_pressure = 5
-  !> The compression, the decrease of the separation since first contact, is prescribed.
-  integer, parameter :: control_compression = 6
+  integer, parameter :: control_limit = 1          !! closing ends where a contact reaches its limit
+  integer, parameter :: control_separation = 2     !! at a given separation of the reference planes
+  integer, parameter :: control_load = 3           !! at a given sum of the normal forces
+  integer, parameter :: control_vertical_load = 4  !! at a given sum of their vertical parts
+  integer, parameter :: control_pressure = 5       !! at a given vertical load over the nominal area
+  integer, parameter :: control_compression = 6    !! at a given compression since first contact
   !> The words of a scene for them; the last one is another word for the separation.
   character(len=*), parameter :: control_words(7) = &
     [character(len=13) :: 'limit', 'separation', 'load', 'vertical_load', 'pressure', &
@@ -48,14 +42,11 @@ module asperity_scene_values
 
   !> No limit is looked for. Only with surfaces from CSV files and a control other than the limit.
   integer, parameter :: criterion_none = 0
-  !> The load of a contact.
-  integer, parameter :: criterion_load = 1
-  !> The average pressure of a contact.
-  integer, parameter :: criterion_pressure = 2
+  integer, parameter :: criterion_load = 1      !! the load of a contact
+  integer, parameter :: criterion_pressure = 2  !! the average pressure of a contact
   !> Greenwood and Williamson: the penetration at which plastic flow begins, from the hardness.
   integer, parameter :: criterion_greenwood_williamson = 3
-  !> Hardy and others: the greatest pressure at which yielding begins, from the yield stress.
-  integer, parameter :: criterion_hardy = 4
+  integer, parameter :: criterion_hardy = 4     !! greatest pressure at first yield (Hardy)
   !> The words of a scene for them; `criterion_none` has none.
   character(len=*), parameter :: criterion_words(4) = &
     [character(len=20) :: 'load', 'pressure', 'greenwood_williamson', 'hardy']
@@ -63,8 +54,7 @@ module asperity_scene_values
   !> Limit load of the thesis, 65*9.8/2.205 = 288.888... N, to 18 digits.
   type(decimal_value), parameter :: thesis_limit_load = decimal_value(288888888888888889_int64, -15)
 
-  ! Positions of the original's sweep.
-  integer, parameter :: thesis_positions = 100
+  integer, parameter :: thesis_positions = 100  ! positions of the original's sweep
 
   !> One surface, as it lies in its file: not rotated, mirrored, tilted or moved.
   type :: scene_surface

@@ -21,13 +21,11 @@ module asperity_sdf_header
   !> Revisions.
   integer, parameter :: iso_1 = 1, iso_2 = 2, bcr = 3
   character(len=*), parameter :: revisions(4) = ['ISO-1.0', 'ISO-2.0', 'BCR-1.0', 'BCR-0.0']
-  !> Bytes that a file begins with.
-  integer, parameter :: magic_length = 8
+  integer, parameter :: magic_length = 8  !! bytes that a file begins with
   !> Types of the samples, by their code.
   character(len=*), parameter :: type_names(0:7) = [character(len=8) :: 'UINT8', 'UINT16', &
     'UINT32', 'BINARY32', 'INT8', 'INT16', 'INT32', 'BINARY64']
-  !> Bytes of a sample.
-  integer, parameter :: type_bytes(0:7) = [1, 2, 4, 4, 1, 2, 4, 8]
+  integer, parameter :: type_bytes(0:7) = [1, 2, 4, 4, 1, 2, 4, 8]  !! bytes of a sample
   ! The words that BCR-1.0 allows in their place.
   character(len=*), parameter :: bcr_words(0:7) = [character(len=8) :: 'uchar', 'uinteger', &
     'ulongint', 'float', 'char', 'integer', 'longint', 'double']

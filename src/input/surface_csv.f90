@@ -23,8 +23,7 @@ module asperity_surface_csv
   !> Names of columns that are read.
   character(len=*), parameter :: column_names(4) = &
     [character(len=6) :: 'x', 'y', 'height', 'radius']
-  !> Place in `column_names`.
-  integer, parameter :: height_column = 3, radius_column = 4
+  integer, parameter :: height_column = 3, radius_column = 4  !! place in `column_names`
 
   ! Unread columns that a note names; the rest is counted. Chosen: one line of a terminal.
   integer, parameter :: most_named = 5

@@ -44,8 +44,7 @@ module asperity_map_spectrum
   ! Edges for each decade, and decades beyond the ends (SurfaceTopography 1.27, make_grid).
   integer, parameter :: edges_of_decade = 10
   real(real64), parameter :: decades_beyond = 0.01_real64
-  ! Rounding of a number of edges.
-  real(real64), parameter :: slack = 1.0e-6_real64
+  real(real64), parameter :: slack = 1.0e-6_real64  ! rounding of a number of edges
 
 contains
 

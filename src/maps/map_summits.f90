@@ -22,8 +22,7 @@ module asperity_map_summits
 
   public :: map_summits, find_summits, rule_names, rule_eight, rule_contact, usual_radius
 
-  !> Rules for summits.
-  integer, parameter :: rule_eight = 1, rule_contact = 2
+  integer, parameter :: rule_eight = 1, rule_contact = 2  !! rules for summits
   !> Names of the rules for summits in input.
   character(len=*), parameter :: rule_names(2) = [character(len=7) :: 'eight', 'contact']
   !> Default rule for radii of each rule for summits.

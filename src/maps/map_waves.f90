@@ -62,8 +62,7 @@ module asperity_map_waves
   ! The sum of all components is below 2**sum_bits: two rows of a map are transformed as one, and a
   ! transform takes 2**60.
   integer, parameter :: sum_bits = 58
-  ! |a| <= 8 sqrt(2) amplitude < 2**4 amplitude.
-  integer, parameter :: draw_order = 4
+  integer, parameter :: draw_order = 4  ! |a| <= 8 sqrt(2) amplitude < 2**4 amplitude
   ! Stream of the generator: surfaces have 1 to 6.
   integer(int64), parameter :: stream = 7_int64, low_32 = int(z'FFFFFFFF', int64)
 

@@ -21,8 +21,7 @@ module asperity_map_shares
     real(real64) :: on_spikes = 0.0_real64       !! share on single outliers
   end type map_shares
 
-  ! Width of the edge [pixels].
-  integer, parameter :: edge = 2
+  integer, parameter :: edge = 2  ! width of the edge [pixels]
 
   ! Least length of a scan line, a contact patch of one row [pixels].
   integer, parameter :: long_line = 8

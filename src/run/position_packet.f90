@@ -16,8 +16,7 @@ module asperity_position_packet
   ! and contacts have no gaps between their components: they are copied whole.
   integer, parameter :: of_head = 13 + size(known_effects), of_state = 17, of_row = 13, &
                         of_effect = 16, of_warning = 8
-  ! Mold of `transfer` to words.
-  integer(int64), parameter :: word(1) = 0_int64
+  integer(int64), parameter :: word(1) = 0_int64  ! mold of `transfer` to words
 
 contains
 

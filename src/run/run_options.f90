@@ -12,8 +12,7 @@ module asperity_run_options
 
   public :: check_options, run_options
 
-  ! Largest accepted number of threads.
-  integer, parameter :: most_threads = 9999
+  integer, parameter :: most_threads = 9999  ! largest accepted number of threads
 
   !> The options. Defaults: exact events in real64, contacts kept, all cores, no progress.
   type :: run_options

@@ -49,9 +49,9 @@ contains
     call check_word(error, +x('C1100000'), 'C1100000', 'unary plus')
   end subroutine test_constants
 
-  ! What a System/370 left of 200 pairs of each kind of operation, with its condition codes
-  ! (reference_output/hex32/README.md). In the place of an interrupted result the FORTRAN library put
-  ! the largest number, or zero for 0/0.
+  ! Results of a System/370 for 200 pairs of each kind of operation, with its condition codes
+  ! (reference_output/hex32/README.md). In the place of an interrupted result the FORTRAN library
+  ! put the largest number, or zero for 0/0.
   subroutine test_machine(error)
     type(error_type), allocatable, intent(out) :: error
     character(80) :: line
