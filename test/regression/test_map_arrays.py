@@ -13,6 +13,9 @@ import pytest
 
 from made_maps import self_affine, write_bytes
 
+# The library of the package, not the build under test: `checks` runs this file with its own.
+pytestmark = pytest.mark.once
+
 NEEDS_SDFIO = pytest.mark.skipif(sys.version_info < (3, 11), reason="sdfio needs Python 3.11")
 DONE, NOT_COMPUTED, BAD_INPUT = range(3)
 FAILURE, PROBLEMS, NOTES, UNIT = 1, 2, 4, 7
