@@ -9,7 +9,7 @@ from mpmath import mpf
 import adhesion_truth as truth
 from ball_scenes import balls, column, compare, off, path, solved, work
 from effect_runs import DECK
-from surfaces_csv import solve, write_scene
+from surfaces_csv import write_scene
 
 MODULUS, RADIUS, WORK = 1000.0, 2.0, 0.01
 UNIT = math.pi * WORK * RADIUS
@@ -252,12 +252,3 @@ def test_auto(asperity, tmp_path):
         truth = (1 + 2 * share + 2 * math.sqrt(share + share**2)) ** (2 / 3) - 1
         assert truth <= estimate <= 1.01 * truth
         assert float(run.positions[0]["load"]) == pytest.approx(load, rel=1e-10)
-
-
-def test_far_apart_is_no_failure(asperity, tmp_path):
-    """A path that ends apart leaves rows of zeros."""
-    effects = {"adhesion": "on", "work_of_adhesion": WORK, "equilibrium_distance": distance(50)}
-    scene = balls(tmp_path, "apart", effects, path((DEPTH, -1.0)), radii=(RADIUS,),
-                  modulus=MODULUS)
-    run = solve(asperity, scene, curve=True)
-    assert run.status == 0 and run.curve[-1]["load"] == "0.0000000000000000E+000"

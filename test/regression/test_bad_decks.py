@@ -155,11 +155,6 @@ def test_not_finite(field, runner, cards):
         assert message.startswith(name) and "finite" in message
 
 
-def test_one_point_e999_is_not_finite(runner, cards):
-    found = runner.problem(deck(punch(cards, 2, 16, "    1.E999")))
-    assert found[:2] == (2, 16) and "EU" in found[2] and "finite" in found[2]
-
-
 OUT_OF_RANGE = [
     *[(line, 1, text, "at least 1") for line in (2, 3) for text in ("    0", "   -1", "     ")],
     *[(line, 6, text, "more than zero") for line in (2, 3) for text in ("0.000", " -0.5", "     ")],

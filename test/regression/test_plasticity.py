@@ -103,21 +103,6 @@ def test_continuous(asperity, tmp_path, tally):
             compare(tally, f"plasticity: jump of {name}, {place}", jumps, 1e-12)
 
 
-def test_never_falling(asperity, tmp_path, tally):
-    """Steps of 1e-6 around the onset and coarse ones to 150 critical overlaps."""
-    fine = pressed(asperity, tmp_path, (ONSET * (1 - 5e-4), ONSET * (1 + 5e-4)), 1000, name="fine")
-    coarse = pressed(asperity, tmp_path, (0.9 * ONSET, 80 * ONSET), 2000, name="coarse")
-    for name in ("load", "area"):
-        values = column(fine.curve, name)[1000:]
-        steps = np.diff(values) / values[:-1]
-        assert (np.diff(values) > 0).all() and (np.diff(column(coarse.curve, name)) > 0).all()
-        # A jump of the curve would stand out of the second differences; the stiffness may step.
-        bend = np.abs(np.diff(steps))
-        compare(tally, f"plasticity: second differences of {name}",
-                np.delete(bend, bend.argmax()), 1e-11)
-        assert bend.max() < 1e-6
-
-
 @pytest.mark.parametrize("tops", [(2.5, 3), (3, 5), (10, 20), (50, 100)])
 def test_unloading(asperity, tmp_path, tally, tops):
     """Down and up again on the curve of Etsion, Kligerman and Kadin, then on by the first one: just
