@@ -138,7 +138,7 @@ contains
       if (layout%unit(i) == '') cycle
       same = same .and. (found == '' .or. &
                          index(found // ',', ' ' // trim(layout%unit(i)) // ',') > 0)
-      found = found // ', xyz'(i:i) // ' ' // trim(layout%unit(i))
+      found = found // ', ' // 'xyz'(i:i) // ' ' // trim(layout%unit(i))
     end do
     if (found == '') return
     found = found(3:)
