@@ -30,24 +30,14 @@ contains
   subroutine add_outside(outside, modulus, lattice)
     type(outside_field), intent(in) :: outside      !! field of the contacts outside
     real(real64), intent(in) :: modulus             !! combined modulus, > 0
-    type(element_lattice), intent(inout) :: lattice    !! gets its gaps changed
+    type(element_lattice), intent(inout) :: lattice !! gets its gaps changed
     real(real64) :: x, y
     integer :: i, j
 
     x = lattice%x + lattice%left * lattice%side
     y = lattice%y + lattice%bottom * lattice%side
-    if (allocated(outside%at_nodes)) then
-      associate (wide => 0.5_real64 * (outside%x1 - outside%x0), &
-                 high => 0.5_real64 * (outside%y1 - outside%y0), &
-                 n => size(outside%at_nodes, 1), m => size(outside%at_nodes, 2))
-        lattice%gap = lattice%gap + matmul( &
-          transpose(lagrange_at_cells(n, size(lattice%gap, 1), (x - outside%x0) / wide - &
-                                      1.0_real64, lattice%side / wide)), &
-          matmul(outside%at_nodes / lattice%depth, &
-                 lagrange_at_cells(m, size(lattice%gap, 2), (y - outside%y0) / high - &
-                                   1.0_real64, lattice%side / high)))
-      end associate
-    end if
+    if (allocated(outside%at_nodes)) lattice%gap = lattice%gap + between_nodes( &
+      outside, x, y, lattice%side, shape(lattice%gap)) / lattice%depth
     if (.not. allocated(outside%x)) return
     do j = 1, size(lattice%gap, 2)
       do i = 1, size(lattice%gap, 1)
@@ -66,19 +56,26 @@ contains
     real(real64), intent(in) :: x, y                !! the place, in plan
 
     field = 0.0_real64
-    if (allocated(outside%at_nodes)) then
-      associate (n => size(outside%at_nodes, 1), m => size(outside%at_nodes, 2), &
-                 wide => 0.5_real64 * (outside%x1 - outside%x0), &
-                 high => 0.5_real64 * (outside%y1 - outside%y0))
-        field = sum(matmul( &
-          transpose(lagrange_at_cells(n, 1, (x - outside%x0) / wide - 1.0_real64, 0.0_real64)), &
-          matmul(outside%at_nodes, &
-                 lagrange_at_cells(m, 1, (y - outside%y0) / high - 1.0_real64, 0.0_real64))))
-      end associate
-    end if
+    if (allocated(outside%at_nodes)) field = sum(between_nodes(outside, x, y, 0.0_real64, [1, 1]))
     if (allocated(outside%x)) field = field + sum(outside%load * &
       beside_circle(outside%circle, hypot(x - outside%x, y - outside%y))) / modulus
   end function outside_at
+
+  ! Field interpolated between the nodes at the centres of columns and rows of elements.
+  pure function between_nodes(outside, x, y, side, sizes) result(field)
+    type(outside_field), intent(in) :: outside
+    real(real64), intent(in) :: x, y, side    ! corner and side of the first element
+    integer, intent(in) :: sizes(2)           ! number of columns and rows
+    real(real64) :: field(sizes(1), sizes(2))
+
+    associate (wide => 0.5_real64 * (outside%x1 - outside%x0), &
+               high => 0.5_real64 * (outside%y1 - outside%y0))
+      field = matmul(transpose(lagrange_at_cells( &
+        size(outside%at_nodes, 1), sizes(1), (x - outside%x0) / wide - 1.0_real64, side / wide)), &
+        matmul(outside%at_nodes, lagrange_at_cells( &
+        size(outside%at_nodes, 2), sizes(2), (y - outside%y0) / high - 1.0_real64, side / high)))
+    end associate
+  end function between_nodes
 
   !> Displacement by the elements at a place outside them.
   elemental real(real64) function field_of_elements(lattice, x, y) result(field)
