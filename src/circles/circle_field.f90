@@ -25,22 +25,44 @@ module asperity_circle_field
 
   public :: are_close, between, circle_set, plant_circles, find_field, from_other, inclination
 
-  !> Sums of radii below which a pair is near.
+  !> Sums of radii [1] below which a pair is near: farther off sums are by a tree; derived, the
+  !> error of the Laplacian of 1/r there is 1e-4; test: summation_suite.f90.
   real(real64), parameter, public :: near_factor = 5.0_real64
 
-  !> Mean squares of a Hertz row and of a flat one, halved: what widens 1/r by its Laplacian.
+  !> Mean squares of a Hertz row and of a flat one, halved [1]: what widens 1/r by its Laplacian;
+  !> derived; test: potential_suite.f90.
   real(real64), parameter, public :: hertz_spread = 0.1_real64
   real(real64), parameter, public :: flat_spread = 1.0_real64 / 6
 
-  !> Circles or near pairs from which on threads share the work: less takes microseconds.
+  !> Sums of radii [1] up to which circles are in one block or group; chosen: farther off a field
+  !> bends little; with 1.5 dense caps take as many steps; test: coupled_suite.f90.
+  real(real64), parameter, public :: close_by = 2.0_real64
+
+  !> Share of a second derivative of a circle without neighbours [1] that is left of it at least, so
+  !> that a model is convex; chosen, scenes need as many steps with 0.03 and 0.3; test:
+  !> coupled_suite.f90.
+  real(real64), parameter, public :: least_share = 0.1_real64
+
+  !> Error of a sum over many circles [1], a share of the largest displacement; measured in
+  !> summation_suite; test: coupled_suite.f90.
+  real(real64), parameter, public :: sum_error = 1.0e-8_real64
+
+  !> Rounds of conjugate gradients at most [1]; chosen, dense scenes need 60; and of iterations on a
+  !> few unknowns: a group, a place of contact, squares; chosen, they need 10; test:
+  !> coupled_suite.f90.
+  integer, parameter, public :: most_rounds = 400, most_repeats = 40
+
+  !> Circles or near pairs [1] from which on threads share the work, and sums are by a tree
+  !> with kept near pairs; chosen: less takes microseconds; test: coupled_suite.f90.
   integer, parameter, public :: many = 1000
 
   ! Memory, bytes, an upper estimate that is compared with what is available. Near pair: 56 of its
   ! terms, 24 of its circles and places in lists, 56 of the lists that blocks are made from. Circle:
-  ! 864 of a full block of 12, 440 of set and step, the rest for the tree.
+  ! 864 of a full block of 12, 440 of set and step, the rest for the tree; derived; test:
+  ! test_cost.py.
   integer(int64), parameter :: bytes_of_pair = 136_int64, bytes_of_circle = 1600_int64
 
-  ! Pairs whose terms are found together.
+  ! Pairs [1] whose terms are found together; chosen, some MB; test: coupled_suite.f90.
   integer, parameter :: a_batch = 65536
 
   !> Circles under load, and their field. Sizes of all arrays: the number of circles.
@@ -49,11 +71,9 @@ module asperity_circle_field
     real(real64), allocatable :: x(:), y(:)      !! places without shift
     real(real64), allocatable :: curvature(:)    !! 1/R; 0 where a circle may not shift
     logical, allocatable :: still(:)             !! may not shift
-    !> share of the curvature that is added to second derivatives by the own shift
-    real(real64), allocatable :: stiffer(:)
-    logical, allocatable :: held(:)              !! not in products; a new field makes it `still`
     real(real64), allocatable :: move(:, :)      !! the shifts
     real(real64), allocatable :: load(:)         !! over the modulus
+    real(real64), allocatable :: counted(:)      !! load in the sum that is asked for, over `load`
     real(real64), allocatable :: circle(:)       !! radius of the contact
     real(real64), allocatable :: stiffness(:)    !! of the load by the penetration, over the modulus
     real(real64), allocatable :: lift(:)         !! u: displacement by the others
@@ -98,6 +118,7 @@ contains
     self%y = self%x
     self%curvature = self%x
     self%load = self%x
+    self%counted = self%x
     self%circle = self%x
     self%stiffness = self%x
     self%lift = self%x
@@ -171,8 +192,6 @@ contains
     set%moved = set%move - set%planted(2:, :)
     allocate (far(6, n), batch(min(a_batch, size(set%one))))
     call sum_sources(set%tree, set%load, hertz_spread * set%circle**2, far, set%moved)
-    set%held = set%still
-    set%stiffer = spread(0.0_real64, 1, n)
     !$omp parallel do schedule(static) if(n > many)
     do k = 1, n
       associate (of => far(:, k), square => set%circle(k)**2)
@@ -233,7 +252,7 @@ contains
 
     associate (i => set%one(k), j => set%other(k))
       from = from_other(set, i, j)
-      r = hypot(from(1), from(2))
+      r = sqrt(sum(from**2))
       call mutual_displacement(r, set%circle(i), set%circle(j), terms)
     end associate
     set%terms(comply, k) = terms%compliance

@@ -7,6 +7,7 @@
 !> a start: they change how many steps are needed, not the result.
 module asperity_coarse_circles
   use asperity_cell_convolution, only: cell_convolution
+  use asperity_circle_field, only: most_rounds
   use asperity_element_influence, only: mean_influence
   use asperity_kinds, only: real64
   implicit none
@@ -25,11 +26,12 @@ module asperity_coarse_circles
   end type coarse_circles
 
   !> Circles in a square. Within one, where they share nothing, waves are no longer than two sides:
-  !> with a share f of the area in contact 2 pi n k/q is below 4/pi sqrt(16 f/pi), 1.6 at 30 %.
+  !> with a share f of the area in contact 2 pi n k/q is below 4/pi sqrt(16 f/pi), 1.6 at 30 %;
+  !> derived; test: coupled_suite.f90.
   real(real64), parameter :: circles_in_one = 16.0_real64
-  ! What the equations of squares may leave, and rounds of conjugate gradients for it.
+  ! Share of the equations of squares that is left [1]; chosen: squares are a preconditioner; test:
+  ! coupled_suite.f90.
   real(real64), parameter :: enough = 0.01_real64
-  integer, parameter :: most_rounds = 100
 
 contains
 

@@ -7,7 +7,7 @@
 !> nothing but another place of first touch, s**2/(2 R) + t s = (s + R t)**2/(2 R) - R t**2/2; what
 !> is felt of the square of a radius, nothing but a softer contact.
 module asperity_coupled_groups
-  use asperity_circle_field, only: are_close, circle_set, many
+  use asperity_circle_field, only: are_close, circle_set, close_by, least_share, many
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_state, only: coupled_solution, evaluate, solve_state
@@ -29,15 +29,12 @@ module asperity_coupled_groups
     procedure :: respond
   end type group_law
 
-  ! Equations are much off from this times the mean on, and this share of the most.
-  real(real64), parameter :: much_off = 5.0_real64
-  real(real64), parameter, public :: share_off = 0.05_real64
-  ! Groups of more would take longer than they save.
+  ! Share of the largest error of the equations [1] from which on a contact is eliminated; chosen;
+  ! test: coupled_suite.f90.
+  real(real64), parameter :: share_off = 0.05_real64
+  ! Contacts of a group at most [1]; chosen: larger ones take longer than they save; test:
+  ! coupled_suite.f90.
   integer, parameter :: most_in_group = 100
-  ! Sums of radii up to which circles are in one group: farther off a field bends little.
-  real(real64), parameter :: close_by = 2.0_real64
-  ! No contact becomes so soft that its penetration falls with its load.
-  real(real64), parameter :: least_deeper = 0.1_real64
 
 contains
 
@@ -64,8 +61,7 @@ contains
     logical :: is_off(size(miss)), is_one(size(miss)), joins(size(set%one))
     integer :: k
 
-    is_off = miss > max(much_off * (sum(miss) / size(miss)), share_off * maxval(miss)) .and. &
-             .not. set%still
+    is_off = miss > share_off * maxval(miss)
     is_one = is_off
     !$omp parallel do schedule(static) if(size(joins) > many)
     do k = 1, size(joins)
@@ -120,7 +116,7 @@ contains
           part%outer(:, i) = [(set%bends(:, k) - part%set%bends(:, i)) / set%load(k), &
                               part%move(:, i)]
           ! d(lift)/d(log of the radius) is twice that by the log of the penetration.
-          alone_law%deeper(i) = max(least_deeper, 1.0_real64 + 0.5_real64 * &
+          alone_law%deeper(i) = max(least_share, 1.0_real64 + 0.5_real64 * &
                                     (set%growth(k) - part%set%growth(i)) / p)
           pair%gap = state%gap(number(i)) + set%lift(k) - part%set%lift(i) - 0.5_real64 * &
                      set%curvature(k) * dot_product(away, part%move(:, i) + set%move(:, k)) - &

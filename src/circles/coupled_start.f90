@@ -1,22 +1,22 @@
 !> Where the iteration of coupled contacts begins.
 module asperity_coupled_start
-  use asperity_circle_field, only: inclination, many
+  use asperity_circle_field, only: inclination, many, most_repeats
   use asperity_coarse_circles, only: coarse_circles, gather_squares, pressed, shared_change, &
                                      sum_of_squares
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: answer_at, coupled_solution, raise, resolved_contacts, &
-                                    solve_state
+  use asperity_coupled_state, only: answer_at, coupled_solution, evaluate, raise, &
+                                    resolved_contacts, solve_state
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
   use asperity_solve_ending, only: solve_ending
   implicit none
   private
 
-  public :: prepare
+  public :: prepare, scale_start
 
-  ! A start settles in five or six steps; it need not.
-  integer, parameter :: most_in_squares = 20
+  !> Contacts up to which squares are of no use [1]; chosen, four squares; test: coupled_suite.f90.
+  integer, parameter, public :: few_contacts = 64
 
 contains
 
@@ -37,8 +37,7 @@ contains
     solution%ending = solve_ending()
     state%gap = pairs%list%gap
     if (present(resolved)) state%gap = resolved%gap
-    allocate (state%joins(n), source=0)
-    if (n > many) then
+    if (n > few_contacts) then
       ! Square by square: neighbours are near in memory, too.
       call gather_squares(pairs%list%x, pairs%list%y, coarse)
       allocate (state%order(n))
@@ -54,9 +53,31 @@ contains
       state%target = target / pairs%modulus
       call raise(pairs, law, state%target, solution%penetration)
     end if
-    if (fresh .and. count(solution%penetration > 0.0_real64) > many) &
+    if (fresh .and. count(solution%penetration > 0.0_real64) > few_contacts) &
       call lower_squares(pairs, law, state%target, coarse, solution%penetration)
   end subroutine prepare
+
+  !> Scales the penetrations of isolated contacts by the factor t with which the potential is least
+  !> by Hertz' powers: its parts grow as t**(5/2) (contacts), t**3 (interaction), -t**(3/2) (work).
+  subroutine scale_start(pairs, law, solution, state)
+    type(contact_pairs), intent(in) :: pairs           !! the position
+    class(contact_law), intent(in) :: law              !! of each contact
+    type(coupled_solution), intent(inout) :: solution  !! isolated contacts, evaluated; then scaled
+    type(solve_state), intent(inout) :: state          !! gets its gradient
+    real(real64) :: ratio, t, work
+    integer :: i
+
+    work = dot_product(solution%set%load, solution%penetration(solution%set%number))
+    if (.not. work > 0.0_real64) return
+    ! t + ratio t**(3/2) = 1, by Newton's method from above.
+    ratio = 2 * solution%set%energy / work
+    t = 1.0_real64
+    do i = 1, most_repeats
+      t = t - (t + ratio * t**1.5_real64 - 1.0_real64) / (1.0_real64 + 1.5_real64 * ratio * sqrt(t))
+    end do
+    where (solution%penetration > 0.0_real64) solution%penetration = t * solution%penetration
+    call evaluate(pairs, law, solution, state)
+  end subroutine scale_start
 
   ! Squares as contacts: each presses all others down by the mean of 1/r over both, and its law is
   ! that of its contacts, lowered alike. Newton's method on them.
@@ -74,7 +95,7 @@ contains
     allocate (load(size(penetration)), stiffness(size(penetration)))
     coarse%stiffness = spread(0.0_real64, 1, coarse%columns * coarse%rows)
     allocate (lowered(coarse%columns * coarse%rows), source=0.0_real64)
-    do step = 1, most_in_squares
+    do step = 1, most_repeats
       if (pairs%interrupt%is_asked()) return
       load = 0.0_real64
       stiffness = 0.0_real64

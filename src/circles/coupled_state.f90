@@ -1,6 +1,7 @@
 !> Coupled contacts between two steps: what the solver carries, and the residual of its equations.
 module asperity_coupled_state
-  use asperity_circle_field, only: circle_set, find_field, inclination, many, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, inclination, many, most_repeats, &
+                                   plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_kinds, only: real64
@@ -9,8 +10,8 @@ module asperity_coupled_state
   implicit none
   private
 
-  public :: answer_at, bear, coupled_solution, evaluate, raise, resolved_contacts, set_out, &
-            solve_state
+  public :: answer_at, bear, coupled_solution, evaluate, penetration_without_load, raise, &
+            resolved_contacts, set_out, solve_state
 
   !> Penetration of a contact that touches nowhere: no step raises it above 0.
   real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
@@ -46,23 +47,20 @@ module asperity_coupled_state
     real(real64), allocatable :: miss(:)            !! how far its equations are off, by circle
     real(real64) :: target = -1.0_real64            !! load over modulus; below 0: not asked
     real(real64) :: residual = 0.0_real64           !! over the largest penetration
-    real(real64) :: least = huge(1.0_real64)        !! residual that any step began from
     logical :: is_near = .false.                    !! the start was a solution nearby
-    integer :: since = 0                            !! steps since then
+    logical :: plants_anew = .false.                !! near pairs are found anew at the next field
     integer, allocatable :: order(:)                !! of pairs in which circles are kept, if any
-    integer, allocatable :: joins(:)                !! how often a pair has joined
     real(real64), allocatable :: stood(:)           !! penetrations when open ones were looked at
-    type(source_tree) :: open_tree                  !! circles and open contacts, planted last
+    type(source_tree) :: open_tree                  !! circles and open contacts
   end type solve_state
 
-  ! Of many a circle that has grown by this factor, or shrunk as much, or has moved by its radius,
-  ! has other near neighbours.
-  ! Among others sums change by 1e-7: with new ones at each field 1e5 caps come no nearer than that.
-  ! Of few they are found at each field, so that a result does not depend on the way to it; but only
-  ! of so many fields, as a pair just on the border may come and go without end. Most end before.
+  ! Growth of a circle [1] from which on it has other near neighbours, as has one that has moved by
+  ! its radius; chosen: near pairs reach to 5 sums of radii; test: coupled_suite.f90. Until then
+  ! near pairs are kept: if they were found at each field, the potential would jump by the error
+  ! of the sums where a pair is on the border.
   real(real64), parameter :: outgrown = 1.2_real64
-  integer, parameter :: fields_anew = 20
-  ! A penetration stays below this share of the height between centres.
+  ! Share of the height between centres [1] below which a penetration stays; chosen, eps**(1/3);
+  ! test: coupled_suite.f90.
   real(real64), parameter :: level = 0.999999_real64
 
 contains
@@ -77,6 +75,30 @@ contains
 
     call law%respond(pairs%list(i), i, min(penetration, level * pairs%list(i)%zc), answer)
   end function answer_at
+
+  !> The largest penetration of a contact without a load, by bisection: 0 by Hertz' law, that of the
+  !> residual depth after plastic flow.
+  impure elemental real(real64) function penetration_without_load(pairs, law, i, deep) result(low)
+    type(contact_pairs), intent(in) :: pairs     !! the position
+    class(contact_law), intent(in) :: law        !! of each contact
+    integer, intent(in) :: i                     !! the pair
+    real(real64), intent(in) :: deep             !! penetration with a load
+    type(contact_response) :: answer
+    real(real64) :: high, middle
+    integer :: halving
+
+    low = 0.0_real64
+    high = deep
+    do halving = 1, most_repeats
+      middle = 0.5_real64 * (low + high)
+      answer = answer_at(pairs, law, i, middle)
+      if (answer%vertical_load > 0.0_real64) then
+        high = middle
+      else
+        low = middle
+      end if
+    end do
+  end function penetration_without_load
 
   !> Raises all penetrations alike until the contacts carry the target.
   subroutine raise(pairs, law, target, penetration)
@@ -163,12 +185,12 @@ contains
     call gather(pairs, law, solution, state, resolved, same)
     associate (set => solution%set)
       if (size(set%x) == 0) return
-      if (same) same = (size(set%x) > many .or. solution%fields > fields_anew .or. &
-                        state%is_near) .and. &
-                       all(set%circle < outgrown * set%planted(1, :) .and. &
+      if (same) same = all(set%circle < outgrown * set%planted(1, :) .and. &
                            set%planted(1, :) < outgrown * set%circle .and. &
                            norm2(set%move - set%planted(2:, :), 1) < set%planted(1, :))
-      if (.not. same) call plant_circles(set)
+      if (same .and. .not. state%plants_anew) return
+      call plant_circles(set)
+      state%plants_anew = .false.
       if (allocated(set%tree%failure)) solution%failure = set%tree%failure
     end associate
   end subroutine set_out
@@ -281,6 +303,8 @@ contains
         inclined = inclination(answer(k)%cosine) / pairs%modulus
         set%load(k) = answer(k)%vertical_load * inclined
         set%stiffness(k) = answer(k)%stiffness * inclined
+        set%counted(k) = 1.0_real64 / inclination(answer(k)%cosine)
+        if (.not. pairs%vertical) set%counted(k) = set%counted(k) / answer(k)%cosine
         set%circle(k) = answer(k)%contact_radius
       end do
       !$omp end parallel do

@@ -9,13 +9,13 @@ module asperity_interaction
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs
   use asperity_contact_state, only: answer_all, apart, contact_state, move_x, move_y
-  use asperity_coupled_joining, only: stand_apart
   use asperity_earlier_solutions, only: start_from_earlier
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_joint_contacts, only: joint_solution, resolve_all, resolve_called_for, &
                                      resolve_none, solve_joint
   use asperity_kinds, only: not_computed, real64
+  use asperity_open_contacts, only: stand_apart
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
   use asperity_solve_ending, only: solve_ending
   use asperity_theory_warnings, only: of_area, of_nested, warn, warning_kinds
@@ -185,7 +185,7 @@ contains
     has_start = allocated(solution%coupled%penetration)
     call solve_now()
     if (has_start .and. .not. pairs%interrupt%is_asked()) then
-      if (.not. is_one_solution(pairs, solution)) then
+      if (.not. is_one_solution(solution)) then
         solution = fresh
         solution%coupled%closing = closing
         call solve_now()
@@ -201,7 +201,7 @@ contains
       found(1, :) = [real(solution%cells, real64), solution%error, solution%area_error, &
                      coupled%ending%residual, real(coupled%ending%iterations, real64), &
                      merge(solution%nested, 0.0_real64, which == resolve_none), &
-                     merge(1.0_real64, 0.0_real64, is_one_solution(pairs, solution))]
+                     merge(1.0_real64, 0.0_real64, is_one_solution(solution))]
       found(2:, penetration) = coupled%penetration
     end associate
     found(2:, area) = solution%area
@@ -220,12 +220,11 @@ contains
   end subroutine solve_together
 
   ! Whether a solution is independent of its start.
-  logical function is_one_solution(pairs, solution)
-    type(contact_pairs), intent(in) :: pairs
+  logical function is_one_solution(solution)
     type(joint_solution), intent(in) :: solution
 
     is_one_solution = .not. allocated(solution%failure) .and. solution%cells == 0
-    if (is_one_solution) is_one_solution = stand_apart(pairs, solution%coupled)
+    if (is_one_solution) is_one_solution = stand_apart(solution%coupled)
   end function is_one_solution
 
 end module asperity_interaction

@@ -11,8 +11,8 @@ module asperity_circle_error
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
-  use asperity_coupled_joining, only: stand_out
-  use asperity_coupled_step, only: newton_step
+  use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
+  use asperity_hidden_contacts, only: stand_out
   use asperity_kinds, only: real64
   use asperity_source_tree, only: plant_tree, source_tree
   implicit none
@@ -102,23 +102,26 @@ contains
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(inout) :: solution
     real(real64), intent(out) :: weight(:), tangent
-    real(real64), dimension(3, size(weight)) :: gradient, step
+    type(circle_model) :: model
+    type(trust_step) :: step
+    real(real64) :: radius
     integer :: products, k, l
 
-    gradient = 0.0_real64
-    gradient(1, :) = -1.0_real64
+    allocate (model%gradient(3, size(weight)), source=0.0_real64)
+    model%gradient(1, :) = -1.0_real64
     products = 0
-    call newton_step(solution%set, gradient, .false., weight_left, weight_left, step, products, &
-                     pairs%interrupt)
+    radius = huge(radius)**0.25_real64
+    call prepare_model(solution%set, model)
+    call find_step(solution%set, model, weight_left, radius, step, products, pairs%interrupt)
     ! Conjugate gradients come to it from below.
-    tangent = sum(step(1, :))
+    tangent = sum(step%change(1, :))
     associate (set => solution%set)
       do k = 1, size(weight)
-        weight(k) = step(1, k)
+        weight(k) = step%change(1, k)
         ! Circles that overlap are one contact.
         do l = set%tree%first(k), set%tree%first(k + 1) - 1
           associate (j => set%tree%near(l))
-            if (are_close(set, k, j, 1.0_real64)) weight(k) = weight(k) + step(1, j)
+            if (are_close(set, k, j, 1.0_real64)) weight(k) = weight(k) + step%change(1, j)
           end associate
         end do
       end do

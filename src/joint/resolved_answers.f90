@@ -3,9 +3,8 @@ module asperity_resolved_answers
   use asperity_circle_field, only: circle_set, from_other
   use asperity_cells_outside, only: beside_circle
   use asperity_contact_law, only: contact_law, contact_response
-  use asperity_contact_pairs, only: contact_pairs
+  use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: adopt, coupled_solution, resolved_contacts
-  use asperity_coupled_groups, only: group_law
   use asperity_coupled_state, only: far_below, raise
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
@@ -15,10 +14,29 @@ module asperity_resolved_answers
 
   public :: answer_with, share_out
 
+  ! The law of one contact of a list.
+  type, extends(contact_law) :: law_of_one
+    class(contact_law), pointer :: whole => null()
+    integer :: number = 0                           ! place in the list
+  contains
+    procedure :: respond
+  end type law_of_one
+
   ! Of a change of gaps, at least.
   real(real64), parameter :: least_taken = 0.1_real64
 
 contains
+
+  !> The answer of the contact.
+  pure subroutine respond(self, pair, number, penetration, response)
+    class(law_of_one), intent(in) :: self            !! the law
+    type(contact_pair), intent(in) :: pair           !! who touches
+    integer, intent(in) :: number                    !! 1
+    real(real64), intent(in) :: penetration          !! vertical, past first touch; less than zc
+    type(contact_response), intent(out) :: response  !! the answer
+
+    call self%whole%respond(pair, self%number + number - 1, penetration, response)
+  end subroutine respond
 
   !> The answers of the cells, as contacts that carry their loads where their pressures are.
   subroutine answer_with(pairs, law, clusters, coupled, resolved, each)
@@ -245,15 +263,14 @@ contains
     integer, intent(in) :: i
     real(real64), intent(in) :: load, most
     type(contact_pairs) :: alone
-    type(group_law) :: alone_law
+    type(law_of_one) :: alone_law
     real(real64) :: found(1)
 
     alone%modulus = pairs%modulus
     alone%vertical = .true.
     alone%list = pairs%list(i:i)
     alone_law%whole => law
-    alone_law%number = [i]
-    alone_law%deeper = [1.0_real64]
+    alone_law%number = i
     found = most
     call raise(alone, alone_law, load / pairs%modulus, found)
     p = found(1)

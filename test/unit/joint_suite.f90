@@ -176,13 +176,13 @@ contains
     do i = 1, size(scenes)
       call lay_known(scenes(i), pairs, law)
       call solve(error, pairs, law, resolve_none, 0.01_real64, here, scenes(i)%name)
-      ! One contact has none.
-      if (.not. here%error > 0.0_real64) cycle
+      ! One contact has none, but for rounding.
+      load = law%modulus * sum(here%coupled%set%load)
+      if (.not. here%error > 1.0e-12_real64) cycle
       do k = 1, 2
         call solve(error, pairs, law, resolve_none, 0.01_real64, nearby(k), scenes(i)%name, &
                    closing=depth * (1 + (2 * k - 3) * aside))
       end do
-      load = law%modulus * sum(here%coupled%set%load)
       tangent = law%modulus * (sum(nearby(2)%coupled%set%load) - &
                 sum(nearby(1)%coupled%set%load)) / (2 * aside)
       call solve(error, pairs, law, resolve_none, 0.01_real64, at_load, scenes(i)%name, load)

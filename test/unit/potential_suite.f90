@@ -1,13 +1,16 @@
 !> Tests of the potential of loads and shifts: its derivatives, and that it is least where the
 !> solver ends. Truths: differences of the energy itself.
 module asperity_potential_suite
+  use asperity_circle_blocks, only: circle_blocks, factor_blocks, find_blocks, solve_blocks
   use asperity_circle_field, only: circle_set, find_field, plant_circles
   use asperity_circle_products, only: multiply
+  use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_contacts, only: coupled_solution
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
                                      set_out, solve_at
   use asperity_hertz_law, only: hertz_law
+  use asperity_interruption, only: interruption
   use asperity_kinds, only: int64, real64
   use asperity_testing, only: check, error_type, new_unittest, unittest_type
   implicit none
@@ -28,6 +31,10 @@ contains
       new_unittest('the gradient is that of the energy, near and far', gradient), &
       new_unittest('a product is the change of the gradient, near', hessian_near), &
       new_unittest('a product is the change of the gradient by loads, far', hessian_far), &
+      new_unittest('a product is the change of the gradient among thousands', hessian_of_many), &
+      new_unittest('a block of few circles has all second derivatives', one_block), &
+      new_unittest('a step is the minimum of the model, or ends at the border', steps), &
+      new_unittest('a step keeps the sum of the loads', kept_sum), &
       new_unittest('the solution has the least energy of a hundred states about it', least)]
   end subroutine collect_potential
 
@@ -151,6 +158,34 @@ contains
     call compare_products(error, 60.0_real64, .true., 1.0e-4_real64)
   end subroutine hessian_far
 
+  ! Boxes of several levels sum loads and shifts: rough sums.
+  subroutine hessian_of_many(error)
+    type(error_type), allocatable, intent(out) :: error
+    real(real64), parameter :: step = 1.0e-5_real64
+    integer, parameter :: n = 3000
+    type(circle_set) :: set, more, less
+    real(real64), dimension(3, n) :: change, image, truth
+    integer(int64) :: seed
+    integer :: k
+
+    seed = 17_int64
+    call scatter(n, 150.0_real64, set)
+    more = set
+    less = set
+    do k = 1, 2
+      change = direction(n, seed, .false.)
+      if (k == 2) change(1, :) = 0.0_real64
+      call change_by(set, step, change, more)
+      call change_by(set, -step, change, less)
+      truth = (gradient_of(more) - gradient_of(less)) / (2 * step)
+      call multiply(set, .false., change, image)
+      call check(error, norm2(image(1, :) - truth(1, :)), 0.0_real64, &
+                 1.0e-3_real64 * norm2(truth(1, :)), 'by loads')
+      call check(error, norm2(image(2:, :) - truth(2:, :)), 0.0_real64, &
+                 1.0e-3_real64 * norm2(truth(2:, :)), 'by shifts')
+    end do
+  end subroutine hessian_of_many
+
   subroutine compare_products(error, side, loads_only, tolerance)
     type(error_type), allocatable, intent(inout) :: error
     real(real64), intent(in) :: side, tolerance
@@ -172,17 +207,110 @@ contains
       call change_by(set, step, change, more)
       call change_by(set, -step, change, less)
       truth = (gradient_of(more) - gradient_of(less)) / (2 * step)
-      call multiply(set, change, image)
+      call multiply(set, .false., change, image)
       call check(error, maxval(abs(image(:rows, :) - truth(:rows, :))), 0.0_real64, &
                  tolerance * maxval(abs(truth)), 'product')
       call check(error, maxval(abs(image(:rows, :))) > 0.1_real64, 'nothing to compare')
       if (loads_only) cycle
-      ! Whose shift is held has no row.
-      set%held(1) = .true.
-      call multiply(set, change, image)
-      call check(error, maxval(abs(image(2:, 1))), 0.0_real64, 0.0_real64, 'held')
+      ! A circle that may not shift has no derivatives by its shift.
+      set%still(1) = .true.
+      call multiply(set, .false., change, image)
+      call check(error, maxval(abs(image(2:, 1))), 0.0_real64, 0.0_real64, 'still')
     end do
   end subroutine compare_products
+
+  ! Circles that are all in one block: its solution, multiplied, is the right-hand side again.
+  subroutine one_block(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: n = 6
+    type(circle_set) :: set
+    type(circle_blocks) :: blocks
+    real(real64) :: left(3, n), change(3, n), image(3, n)
+    integer(int64) :: seed
+    integer :: k
+
+    seed = 19_int64
+    call scatter(n, 3.0_real64, set)
+    ! Stiff against shifts: the second derivatives are positive definite.
+    set%bowl([1, 3], :) = set%bowl([1, 3], :) + 20
+    set%bends([1, 3], :) = set%bends([1, 3], :) + 20 * spread(set%load, 1, 2)
+    set%stiffness = 0.3_real64 * set%stiffness
+    call find_blocks(set, blocks)
+    call check(error, size(blocks%first), 2, 'one block')
+    do k = 1, 2
+      left = direction(n, seed, .false.)
+      call factor_blocks(set, k == 2, blocks)
+      call solve_blocks(blocks, left, change)
+      call multiply(set, k == 2, change, image)
+      call check(error, maxval(abs(image - left)), 0.0_real64, 1.0e-10_real64, &
+                 merge('convex', 'exact ', k == 2))
+    end do
+  end subroutine one_block
+
+  subroutine steps(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: n = 30
+    type(circle_set) :: set
+    type(circle_model) :: model
+    type(trust_step) :: step, short
+    type(interruption) :: never
+    real(real64) :: image(3, n), radius, length
+    integer(int64) :: seed
+    integer :: products
+
+    seed = 23_int64
+    call scatter(n, 30.0_real64, set)
+    allocate (model%gradient, source=direction(n, seed, .false.))
+    call prepare_model(set, model)
+    products = 0
+    radius = 1.0e6_real64
+    call find_step(set, model, 1.0e-10_real64, radius, step, products, never)
+    call check(error, .not. (step%at_border .or. step%curves_down), 'inside')
+    call multiply(set, .false., step%change, image)
+    call check(error, maxval(abs(image + model%gradient)), 0.0_real64, 1.0e-8_real64, 'minimum')
+    call check(error, step%decrease, -0.5_real64 * sum(model%gradient * step%change), &
+               1.0e-8_real64 * step%decrease, 'decrease')
+    radius = 0.3_real64 * step%length
+    call find_step(set, model, 1.0e-10_real64, radius, short, products, never)
+    length = sqrt(sum((model%weight * short%change)**2))
+    call check(error, short%at_border, 'border')
+    call check(error, length, radius, 1.0e-12_real64 * radius, 'length')
+    call multiply(set, .false., short%change, image)
+    call check(error, short%decrease, -sum((model%gradient + image / 2) * short%change), &
+               1.0e-10_real64 * step%decrease, 'decrease at the border')
+    ! That along the Newton step to the same length is less or equal.
+    call check(error, short%decrease > 0.3_real64 * step%decrease, 'less than a shortened step')
+  end subroutine steps
+
+  subroutine kept_sum(error)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: n = 30
+    type(circle_set) :: set
+    type(circle_model) :: model
+    type(trust_step) :: step
+    type(interruption) :: never
+    real(real64) :: image(3, n), rest(n), radius
+    integer(int64) :: seed
+    integer :: products, i
+
+    seed = 29_int64
+    call scatter(n, 30.0_real64, set)
+    set%counted = [(1 + 0.01_real64 * i, i=1, n)]
+    allocate (model%gradient, source=direction(n, seed, .false.))
+    model%keep_sum = .true.
+    call prepare_model(set, model)
+    products = 0
+    radius = 1.0e6_real64
+    call find_step(set, model, 1.0e-10_real64, radius, step, products, never)
+    call check(error, sum(set%counted * step%change(1, :)), 0.0_real64, &
+               1.0e-12_real64 * sum(abs(step%change(1, :))), 'sum of the loads')
+    ! What is left is one multiple of the weights: the Lagrangian is stationary.
+    call multiply(set, .false., step%change, image)
+    rest = (image(1, :) + model%gradient(1, :)) / set%counted
+    call check(error, maxval(rest) - minval(rest), 0.0_real64, 1.0e-8_real64, 'multiplier')
+    call check(error, maxval(abs(image(2:, :) + model%gradient(2:, :))), 0.0_real64, &
+               1.0e-8_real64, 'shifts')
+  end subroutine kept_sum
 
   subroutine least(error)
     type(error_type), allocatable, intent(out) :: error

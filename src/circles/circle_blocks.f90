@@ -1,0 +1,193 @@
+!> Small blocks of circles and the factors of their second derivatives: the norm of steps and their
+!> preconditioner.
+!>
+!> Circles that overlap or nearly touch are in one block. A block holds the exact second
+!> derivatives where they are positive definite, else those of the convex model (see
+!> circle_products): so the norm is one.
+module asperity_circle_blocks
+  use asperity_circle_field, only: are_close, between, circle_set, close_by, comply, east, &
+                                   least_share, many, north, steer_one, steer_other
+  use asperity_circle_products, only: raised_bends
+  use asperity_index_groups, only: gather_groups
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: circle_blocks, factor_blocks, find_blocks, solve_blocks
+
+  !> Factors of the blocks.
+  type :: circle_blocks
+    integer, allocatable :: member(:), first(:)     !! circles of each block
+    integer, allocatable :: slot(:)                 !! block of each circle
+    integer, allocatable :: start(:)                !! where its factor begins
+    real(real64), allocatable :: factor(:)          !! L of L D L', with D as its diagonal
+  end type circle_blocks
+
+  ! Circles in a block at most [1]: a factor takes the third power of it; measured, 6 and 24 take 5
+  ! to 10 % longer on dense scenes; test: coupled_suite.f90.
+  integer, parameter :: most_in_block = 12
+
+contains
+
+  !> Finds the blocks.
+  subroutine find_blocks(set, blocks)
+    type(circle_set), intent(in) :: set          !! places and near pairs are known
+    type(circle_blocks), intent(out) :: blocks   !! of all circles, not factored
+    logical :: overlap(size(set%one)), near(size(set%one))
+    integer :: k, m
+
+    !$omp parallel do schedule(static) if(size(near) > many)
+    do k = 1, size(near)
+      overlap(k) = are_close(set, set%one(k), set%other(k), 1.0_real64)
+      near(k) = are_close(set, set%one(k), set%other(k), close_by) .and. .not. overlap(k)
+    end do
+    !$omp end parallel do
+    ! Those that overlap come first.
+    allocate (blocks%slot(size(set%x)))
+    call gather_groups([pack(set%one, overlap), pack(set%one, near)], &
+                       [pack(set%other, overlap), pack(set%other, near)], &
+                       spread(.true., 1, count(overlap) + count(near)), &
+                       spread(.true., 1, size(set%x)), most_in_block, blocks%member, blocks%first)
+    allocate (blocks%start(size(blocks%first)))
+    blocks%start(1) = 1
+    do k = 1, size(blocks%first) - 1
+      m = blocks%first(k + 1) - blocks%first(k)
+      blocks%start(k + 1) = blocks%start(k) + (3 * m)**2
+      blocks%slot(blocks%member(blocks%first(k):blocks%first(k + 1) - 1)) = k
+    end do
+    allocate (blocks%factor(blocks%start(size(blocks%start)) - 1))
+  end subroutine find_blocks
+
+  !> Factors the blocks.
+  subroutine factor_blocks(set, convex, blocks)
+    type(circle_set), intent(in) :: set           !! its field is known
+    logical, intent(in) :: convex                 !! the convex model in place of the exact one
+    type(circle_blocks), intent(inout) :: blocks  !! found
+    integer :: k
+    logical :: is_definite
+
+    !$omp parallel do schedule(dynamic, 64) private(is_definite) if(size(set%x) > many)
+    do k = 1, size(blocks%first) - 1
+      associate (member => blocks%member(blocks%first(k):blocks%first(k + 1) - 1), &
+                 factor => blocks%factor(blocks%start(k):blocks%start(k + 1) - 1))
+        is_definite = .false.
+        if (.not. convex) call factor_block(set, member, blocks%slot, .false., 3 * size(member), &
+                                            factor, is_definite)
+        if (.not. is_definite) call factor_block(set, member, blocks%slot, .true., &
+                                                 3 * size(member), factor, is_definite)
+      end associate
+    end do
+    !$omp end parallel do
+  end subroutine factor_blocks
+
+  ! Factor of one block. Of the convex model pivots are raised where circles stand in one place;
+  ! the exact one is left where a pivot is too small.
+  pure subroutine factor_block(set, member, slot, convex, m, h, is_definite)
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: member(:), slot(:), m
+    logical, intent(in) :: convex
+    real(real64), intent(out) :: h(m, m)
+    logical, intent(out) :: is_definite
+    real(real64) :: alone(m)
+    integer :: i, j
+
+    is_definite = .false.
+    call fill_block(set, member, slot, convex, m, h, alone)
+    do j = 1, m
+      if (.not. h(j, j) > least_share * alone(j)) then
+        if (.not. convex) return
+        h(j, j) = alone(j)
+        h(j + 1:, j) = 0.0_real64
+      end if
+      do i = j + 1, m
+        h(i:, i) = h(i:, i) - h(i:, j) * (h(i, j) / h(j, j))
+      end do
+      h(j + 1:, j) = h(j + 1:, j) / h(j, j)
+    end do
+    is_definite = .true.
+  end subroutine factor_block
+
+  ! Second derivatives of a block as `multiply` has them, lower half, and what each circle has of
+  ! them alone.
+  pure subroutine fill_block(set, member, slot, convex, m, h, alone)
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: member(:), slot(:), m
+    logical, intent(in) :: convex
+    real(real64), intent(out) :: h(m, m), alone(m)
+    real(real64) :: b(3), x, y
+    integer :: a, i, j, k, l
+
+    h = 0.0_real64
+    do a = 1, size(member)
+      i = member(a)
+      associate (p => 3 * a - 2, grows => set%growth(i) / (3 * set%load(i)))
+        alone(p:p + 2) = [1 / set%stiffness(i), set%load(i) * set%curvature(i) * [1, 1]]
+        if (set%still(i)) alone(p + 1:p + 2) = 1.0_real64
+        b = set%bends(:, i)
+        if (convex) b = raised_bends(b, alone(p + 1))
+        if (set%still(i)) b = [1, 0, 1]
+        h(p, p) = alone(p) + merge(max(grows, 0.0_real64), grows, convex)
+        h(p + 1, p + 1) = b(1)
+        h(p + 2, p + 1) = b(2)
+        h(p + 2, p + 2) = b(3)
+        if (.not. (convex .or. set%still(i))) &
+          h(p + 1:p + 2, p) = set%move(:, i) * set%curvature(i) + set%steer(:, i)
+        do l = set%tree%first(i), set%tree%first(i + 1) - 1
+          j = set%tree%near(l)
+          if (slot(j) /= slot(i) .or. j < i) cycle
+          k = set%pair(l)
+          associate (q => 3 * findloc(member, j, dim=1) - 2)
+            h(q, p) = set%terms(comply, k)
+            if (convex) cycle
+            x = set%terms(east, k)
+            y = set%terms(north, k)
+            if (.not. set%still(j)) h(q + 1:q + 2, p) = -set%terms(steer_one, k) * set%load(j) * &
+                                                        [x, y]
+            if (.not. set%still(i)) h(q, p + 1:p + 2) = set%terms(steer_other, k) * &
+                                                        set%load(i) * [x, y]
+            if (set%still(i) .or. set%still(j)) cycle
+            b = -set%load(i) * set%load(j) * between(set, k)
+            h(q + 1:q + 2, p + 1) = b(1:2)
+            h(q + 1:q + 2, p + 2) = b(2:3)
+          end associate
+        end do
+      end associate
+    end do
+  end subroutine fill_block
+
+  !> Solves the equations of the blocks.
+  subroutine solve_blocks(blocks, left, change)
+    type(circle_blocks), intent(in) :: blocks      !! factored
+    real(real64), intent(in) :: left(:, :)         !! right-hand sides (3, circle)
+    real(real64), intent(out) :: change(:, :)      !! solutions (3, circle)
+    integer :: k
+
+    !$omp parallel do schedule(static) if(size(left, 2) > many)
+    do k = 1, size(blocks%first) - 1
+      call solve_one(blocks%member(blocks%first(k):blocks%first(k + 1) - 1), &
+                     3 * (blocks%first(k + 1) - blocks%first(k)), &
+                     blocks%factor(blocks%start(k):blocks%start(k + 1) - 1))
+    end do
+    !$omp end parallel do
+
+  contains
+
+    subroutine solve_one(member, m, h)
+      integer, intent(in) :: member(:), m
+      real(real64), intent(in) :: h(m, m)
+      real(real64) :: v(m)
+      integer :: i
+
+      v = reshape(left(:, member), [m])
+      do i = 1, m
+        v(i + 1:) = v(i + 1:) - h(i + 1:, i) * v(i)
+      end do
+      do i = m, 1, -1
+        v(i) = v(i) / h(i, i) - sum(h(i + 1:, i) * v(i + 1:))
+      end do
+      change(:, member) = reshape(v, [3, size(member)])
+    end subroutine solve_one
+
+  end subroutine solve_blocks
+
+end module asperity_circle_blocks

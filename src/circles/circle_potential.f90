@@ -1,0 +1,193 @@
+!> Change of the potential of circles between two states.
+!>
+!> Near a solution the change is smaller than what its sums have as rounding error; there it is the
+!> mean of both gradients times the change of the state, which is exact to third order (as in the
+!> approximate Wolfe conditions of Hager and Zhang, SIAM J. Optim. 16 (2005) 170).
+module asperity_circle_potential
+  use asperity_circle_field, only: circle_set, inclination, many, sum_error
+  use asperity_contact_law, only: contact_law, contact_response
+  use asperity_contact_pairs, only: contact_pairs
+  use asperity_coupled_state, only: answer_at, coupled_solution, solve_state
+  use asperity_kinds, only: real64
+  implicit none
+  private
+
+  public :: potential_change, potential_state, remember_state, restore_state
+
+  !> A state with its circles, their field and the gradient of the potential.
+  type :: potential_state
+    real(real64), allocatable :: penetration(:)   !! by pair
+    real(real64), allocatable :: move(:, :)       !! shifts (2, pair)
+    real(real64) :: closing = 0.0_real64          !! of the state
+    type(circle_set) :: set                       !! circles and their field
+    type(solve_state) :: state                    !! gradient and residual
+  end type potential_state
+
+  ! Share of the potential's sums [1] below which its change is taken from gradients; chosen: the
+  ! slopes of far circles leave out terms of 1e-4 of them; test: potential_suite.f90.
+  real(real64), parameter :: known_change = 1.0e-6_real64
+  ! Error of a sum over few circles [1], a share of the largest displacement; measured in
+  ! mutual_suite; test: coupled_suite.f90.
+  real(real64), parameter :: error_of_few = 1.0e-13_real64
+  ! Gauss and Legendre's rule of three points on -1 to 1.
+  real(real64), parameter :: nodes(3) = sqrt(0.6_real64) * [-1, 0, 1]
+  real(real64), parameter :: weights(3) = [5, 8, 5] / 18.0_real64
+
+contains
+
+  !> Copies a state.
+  subroutine remember_state(solution, state, before)
+    type(coupled_solution), intent(in) :: solution   !! evaluated
+    type(solve_state), intent(in) :: state           !! its gradient
+    type(potential_state), intent(out) :: before     !! the copy
+
+    before%penetration = solution%penetration
+    before%move = solution%move
+    before%closing = solution%closing
+    before%set = solution%set
+    before%state = state
+  end subroutine remember_state
+
+  !> Goes back to a copied state.
+  subroutine restore_state(before, solution, state)
+    type(potential_state), intent(in) :: before        !! the copy
+    type(coupled_solution), intent(inout) :: solution  !! gets all but its counts
+    type(solve_state), intent(inout) :: state          !! gets its gradient
+
+    solution%penetration = before%penetration
+    solution%move = before%move
+    solution%closing = before%closing
+    solution%set = before%set
+    state = before%state
+  end subroutine restore_state
+
+  !> Potential now less that before, at the compression before.
+  subroutine potential_change(pairs, law, before, solution, state, change, noise)
+    type(contact_pairs), intent(in) :: pairs           !! the position
+    class(contact_law), intent(in) :: law              !! of each contact
+    type(potential_state), intent(in) :: before        !! the state before
+    type(coupled_solution), intent(in) :: solution     !! the state now, evaluated
+    type(solve_state), intent(in) :: state             !! its gradient
+    real(real64), intent(out) :: change                !! of the potential
+    real(real64), intent(out) :: noise                 !! rounding and summation error of the change
+    real(real64), dimension(size(before%penetration), 2) :: load, off
+    real(real64) :: part(size(before%penetration))
+    real(real64) :: all_work, relative
+    integer :: circle(size(before%penetration), 2), i, n
+
+    n = size(part)
+    load = 0.0_real64
+    off = 0.0_real64
+    circle = 0
+    call spread_out(before%set, before%state%off, load(:, 1), off(:, 1), circle(:, 1))
+    call spread_out(solution%set, state%off + (solution%closing - before%closing), load(:, 2), &
+                    off(:, 2), circle(:, 2))
+    !$omp parallel do schedule(static) if(n > many)
+    do i = 1, n
+      part(i) = 0.0_real64
+      if (all(circle(i, :) == 0)) cycle
+      ! Where a contact is open what it feels is not known: that of the other state.
+      if (circle(i, 1) == 0) off(i, 1) = off(i, 2) - solution%penetration(i)
+      if (circle(i, 2) == 0) off(i, 2) = off(i, 1) - before%penetration(i)
+      part(i) = 0.5_real64 * sum(off(i, :)) * (load(i, 2) - load(i, 1)) + &
+                excess(pairs, law, i, before%penetration(i), solution%penetration(i))
+      if (all(circle(i, :) > 0)) part(i) = part(i) + 0.5_real64 * dot_product( &
+        load(i, 1) * before%state%aside(:, circle(i, 1)) + &
+        load(i, 2) * state%aside(:, circle(i, 2)), solution%move(:, i) - before%move(:, i))
+    end do
+    !$omp end parallel do
+    change = sum(part)
+    all_work = before%set%energy + &
+               dot_product(before%set%load, before%penetration(before%set%number))
+    relative = merge(sum_error, error_of_few, size(before%set%x) > many)
+    noise = relative * max(abs(before%closing), abs(solution%closing)) * &
+            sum(abs(load(:, 2) - load(:, 1)))
+    if (abs(change) <= known_change * all_work) return
+    noise = relative * all_work
+    change = solution%set%energy - before%set%energy
+    do i = 1, n
+      if (any(circle(i, :) > 0)) change = change + &
+        stored_change(pairs, law, i, before%penetration(i), solution%penetration(i)) + &
+        load(i, 2) * (state%gap(i) + rise(solution%set, circle(i, 2)) - before%closing) - &
+        load(i, 1) * (state%gap(i) + rise(before%set, circle(i, 1)) - before%closing)
+    end do
+  end subroutine potential_change
+
+  ! By pair: loads, gradients by load, and circles.
+  pure subroutine spread_out(set, off_of, load, off, circle)
+    type(circle_set), intent(in) :: set
+    real(real64), intent(in) :: off_of(:)
+    real(real64), intent(inout) :: load(:), off(:)
+    integer, intent(inout) :: circle(:)
+    integer :: k
+
+    load(set%number) = set%load
+    off(set%number) = off_of
+    circle(set%number) = [(k, k=1, size(set%number))]
+  end subroutine spread_out
+
+  ! What its shift costs a contact in height; 0 where there is no circle.
+  pure real(real64) function rise(set, k)
+    type(circle_set), intent(in) :: set
+    integer, intent(in) :: k
+    real(real64) :: from(2)
+
+    rise = 0.0_real64
+    if (k == 0) return
+    rise = 0.5_real64 * set%curvature(k) * sum(set%move(:, k)**2)
+    if (.not. allocated(set%outer)) return
+    from = set%move(:, k) - set%outer(4:5, k)
+    rise = rise + 0.5_real64 * (set%outer(1, k) * from(1)**2 + set%outer(3, k) * from(2)**2) + &
+           set%outer(2, k) * from(1) * from(2)
+  end function rise
+
+  ! Change of the energy W of a contact between two penetrations: with dW/dV = p it is the mean
+  ! penetration times the change of load, and the excess of that.
+  real(real64) function stored_change(pairs, law, i, from, to) result(change)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    integer, intent(in) :: i
+    real(real64), intent(in) :: from, to
+    real(real64) :: low, high
+
+    low = max(from, 0.0_real64)
+    high = max(to, 0.0_real64)
+    change = 0.5_real64 * (low + high) * &
+             (load_at(pairs, law, i, high) - load_at(pairs, law, i, low)) + &
+             excess(pairs, law, i, from, to)
+  end function stored_change
+
+  ! Change of p times the mean load of both ends, less the integral of the load over p.
+  real(real64) function excess(pairs, law, i, from, to)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    integer, intent(in) :: i
+    real(real64), intent(in) :: from, to
+    real(real64) :: low, high
+    integer :: k
+
+    low = max(from, 0.0_real64)
+    high = max(to, 0.0_real64)
+    excess = 0.5_real64 * (load_at(pairs, law, i, low) + load_at(pairs, law, i, high))
+    do k = 1, size(nodes)
+      excess = excess - weights(k) * load_at(pairs, law, i, 0.5_real64 * (low + high) + &
+                                             0.5_real64 * (high - low) * nodes(k))
+    end do
+    excess = (high - low) * excess
+  end function excess
+
+  ! Load of the potential: over the modulus, with what an inclined contact presses.
+  real(real64) function load_at(pairs, law, i, p) result(load)
+    type(contact_pairs), intent(in) :: pairs
+    class(contact_law), intent(in) :: law
+    integer, intent(in) :: i
+    real(real64), intent(in) :: p
+    type(contact_response) :: answer
+
+    load = 0.0_real64
+    if (.not. p > 0.0_real64) return
+    answer = answer_at(pairs, law, i, p)
+    load = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
+  end function load_at
+
+end module asperity_circle_potential
