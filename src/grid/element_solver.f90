@@ -10,7 +10,7 @@ module asperity_element_solver
   use asperity_element_influence, only: mean_influence
   use asperity_element_lattice, only: box_of, element_lattice, gap_at, gap_shape, lay_elements, &
                                     gap_of_pair
-  use asperity_cells_outside, only: add_outside, field_of_elements, outside_at, outside_field
+  use asperity_outside_field, only: add_outside, field_of_elements, outside_at, outside_field
   use asperity_constants, only: pi
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_element_forces, only: find_forces, force_bounds

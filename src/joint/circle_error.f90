@@ -1,11 +1,11 @@
-!> How wrong contacts as circles are, contact by contact.
+!> Errors of contacts as Hertzian contacts, contact by contact.
 !>
-!> Away from overlap what is missing is ovality: the harmonics n >= 2 of the neighbours' field on
-!> the edge of a circle. The load gains E R/(2 a) (U0**2 + 1/2 sum U_n**2) to second order, and the
-!> oval contact presses its neighbours down less. Of a point load V at r the harmonics from 2 on are
-!> below B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add up to B**2/18 at most. Beside a
-!> large circle B is 2/3 a**2 times what its field bends more along than across, if more. Where
-!> circles overlap, one of the two takes from the other at most a share of the smaller load.
+!> Away from overlap the missing part is ellipticity: the harmonics n >= 2 of the neighbours' field
+!> on the edge of a circle. The load gains E R/(2 a) (U0**2 + 1/2 sum U_n**2) to second order, and
+!> the oval contact displaces its neighbours less. Of a point load V at r the harmonics from 2 on
+!> are below B = 2 V a**2/(pi E r (r**2 - a**2)), and those above 2 add up to B**2/18 at most.
+!> Beside a large circle B is 2/3 a**2 times what its field bends more along than across, if more.
+!> Where circles overlap, one of the two takes from the other at most a share of the smaller load.
 module asperity_circle_error
   use asperity_circle_field, only: are_close, bend, from_other, many
   use asperity_constants, only: pi
@@ -20,41 +20,43 @@ module asperity_circle_error
 
   public :: find_errors, open_about
 
-  ! Of the smaller load of an overlapping pair, measured on two to thirty caps against cells: .23 at
-  ! most, and all of it where one centre is nearer to the other than this share of a radius.
-  real(real64), parameter :: taken = 0.25_real64, taken_inside = 1.0_real64, inside = 0.35_real64
-  ! How much an oval contact presses its neighbours down less, over its own gain.
-  real(real64), parameter :: emits = 1.2_real64
-  ! Share of the square of the harmonics above the second.
-  real(real64), parameter :: higher = 1.0_real64 / 18
-  ! Of what a hidden cap bears by the pressure of its host: 1.33 at most in the four scenes where
-  ! nothing else is larger.
-  real(real64), parameter :: hidden = 4.0_real64 / 3
-  ! A contact on a flank steeper than that, R slope over a, has lost this share of its rise.
-  real(real64), parameter :: steep = 0.6_real64, flank = 0.3_real64
-  ! Of what neighbours take of the load, over the slope squared: .036 at most on 33 scenes of slopes
-  ! from .14 to .56, where nothing else is larger.
-  real(real64), parameter :: inclined = 0.04_real64
-  ! Of what a sphere bears less than its paraboloid, by what neighbours take of p: once as its load
-  ! together is over its load alone, and 1.5 times as it presses its neighbours down less; 3.3 were
-  ! measured at most.
+  ! Largest share of the smaller load that two overlapping contacts take from each other: all of it
+  ! where one centre is inside the other circle, else this (measured on two to thirty caps against
+  ! elements: 0.23 at most; test: circles in test/unit/joint_suite.f90).
+  real(real64), parameter :: taken = 0.25_real64
+  ! Factor of terms of first order: of the load that a hidden cap bears by the pressure of its host
+  ! (measured: 1.33 at most in the four scenes where nothing else is larger), and of the load that
+  ! neighbours gain by an oval contact over its own gain (chosen; test: circles in
+  ! test/unit/joint_suite.f90).
+  real(real64), parameter :: first_order = 4.0_real64 / 3.0_real64
+  ! Slope times R over the radius of a contact beyond which it is on a flank and has lost half of
+  ! this share of its rise (chosen; test: errors in test/regression/test_dense.py).
+  real(real64), parameter :: steep = 0.6_real64
+  ! Error of an inclined contact, an ellipse that neighbours see as a circle: share of the load that
+  ! neighbours take, over the slope squared (measured: 0.054 at most on 33 scenes of slopes from
+  ! 0.14 to 0.56 where nothing else is larger; test: steep scenes in test/regression/test_dense.py).
+  real(real64), parameter :: inclined = 0.06_real64
+  ! Error of a sphere as a paraboloid by the penetration that neighbours take: once as the ratio to
+  ! the load of the isolated contact, 1.5 times as neighbours are displaced less (derived: 2.5;
+  ! measured: 3.3 at most; test: errors in test/regression/test_dense.py).
   real(real64), parameter :: fourth_power = 3.5_real64
-  ! Relative residual of the weights; factor of a weight in the estimate, as weights are of first
-  ! order.
-  real(real64), parameter :: weight_left = 0.03_real64, weight_told = 2.0_real64
-  ! Ratio of radii from which on a contact that overlaps the circle of a blunter one is nested.
+  ! Relative residual of the weights (chosen; test: told of the closing in
+  ! test/unit/joint_suite.f90), and their factor, as they are of first order (chosen; test: ibid.).
+  real(real64), parameter :: weight_left = 0.03_real64, weight_factor = 2.0_real64
+  ! Ratio of radii from which on a contact that overlaps the circle of a blunter one is nested
+  ! (chosen; test: nested contacts in test/regression/test_warnings_at_limits.py).
   real(real64), parameter :: blunter = 3.0_real64
 
 contains
 
-  !> Loads that the contacts may be off by, over the modulus: a bound observed, not proved. Zero
-  !> where open and with nothing to tell. Elastic contacts.
-  subroutine find_errors(pairs, solution, hosts, error, shape, of_closing, nested)
-    type(contact_pairs), intent(in) :: pairs           !! the position
-    type(coupled_solution), intent(inout) :: solution  !! solved; stays
+  !> Errors of the loads of elastic contacts over the modulus: a bound that is observed, not proved.
+  !> Zero where a contact is open and near to none.
+  subroutine find_errors(pairs, solution, hosts, error, sphere_error, of_closing, nested)
+    type(contact_pairs), intent(in) :: pairs           !! pairs of the position
+    type(coupled_solution), intent(inout) :: solution  !! solved contacts, as they are
     integer, intent(out) :: hosts(:)                   !! circle that hides an open pair, else 0
-    real(real64), intent(out) :: error(:)              !! of each, and at its neighbours, by pair
-    real(real64), intent(out) :: shape(:)              !! as a sphere is no paraboloid
+    real(real64), intent(out) :: error(:)              !! errors by pair, with those at neighbours
+    real(real64), intent(out) :: sphere_error(:)       !! errors of spheres as paraboloids, by pair
     !> relative error of the closing at a load over that of the load L at a closing c:
     !! L/(c dL/dc), 2/3 for a Hertz contact alone
     real(real64), intent(out) :: of_closing
@@ -68,17 +70,17 @@ contains
     integer :: i, j, k, l
 
     error = 0.0_real64
-    shape = 0.0_real64
+    sphere_error = 0.0_real64
     hosts = 0
-    call weigh(pairs, solution, weight, tangent)
+    call find_weights(pairs, solution, weight, tangent)
     of_closing = sum(solution%set%load) / (solution%closing * tangent)
     associate (set => solution%set)
       !$omp parallel do private(i) schedule(static) if(size(set%number) > many)
       do k = 1, size(set%number)
         i = set%number(k)
-        call judge_circle(pairs, solution, k, error(i), shape(i), is_nested(k))
+        call judge_circle(pairs, solution, k, error(i), sphere_error(i), is_nested(k))
         error(i) = weight(k) * error(i)
-        shape(i) = weight(k) * shape(i)
+        sphere_error(i) = weight(k) * sphere_error(i)
       end do
       !$omp end parallel do
       nested = sum(set%load, mask=is_nested) / sum(set%load)
@@ -88,17 +90,17 @@ contains
         do k = tree%first(l), tree%first(l + 1) - 1
           j = set%number(tree%near(k))
           if (hosts(i) == 0) hosts(i) = j
-          error(i) = error(i) + weight(tree%near(k)) * hidden * 2 * set%circle(tree%near(k)) * &
-                                higher_by(pairs, solution, i, tree%near(k))
+          error(i) = error(i) + weight(tree%near(k)) * 2 * first_order * &
+                     set%circle(tree%near(k)) * higher_by(pairs, solution, i, tree%near(k))
         end do
       end do
     end associate
   end subroutine find_errors
 
-  ! What the total gains over what a contact would alone: as it bears more, its neighbours bear
-  ! less. To first order the total changes with the gap of contact i by x_i, where all gaps together
-  ! change the loads by x.
-  subroutine weigh(pairs, solution, weight, tangent)
+  ! Gain of the total load over that of one contact: as it bears more, its neighbours bear less. To
+  ! first order the total changes with the gap of contact i by x_i, where all gaps together change
+  ! the loads by x.
+  subroutine find_weights(pairs, solution, weight, tangent)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(inout) :: solution
     real(real64), intent(out) :: weight(:), tangent
@@ -125,15 +127,15 @@ contains
           end associate
         end do
       end do
-      weight = min(1.0_real64, weight_told * abs(weight) / set%stiffness)
+      weight = min(1.0_real64, weight_factor * abs(weight) / set%stiffness)
     end associate
-  end subroutine weigh
+  end subroutine find_weights
 
-  !> The open pairs that could touch, and which circles are about them.
+  !> Finds the open pairs that could touch, and the circles near them.
   subroutine open_about(pairs, solution, radii, tree, number)
-    type(contact_pairs), intent(in) :: pairs        !! the position
-    type(coupled_solution), intent(in) :: solution  !! solved
-    real(real64), intent(in) :: radii               !! of a circle: who is within is about it
+    type(contact_pairs), intent(in) :: pairs        !! pairs of the position
+    type(coupled_solution), intent(in) :: solution  !! solution of all contacts
+    real(real64), intent(in) :: radii               !! radii of a circle that reach to its pairs
     type(source_tree), intent(inout) :: tree        !! circles of the solution; targets: open pairs
     integer, allocatable, intent(out) :: number(:)  !! places of the open pairs in the list
     logical :: is_open(size(pairs%list))
@@ -149,14 +151,14 @@ contains
     end associate
   end subroutine open_about
 
-  ! One circle.
-  subroutine judge_circle(pairs, solution, k, error, shape, is_nested)
+  ! Errors of one contact.
+  subroutine judge_circle(pairs, solution, k, error, sphere_error, is_nested)
     type(contact_pairs), intent(in) :: pairs
     type(coupled_solution), intent(in) :: solution
     integer, intent(in) :: k
-    real(real64), intent(out) :: error, shape
+    real(real64), intent(out) :: error, sphere_error
     logical, intent(out) :: is_nested
-    real(real64) :: a, p, r, way(2), apart, distance, emitted, overlap, nearest, shift, gone
+    real(real64) :: a, p, r, way(2), apart, distance, emitted, overlap, closest, shift, gone
     integer :: l, j
 
     associate (set => solution%set)
@@ -164,43 +166,43 @@ contains
       p = solution%penetration(set%number(k))
       r = pairs%list(set%number(k))%radius
       overlap = 0.0_real64
-      nearest = huge(1.0_real64)
+      closest = huge(1.0_real64)
       is_nested = .false.
       do l = set%tree%first(k), set%tree%first(k + 1) - 1
         j = set%tree%near(l)
         distance = norm2(from_other(set, j, k))
         if (.not. distance < a + set%circle(j)) cycle
-        nearest = min(nearest, distance / max(a, set%circle(j)))
+        closest = min(closest, distance / max(a, set%circle(j)))
         is_nested = is_nested .or. pairs%list(set%number(j))%radius >= blunter * r
-        ! A half of what the two of them may be off by.
+        ! Half of the error of both.
         overlap = overlap + 0.5_real64 * min(set%load(k), set%load(j)) * &
-          merge(taken_inside, taken, distance < inside * max(a, set%circle(j)))
+          merge(1.0_real64, taken, distance < max(a, set%circle(j)))
       end do
-      call oval(.true., error, emitted)
+      call find_harmonics(.true., error, emitted)
       if (overlap > 0.0_real64) then
-        call oval(.false., apart, gone)
+        call find_harmonics(.false., apart, gone)
         ! Where a centre is inside the other's circle harmonics mean nothing.
-        if (nearest < 1.0_real64) error = huge(1.0_real64)
+        if (closest < 1.0_real64) error = huge(1.0_real64)
         error = min(error + emitted, apart + gone + overlap)
         emitted = 0.0_real64
       end if
       shift = norm2(set%move(:, k))
-      if (shift > steep * a) error = max(error, gained(r, p, flank * shift**2 / (2 * r)))
+      if (shift > steep * a) error = max(error, load_gain(r, p, steep * shift**2 / (4 * r)))
       error = error + emitted
       ! An inclined contact is an ellipse that neighbours see as a circle.
       associate (pair => pairs%list(set%number(k)), &
                  taken_off => max(0.0_real64, solution%closing - pairs%list(set%number(k))%gap - p))
-        error = error + set%load(k) * inclined * 1.5_real64 * taken_off / (p + taken_off) * &
+        error = error + set%load(k) * inclined * taken_off / (p + taken_off) * &
                 (pair%d / pair%zc)**2
-        shape = set%load(k) * fourth_power * sphere_share(pair, min(p, taken_off))
+        sphere_error = set%load(k) * fourth_power * sphere_share(pair, min(p, taken_off))
       end associate
     end associate
 
   contains
 
-    ! Own gain, and what the neighbours gain. A second harmonic is a complex number: b at twice the
+    ! Own gain, and that of the neighbours. A second harmonic is a complex number: b at twice the
     ! angle of the neighbour.
-    subroutine oval(all_of_them, gain, emission)
+    subroutine find_harmonics(all_of_them, gain, emission)
       logical, intent(in) :: all_of_them
       real(real64), intent(out) :: gain, emission
       real(real64) :: b(solution%set%tree%first(k):solution%set%tree%first(k + 1) - 1), square
@@ -210,7 +212,7 @@ contains
         do l = lbound(b, 1), ubound(b, 1)
           j = near(l)
           way = from_other(set, j, k)
-          ! In one place nothing is known: very much.
+          ! In one place nothing is known: a large bound.
           square = max(sum(way**2), 1.0e-6_real64 * a**2)
           b(l) = 1.0_real64 / (sqrt(square) * max(square - a**2, 0.1_real64 * square))
           if (square > (a + set%circle(j))**2) &
@@ -219,16 +221,16 @@ contains
           if (square < (a + set%circle(j))**2 .and. .not. all_of_them) b(l) = 0.0_real64
           second(l) = b(l) * cmplx(way(1), way(2), real64)**2 / square
         end do
-        gain = r / (4 * a) * (abs(sum(second))**2 + higher * sum(b)**2)
-        emission = emits * r / (4 * a) * sum( &
+        gain = r / (4 * a) * (abs(sum(second))**2 + 1.0_real64 / 18 * sum(b)**2)
+        emission = first_order * r / (4 * a) * sum( &
           p / solution%penetration(set%number(near(lbound(b, 1):ubound(b, 1)))) * &
-          abs(real(second * conjg(sum(second))) + higher * b * sum(b)))
+          abs(real(second * conjg(sum(second))) + 1.0_real64 / 18 * b * sum(b)))
       end associate
-    end subroutine oval
+    end subroutine find_harmonics
 
   end subroutine judge_circle
 
-  ! What a sphere bears less than its paraboloid, a share: p/(10 R) under a flat, to first order
+  ! Relative loss of load of a sphere against its paraboloid: p/(10 R) under a flat, to first order
   ! (the next term of the gap is r**4/(8 R**3)). A plane has the radius 0, and no such term.
   pure real(real64) function sphere_share(pair, p) result(share)
     type(contact_pair), intent(in) :: pair
@@ -241,14 +243,14 @@ contains
   end function sphere_share
 
   ! Load that a contact gains by a rise of its penetration.
-  pure real(real64) function gained(radius, p, rise)
+  pure real(real64) function load_gain(radius, p, rise)
     real(real64), intent(in) :: radius, p, rise
 
     ! Powers of ratios: the same digits in any unit.
-    gained = 4.0_real64 / 3.0_real64 * radius**2 * &
+    load_gain = 4.0_real64 / 3.0_real64 * radius**2 * &
              (max(0.0_real64, (p + rise) / radius)**1.5_real64 - &
               max(0.0_real64, p / radius)**1.5_real64)
-  end function gained
+  end function load_gain
 
   ! Mean over a circle, weighed as a flat punch, of how far the surface of an open pair stands above
   ! that of the circle's own: of a cap with its top in the circle the volume of its paraboloid, else

@@ -12,7 +12,7 @@
 !> secants in a bracket, with elements of a coarse tolerance first.
 module asperity_joint_contacts
   use asperity_circle_error, only: find_errors, open_about
-  use asperity_cells_outside, only: outside_field
+  use asperity_outside_field, only: outside_field
   use asperity_element_solver, only: any_loaded, cluster_lattice, deviations
   use asperity_circle_field, only: are_close
   use asperity_constants, only: pi

@@ -1,7 +1,7 @@
 !> Results of the boundary elements of clusters, passed on to the Hertzian contacts.
 module asperity_resolved_answers
   use asperity_circle_field, only: circle_set, from_other
-  use asperity_cells_outside, only: beside_circle
+  use asperity_outside_field, only: beside_circle
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
   use asperity_coupled_contacts, only: adopt, coupled_solution, resolved_contacts
@@ -19,28 +19,29 @@ module asperity_resolved_answers
     class(contact_law), pointer :: whole => null()
     integer :: number = 0                           ! place in the list
   contains
-    procedure :: respond
+    procedure :: respond => respond_as_one
   end type law_of_one
 
-  ! Of a change of gaps, at least.
+  ! Least share of a change of gaps that is applied (chosen; test: clusters in
+  ! test/unit/joint_suite.f90).
   real(real64), parameter :: least_taken = 0.1_real64
 
 contains
 
-  !> The answer of the contact.
-  pure subroutine respond(self, pair, number, penetration, response)
-    class(law_of_one), intent(in) :: self            !! the law
-    type(contact_pair), intent(in) :: pair           !! who touches
-    integer, intent(in) :: number                    !! 1
+  !> Finds the response of the contact.
+  pure subroutine respond_as_one(self, pair, number, penetration, response)
+    class(law_of_one), intent(in) :: self            !! law with its list
+    type(contact_pair), intent(in) :: pair           !! pair of asperities
+    integer, intent(in) :: number                    !! number in the list of one, 1
     real(real64), intent(in) :: penetration          !! vertical, past first touch; less than zc
-    type(contact_response), intent(out) :: response  !! the answer
+    type(contact_response), intent(out) :: response  !! response of the contact
 
     call self%whole%respond(pair, self%number + number - 1, penetration, response)
-  end subroutine respond
+  end subroutine respond_as_one
 
-  !> The answers of the cells, as contacts that carry their loads where their pressures are.
+  !> Represents the clusters by contacts that carry their loads at the centres of their pressures.
   subroutine answer_with(pairs, law, clusters, coupled, resolved, each)
-    type(contact_pairs), intent(in) :: pairs            !! the position
+    type(contact_pairs), intent(in) :: pairs            !! pairs of the position
     class(contact_law), intent(in) :: law               !! of each contact
     type(cluster), intent(inout) :: clusters(:)         !! solved; get loads and hosts
     type(coupled_solution), intent(inout) :: coupled    !! gets their penetrations
@@ -92,7 +93,7 @@ contains
         gap(members) = gap(members) + &
           merge(by_others(coupled%set, now(members)) - by_others(old, before(members)), &
                 0.0_real64, before(members) > 0 .and. now(members) > 0)
-        call approach(clusters(k), used(members), gap)
+        call apply_change(clusters(k), used(members), gap)
         call lift_others(clusters(k), coupled%set, pack(now(members), now(members) > 0), resolved)
       end associate
     end do
@@ -101,7 +102,7 @@ contains
   ! Gaps between the last ones and those that the cells call for, by the secant of the last two
   ! rounds (Aitken), where a cluster answers to the closing more stiffly than its circles: a ring
   ! around a contact grows in all its length, and rounds would alternate without end.
-  subroutine approach(one, used, gap)
+  subroutine apply_change(one, used, gap)
     type(cluster), intent(inout) :: one
     real(real64), intent(in) :: used(:)        ! by member
     real(real64), intent(inout) :: gap(:)      ! by pair
@@ -117,7 +118,7 @@ contains
     end if
     one%change = change
     one%taken = taken
-  end subroutine approach
+  end subroutine apply_change
 
   ! Members of which one has its centre in the other's circle are one circle for all others, with
   ! the law of the one that bears most. How they share their load hardly matters there, and the
@@ -139,7 +140,7 @@ contains
     was = one%host
     one%host = [(m, m=1, size(load))]
     do m = 1, size(load)
-      call stand(m)
+      call set_circle(m)
     end do
     joined = .not. each
     do while (joined)
@@ -158,7 +159,7 @@ contains
           where (one%host == b) one%host = a
           load(a) = load(a) + load(b)
           load(b) = 0.0_real64
-          call stand(a)
+          call set_circle(a)
           joined = .true.
         end do
       end do
@@ -166,7 +167,7 @@ contains
 
   contains
 
-    subroutine stand(m)
+    subroutine set_circle(m)
       integer, intent(in) :: m
       type(contact_response) :: response
 
@@ -178,15 +179,15 @@ contains
         call law%respond(pairs%list(i), i, coupled%penetration(i), response)
         circle(m) = response%contact_radius
       end associate
-    end subroutine stand
+    end subroutine set_circle
 
   end subroutine find_hosts
 
-  !> What hosts bear at the end goes to all for whom they stand, shared as the cells have it.
+  !> Distributes the loads of hosts over the contacts that they represent, as on the elements.
   subroutine share_out(pairs, law, clusters, coupled, resolved)
-    type(contact_pairs), intent(in) :: pairs            !! the position
+    type(contact_pairs), intent(in) :: pairs            !! pairs of the position
     class(contact_law), intent(in) :: law               !! of each contact
-    type(cluster), intent(in) :: clusters(:)            !! answered with
+    type(cluster), intent(in) :: clusters(:)            !! clusters that are represented
     type(coupled_solution), intent(inout) :: coupled    !! gets penetrations and circles of all
     type(resolved_contacts), intent(inout) :: resolved  !! gets their places
     type(contact_response) :: response
@@ -214,7 +215,7 @@ contains
     call adopt(pairs, law, coupled, resolved)
   end subroutine share_out
 
-  ! What the pressures on cells do to circles beside them, and circles in their places do not.
+  ! Adds the difference between the displacements of circles outside by elements and by circles.
   ! Without it estimates would be below the error in 7 % of the dense scenes at a tolerance of .001.
   subroutine lift_others(one, set, circles, resolved)
     type(cluster), intent(in) :: one
@@ -233,7 +234,7 @@ contains
     end do
   end subroutine lift_others
 
-  ! What all but the members of a cluster press each of them down by.
+  ! Displacement of the members of a cluster by all others.
   pure function by_others(set, circle) result(lift)
     type(circle_set), intent(in) :: set
     integer, intent(in) :: circle(:)         ! of each member, 0: none

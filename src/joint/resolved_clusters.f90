@@ -1,7 +1,7 @@
 !> Clusters of contacts on boundary elements, each in the field of all others.
 module asperity_resolved_clusters
   use asperity_element_answer, only: element_answer
-  use asperity_cells_outside, only: beside_circle, outside_field
+  use asperity_outside_field, only: beside_circle, outside_field
   use asperity_element_solver, only: cluster_lattice, reach_of_cluster, solve_elements
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_circle_field, only: hertz_spread, near_factor

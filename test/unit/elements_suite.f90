@@ -7,7 +7,7 @@ module asperity_elements_suite
   use asperity_cell_convolution, only: cell_convolution, padded_length
   use asperity_element_influence, only: mean_influence
   use asperity_element_answer, only: element_answer
-  use asperity_cells_outside, only: outside_field
+  use asperity_outside_field, only: outside_field
   use asperity_element_solver, only: cluster_lattice, reach_of_cluster, solve_elements
   use asperity_chebyshev_basis, only: chebyshev_nodes
   use asperity_contact_pairs, only: contact_pair, contact_pairs

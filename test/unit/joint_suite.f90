@@ -3,7 +3,7 @@
 !> Truths: boundary elements (see coupled_scenes); one contact alone; all contacts on one lattice.
 module asperity_joint_suite
   use asperity_element_answer, only: element_answer
-  use asperity_cells_outside, only: outside_field
+  use asperity_outside_field, only: outside_field
   use asperity_element_solver, only: cluster_lattice, solve_elements
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, set_out, &

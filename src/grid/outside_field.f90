@@ -1,5 +1,5 @@
 !> Displacement of the elements of a cluster by the contacts outside it.
-module asperity_cells_outside
+module asperity_outside_field
   use asperity_element_lattice, only: element_lattice
   use asperity_chebyshev_basis, only: lagrange_at_cells
   use asperity_constants, only: pi
@@ -113,4 +113,4 @@ contains
     end if
   end function beside_circle
 
-end module asperity_cells_outside
+end module asperity_outside_field
