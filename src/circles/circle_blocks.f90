@@ -5,8 +5,8 @@
 !> derivatives where they are positive definite, else those of the convex model (see
 !> circle_products): so the norm is one.
 module asperity_circle_blocks
-  use asperity_circle_field, only: are_close, between, circle_set, close_by, comply, east, &
-                                   least_share, many, north, steer_one, steer_other
+  use asperity_circle_field, only: are_close, circle_set, close_by, comply, east, least_share, &
+                                   many, north, second_derivatives_between, steer_one, steer_other
   use asperity_circle_products, only: raised_bends
   use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
@@ -146,7 +146,7 @@ contains
             if (.not. set%still(i)) h(q, p + 1:p + 2) = set%terms(steer_other, k) * &
                                                         set%load(i) * [x, y]
             if (set%still(i) .or. set%still(j)) cycle
-            b = -set%load(i) * set%load(j) * between(set, k)
+            b = -set%load(i) * set%load(j) * second_derivatives_between(set, k)
             h(q + 1:q + 2, p + 1) = b(1:2)
             h(q + 1:q + 2, p + 2) = b(2:3)
           end associate

@@ -23,7 +23,8 @@ module asperity_circle_field
   implicit none
   private
 
-  public :: are_close, between, circle_set, plant_circles, find_field, from_other, inclination
+  public :: are_close, circle_set, find_field, from_other, inclination_factor, plant_circles, &
+            second_derivatives_between
 
   !> Sums of radii [1] below which a pair is near: farther off sums are by a tree; derived, the
   !> error of the Laplacian of 1/r there is 1e-4; test: summation_suite.f90.
@@ -130,17 +131,17 @@ contains
     self%bowl = self%bends
   end subroutine make_room
 
-  !> What an inclined contact presses the surface down with, over its vertical load.
+  !> Factor with which an inclined contact presses the surface down, over its vertical load.
   !>
   !> Seen through its vertical gap on a level half-space, as cells see it, a shallow pair of slope m
   !> carries (1 + m**2)**(1/4) of Hertz' load along the line of centres, which is (1 + m**2)**(3/4)
   !> of its vertical part. Circles and cells must press alike; the theory is good to the order m**2
   !> in either way.
-  elemental real(real64) function inclination(cosine)
+  elemental real(real64) function inclination_factor(cosine)
     real(real64), intent(in) :: cosine  !! of the contact's inclination, more than 0
 
-    inclination = 1.0_real64 / (cosine * sqrt(cosine))
-  end function inclination
+    inclination_factor = 1.0_real64 / (cosine * sqrt(cosine))
+  end function inclination_factor
 
   !> Finds who is near whom. To be called when circles come, go or have grown.
   subroutine plant_circles(set)
@@ -280,7 +281,7 @@ contains
       set%lift(j) = set%lift(j) + load(i) * terms%on_second
       set%growth(i) = set%growth(i) + load(j) * terms%first_growth
       set%growth(j) = set%growth(j) + load(i) * terms%second_growth
-      both = load(i) * load(j) * between(set, k)
+      both = load(i) * load(j) * second_derivatives_between(set, k)
       set%bends(:, i) = set%bends(:, i) + both
       set%bends(:, j) = set%bends(:, j) + both
     end associate
@@ -321,7 +322,7 @@ contains
   end function from_other
 
   !> Second derivatives of a near pair's compliance: xx, xy, yy.
-  pure function between(set, k) result(bends)
+  pure function second_derivatives_between(set, k) result(bends)
     type(circle_set), intent(in) :: set  !! its field is known
     integer, intent(in) :: k             !! number of the pair
     real(real64) :: bends(3)             !! by the shift of one against the other
@@ -329,6 +330,6 @@ contains
     associate (x => set%terms(east, k), y => set%terms(north, k))
       bends = set%terms(turn, k) * [1, 0, 1] + set%terms(bend, k) * [x * x, x * y, y * y]
     end associate
-  end function between
+  end function second_derivatives_between
 
 end module asperity_circle_field

@@ -4,7 +4,7 @@
 !> mean of both gradients times the change of the state, which is exact to third order (as in the
 !> approximate Wolfe conditions of Hager and Zhang, SIAM J. Optim. 16 (2005) 170).
 module asperity_circle_potential
-  use asperity_circle_field, only: circle_set, inclination, many, sum_error
+  use asperity_circle_field, only: circle_set, inclination_factor, many, sum_error
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
   use asperity_coupled_state, only: answer_at, coupled_solution, solve_state
@@ -90,7 +90,7 @@ contains
       if (circle(i, 1) == 0) off(i, 1) = off(i, 2) - solution%penetration(i)
       if (circle(i, 2) == 0) off(i, 2) = off(i, 1) - before%penetration(i)
       part(i) = 0.5_real64 * sum(off(i, :)) * (load(i, 2) - load(i, 1)) + &
-                excess(pairs, law, i, before%penetration(i), solution%penetration(i))
+                excess_work(pairs, law, i, before%penetration(i), solution%penetration(i))
       if (all(circle(i, :) > 0)) part(i) = part(i) + 0.5_real64 * dot_product( &
         load(i, 1) * before%state%aside(:, circle(i, 1)) + &
         load(i, 2) * state%aside(:, circle(i, 2)), solution%move(:, i) - before%move(:, i))
@@ -108,8 +108,9 @@ contains
     do i = 1, n
       if (any(circle(i, :) > 0)) change = change + &
         stored_change(pairs, law, i, before%penetration(i), solution%penetration(i)) + &
-        load(i, 2) * (state%gap(i) + rise(solution%set, circle(i, 2)) - before%closing) - &
-        load(i, 1) * (state%gap(i) + rise(before%set, circle(i, 1)) - before%closing)
+        load(i, 2) * (state%gap(i) + height_of_shift(solution%set, circle(i, 2)) - &
+                      before%closing) - &
+        load(i, 1) * (state%gap(i) + height_of_shift(before%set, circle(i, 1)) - before%closing)
     end do
   end subroutine potential_change
 
@@ -126,20 +127,21 @@ contains
     circle(set%number) = [(k, k=1, size(set%number))]
   end subroutine spread_out
 
-  ! What its shift costs a contact in height; 0 where there is no circle.
-  pure real(real64) function rise(set, k)
+  ! Height that its shift costs a contact; 0 where there is no circle.
+  pure real(real64) function height_of_shift(set, k)
     type(circle_set), intent(in) :: set
     integer, intent(in) :: k
     real(real64) :: from(2)
 
-    rise = 0.0_real64
+    height_of_shift = 0.0_real64
     if (k == 0) return
-    rise = 0.5_real64 * set%curvature(k) * sum(set%move(:, k)**2)
+    height_of_shift = 0.5_real64 * set%curvature(k) * sum(set%move(:, k)**2)
     if (.not. allocated(set%outer)) return
     from = set%move(:, k) - set%outer(4:5, k)
-    rise = rise + 0.5_real64 * (set%outer(1, k) * from(1)**2 + set%outer(3, k) * from(2)**2) + &
+    height_of_shift = height_of_shift + &
+           0.5_real64 * (set%outer(1, k) * from(1)**2 + set%outer(3, k) * from(2)**2) + &
            set%outer(2, k) * from(1) * from(2)
-  end function rise
+  end function height_of_shift
 
   ! Change of the energy W of a contact between two penetrations: with dW/dV = p it is the mean
   ! penetration times the change of load, and the excess of that.
@@ -154,11 +156,11 @@ contains
     high = max(to, 0.0_real64)
     change = 0.5_real64 * (low + high) * &
              (load_at(pairs, law, i, high) - load_at(pairs, law, i, low)) + &
-             excess(pairs, law, i, from, to)
+             excess_work(pairs, law, i, from, to)
   end function stored_change
 
   ! Change of p times the mean load of both ends, less the integral of the load over p.
-  real(real64) function excess(pairs, law, i, from, to)
+  real(real64) function excess_work(pairs, law, i, from, to)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     integer, intent(in) :: i
@@ -168,13 +170,13 @@ contains
 
     low = max(from, 0.0_real64)
     high = max(to, 0.0_real64)
-    excess = 0.5_real64 * (load_at(pairs, law, i, low) + load_at(pairs, law, i, high))
+    excess_work = 0.5_real64 * (load_at(pairs, law, i, low) + load_at(pairs, law, i, high))
     do k = 1, size(nodes)
-      excess = excess - weights(k) * load_at(pairs, law, i, 0.5_real64 * (low + high) + &
+      excess_work = excess_work - weights(k) * load_at(pairs, law, i, 0.5_real64 * (low + high) + &
                                              0.5_real64 * (high - low) * nodes(k))
     end do
-    excess = (high - low) * excess
-  end function excess
+    excess_work = (high - low) * excess_work
+  end function excess_work
 
   ! Load of the potential: over the modulus, with what an inclined contact presses.
   real(real64) function load_at(pairs, law, i, p) result(load)
@@ -187,7 +189,7 @@ contains
     load = 0.0_real64
     if (.not. p > 0.0_real64) return
     answer = answer_at(pairs, law, i, p)
-    load = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
+    load = answer%vertical_load * inclination_factor(answer%cosine) / pairs%modulus
   end function load_at
 
 end module asperity_circle_potential

@@ -5,8 +5,8 @@
 !> load with its own radius, load with shift, and shift with shift of other circles; its second
 !> derivatives by a circle's own shift are raised until they are positive.
 module asperity_circle_products
-  use asperity_circle_field, only: bend, between, circle_set, comply, east, flat_spread, &
-                                   least_share, many, north, steer_one, steer_other, turn
+  use asperity_circle_field, only: bend, circle_set, comply, east, flat_spread, least_share, many, &
+                                   north, second_derivatives_between, steer_one, steer_other, turn
   use asperity_constants, only: pi
   use asperity_kinds, only: real64
   use asperity_source_tree, only: sum_sources

@@ -78,7 +78,7 @@ contains
     if (.not. model%keep_sum) return
     ones(1, :) = set%counted
     allocate (even, mold=ones)
-    call precondition(model, ones, even)
+    call apply_preconditioner(model, ones, even)
     even = even / sum(set%counted * even(1, :))
     call move_alloc(even, model%even)
     allocate (model%counted, source=set%counted)
@@ -102,7 +102,7 @@ contains
     allocate (step%change, mold=model%gradient)
     step%change = 0.0_real64
     here = 0.0_real64
-    call precondition(model, left, scaled)
+    call apply_preconditioner(model, left, scaled)
     direction = scaled
     now = sum(left * scaled)
     first = now
@@ -126,7 +126,7 @@ contains
       here = here + part * along
       left = left - part * image
       if (step%at_border) exit
-      call precondition(model, left, scaled)
+      call apply_preconditioner(model, left, scaled)
       ! Squares are not solved exactly: each direction against the last one (Polak and Ribiere).
       direction = scaled - (part * sum(scaled * image) / now) * direction
       now = sum(left * scaled)
@@ -155,7 +155,7 @@ contains
 
   ! Approximate solution of the model's equations: blocks alone, and what squares full of circles do
   ! to each other.
-  subroutine precondition(model, left, scaled)
+  subroutine apply_preconditioner(model, left, scaled)
     type(circle_model), intent(inout) :: model
     real(real64), intent(in) :: left(:, :)
     real(real64), intent(out) :: scaled(:, :)
@@ -177,6 +177,6 @@ contains
     end associate
     if (allocated(model%counted)) &
       scaled = scaled - model%even * sum(model%counted * scaled(1, :))
-  end subroutine precondition
+  end subroutine apply_preconditioner
 
 end module asperity_circle_step

@@ -13,7 +13,8 @@ module asperity_coarse_circles
   implicit none
   private
 
-  public :: circles_in_one, coarse_circles, gather_squares, pressed, shared_change, sum_of_squares
+  public :: circles_in_one, coarse_circles, gather_squares, pressed_displacement, shared_change, &
+            sum_of_squares
 
   !> Circles gathered in squares. It owns the plans of a transform: it must not be copied.
   type :: coarse_circles
@@ -51,8 +52,8 @@ contains
     call coarse%lattice%prepare(mean_influence(coarse%columns, coarse%rows) / side)
   end subroutine gather_squares
 
-  !> What squares are lowered by.
-  function pressed(coarse, loads) result(lowered)
+  !> Displacement of squares by loads on squares.
+  function pressed_displacement(coarse, loads) result(lowered)
     type(coarse_circles), intent(inout) :: coarse    !! gathered; stays
     real(real64), intent(in) :: loads(:)             !! by square
     real(real64) :: lowered(size(loads))
@@ -60,7 +61,7 @@ contains
 
     call coarse%lattice%apply(reshape(loads, shape(on_lattice)), on_lattice)
     lowered = reshape(on_lattice, shape(lowered))
-  end function pressed
+  end function pressed_displacement
 
   !> Sums over the circles of each square.
   pure function sum_of_squares(coarse, values) result(sums)
@@ -97,7 +98,7 @@ contains
     first = now
     do round = 1, most_rounds
       if (.not. now > enough**2 * first) exit
-      image = direction + root * (2 * (half * pressed(coarse, root * direction)))
+      image = direction + root * (2 * (half * pressed_displacement(coarse, root * direction)))
       before = now
       now = now / sum(direction * image)
       shared = shared + now * direction

@@ -27,9 +27,10 @@ module asperity_coupled_contacts
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
   use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back
-  use asperity_coupled_start, only: few_contacts, prepare, scale_start
-  use asperity_coupled_state, only: bear, coupled_solution, evaluate, penetration_without_load, &
-                                    raise, resolved_contacts, set_out, solve_state
+  use asperity_coupled_start, only: few_contacts, prepare_start, scale_start
+  use asperity_coupled_state, only: coupled_solution, evaluate_state, find_carried_load, &
+                                    penetration_without_load, raise_to_load, resolved_contacts, &
+                                    set_out, solve_state
   use asperity_hidden_contacts, only: open_hidden
   use asperity_kinds, only: real64
   use asperity_open_contacts, only: find_touching, may_touch, most_looks
@@ -37,7 +38,7 @@ module asperity_coupled_contacts
   implicit none
   private
 
-  public :: adopt, coupled_solution, resolved_contacts, solve_coupled
+  public :: adopt_penetrations, coupled_solution, resolved_contacts, solve_coupled
 
   ! Most of these change how many steps are needed, not the result: the test of step counts fails
   ! when they are changed several times.
@@ -72,6 +73,8 @@ module asperity_coupled_contacts
 
 contains
 
+  ! Long: one iteration with all its exits.
+
   !> Solves at a given closing, or, where `target` is present, at a sum of the normal loads, or of
   !> the vertical ones, as the pairs have it.
   recursive subroutine solve_coupled(pairs, law, solution, target, resolved, share)
@@ -91,16 +94,16 @@ contains
 
     is_start = .not. allocated(solution%penetration)
     any_opened = .false.
-    call prepare(pairs, law, solution, state, target, resolved)
+    call prepare_start(pairs, law, solution, state, target, resolved)
     if (pairs%interrupt%is_asked()) solution%failure = 'interrupted'
     if (allocated(solution%failure)) return
     if (is_start .and. .not. present(resolved)) then
       call set_out(pairs, law, solution, state)
       if (.not. allocated(solution%failure)) call open_hidden(pairs, solution, any_opened)
       if (any_opened .and. present(target)) &
-        call raise(pairs, law, state%target, solution%penetration)
+        call raise_to_load(pairs, law, state%target, solution%penetration)
     end if
-    call evaluate(pairs, law, solution, state, resolved)
+    call evaluate_state(pairs, law, solution, state, resolved)
     if (is_start .and. .not. (present(target) .or. present(resolved)) .and. &
         size(solution%set%x) <= few_contacts) call scale_start(pairs, law, solution, state)
     state%is_near = solution%is_near
@@ -133,7 +136,7 @@ contains
       end if
       if (lost > 1) exit
       if (solution%ending%iterations >= merge(most_repeats, most_steps, present(share))) exit
-      if (eliminates) call eliminate(pairs, law, solution, state, resolved)
+      if (eliminates) call eliminate_contacts(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       if (size(solution%set%x) < loaded) joined = -1
       loaded = size(solution%set%x)
@@ -158,7 +161,7 @@ contains
     solution%ending%converged = state%residual <= max(accepted, enough) .and. joined == 0
     if (solution%closing > pairs%complete_to) solution%ending%converged = .true.
     if (.not. present(target)) return
-    call bear(pairs, law, solution%penetration, 0.0_real64, borne, slope)
+    call find_carried_load(pairs, law, solution%penetration, 0.0_real64, borne, slope)
     if (.not. borne >= (1.0_real64 - accepted) * state%target) solution%failure = &
       'the load is larger than the surfaces carry before the centres of two asperities are ' // &
       'level: ' // real_text(in_scene_units(pairs, borne * pairs%modulus, 1, 2)) // ' at most'
@@ -166,7 +169,7 @@ contains
 
   !> Takes the penetrations as they are: finds their circles and field, and the gaps of resolved
   !> contacts with which the equations hold for them.
-  subroutine adopt(pairs, law, solution, resolved)
+  subroutine adopt_penetrations(pairs, law, solution, resolved)
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! all but its circles is set
@@ -175,14 +178,14 @@ contains
     integer :: i, k
 
     state%gap = pairs%list%gap
-    call evaluate(pairs, law, solution, state, resolved)
+    call evaluate_state(pairs, law, solution, state, resolved)
     where (resolved%is_one) resolved%gap = huge(1.0_real64)
     do k = 1, size(solution%set%number)
       i = solution%set%number(k)
       if (resolved%is_one(i)) resolved%gap(i) = solution%closing - solution%set%lift(k) - &
                                                 solution%penetration(i)
     end do
-  end subroutine adopt
+  end subroutine adopt_penetrations
 
   ! Lets open contacts that touch carry load, as far as the potential does not increase.
   subroutine join_touching(pairs, law, accuracy, all, solution, state, resolved, joined)
@@ -211,8 +214,9 @@ contains
     do halving = 0, most_looks
       solution%penetration = before%penetration
       solution%penetration(number) = least + (deep - least) * 0.5_real64**halving
-      if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
-      call evaluate(pairs, law, solution, state, resolved)
+      if (state%target > 0.0_real64) &
+      call raise_to_load(pairs, law, state%target, solution%penetration)
+      call evaluate_state(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       if (size(before%set%x) == 0) return
       call potential_change(pairs, law, before, solution, state, change, noise)
@@ -224,7 +228,7 @@ contains
 
   ! Nonlinear elimination: solves contacts with large residuals in the field of the others, group by
   ! group. The result is kept where residual or potential decrease.
-  recursive subroutine eliminate(pairs, law, solution, state, resolved)
+  recursive subroutine eliminate_contacts(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in), target :: law
     type(coupled_solution), intent(inout) :: solution
@@ -243,13 +247,14 @@ contains
       call solve_group(pairs, law, before%state, member(first(k):first(k + 1) - 1), solution)
     end do
     !$omp end parallel do
-    if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
-    call evaluate(pairs, law, solution, state, resolved)
+    if (state%target > 0.0_real64) &
+      call raise_to_load(pairs, law, state%target, solution%penetration)
+    call evaluate_state(pairs, law, solution, state, resolved)
     if (allocated(solution%failure)) return
     call potential_change(pairs, law, before, solution, state, change, noise)
     if (state%residual < before%state%residual .or. change < -noise) return
     call restore_state(before, solution, state)
-  end subroutine eliminate
+  end subroutine eliminate_contacts
 
   ! Solves some contacts under the field of all others; those of other groups stay as they are.
   recursive subroutine solve_group(pairs, law, state, member, solution)
@@ -323,8 +328,9 @@ contains
             solution%penetration(number) = before%penetration(number) - before%state%off
         end if
       end associate
-      if (state%target > 0.0_real64) call raise(pairs, law, state%target, solution%penetration)
-      call evaluate(pairs, law, solution, state, resolved)
+      if (state%target > 0.0_real64) &
+      call raise_to_load(pairs, law, state%target, solution%penetration)
+      call evaluate_state(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       predicted = step%decrease
       ! The part t of a Newton step decreases the model by its slope times t (1 - t/2).

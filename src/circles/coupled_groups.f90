@@ -10,7 +10,7 @@ module asperity_coupled_groups
   use asperity_circle_field, only: are_close, circle_set, close_by, least_share, many
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
-  use asperity_coupled_state, only: coupled_solution, evaluate, solve_state
+  use asperity_coupled_state, only: coupled_solution, evaluate_state, solve_state
   use asperity_index_groups, only: gather_groups
   use asperity_kinds, only: real64
   implicit none
@@ -22,7 +22,7 @@ module asperity_coupled_groups
   type, extends(contact_law) :: group_law
     class(contact_law), pointer :: whole => null()  !! law of the list
     integer, allocatable :: number(:)               !! places in the list
-    !> What a circle feels of the others falls or grows as its square, with its penetration: by
+    !> The field of the others on a circle falls or grows as its square, with its penetration: by
     !> this factor it must go deeper.
     real(real64), allocatable :: deeper(:)
   contains
@@ -105,7 +105,7 @@ contains
       part%penetration = solution%penetration(number)
       part%move = solution%move(:, number)
       inside%gap = state%gap(number)
-      call evaluate(alone, alone_law, part, inside)
+      call evaluate_state(alone, alone_law, part, inside)
       allocate (part%outer(5, size(member)))
       do i = 1, size(member)
         associate (k => member(i), pair => alone%list(i), p => part%penetration(i))
@@ -127,7 +127,7 @@ contains
     end associate
   end subroutine lift_out
 
-  !> What a group came to.
+  !> Takes the solution of a group over.
   subroutine put_back(pairs, member, alone, alone_law, part, solution)
     type(contact_pairs), intent(in) :: pairs           !! the position
     integer, intent(in) :: member(:)                   !! circles of the group

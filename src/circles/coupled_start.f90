@@ -1,11 +1,11 @@
 !> Where the iteration of coupled contacts begins.
 module asperity_coupled_start
-  use asperity_circle_field, only: inclination, many, most_repeats
-  use asperity_coarse_circles, only: coarse_circles, gather_squares, pressed, shared_change, &
-                                     sum_of_squares
+  use asperity_circle_field, only: inclination_factor, many, most_repeats
+  use asperity_coarse_circles, only: coarse_circles, gather_squares, pressed_displacement, &
+                                     shared_change, sum_of_squares
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_state, only: answer_at, coupled_solution, evaluate, raise, &
+  use asperity_coupled_state, only: answer_at, coupled_solution, evaluate_state, raise_to_load, &
                                     resolved_contacts, solve_state
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
@@ -13,7 +13,7 @@ module asperity_coupled_start
   implicit none
   private
 
-  public :: prepare, scale_start
+  public :: prepare_start, scale_start
 
   !> Contacts up to which squares are of no use [1]; chosen, four squares; test: coupled_suite.f90.
   integer, parameter, public :: few_contacts = 64
@@ -22,7 +22,7 @@ contains
 
   !> A start: the contacts as they were before, or alone, at the load or the closing; where they are
   !> many, lowered by what squares full of them do to each other.
-  subroutine prepare(pairs, law, solution, state, target, resolved)
+  subroutine prepare_start(pairs, law, solution, state, target, resolved)
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! gets what is not allocated
@@ -51,11 +51,11 @@ contains
     end if
     if (present(target)) then
       state%target = target / pairs%modulus
-      call raise(pairs, law, state%target, solution%penetration)
+      call raise_to_load(pairs, law, state%target, solution%penetration)
     end if
     if (fresh .and. count(solution%penetration > 0.0_real64) > few_contacts) &
       call lower_squares(pairs, law, state%target, coarse, solution%penetration)
-  end subroutine prepare
+  end subroutine prepare_start
 
   !> Scales the penetrations of isolated contacts by the factor t with which the potential is least
   !> by Hertz' powers: its parts grow as t**(5/2) (contacts), t**3 (interaction), -t**(3/2) (work).
@@ -76,7 +76,7 @@ contains
       t = t - (t + ratio * t**1.5_real64 - 1.0_real64) / (1.0_real64 + 1.5_real64 * ratio * sqrt(t))
     end do
     where (solution%penetration > 0.0_real64) solution%penetration = t * solution%penetration
-    call evaluate(pairs, law, solution, state)
+    call evaluate_state(pairs, law, solution, state)
   end subroutine scale_start
 
   ! Squares as contacts: each presses all others down by the mean of 1/r over both, and its law is
@@ -103,19 +103,19 @@ contains
       do i = 1, size(load)
         if (.not. penetration(i) > 0.0_real64) cycle
         answer = answer_at(pairs, law, i, penetration(i))
-        load(i) = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
-        stiffness(i) = answer%stiffness * inclination(answer%cosine) / pairs%modulus
+        load(i) = answer%vertical_load * inclination_factor(answer%cosine) / pairs%modulus
+        stiffness(i) = answer%stiffness * inclination_factor(answer%cosine) / pairs%modulus
       end do
       !$omp end parallel do
       coarse%stiffness = max(0.5_real64 * coarse%stiffness, sum_of_squares(coarse, stiffness))
       loads = sum_of_squares(coarse, load)
-      left = lowered - pressed(coarse, loads)
-      ! What all are off by alike is the closing, and far more than the rest.
+      left = lowered - pressed_displacement(coarse, loads)
+      ! A part that all have alike is the compression, and far more than the rest.
       if (target > 0.0_real64) &
         left = left - dot_product(coarse%stiffness, left) / sum(coarse%stiffness)
-      change = everywhere(left)
+      change = change_everywhere(left)
       if (target > 0.0_real64) then
-        even = everywhere(spread(1.0_real64, 1, size(loads)))
+        even = change_everywhere(spread(1.0_real64, 1, size(loads)))
         change = change - even * (sum(coarse%stiffness * change) / sum(coarse%stiffness * even))
       end if
       ! A load is convex in its penetration: it falls by less than its slope says.
@@ -124,21 +124,21 @@ contains
       ! penetrates, so that 1 % of it may be all.
       penetration = penetration + change(coarse%square)
       lowered = lowered - change
-      if (target > 0.0_real64) call raise(pairs, law, target, penetration)
+      if (target > 0.0_real64) call raise_to_load(pairs, law, target, penetration)
       if (maxval(change) - minval(change) < 0.01_real64 * maxval(penetration)) exit
     end do
 
   contains
 
     ! Also where nothing answers.
-    function everywhere(left) result(shared)
+    function change_everywhere(left) result(shared)
       real(real64), intent(in) :: left(:)
       real(real64) :: shared(size(left))
 
       shared = shared_change(coarse, left)
-      shared = merge(shared, left - pressed(coarse, coarse%stiffness * shared), &
+      shared = merge(shared, left - pressed_displacement(coarse, coarse%stiffness * shared), &
                      coarse%stiffness > 0.0_real64)
-    end function everywhere
+    end function change_everywhere
 
   end subroutine lower_squares
 

@@ -1,6 +1,6 @@
 !> Coupled contacts between two steps: what the solver carries, and the residual of its equations.
 module asperity_coupled_state
-  use asperity_circle_field, only: circle_set, find_field, inclination, many, most_repeats, &
+  use asperity_circle_field, only: circle_set, find_field, inclination_factor, many, most_repeats, &
                                    plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -10,8 +10,8 @@ module asperity_coupled_state
   implicit none
   private
 
-  public :: answer_at, bear, coupled_solution, evaluate, penetration_without_load, raise, &
-            resolved_contacts, set_out, solve_state
+  public :: answer_at, coupled_solution, evaluate_state, find_carried_load, &
+            penetration_without_load, raise_to_load, resolved_contacts, set_out, solve_state
 
   !> Penetration of a contact that touches nowhere: no step raises it above 0.
   real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
@@ -39,7 +39,7 @@ module asperity_coupled_state
     character(len=:), allocatable :: failure        !! why there is none
   end type coupled_solution
 
-  !> What the solver carries from step to step.
+  !> State of the solver from step to step.
   type :: solve_state
     real(real64), allocatable :: gap(:)             !! of every pair
     real(real64), allocatable :: off(:)             !! gradient by load, by circle
@@ -65,7 +65,7 @@ module asperity_coupled_state
 
 contains
 
-  !> What a contact answers to a penetration; no centres pass each other.
+  !> Answer of a contact to a penetration; no centres pass each other.
   pure function answer_at(pairs, law, i, penetration) result(answer)
     type(contact_pairs), intent(in) :: pairs     !! the position
     class(contact_law), intent(in) :: law        !! of each contact
@@ -101,7 +101,7 @@ contains
   end function penetration_without_load
 
   !> Raises all penetrations alike until the contacts carry the target.
-  subroutine raise(pairs, law, target, penetration)
+  subroutine raise_to_load(pairs, law, target, penetration)
     type(contact_pairs), intent(in) :: pairs              !! the position
     class(contact_law), intent(in) :: law                 !! of each contact
     real(real64), intent(in) :: target                    !! load over modulus
@@ -121,7 +121,7 @@ contains
     by = min(max(0.0_real64, low), most)
     before = by
     do try = 1, 200
-      call bear(pairs, law, penetration, by, total, slope)
+      call find_carried_load(pairs, law, penetration, by, total, slope)
       if (abs(total - target) <= 1.0e-13_real64 * target) exit
       if (total < target) then
         low = by
@@ -141,10 +141,10 @@ contains
       end if
     end do
     penetration = penetration + by
-  end subroutine raise
+  end subroutine raise_to_load
 
-  !> What all contacts bear where all penetrate by so much more.
-  subroutine bear(pairs, law, penetration, by, total, slope)
+  !> Load of all contacts where all penetrate by so much more.
+  subroutine find_carried_load(pairs, law, penetration, by, total, slope)
     type(contact_pairs), intent(in) :: pairs              !! the position
     class(contact_law), intent(in) :: law                 !! of each contact
     real(real64), intent(in) :: penetration(:)            !! by pair
@@ -171,7 +171,7 @@ contains
     !$omp end parallel do
     total = sum(load) / pairs%modulus
     slope = sum(stiffness) / pairs%modulus
-  end subroutine bear
+  end subroutine find_carried_load
 
   !> The circles of the present penetrations, and who is near whom.
   subroutine set_out(pairs, law, solution, state, resolved)
@@ -182,7 +182,7 @@ contains
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     logical :: same
 
-    call gather(pairs, law, solution, state, resolved, same)
+    call gather_circles(pairs, law, solution, state, resolved, same)
     associate (set => solution%set)
       if (size(set%x) == 0) return
       if (same) same = all(set%circle < outgrown * set%planted(1, :) .and. &
@@ -196,7 +196,7 @@ contains
   end subroutine set_out
 
   !> The circles of the present penetrations, their field, and what the equations leave over.
-  subroutine evaluate(pairs, law, solution, state, resolved)
+  subroutine evaluate_state(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs               !! the position
     class(contact_law), intent(in) :: law                  !! of each contact
     !> penetrations and shifts; gets circles, field and, under a target, the closing
@@ -235,13 +235,13 @@ contains
       end do
       !$omp end parallel do
       state%residual = maxval(state%miss) / deepest
-      ! What is no number is no solution.
+      ! A sum that is no number is no solution.
       if (.not. sum(abs(state%off)) <= huge(deepest)) state%residual = huge(deepest)
     end associate
-  end subroutine evaluate
+  end subroutine evaluate_state
 
   ! Sets out the circles of those that carry load.
-  subroutine gather(pairs, law, solution, state, resolved, same)
+  subroutine gather_circles(pairs, law, solution, state, resolved, same)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     type(coupled_solution), intent(inout) :: solution
@@ -263,7 +263,7 @@ contains
     !$omp parallel do schedule(static) if(size(number) > many)
     do k = 1, size(number)
       answer(k) = answer_at(pairs, law, number(k), solution%penetration(number(k)))
-      ! What underflows over the modulus is no load.
+      ! A load that underflows over the modulus is none.
       bears(k) = answer(k)%vertical_load / max(1.0_real64, pairs%modulus) > 0.0_real64
     end do
     !$omp end parallel do
@@ -300,15 +300,15 @@ contains
         if (any(abs(place - [set%x(k), set%y(k)]) > 0.0_real64)) same = .false.
         set%x(k) = place(1)
         set%y(k) = place(2)
-        inclined = inclination(answer(k)%cosine) / pairs%modulus
+        inclined = inclination_factor(answer(k)%cosine) / pairs%modulus
         set%load(k) = answer(k)%vertical_load * inclined
         set%stiffness(k) = answer(k)%stiffness * inclined
-        set%counted(k) = 1.0_real64 / inclination(answer(k)%cosine)
+        set%counted(k) = 1.0_real64 / inclination_factor(answer(k)%cosine)
         if (.not. pairs%vertical) set%counted(k) = set%counted(k) / answer(k)%cosine
         set%circle(k) = answer(k)%contact_radius
       end do
       !$omp end parallel do
     end associate
-  end subroutine gather
+  end subroutine gather_circles
 
 end module asperity_coupled_state

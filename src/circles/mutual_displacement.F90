@@ -1,4 +1,4 @@
-!> What one contact's pressure does to another contact, for two circles anywhere in plan.
+!> Displacement of one contact by the pressure of another, for two circles anywhere in plan.
 !>
 !> A unit load with Hertz' pressure on a circle of radius b lifts the surface around it; a contact
 !> of radius a feels that field through its mean with the weight of a flat punch,

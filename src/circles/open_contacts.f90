@@ -63,7 +63,7 @@ contains
     where (is_open .and. .not. touches) &
       solution%penetration = min(solution%penetration, 0.0_real64)
     number = pack([(i, i=1, size(touches))], touches)
-    ! What underflows is no load.
+    ! A load that underflows is none.
     do i = 1, size(number)
       answer = answer_at(pairs, law, number(i), solution%penetration(number(i)))
       touches(number(i)) = answer%vertical_load > 0.0_real64
@@ -159,7 +159,8 @@ contains
             p = far_below
             cycle
           end if
-          call settle(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, near, far, &
+          call find_lowest_place(pairs%list(i)%x, pairs%list(i)%y, pairs%list(i)%radius, set, &
+                                 near, far, &
                       0.1_real64 * least, shift, before, above)
           touches(i) = rise - before > least
           settled = state%is_near .or. .not. touches(i)
@@ -171,8 +172,9 @@ contains
     end associate
   end subroutine look_around
 
-  ! The lowest place of one contact, by Newton's method that only goes down.
-  pure subroutine settle(x, y, radius, set, near, far, accuracy, shift, before, least)
+  ! The lowest place of one contact, by Newton's method that only goes down. Long: a place, a field
+  ! and a start each are several values.
+  pure subroutine find_lowest_place(x, y, radius, set, near, far, accuracy, shift, before, least)
     real(real64), intent(in) :: x, y, radius
     type(circle_set), intent(in) :: set
     integer, intent(in) :: near(:)
@@ -185,13 +187,13 @@ contains
 
     first = shift
     s = first
-    here = height(s)
+    here = height_at(s)
     before = here(1)
     do step = 1, most_repeats
       if (.not. radius * dot_product(here(2:3), here(2:3)) > accuracy) exit
       move = lowest_shift(here(4:), 1.0_real64 / radius, here(2:3))
       do cut = 1, most_repeats
-        there = height(s + move)
+        there = height_at(s + move)
         if (there(1) <= here(1) + 1.0e-4_real64 * dot_product(here(2:3), move)) exit
         move = move / 2
       end do
@@ -205,13 +207,13 @@ contains
   contains
 
     ! At a shift: value, slopes, second derivatives xx, xy, yy.
-    pure function height(s)
+    pure function height_at(s)
       real(real64), intent(in) :: s(2)
-      real(real64) :: height(6), dx, dy, r, turn, along
+      real(real64) :: height_at(6), dx, dy, r, turn, along
       type(mutual_terms) :: terms
       integer :: j, k
 
-      height = [far(1) + dot_product(far(2:), s - first) + dot_product(s, s) / (2 * radius), &
+      height_at = [far(1) + dot_product(far(2:), s - first) + dot_product(s, s) / (2 * radius), &
                 far(2:) + s / radius, [1, 0, 1] / radius]
       do k = 1, size(near)
         j = near(k)
@@ -225,12 +227,12 @@ contains
           turn = terms%slope / r
           along = (terms%bend - turn) / r**2
         end if
-        height = height + set%load(j) * [terms%on_first, turn * dx, turn * dy, &
+        height_at = height_at + set%load(j) * [terms%on_first, turn * dx, turn * dy, &
                                          turn + along * dx**2, along * dx * dy, &
                                          turn + along * dy**2]
       end do
-    end function height
+    end function height_at
 
-  end subroutine settle
+  end subroutine find_lowest_place
 
 end module asperity_open_contacts

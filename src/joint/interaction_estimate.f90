@@ -1,6 +1,6 @@
 !> How much interaction may lower the load, from contacts each solved alone.
 module asperity_interaction_estimate
-  use asperity_circle_field, only: circle_set, find_field, inclination, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, inclination_factor, plant_circles
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
@@ -43,8 +43,8 @@ contains
       call law%respond(pairs%list(i), i, min(closing - pairs%list(i)%gap, &
                        deepest * pairs%list(i)%zc), response)
       set%circle(i) = response%contact_radius
-      set%load(i) = response%vertical_load * inclination(response%cosine) / pairs%modulus
-      set%stiffness(i) = response%stiffness * inclination(response%cosine) / pairs%modulus
+      set%load(i) = response%vertical_load * inclination_factor(response%cosine) / pairs%modulus
+      set%stiffness(i) = response%stiffness * inclination_factor(response%cosine) / pairs%modulus
     end do
     if (.not. sum(set%load) > 0.0_real64) return
     ! Without the memory to ask, the answer is that it may be all.

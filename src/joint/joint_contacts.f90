@@ -18,9 +18,10 @@ module asperity_joint_contacts
   use asperity_constants, only: pi
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pairs
-  use asperity_coupled_contacts, only: adopt, coupled_solution, resolved_contacts, solve_coupled
+  use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts, &
+                                       solve_coupled
   use asperity_coupled_groups, only: group_law
-  use asperity_coupled_state, only: bear, far_below, raise
+  use asperity_coupled_state, only: find_carried_load, far_below, raise_to_load
   use asperity_element_pressures, only: join_elements
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
@@ -358,7 +359,7 @@ contains
     if (allocated(found%failure)) return
     none = resolved_contacts(spread(.false., 1, size(is_out)), pairs%list%x, pairs%list%y, &
                              pairs%list%gap)
-    call adopt(pairs, law, coupled, none)
+    call adopt_penetrations(pairs, law, coupled, none)
     coupled%ending = found%ending
   end subroutine solve_hosts
 
@@ -400,7 +401,7 @@ contains
         call press_one_cluster(task, solution, share)
         if (allocated(solution%failure)) return
         if (.not. allocated(task%target)) exit
-        call bear(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
+        call find_carried_load(pairs, task%law, coupled%penetration, 0.0_real64, load, slope)
         load = load * pairs%modulus
         if (abs(load - task%target) > task%target * &
             merge(share, settled * share, share > task%elements_tolerance)) then
@@ -424,7 +425,7 @@ contains
         call begin_search(search)
       end do
       solution%is_resolved = task%resolved%is_one
-      if (allocated(task%target)) call raise(pairs, task%law, task%target / pairs%modulus, &
+      if (allocated(task%target)) call raise_to_load(pairs, task%law, task%target / pairs%modulus, &
                                              coupled%penetration)
       call share_out(pairs, task%law, task%clusters, coupled, task%resolved)
     end associate

@@ -9,10 +9,10 @@
 !> other's sphere does not count.
 module asperity_near_tops
   use asperity_element_solver, only: is_resolved
-  use asperity_circle_field, only: circle_set, find_field, inclination, plant_circles
+  use asperity_circle_field, only: circle_set, find_field, inclination_factor, plant_circles
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
-  use asperity_coupled_state, only: answer_at, raise
+  use asperity_coupled_state, only: answer_at, raise_to_load
   use asperity_index_groups, only: gather_groups
   use asperity_key_sort, only: sort_keys
   use asperity_kinds, only: real64
@@ -94,7 +94,7 @@ contains
     p = closing - pairs%list%gap
     if (present(target)) then
       p = -pairs%list%gap
-      call raise(pairs, law, target / pairs%modulus, p)
+      call raise_to_load(pairs, law, target / pairs%modulus, p)
     end if
     number = pack([(i, i=1, size(p))], p > 0.0_real64)
     if (size(number) < 2) return
@@ -104,7 +104,7 @@ contains
     do k = 1, size(number)
       answer = answer_at(pairs, law, number(k), p(number(k)))
       set%circle(k) = answer%contact_radius
-      set%load(k) = answer%vertical_load * inclination(answer%cosine) / pairs%modulus
+      set%load(k) = answer%vertical_load * inclination_factor(answer%cosine) / pairs%modulus
     end do
     set%number = number
     ! Penetrations beyond a sphere are refused of Hertzian contacts.

@@ -4,8 +4,8 @@ module asperity_resolved_answers
   use asperity_outside_field, only: beside_circle
   use asperity_contact_law, only: contact_law, contact_response
   use asperity_contact_pairs, only: contact_pair, contact_pairs
-  use asperity_coupled_contacts, only: adopt, coupled_solution, resolved_contacts
-  use asperity_coupled_state, only: far_below, raise
+  use asperity_coupled_contacts, only: adopt_penetrations, coupled_solution, resolved_contacts
+  use asperity_coupled_state, only: far_below, raise_to_load
   use asperity_kinds, only: real64
   use asperity_mutual_displacement, only: mutual_displacement, mutual_terms
   use asperity_resolved_clusters, only: cluster
@@ -78,7 +78,7 @@ contains
       end associate
       call find_hosts(pairs, law, clusters(k), coupled, resolved, each)
     end do
-    call adopt(pairs, law, coupled, resolved)
+    call adopt_penetrations(pairs, law, coupled, resolved)
     if (allocated(coupled%failure)) return
     before = 0
     now = 0
@@ -212,7 +212,7 @@ contains
         end do
       end associate
     end do
-    call adopt(pairs, law, coupled, resolved)
+    call adopt_penetrations(pairs, law, coupled, resolved)
   end subroutine share_out
 
   ! Adds the difference between the displacements of circles outside by elements and by circles.
@@ -273,7 +273,7 @@ contains
     alone_law%whole => law
     alone_law%number = i
     found = most
-    call raise(alone, alone_law, load / pairs%modulus, found)
+    call raise_to_load(alone, alone_law, load / pairs%modulus, found)
     p = found(1)
   end function penetration_at
 

@@ -21,7 +21,7 @@ module asperity_box_expansions
   !> 1e6 places by their mean, all over a square and in clusters: order 6: 2e-4, 5e-7, 2e-6;
   !> 7: 4e-5, 9e-8, 4e-7; 8: 1.3e-5, 1.5e-8, 9e-8, at a tenth more time than 7.
   integer, parameter :: order = 8
-  ! Of rough sums: the most of a**2 + b**2.
+  ! Rough sums: the most of a**2 + b**2.
   integer, parameter :: rough_square = 18
   !> Boxes whose ways are gone side by side.
   integer, parameter, public :: lanes = 16

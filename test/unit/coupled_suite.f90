@@ -11,7 +11,7 @@ module asperity_coupled_suite
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
                                      set_out, share_of, solve_at
   use asperity_coupled_start, only: prepare
-  use asperity_coupled_state, only: evaluate, raise, solve_state
+  use asperity_coupled_state, only: evaluate_state, raise_to_load, solve_state
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
   use asperity_kinds, only: int64, real64
@@ -364,7 +364,7 @@ contains
     do k = -2, 2
       load = 10.0_real64**k * depth**1.5_real64
       penetration = before
-      call raise(pairs, law, load, penetration)
+      call raise_to_load(pairs, law, load, penetration)
       change = penetration(1) - before(1)
       call check(error, maxval(abs(penetration - before - change)), 0.0_real64, &
                  1.0e-14_real64 * maxval(abs(penetration)), 'alike')
@@ -392,7 +392,7 @@ contains
       i = solved%set%number(k)
       state%gap = pairs%list%gap
       solution%penetration(i) = 0.5_real64 * solved%penetration(i)
-      call evaluate(pairs, law, solution, state)
+      call evaluate_state(pairs, law, solution, state)
       call find_groups(solution%set, state%miss, member, first)
       call check(error, any(member == findloc(solution%set%number, i, 1)), 'not in a group')
       if (allocated(error)) return
