@@ -40,7 +40,7 @@ module asperity_circle_error
   ! the load of the isolated contact, 1.5 times as neighbours are displaced less (derived: 2.5;
   ! measured: 3.3 at most; test: errors in test/regression/test_dense.py).
   real(real64), parameter :: fourth_power = 3.5_real64
-  ! Relative residual of the weights (chosen; test: told of the closing in
+  ! Relative residual of the weights (chosen; test: errors of the compression in
   ! test/unit/joint_suite.f90), and their factor, as they are of first order (chosen; test: ibid.).
   real(real64), parameter :: weight_left = 0.03_real64, weight_factor = 2.0_real64
   ! Ratio of radii from which on a contact that overlaps the circle of a blunter one is nested
