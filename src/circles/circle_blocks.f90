@@ -62,7 +62,7 @@ contains
   subroutine factor_blocks(set, convex, blocks)
     type(circle_set), intent(in) :: set           !! its field is known
     logical, intent(in) :: convex                 !! the convex model in place of the exact one
-    type(circle_blocks), intent(inout) :: blocks  !! found
+    type(circle_blocks), intent(inout) :: blocks  !! members of blocks are set
     integer :: k
     logical :: is_definite
 
@@ -157,7 +157,7 @@ contains
 
   !> Solves the equations of the blocks.
   subroutine solve_blocks(blocks, left, change)
-    type(circle_blocks), intent(in) :: blocks      !! factored
+    type(circle_blocks), intent(in) :: blocks      !! blocks with their factors
     real(real64), intent(in) :: left(:, :)         !! right-hand sides (3, circle)
     real(real64), intent(out) :: change(:, :)      !! solutions (3, circle)
     integer :: k

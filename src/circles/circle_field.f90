@@ -33,7 +33,7 @@ module asperity_circle_field
   !> Mean squares of a Hertz row and of a flat one, halved [1]: what widens 1/r by its Laplacian;
   !> derived; test: potential_suite.f90.
   real(real64), parameter, public :: hertz_spread = 0.1_real64
-  real(real64), parameter, public :: flat_spread = 1.0_real64 / 6
+  real(real64), parameter, public :: flat_spread = 1.0_real64 / 6  !! derived, as above
 
   !> Sums of radii [1] up to which circles are in one block or group; chosen: farther off a field
   !> bends little; with 1.5 dense caps take as many steps; test: coupled_suite.f90.
@@ -97,11 +97,13 @@ module asperity_circle_field
     procedure :: make_room                       !! for a number of circles
   end type circle_set
 
-  !> Quantities of a near pair: compliance; slope of lift of one and of the other; slope over
-  !> distance and the rest of the bend, for the tilt; direction from the other to the one.
+  !> Numbers, chosen, of the quantities of a near pair: compliance; slope of lift of one and of the
+  !> other; slope over distance and the rest of the bend, for the tilt; direction from the other to
+  !> the one.
   integer, parameter, public :: comply = 1, steer_one = 2, steer_other = 3, turn = 4, east = 6, &
                                 north = 7
-  !> The rest of the bend: second derivative along less that across the line of centres.
+  !> Number, chosen, of the rest of the bend: second derivative along less that across the line of
+  !> centres.
   integer, parameter, public :: bend = 5
 
 contains
@@ -305,7 +307,7 @@ contains
   !> Whether circles are nearer, where they stand now, than some sums of their radii.
   pure logical function are_close(set, a, b, sums)
     type(circle_set), intent(in) :: set   !! places, shifts and radii are set
-    integer, intent(in) :: a, b           !! the circles
+    integer, intent(in) :: a, b           !! circles with their places
     real(real64), intent(in) :: sums      !! sums of radii
 
     are_close = sum(from_other(set, a, b)**2) < (sums * (set%circle(a) + set%circle(b)))**2
@@ -314,7 +316,7 @@ contains
   !> Where a circle stands now, from another one.
   pure function from_other(set, one, other) result(from)
     type(circle_set), intent(in) :: set   !! places and shifts are set
-    integer, intent(in) :: one, other     !! the circles
+    integer, intent(in) :: one, other     !! circles with their places
     real(real64) :: from(2)
 
     from = [set%x(one) - set%x(other), set%y(one) - set%y(other)] + &

@@ -37,9 +37,9 @@ contains
 
   !> Copies a state.
   subroutine remember_state(solution, state, before)
-    type(coupled_solution), intent(in) :: solution   !! evaluated
-    type(solve_state), intent(in) :: state           !! its gradient
-    type(potential_state), intent(out) :: before     !! the copy
+    type(coupled_solution), intent(in) :: solution   !! loads, shifts and field are set
+    type(solve_state), intent(in) :: state           !! gradient and residual of it
+    type(potential_state), intent(out) :: before     !! copy of the state
 
     before%penetration = solution%penetration
     before%move = solution%move
@@ -50,7 +50,7 @@ contains
 
   !> Goes back to a copied state.
   subroutine restore_state(before, solution, state)
-    type(potential_state), intent(in) :: before        !! the copy
+    type(potential_state), intent(in) :: before        !! copy of the state
     type(coupled_solution), intent(inout) :: solution  !! gets all but its counts
     type(solve_state), intent(inout) :: state          !! gets its gradient
 
@@ -63,11 +63,11 @@ contains
 
   !> Potential now less that before, at the compression before.
   subroutine potential_change(pairs, law, before, solution, state, change, noise)
-    type(contact_pairs), intent(in) :: pairs           !! the position
+    type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     class(contact_law), intent(in) :: law              !! of each contact
     type(potential_state), intent(in) :: before        !! the state before
     type(coupled_solution), intent(in) :: solution     !! the state now, evaluated
-    type(solve_state), intent(in) :: state             !! its gradient
+    type(solve_state), intent(in) :: state             !! gradient and residual of it
     real(real64), intent(out) :: change                !! of the potential
     real(real64), intent(out) :: noise                 !! rounding and summation error of the change
     real(real64), dimension(size(before%penetration), 2) :: load, off

@@ -47,7 +47,7 @@ contains
     type(circle_set), intent(inout) :: set      !! its field is known; not changed but for its tree
     logical, intent(in) :: convex               !! the convex model in place of the exact one
     real(real64), intent(in) :: change(:, :)    !! (3, circle): of load, of shift along x and y
-    real(real64), intent(out) :: image(:, :)    !! (3, circle)
+    real(real64), intent(out) :: image(:, :)    !! product, load and shift (3, circle)
     real(real64), allocatable :: far(:, :)
     real(real64) :: mine(3), moved(2), slope_here, slope_there, way(2)
     integer :: i, j, k, l, n

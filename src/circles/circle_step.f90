@@ -87,10 +87,10 @@ contains
   !> The step that lowers the model within a radius.
   subroutine find_step(set, model, accuracy, radius, step, products, interrupt)
     type(circle_set), intent(inout) :: set          !! of the model; not changed but for its tree
-    type(circle_model), intent(inout) :: model      !! prepared
+    type(circle_model), intent(inout) :: model      !! model that is prepared
     real(real64), intent(in) :: accuracy            !! share of the gradient that may remain
     real(real64), intent(inout) :: radius           !! of the region; 0: becomes the first length
-    type(trust_step), intent(out) :: step           !! the step
+    type(trust_step), intent(out) :: step           !! step that was found
     integer, intent(inout) :: products              !! made, counted on
     type(interruption), intent(in) :: interrupt     !! of the run: the step is of no use then
     real(real64), allocatable, dimension(:, :) :: left, scaled, direction, image, here, along

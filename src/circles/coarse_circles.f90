@@ -39,7 +39,7 @@ contains
   !> Gathers circles at their places.
   subroutine gather_squares(x, y, coarse)
     real(real64), intent(in) :: x(:), y(:)           !! places, one at least
-    type(coarse_circles), intent(out) :: coarse      !! without stiffness
+    type(coarse_circles), intent(out) :: coarse      !! squares, their stiffness not set
     real(real64) :: low(2), extent(2), side
 
     low = [minval(x), minval(y)]
@@ -54,8 +54,8 @@ contains
 
   !> Displacement of squares by loads on squares.
   function pressed_displacement(coarse, loads) result(lowered)
-    type(coarse_circles), intent(inout) :: coarse    !! gathered; stays
-    real(real64), intent(in) :: loads(:)             !! by square
+    type(coarse_circles), intent(inout) :: coarse    !! squares, gathered before
+    real(real64), intent(in) :: loads(:)             !! loads, one a square
     real(real64) :: lowered(size(loads))
     real(real64) :: on_lattice(coarse%columns, coarse%rows)
 
@@ -65,8 +65,8 @@ contains
 
   !> Sums over the circles of each square.
   pure function sum_of_squares(coarse, values) result(sums)
-    type(coarse_circles), intent(in) :: coarse   !! gathered
-    real(real64), intent(in) :: values(:)        !! by circle
+    type(coarse_circles), intent(in) :: coarse   !! squares, gathered before
+    real(real64), intent(in) :: values(:)        !! values, one a circle
     real(real64) :: sums(coarse%columns * coarse%rows)
     integer :: i
 

@@ -57,7 +57,7 @@ module asperity_coupled_contacts
   ! region shrinks and above which it grows, and both factors; Nocedal and Wright 2006, algorithm
   ! 4.1, and section 4.1; test: coupled_suite.f90.
   real(real64), parameter :: taken = 0.1_real64, poor = 0.25_real64, good = 0.75_real64
-  real(real64), parameter :: shrink = 0.25_real64, grow = 2.0_real64
+  real(real64), parameter :: shrink = 0.25_real64, grow = 2.0_real64  ! 2006, as above
   ! Residual [1] above which the model is convex, and from which on the compression is compared with
   ! the complete pair list; measured, 0.01 to 0.03 need equal steps; test: coupled_suite.f90.
   real(real64), parameter :: far_off = 0.02_real64
@@ -170,7 +170,7 @@ contains
   !> Takes the penetrations as they are: finds their circles and field, and the gaps of resolved
   !> contacts with which the equations hold for them.
   subroutine adopt_penetrations(pairs, law, solution, resolved)
-    type(contact_pairs), intent(in) :: pairs               !! the position
+    type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! all but its circles is set
     type(resolved_contacts), intent(inout) :: resolved     !! gets its gaps
@@ -188,11 +188,11 @@ contains
   end subroutine adopt_penetrations
 
   ! Lets open contacts that touch carry load, as far as the potential does not increase.
-  subroutine join_touching(pairs, law, accuracy, all, solution, state, resolved, joined)
+  subroutine join_touching(pairs, law, accuracy, is_complete, solution, state, resolved, joined)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in) :: law
     real(real64), intent(in) :: accuracy
-    logical, intent(in) :: all
+    logical, intent(in) :: is_complete
     type(coupled_solution), intent(inout) :: solution
     type(solve_state), intent(inout) :: state
     type(resolved_contacts), intent(in), optional :: resolved
@@ -203,7 +203,7 @@ contains
     integer :: halving
     real(real64) :: change, noise
 
-    call find_touching(pairs, law, accuracy, all, solution, state, resolved, number)
+    call find_touching(pairs, law, accuracy, is_complete, solution, state, resolved, number)
     joined = size(number)
     if (allocated(solution%failure) .or. joined == 0) return
     allocate (deep, source=solution%penetration(number))

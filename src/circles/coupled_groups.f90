@@ -40,11 +40,11 @@ contains
 
   !> The answer of a contact of the group.
   pure subroutine respond(self, pair, number, penetration, response)
-    class(group_law), intent(in) :: self             !! the law
-    type(contact_pair), intent(in) :: pair           !! who touches
+    class(group_law), intent(in) :: self             !! law of the group
+    type(contact_pair), intent(in) :: pair           !! pair that touches
     integer, intent(in) :: number                    !! place in the group
     real(real64), intent(in) :: penetration          !! vertical, past first touch; less than zc
-    type(contact_response), intent(out) :: response  !! the answer
+    type(contact_response), intent(out) :: response  !! load and stiffness
 
     associate (deeper => self%deeper(number))
       call self%whole%respond(pair, self%number(number), penetration / deeper, response)
@@ -56,7 +56,7 @@ contains
   subroutine find_groups(set, miss, member, first)
     type(circle_set), intent(in) :: set             !! its field is known
     real(real64), intent(in) :: miss(:)             !! how far its equations are off, by circle
-    integer, allocatable, intent(out) :: member(:)  !! circles
+    integer, allocatable, intent(out) :: member(:)  !! numbers of the circles
     integer, allocatable, intent(out) :: first(:)   !! where a group begins; one more than groups
     logical :: is_off(size(miss)), is_one(size(miss)), joins(size(set%one))
     integer :: k
@@ -83,14 +83,14 @@ contains
 
   !> A group as a scene of its own, in the field of all others as it is now.
   subroutine lift_out(pairs, law, solution, state, member, alone, alone_law, part)
-    type(contact_pairs), intent(in) :: pairs          !! the position
+    type(contact_pairs), intent(in) :: pairs          !! pairs of the position
     class(contact_law), intent(in), target :: law     !! of each contact
-    type(coupled_solution), intent(in) :: solution    !! evaluated
-    type(solve_state), intent(in) :: state            !! gaps
+    type(coupled_solution), intent(in) :: solution    !! loads, shifts and field are set
+    type(solve_state), intent(in) :: state            !! gaps of all pairs
     integer, intent(in) :: member(:)                  !! circles of the group
-    type(contact_pairs), intent(out) :: alone         !! the group
+    type(contact_pairs), intent(out) :: alone         !! pairs of the group
     type(group_law), intent(out) :: alone_law         !! of its contacts
-    type(coupled_solution), intent(out) :: part       !! a start
+    type(coupled_solution), intent(out) :: part       !! start of the group
     type(solve_state) :: inside
     real(real64) :: away(2)
     integer :: i
@@ -129,12 +129,12 @@ contains
 
   !> Takes the solution of a group over.
   subroutine put_back(pairs, member, alone, alone_law, part, solution)
-    type(contact_pairs), intent(in) :: pairs           !! the position
+    type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     integer, intent(in) :: member(:)                   !! circles of the group
-    type(contact_pairs), intent(in) :: alone           !! the group
+    type(contact_pairs), intent(in) :: alone           !! pairs of the group
     type(group_law), intent(in) :: alone_law           !! of its contacts
-    type(coupled_solution), intent(in) :: part         !! its solution
-    type(coupled_solution), intent(inout) :: solution  !! gets it
+    type(coupled_solution), intent(in) :: part         !! solution of the group
+    type(coupled_solution), intent(inout) :: solution  !! solution of all, gets it
     integer :: i, k
 
     do k = 1, size(member)

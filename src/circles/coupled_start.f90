@@ -23,11 +23,11 @@ contains
   !> A start: the contacts as they were before, or alone, at the load or the closing; where they are
   !> many, lowered by what squares full of them do to each other.
   subroutine prepare_start(pairs, law, solution, state, target, resolved)
-    type(contact_pairs), intent(in) :: pairs               !! the position
+    type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! gets what is not allocated
     type(solve_state), intent(out) :: state                !! ready for the first residual
-    real(real64), intent(in), optional :: target           !! normal load
+    real(real64), intent(in), optional :: target           !! normal load asked for
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
     type(coarse_circles) :: coarse
     logical :: fresh
@@ -60,7 +60,7 @@ contains
   !> Scales the penetrations of isolated contacts by the factor t with which the potential is least
   !> by Hertz' powers: its parts grow as t**(5/2) (contacts), t**3 (interaction), -t**(3/2) (work).
   subroutine scale_start(pairs, law, solution, state)
-    type(contact_pairs), intent(in) :: pairs           !! the position
+    type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     class(contact_law), intent(in) :: law              !! of each contact
     type(coupled_solution), intent(inout) :: solution  !! isolated contacts, evaluated; then scaled
     type(solve_state), intent(inout) :: state          !! gets its gradient

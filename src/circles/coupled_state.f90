@@ -13,7 +13,8 @@ module asperity_coupled_state
   public :: answer_at, coupled_solution, evaluate_state, find_carried_load, &
             penetration_without_load, raise_to_load, resolved_contacts, set_out, solve_state
 
-  !> Penetration of a contact that touches nowhere: no step raises it above 0.
+  !> Penetration of a contact that touches nowhere [length]: no step raises it above 0; chosen;
+  !> test: coupled_suite.f90.
   real(real64), parameter, public :: far_below = -1.0e-3_real64 * huge(1.0_real64)
 
   !> Contacts that are solved elsewhere: their answer to what is around them, by pair of all.
@@ -67,10 +68,10 @@ contains
 
   !> Answer of a contact to a penetration; no centres pass each other.
   pure function answer_at(pairs, law, i, penetration) result(answer)
-    type(contact_pairs), intent(in) :: pairs     !! the position
+    type(contact_pairs), intent(in) :: pairs     !! pairs of the position
     class(contact_law), intent(in) :: law        !! of each contact
-    integer, intent(in) :: i                     !! the pair
-    real(real64), intent(in) :: penetration      !! of it
+    integer, intent(in) :: i                     !! number of the pair
+    real(real64), intent(in) :: penetration      !! penetration of the pair
     type(contact_response) :: answer
 
     call law%respond(pairs%list(i), i, min(penetration, level * pairs%list(i)%zc), answer)
@@ -79,9 +80,9 @@ contains
   !> The largest penetration of a contact without a load, by bisection: 0 by Hertz' law, that of the
   !> residual depth after plastic flow.
   impure elemental real(real64) function penetration_without_load(pairs, law, i, deep) result(low)
-    type(contact_pairs), intent(in) :: pairs     !! the position
+    type(contact_pairs), intent(in) :: pairs     !! pairs of the position
     class(contact_law), intent(in) :: law        !! of each contact
-    integer, intent(in) :: i                     !! the pair
+    integer, intent(in) :: i                     !! number of the pair
     real(real64), intent(in) :: deep             !! penetration with a load
     type(contact_response) :: answer
     real(real64) :: high, middle
@@ -102,10 +103,10 @@ contains
 
   !> Raises all penetrations alike until the contacts carry the target.
   subroutine raise_to_load(pairs, law, target, penetration)
-    type(contact_pairs), intent(in) :: pairs              !! the position
+    type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     class(contact_law), intent(in) :: law                 !! of each contact
     real(real64), intent(in) :: target                    !! load over modulus
-    real(real64), intent(inout) :: penetration(:)         !! by pair
+    real(real64), intent(inout) :: penetration(:)         !! penetrations, one a pair
     real(real64) :: low, high, by, total, slope, most, before
     integer :: i, try
 
@@ -145,12 +146,12 @@ contains
 
   !> Load of all contacts where all penetrate by so much more.
   subroutine find_carried_load(pairs, law, penetration, by, total, slope)
-    type(contact_pairs), intent(in) :: pairs              !! the position
+    type(contact_pairs), intent(in) :: pairs              !! pairs of the position
     class(contact_law), intent(in) :: law                 !! of each contact
-    real(real64), intent(in) :: penetration(:)            !! by pair
-    real(real64), intent(in) :: by                        !! more
+    real(real64), intent(in) :: penetration(:)            !! penetrations, one a pair
+    real(real64), intent(in) :: by                        !! penetration added to each
     real(real64), intent(out) :: total                    !! load over modulus, or the vertical one
-    real(real64), intent(out) :: slope                    !! its derivative
+    real(real64), intent(out) :: slope                    !! derivative by the penetration
     type(contact_response) :: response
     ! Partial sums, in an order that does not depend on the number of threads.
     real(real64), dimension(1 + size(penetration) / many) :: load, stiffness
@@ -175,7 +176,7 @@ contains
 
   !> The circles of the present penetrations, and who is near whom.
   subroutine set_out(pairs, law, solution, state, resolved)
-    type(contact_pairs), intent(in) :: pairs               !! the position
+    type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
     type(coupled_solution), intent(inout) :: solution      !! penetrations, shifts; gets circles
     type(solve_state), intent(inout) :: state              !! gets room for what is left over
@@ -197,7 +198,7 @@ contains
 
   !> The circles of the present penetrations, their field, and what the equations leave over.
   subroutine evaluate_state(pairs, law, solution, state, resolved)
-    type(contact_pairs), intent(in) :: pairs               !! the position
+    type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
     !> penetrations and shifts; gets circles, field and, under a target, the closing
     type(coupled_solution), intent(inout) :: solution

@@ -22,7 +22,7 @@ contains
 
   !> Opens the loaded contacts that are hidden in another one; of equals the one listed last.
   subroutine open_hidden(pairs, solution, any_opened)
-    type(contact_pairs), intent(in) :: pairs           !! the position
+    type(contact_pairs), intent(in) :: pairs           !! pairs of the position
     type(coupled_solution), intent(inout) :: solution  !! its circles are set out; penetrations then
     logical, intent(out) :: any_opened                 !! the circles must be set out again
     logical :: opens(size(solution%set%x))
@@ -49,10 +49,10 @@ contains
 
   !> Whether an open contact is hidden in one of the loaded ones.
   pure logical function is_hidden(pairs, set, near, i)
-    type(contact_pairs), intent(in) :: pairs   !! the position
-    type(circle_set), intent(in) :: set        !! loaded contacts
+    type(contact_pairs), intent(in) :: pairs   !! pairs of the position
+    type(circle_set), intent(in) :: set        !! circles of loaded contacts
     integer, intent(in) :: near(:)             !! circles near the contact
-    integer, intent(in) :: i                   !! the pair
+    integer, intent(in) :: i                   !! number of the pair
     integer :: k
 
     is_hidden = .true.
@@ -66,13 +66,13 @@ contains
   !> How far the surface of a pair stands out of a loaded one's, its host, at most, and how far from
   !> the middle of the host's circle. Paraboloids.
   pure subroutine stand_out(pairs, set, host, i, reach, height, off, slope)
-    type(contact_pairs), intent(in) :: pairs    !! the position
+    type(contact_pairs), intent(in) :: pairs    !! pairs of the position
     type(circle_set), intent(in) :: set         !! places and shifts are set
     integer, intent(in) :: host                 !! circle of the host
-    integer, intent(in) :: i                    !! the pair
+    integer, intent(in) :: i                    !! number of the pair
     real(real64), intent(in) :: reach           !! from the middle of the circle, at most
     real(real64), intent(out) :: height         !! below 0: it stands out nowhere
-    real(real64), intent(out) :: off            !! where
+    real(real64), intent(out) :: off            !! distance from the middle
     real(real64), intent(out) :: slope          !! how fast it rises in the middle of the circle
     real(real64) :: along(2), sharper
 

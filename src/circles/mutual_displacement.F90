@@ -51,7 +51,7 @@ module asperity_mutual_displacement
   real(real64), parameter :: root_terms(0:terms_kept) = &
     [1.0_real64, 0.5_real64, 0.375_real64, 0.3125_real64, 0.2734375_real64, 0.24609375_real64, &
      0.2255859375_real64]
-  !> Means of t**(2 k) over a row of radius 1: of a flat punch, with Hertz' weight.
+  !> Means of t**(2 k) over a row of radius 1: of a flat punch, with Hertz' weight; derived.
   real(real64), parameter :: row_means(2, 0:terms_kept) = reshape( &
     [(1.0_real64 / (2 * loop + 1), 3.0_real64 / ((2 * loop + 1) * (2 * loop + 3)), &
       loop=0, terms_kept)], [2, terms_kept + 1])
@@ -68,7 +68,7 @@ contains
     real(real64), intent(in) :: r            !! distance of the centres, 0 or more
     real(real64), intent(in) :: first        !! radius of the first circle, 0 or more
     real(real64), intent(in) :: second       !! radius of the second circle; one is more than 0
-    type(mutual_terms), intent(out) :: terms !! the terms
+    type(mutual_terms), intent(out) :: terms !! terms between both circles
     real(real64) :: means(2, 2, 0:1), bend, ratio
 
     ratio = min(first, second) / max(first, second)

@@ -27,14 +27,14 @@ contains
 
   !> Places of the open contacts that touch, with their penetrations and shifts.
   !>
-  !> Of many only those are examined again, unless `all`, that a change of the field twice as large
-  !> as any at the loaded ones would let touch: outside the loads a field and its changes are
-  !> nowhere larger than where loads are.
-  subroutine find_touching(pairs, law, accuracy, all, solution, state, resolved, number)
-    type(contact_pairs), intent(in) :: pairs               !! the position
+  !> Of many only those are examined again, unless `is_complete`, that a change of the field twice
+  !> as large as any at the loaded ones would let touch: outside the loads a field and its changes
+  !> are nowhere larger than where loads are.
+  subroutine find_touching(pairs, law, accuracy, is_complete, solution, state, resolved, number)
+    type(contact_pairs), intent(in) :: pairs               !! pairs of the position
     class(contact_law), intent(in) :: law                  !! of each contact
     real(real64), intent(in) :: accuracy                   !! over the largest penetration
-    logical, intent(in) :: all                             !! all open contacts are examined
+    logical, intent(in) :: is_complete                     !! all open contacts are examined
     type(coupled_solution), intent(inout) :: solution      !! evaluated; gets penetrations, shifts
     type(solve_state), intent(inout) :: state              !! gets what it examined
     type(resolved_contacts), intent(in), optional :: resolved  !! those solved elsewhere
@@ -49,7 +49,7 @@ contains
     allocate (is_open(size(state%gap)), source=state%gap < solution%closing)
     is_open(solution%set%number) = .false.
     if (present(resolved)) is_open = is_open .and. .not. resolved%is_one
-    if (allocated(state%stood) .and. .not. all .and. size(solution%set%x) > many) then
+    if (allocated(state%stood) .and. .not. is_complete .and. size(solution%set%x) > many) then
       is_open = is_open .and. state%stood > -largest_change(solution, state)
     end if
     allocate (touches(size(is_open)), source=.false.)
@@ -74,7 +74,7 @@ contains
 
   !> Whether an open contact may touch after the changes since the open ones were examined.
   pure logical function may_touch(solution, state)
-    type(coupled_solution), intent(in) :: solution         !! evaluated
+    type(coupled_solution), intent(in) :: solution         !! loads, shifts and field are set
     type(solve_state), intent(in) :: state                 !! what was examined
 
     may_touch = .true.
@@ -98,7 +98,7 @@ contains
   !> radius: the potential of a pair has one minimum then (its least scaled eigenvalue is 0.35 for
   !> radii from 1:1 to 1:20). Which of several minima is found depends on the start.
   pure logical function stand_apart(solution)
-    type(coupled_solution), intent(in) :: solution   !! solved
+    type(coupled_solution), intent(in) :: solution   !! solution of the position
     integer :: i, j, k
 
     stand_apart = .true.

@@ -18,7 +18,7 @@ module asperity_interaction
   use asperity_open_contacts, only: stand_apart
   use asperity_scene_values, only: effect_auto, effect_boundary, scene
   use asperity_solve_ending, only: solve_ending
-  use asperity_theory_warnings, only: of_area, of_nested, warn, warning_kinds
+  use asperity_theory_warnings, only: of_area, of_nested, add_warning, warning_kinds
   implicit none
   private
 
@@ -121,14 +121,14 @@ contains
       if (alone > 0.0_real64) outcome%of_state(2) = together / alone
       outcome%error = of_all(error)
       if (of_all(nested) > warning_kinds(of_nested)%limit) &
-        call warn(outcome%warnings, of_nested, of_all(nested), &
+        call add_warning(outcome%warnings, of_nested, of_all(nested), &
                   whose=merge('other laws than Hertz', '                     ', &
                               .not. same_type_as(state%law, hertz_law())))
     end associate
     outcome%influence = outcome%of_state(2) - 1.0_real64
     outcome%influence_known = .true.
     if (self%mode == effect_auto .and. outcome%of_state(5) > self%tolerance) &
-      call warn(outcome%warnings, of_area, outcome%of_state(5))
+      call add_warning(outcome%warnings, of_area, outcome%of_state(5))
   end subroutine apply_interaction
 
   !> Sets the columns where interaction is left out: isolated loads and the estimate as error.

@@ -10,9 +10,9 @@ module asperity_theory_limits
   use asperity_kinds, only: real64
   use asperity_scene_values, only: control_limit, criterion_load, criterion_pressure, effect_auto, &
                                    effect_boundary, effect_off, scene
-  use asperity_theory_warnings, only: of_cap, of_contact_radius, of_crowding, of_limit, &
-                                      of_overlapping, of_slope, of_yield, theory_warning, warn, &
-                                      warning_kinds
+  use asperity_theory_warnings, only: add_warning, of_cap, of_contact_radius, of_crowding, &
+                                      of_limit, of_overlapping, of_slope, of_yield, &
+                                      theory_warning, warning_kinds
   implicit none
   private
 
@@ -139,7 +139,7 @@ contains
     character(len=*), intent(in), optional :: whose
 
     if (found > warning_kinds(warning)%limit + rounding) &
-      call warn(warnings, warning, found, contacts=1, whose=whose)
+      call add_warning(warnings, warning, found, contacts=1, whose=whose)
   end subroutine hold_against
 
   !> Adds crowded or overlapping contacts of a state to its warnings.
@@ -150,10 +150,10 @@ contains
     type(theory_warning), allocatable, intent(inout) :: warnings(:)  !! warnings of a state
 
     if (.not. limits%independent) return
-    if (overlapping > 0) call warn(warnings, of_overlapping, real(overlapping, real64))
+    if (overlapping > 0) call add_warning(warnings, of_overlapping, real(overlapping, real64))
     if (.not. limits%area > 0.0_real64) return
     if (projected_area / limits%area > warning_kinds(of_crowding)%limit + rounding) &
-      call warn(warnings, of_crowding, projected_area / limits%area)
+      call add_warning(warnings, of_crowding, projected_area / limits%area)
   end subroutine look_at_state
 
   ! Distance of the lowest point of the edge of a contact circle below the base plane of a cap; not

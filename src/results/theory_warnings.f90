@@ -7,7 +7,7 @@ module asperity_theory_warnings
   implicit none
   private
 
-  public :: theory_warning, warning_kind, warning_kinds, class_names, warn, take_worse
+  public :: theory_warning, warning_kind, warning_kinds, class_names, add_warning, take_worse
   public :: of_contact_radius, of_cap, of_slope, of_yield, of_overlapping, of_crowding, of_tabor, &
             of_creep_strain, of_relaxing, of_together, of_load_direction, of_map_edge, &
             of_no_summit, of_scan_lines, of_spikes, of_area, of_limit, of_range, &
@@ -164,7 +164,7 @@ module asperity_theory_warnings
 contains
 
   !> Adds a warning to those of a state, with the largest size and the sum of contacts of each kind.
-  pure subroutine warn(list, number, size_found, contacts, whose)
+  pure subroutine add_warning(list, number, size_found, contacts, whose)
     type(theory_warning), allocatable, intent(inout) :: list(:)  !! warnings of a state, by kind
     integer, intent(in) :: number                                !! one of the `of_` numbers
     real(real64), intent(in) :: size_found                       !! size in the measure of the kind
@@ -178,7 +178,7 @@ contains
     ! A size beyond the range of a double is reported as the largest double.
     list(at)%magnitude = min(size_found, huge(size_found))
     if (present(whose)) list(at)%whose = whose
-  end subroutine warn
+  end subroutine add_warning
 
   !> Adds the warnings of a state to those of its position: of each kind that with the largest size,
   !> the first of equal ones.

@@ -6,7 +6,7 @@ module asperity_effect_choice
   use asperity_effect_names, only: why_not_together
   use asperity_kinds, only: real64
   use asperity_scene_values, only: by_default, effect_auto, effect_boundary
-  use asperity_theory_warnings, only: of_together, warn
+  use asperity_theory_warnings, only: of_together, add_warning
   implicit none
   private
 
@@ -124,7 +124,7 @@ contains
         if (why_not_together(trim(effects(effect)%effect%name), mode_word(effect), &
                              trim(effects(other)%effect%name), mode_word(other)) == '') cycle
         called(effect) = .false.
-        call warn(outcomes(effect)%warnings, of_together, outcomes(effect)%estimate, &
+        call add_warning(outcomes(effect)%warnings, of_together, outcomes(effect)%estimate, &
                   whose=trim(effects(effect)%effect%name) // ' beside ' // &
                         effects(other)%effect%name)
         return

@@ -12,7 +12,7 @@ module asperity_effect_rows
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: criterion_load, criterion_none, is_load, scene
   use asperity_theory_limits, only: look_at_contact, look_at_state, seen_contact
-  use asperity_theory_warnings, only: of_error, of_together, take_worse, theory_warning, warn
+  use asperity_theory_warnings, only: of_error, of_together, take_worse, theory_warning, add_warning
   implicit none
   private
 
@@ -188,7 +188,7 @@ contains
     end do
     result%error_estimate = max(total_error(scene_in, outcomes), left_out_beside(scene_in, result))
     if (result%error_estimate > scene_in%effects%number('tolerance')) &
-      call warn(warnings, of_error, result%error_estimate)
+      call add_warning(warnings, of_error, result%error_estimate)
     call take_worse(result%warnings, warnings, size(result%states))
   end subroutine close_position
 

@@ -27,7 +27,7 @@ module asperity_effect_solver
   use asperity_position_solver, only: position_solver
   use asperity_scene_results, only: effect_header
   use asperity_scene_values, only: effect_auto, is_load, scene
-  use asperity_theory_warnings, only: of_barred, of_off, take_worse, theory_warning, warn
+  use asperity_theory_warnings, only: of_barred, of_off, take_worse, theory_warning, add_warning
   implicit none
   private
 
@@ -285,7 +285,8 @@ contains
         result%error_estimate = result%error_estimate + &
           merge(of_compression, 1.0_real64, is_load(self%scene_in%loading%control)) * share
         if (.not. share > effect%tolerance) cycle
-        call warn(warnings, merge(of_barred, of_off, effects_of_scene%is_barred(effect%name) .or. &
+        call add_warning(warnings, merge(of_barred, of_off, &
+          effects_of_scene%is_barred(effect%name) .or. &
                                   is_ruled_out(self, effect%name)), share, whose=effect%name)
       end associate
     end do

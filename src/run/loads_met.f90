@@ -6,7 +6,7 @@ module asperity_loads_met
   use asperity_kinds, only: real64
   use asperity_problems, only: decimal_text, real_text
   use asperity_theory_warnings, only: of_contact_radius, of_load_direction, take_worse, &
-                                      theory_warning, warn
+                                      theory_warning, add_warning
   implicit none
   private
 
@@ -92,7 +92,7 @@ contains
         difference = abs(state%load - state%vertical_load) / state%load
         if (.not. difference > share) cycle
         if (allocated(found)) deallocate (found)
-        call warn(found, of_load_direction, difference)
+        call add_warning(found, of_load_direction, difference)
         call take_worse(position%warnings, found, i)
       end associate
     end do

@@ -18,7 +18,7 @@ module asperity_map_press_solver
   use asperity_scene_values, only: has_hardness, scene
   use asperity_theory_limits, only: look_at_pressure, set_theory_limits, theory_limits
   use asperity_theory_warnings, only: of_flat_map, of_resolution, take_worse, theory_warning, &
-                                      warn, warning_kinds
+                                      add_warning, warning_kinds
   implicit none
   private
 
@@ -146,7 +146,7 @@ contains
       call find_shares(self%map, answer%pressure, patches, self%spike_limit, shares)
       if (allocated(warnings)) deallocate (warnings)
       call warn_of_shares(shares, self%tolerance, warnings)
-      if (is_flat(self%map)) call warn(warnings, of_flat_map, 0.0_real64)
+      if (is_flat(self%map)) call add_warning(warnings, of_flat_map, 0.0_real64)
       call warn_of_patches(self, patches, i == self%states, warnings)
       call take_worse(result%warnings, warnings, i)
       call fill_state(self, pressed, answer, patches, work, keep_rows, result, i)
@@ -231,7 +231,7 @@ contains
     rim = 1.0_real64 - sum(patches%area) / (sum(real(patches%samples, real64)) * &
                                             product(self%map%pixel_spacing))
     if (is_last .and. rim > warning_kinds(of_resolution)%limit) &
-      call warn(warnings, of_resolution, rim)
+      call add_warning(warnings, of_resolution, rim)
   end subroutine warn_of_patches
 
   ! Sets the results of one state and its contact patches.

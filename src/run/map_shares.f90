@@ -5,8 +5,9 @@ module asperity_map_shares
   use asperity_kinds, only: real64
   use asperity_map_despiking, only: is_spike
   use asperity_map_patches, only: map_patch
-  use asperity_theory_warnings, only: of_border, of_map_edge, of_missing, of_no_summit, &
-                                      of_scan_lines, of_spikes, theory_warning, warn, warning_kinds
+  use asperity_theory_warnings, only: add_warning, of_border, of_map_edge, of_missing, &
+                                      of_no_summit, of_scan_lines, of_spikes, theory_warning, &
+                                      warning_kinds
   implicit none
   private
 
@@ -81,11 +82,12 @@ contains
     !> reason against interaction = 'boundary'; absent or '': none
     character(len=*), intent(in), optional :: forbids_boundary
 
-    if (shares%on_edge > shares%edge_of_punch) call warn(warnings, of_map_edge, shares%on_edge)
+    if (shares%on_edge > shares%edge_of_punch) &
+      call add_warning(warnings, of_map_edge, shares%on_edge)
     if (shares%without_summit > tolerance) &
-      call warn(warnings, of_no_summit, shares%without_summit, whose=forbids_boundary)
-    if (shares%on_lines > tolerance) call warn(warnings, of_scan_lines, shares%on_lines)
-    if (shares%on_spikes > tolerance) call warn(warnings, of_spikes, shares%on_spikes)
+      call add_warning(warnings, of_no_summit, shares%without_summit, whose=forbids_boundary)
+    if (shares%on_lines > tolerance) call add_warning(warnings, of_scan_lines, shares%on_lines)
+    if (shares%on_spikes > tolerance) call add_warning(warnings, of_spikes, shares%on_spikes)
   end subroutine warn_of_shares
 
   !> Warns of a map with missing pixels, and of a periodic map with a jump at its border.
@@ -97,11 +99,11 @@ contains
     real(real64) :: missing, ratio
 
     missing = count(.not. is_measured(map%height)) / real(size(map%height), real64)
-    if (missing > tolerance) call warn(warnings, of_missing, missing)
+    if (missing > tolerance) call add_warning(warnings, of_missing, missing)
     if (.not. map%periodic) return
     ratio = max(border_ratio(map%height, 1), border_ratio(map%height, 2))
     if (ratio > warning_kinds(of_border)%limit * (1.0_real64 + rounding)) &
-      call warn(warnings, of_border, ratio)
+      call add_warning(warnings, of_border, ratio)
   end subroutine warn_of_map
 
   ! Second differences across the border lines of a periodic map, root of their mean square along a

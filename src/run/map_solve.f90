@@ -20,7 +20,7 @@ module asperity_map_solve
   use asperity_surface_fields, only: solve_with_fields
   use asperity_surface_solve, only: solve_surfaces
   use asperity_sweep, only: sweep_scene
-  use asperity_theory_warnings, only: of_error, take_worse, theory_warning, warn
+  use asperity_theory_warnings, only: of_error, take_worse, theory_warning, add_warning
   implicit none
   private
 
@@ -183,7 +183,7 @@ contains
     if (allocated(results%positions(1)%warnings)) results%positions(1)%warnings = &
       pack(results%positions(1)%warnings, results%positions(1)%warnings%number /= of_error)
     if (results%positions(1)%error_estimate > scene_in%effects%number('tolerance')) &
-      call warn(warnings, of_error, results%positions(1)%error_estimate)
+      call add_warning(warnings, of_error, results%positions(1)%error_estimate)
     call take_worse(results%positions(1)%warnings, warnings, size(results%positions(1)%states))
   end subroutine check_summits
 

@@ -15,7 +15,7 @@ module asperity_box_expansions
   implicit none
   private
 
-  public :: translations, prepare, add_dipole, add_moments, add_field, go
+  public :: translations, prepare_translations, add_dipole, add_moments, add_field, add_translated
 
   !> Greatest degree. Measured, the largest error of what one source does, and of sums over 1e4 to
   !> 1e6 places by their mean, all over a square and in clusters: order 6: 2e-4, 5e-7, 2e-6;
@@ -44,8 +44,8 @@ module asperity_box_expansions
 contains
 
   !> Prepares the ways between boxes.
-  subroutine prepare(ways)
-    type(translations), intent(out) :: ways  !! the ways
+  subroutine prepare_translations(ways)
+    type(translations), intent(out) :: ways  !! translations between boxes
     integer, parameter :: n = (order + 1)**2
     real(real64) :: node(2, n), t(0:order, 2, 0:2), kernel(n, n)
     real(real64), allocatable :: basis(:, :), half(:, :)
@@ -72,9 +72,9 @@ contains
     node(2, :) = reshape(transpose(reshape(node(1, :), [order + 1, order + 1])), [n])
     ! A sum over the nodes of a function times `basis` is its coefficient.
     do i = 1, n
-      t = polynomials(0.5_real64 * (node(:, i) - 1.0_real64))
+      t = chebyshev_values(0.5_real64 * (node(:, i) - 1.0_real64))
       half(:, i) = t(ways%in_x, 1, 0) * t(ways%in_y, 2, 0)
-      t = polynomials(node(:, i)) * 2.0_real64
+      t = chebyshev_values(node(:, i)) * 2.0_real64
       t(0, :, 0) = 1.0_real64
       basis(:, i) = t(ways%in_x, 1, 0) * t(ways%in_y, 2, 0) / n
     end do
@@ -95,7 +95,7 @@ contains
       end do
     end do
     !$omp end parallel do
-  end subroutine prepare
+  end subroutine prepare_translations
 
   ! One matrix times the other, transposed, in an order that neither library nor processor decides.
   pure function product_of(one, other) result(image)
@@ -112,7 +112,7 @@ contains
   end function product_of
 
   ! Chebyshev's polynomials of two numbers, their slopes and second derivatives.
-  pure function polynomials(z) result(t)
+  pure function chebyshev_values(z) result(t)
     real(real64), intent(in) :: z(2)
     real(real64) :: t(0:order, 2, 0:2)
     integer :: l
@@ -127,22 +127,22 @@ contains
       t(l, :, 1) = 2 * (t(l - 1, :, 0) + z * t(l - 1, :, 1)) - t(l - 2, :, 1)
       t(l, :, 2) = 4 * t(l - 1, :, 1) + 2 * z * t(l - 1, :, 2) - t(l - 2, :, 2)
     end do
-  end function polynomials
+  end function chebyshev_values
 
   !> Adds the moments of a source and of its Laplacian.
-  pure subroutine add_moments(ways, place, charge, spread, moment)
-    type(translations), intent(in) :: ways    !! their degrees
+  pure subroutine add_moments(ways, place, charge, spreading, moment)
+    type(translations), intent(in) :: ways    !! degrees of the terms
     real(real64), intent(in) :: place(2)      !! from the middle of the box, over its half
     real(real64), intent(in) :: charge        !! of 1/r
-    real(real64), intent(in) :: spread        !! over the half squared
+    real(real64), intent(in) :: spreading        !! over the half squared
     real(real64), intent(inout) :: moment(:)  !! of the box, as many as the sums take
     real(real64) :: t(0:order, 2, 0:2)
     integer :: k
 
-    t = polynomials(place)
+    t = chebyshev_values(place)
     t(:, 2, :) = charge * t(:, 2, :)
-    t(:, 2, 2) = t(:, 2, 0) + spread * t(:, 2, 2)
-    t(:, 2, 0) = spread * t(:, 2, 0)
+    t(:, 2, 2) = t(:, 2, 0) + spreading * t(:, 2, 2)
+    t(:, 2, 0) = spreading * t(:, 2, 0)
     do k = 1, size(moment)
       associate (a => ways%in_x(k), b => ways%in_y(k))
         moment(k) = moment(k) + (t(b, 2, 2) * t(a, 1, 0) + t(b, 2, 0) * t(a, 1, 2))
@@ -152,14 +152,14 @@ contains
 
   !> Adds the moments of a dipole.
   pure subroutine add_dipole(ways, place, dipole, moment)
-    type(translations), intent(in) :: ways    !! their degrees
+    type(translations), intent(in) :: ways    !! degrees of the terms
     real(real64), intent(in) :: place(2)      !! from the middle of the box, over its half
     real(real64), intent(in) :: dipole(2)     !! over the half
     real(real64), intent(inout) :: moment(:)  !! of the box, as many as the sums take
     real(real64) :: t(0:order, 2, 0:2)
     integer :: k
 
-    t = polynomials(place)
+    t = chebyshev_values(place)
     do k = 1, size(moment)
       associate (a => ways%in_x(k), b => ways%in_y(k))
         moment(k) = moment(k) + (dipole(1) * t(a, 1, 1) * t(b, 2, 0) + &
@@ -170,7 +170,7 @@ contains
 
   !> Adds the field of a box at a place.
   pure subroutine add_field(ways, place, half, field, with_slopes, value)
-    type(translations), intent(in) :: ways    !! their degrees
+    type(translations), intent(in) :: ways    !! degrees of the terms
     real(real64), intent(in) :: place(2)      !! from the middle of the box, over its half
     real(real64), intent(in) :: half          !! half of the box's width
     real(real64), intent(in) :: field(:)      !! of the box, as many as the sums take
@@ -179,7 +179,7 @@ contains
     real(real64) :: t(0:order, 2, 0:2), along_y(0:order, 0:2), xx, yy
     integer :: k
 
-    t = polynomials(place)
+    t = chebyshev_values(place)
     along_y = 0.0_real64
     do k = 1, size(field)
       associate (a => ways%in_x(k), b => ways%in_y(k))
@@ -198,9 +198,9 @@ contains
   end subroutine add_field
 
   !> Adds what goes a way from boxes.
-  pure subroutine go(ways, way, from, box, sums)
-    type(translations), intent(in) :: ways             !! all
-    integer, intent(in) :: way                         !! which
+  pure subroutine add_translated(ways, way, from, box, sums)
+    type(translations), intent(in) :: ways             !! translations of all ways
+    integer, intent(in) :: way                         !! number of the way
     real(real64), contiguous, intent(in) :: from(:, :) !! moments of boxes
     !> for each lane the box that it comes from, mirrored in x, in y, in both; or 0
     integer, intent(in) :: box(0:3, lanes)
@@ -233,6 +233,6 @@ contains
       end associate
       sums(:, i) = total
     end do
-  end subroutine go
+  end subroutine add_translated
 
 end module asperity_box_expansions

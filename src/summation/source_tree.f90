@@ -5,8 +5,8 @@
 !> are listed and left to the caller. All others are summed: those in boxes that touch place by
 !> place, those in other boxes by expansions (asperity_box_expansions).
 module asperity_source_tree
-  use asperity_box_expansions, only: add_dipole, add_field, add_moments, down, go, lanes, prepare, &
-                                     translations, up
+  use asperity_box_expansions, only: add_dipole, add_field, add_moments, add_translated, down, &
+                                     lanes, prepare_translations, translations, up
   use asperity_box_tree, only: plant_boxes, square_box, touching
   use asperity_kinds, only: int64, real64
   use asperity_problems, only: not_enough_memory
@@ -51,8 +51,8 @@ contains
   subroutine plant_tree(tree, x, y, reach, near_factor, sources)
     !> the tree; one that was planted before keeps its expansions between boxes
     type(source_tree), intent(inout) :: tree
-    real(real64), intent(in) :: x(:)         !! places
-    real(real64), intent(in) :: y(:)         !! places
+    real(real64), intent(in) :: x(:)         !! places of all points
+    real(real64), intent(in) :: y(:)         !! places of all points
     real(real64), intent(in) :: reach(:)     !! reaches, none negative
     !> circles whose places are nearer than this times the sum of their reaches are near
     real(real64), intent(in) :: near_factor
@@ -84,7 +84,7 @@ contains
                      tree%boxes, tree%level)
     call list_near(tree)
     if (size(tree%level) < 4) return
-    if (.not. allocated(tree%ways%way)) call prepare(tree%ways)
+    if (.not. allocated(tree%ways%way)) call prepare_translations(tree%ways)
     allocate (tree%moment(tree%ways%terms, size(tree%boxes)), &
               tree%field(tree%ways%terms, size(tree%boxes)))
   end subroutine plant_tree
@@ -177,10 +177,10 @@ contains
   !> Moves shift places without a change of what is near and of what is summed how: all sums are
   !> smooth functions of charges and moves. Moves must be small against the reaches. Targets that
   !> are the sources move with them. Laplacian and slopes are those of the potential with spread.
-  subroutine sum_sources(tree, charge, spread, value, move, rough, dipole)
-    type(source_tree), intent(inout) :: tree           !! the tree
-    real(real64), intent(in) :: charge(:)              !! of sources
-    real(real64), intent(in) :: spread(:)              !! of sources, at most reach**2
+  subroutine sum_sources(tree, charge, spreading, value, move, rough, dipole)
+    type(source_tree), intent(inout) :: tree           !! tree of the sources
+    real(real64), intent(in) :: charge(:)              !! charges of the sources
+    real(real64), intent(in) :: spreading(:)              !! of sources, at most reach**2
     !> (6, target): potential, its Laplacian in the plane, slopes in x and y, half of what it bends
     !! more in x than in y, bend in xy
     real(real64), intent(out) :: value(:, :)
@@ -207,16 +207,16 @@ contains
       tree%circle(i, 4:) = 0.0_real64
       tree%circle(i, 4:5) = tree%circle(i, :2)
       if (k > tree%sources) cycle
-      tree%circle(i, 6:7) = [charge(k), spread(k)]
+      tree%circle(i, 6:7) = [charge(k), spreading(k)]
       if (present(move)) tree%circle(i, 4:5) = tree%circle(i, 4:5) + move(:, k)
       if (present(dipole)) tree%circle(i, 8:9) = dipole(:, k)
     end do
     !$omp end do
     do i = size(tree%level) - 1, 3, -1
-      call rise(tree, i, terms, present(dipole))
+      call gather_moments(tree, i, terms, present(dipole))
     end do
     do i = 3, size(tree%level) - 1
-      call fall(tree, i, terms)
+      call distribute_fields(tree, i, terms)
     end do
     !$omp do schedule(dynamic, 16)
     do a = 1, size(tree%boxes)
@@ -245,8 +245,8 @@ contains
   pure function direct_sum(about, here) result(value)
     real(real64), contiguous, intent(in) :: about(:, :)
     real(real64), intent(in) :: here(:)
-    real(real64) :: value(6), phi, lap, gx, gy, more_x, xy, counts, dx, dy, square, charge, spread
-    real(real64) :: third, fifth
+    real(real64) :: value(6), phi, lap, gx, gy, more_x, xy, counts, dx, dy, square, charge
+    real(real64) :: spreading, third, fifth
     integer :: k
 
     phi = 0.0_real64
@@ -256,7 +256,7 @@ contains
     more_x = 0.0_real64
     xy = 0.0_real64
     !$omp simd reduction(+:phi, lap, gx, gy, more_x, xy) &
-    !$omp   private(counts, dx, dy, square, charge, spread, third, fifth)
+    !$omp   private(counts, dx, dy, square, charge, spreading, third, fifth)
     do k = 1, size(about, 1)
       ! 1, or 0 when they are near or, without reaches, coincide.
       counts = 0.5_real64 + &
@@ -266,13 +266,13 @@ contains
       dy = here(5) - about(k, 5)
       square = 1.0_real64 / ((dx**2 + dy**2) * counts + (1.0_real64 - counts))
       charge = about(k, 6) * counts
-      spread = charge * about(k, 7) * square
+      spreading = charge * about(k, 7) * square
       third = sqrt(square)
-      phi = phi + (charge + spread) * third
+      phi = phi + (charge + spreading) * third
       third = third * square
-      lap = lap + (charge + 9.0_real64 * spread) * third
-      fifth = (3.0_real64 * charge + 15.0_real64 * spread) * third * square
-      third = (charge + 3.0_real64 * spread) * third
+      lap = lap + (charge + 9.0_real64 * spreading) * third
+      fifth = (3.0_real64 * charge + 15.0_real64 * spreading) * third * square
+      third = (charge + 3.0_real64 * spreading) * third
       gx = gx - third * dx
       gy = gy - third * dy
       more_x = more_x + 0.5_real64 * fifth * (dx**2 - dy**2)
@@ -335,7 +335,7 @@ contains
 
   ! Moments of the boxes of a level, from their children and from what rests in them. All threads
   ! come here together.
-  subroutine rise(tree, l, terms, with_dipoles)
+  subroutine gather_moments(tree, l, terms, with_dipoles)
     type(source_tree), intent(inout) :: tree
     integer, intent(in) :: l, terms
     logical, intent(in) :: with_dipoles
@@ -351,7 +351,7 @@ contains
         end do
       end do
       sums = 0.0_real64
-      call go(tree%ways, up, tree%moment, box, sums)
+      call add_translated(tree%ways, up, tree%moment, box, sums)
       do a = begin, min(begin + lanes, tree%level(l + 1)) - 1
         associate (this => tree%boxes(a))
           tree%moment(:terms, a) = sums(a - begin + 1, :)
@@ -369,11 +369,11 @@ contains
       end do
     end do
     !$omp end do
-  end subroutine rise
+  end subroutine gather_moments
 
   ! Fields in the boxes of a level: from the box around, and from boxes that do not touch while
   ! those around them do. All threads come here together.
-  subroutine fall(tree, l, terms)
+  subroutine distribute_fields(tree, l, terms)
     type(source_tree), intent(inout) :: tree
     integer, intent(in) :: l, terms
     real(real64) :: sums(lanes, terms)
@@ -395,7 +395,7 @@ contains
           end do
           if (column == 0) box(1::2, :) = 0
           if (row == 0) box(2:, :) = 0
-          call go(tree%ways, 4 * row + column, tree%moment, box, sums)
+          call add_translated(tree%ways, 4 * row + column, tree%moment, box, sums)
         end do
       end do
       sums = sums / tree%boxes(begin)%half
@@ -406,11 +406,11 @@ contains
             box(this%quarter, a) = this%parent
           end associate
         end do
-        call go(tree%ways, down, tree%field, box, sums)
+        call add_translated(tree%ways, down, tree%field, box, sums)
       end if
       tree%field(:terms, begin:begin + n - 1) = transpose(sums(:n, :))
     end do
     !$omp end do
-  end subroutine fall
+  end subroutine distribute_fields
 
 end module asperity_source_tree

@@ -12,7 +12,7 @@ module asperity_adhesion
   use asperity_contact_state, only: answer_all, contact_state
   use asperity_kinds, only: real64
   use asperity_scene_values, only: scene
-  use asperity_theory_warnings, only: of_range, of_tabor, warn, warning_kinds
+  use asperity_theory_warnings, only: of_range, of_tabor, add_warning, warning_kinds
   implicit none
   private
 
@@ -160,11 +160,11 @@ contains
         if (outcome%of_contacts(i, 1) > 0.0_real64 .and. &
             scale(self%distance, -4 * pairs%length_power) > &
             smaller * (warning_kinds(of_range)%limit + 1.0e-9_real64)) &
-          call warn(outcome%warnings, of_range, &
+          call add_warning(outcome%warnings, of_range, &
                     scale(self%distance, -4 * pairs%length_power) / smaller, contacts=1)
         if (known%model /= model_dmt .or. .not. outcome%of_contacts(i, 1) > 0.0_real64) cycle
         if (known%tabor > warning_kinds(of_tabor)%limit) &
-          call warn(outcome%warnings, of_tabor, known%tabor, contacts=1)
+          call add_warning(outcome%warnings, of_tabor, known%tabor, contacts=1)
       end associate
     end do
   end subroutine warn_of_limits

@@ -13,7 +13,7 @@ module asperity_creep
   use asperity_kinds, only: int64, not_computed, real64
   use asperity_problems, only: decimal_text
   use asperity_scene_values, only: body_compliance, effect_auto, effect_boundary, hold_load, scene
-  use asperity_theory_warnings, only: of_creep_strain, of_relaxing, of_unlike_bodies, warn, &
+  use asperity_theory_warnings, only: add_warning, of_creep_strain, of_relaxing, of_unlike_bodies, &
                                       warning_kinds
   use asperity_viscoelastic_solid, only: creep_compliance, elastic_load_of, load_after, &
                                          relaxation_ratio, solid_step, standard_linear_solid, &
@@ -191,10 +191,10 @@ contains
       strain = strain_per_radius * self%softer_share * &
                state%answers(i)%contact_radius / pairs%list(i)%radius
       if (strain > warning_kinds(of_creep_strain)%limit) &
-        call warn(outcome%warnings, of_creep_strain, strain, contacts=1)
+        call add_warning(outcome%warnings, of_creep_strain, strain, contacts=1)
     end do
     if (state%time > 0.0_real64 .and. self%unlike > self%tolerance) &
-      call warn(outcome%warnings, of_unlike_bodies, self%unlike)
+      call add_warning(outcome%warnings, of_unlike_bodies, self%unlike)
     if (state%time < self%hold_time .or. .not. state%time > 0.0_real64) return
     if (self%holds_load) then
       to_come = (1.0_real64 / (self%solid%relaxed_ratio * &
@@ -202,7 +202,7 @@ contains
     else
       to_come = 1.0_real64 - self%solid%relaxed_ratio / relaxation_ratio(self%solid, state%time)
     end if
-    if (to_come > self%tolerance) call warn(outcome%warnings, of_relaxing, to_come)
+    if (to_come > self%tolerance) call add_warning(outcome%warnings, of_relaxing, to_come)
   end subroutine warn_of_limits
 
   ! Turns the elastic response of a contact into that after a step.

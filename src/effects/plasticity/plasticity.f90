@@ -16,8 +16,8 @@ module asperity_plasticity
   use asperity_plastic_curves, only: departure
   use asperity_plastic_law, only: past_of_contact, plastic_law, plastic_past
   use asperity_scene_values, only: criterion_hardy, scene
-  use asperity_theory_warnings, only: of_flow_depth, of_unloading_depth, of_yield_strain, warn, &
-                                      warning_kinds
+  use asperity_theory_warnings, only: add_warning, of_flow_depth, of_unloading_depth, &
+                                      of_yield_strain, warning_kinds
   implicit none
   private
 
@@ -165,7 +165,7 @@ contains
       real(real64), intent(in) :: found
 
       if (found > warning_kinds(warning)%limit * (1.0_real64 + 1.0e-9_real64)) &
-        call warn(outcome%warnings, warning, found, contacts=1)
+        call add_warning(outcome%warnings, warning, found, contacts=1)
     end subroutine check_range
 
   end subroutine finish_plasticity
