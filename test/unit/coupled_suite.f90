@@ -10,7 +10,7 @@ module asperity_coupled_suite
   use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back
   use asperity_coupled_scenes, only: depth, known_scene, known_scenes, lay_known, random, &
                                      set_out, share_of, solve_at
-  use asperity_coupled_start, only: prepare
+  use asperity_coupled_start, only: prepare_start
   use asperity_coupled_state, only: evaluate_state, raise_to_load, solve_state
   use asperity_hertz_law, only: hertz_law
   use asperity_interaction_estimate, only: estimate_of_interaction
@@ -334,7 +334,7 @@ contains
     call set_out([(apart * modulo(i, side), i=0, side**2 - 1)], &
                  [(apart * (i - modulo(i, side)) / side, i=0, side**2 - 1)], &
                  spread(0.0_real64, 1, side**2), pairs, law)
-    call prepare(pairs, law, solution, state, &
+    call prepare_start(pairs, law, solution, state, &
                  law%modulus * side**2 * 4.0_real64 / 3.0_real64 * depth**1.5_real64)
     call check(error, all(solution%penetration > 0.0_real64), 'some are open')
     if (allocated(error)) return
