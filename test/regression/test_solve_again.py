@@ -156,8 +156,8 @@ def test_loads(c, order):
     worst, (alone, again) = compare(c, base, [{"value": load} for load in ORDERS[order]])
     print(order, worst, alone, again)
     assert max(worst.values()) < NEAR and worst["load"] < 1e-11
-    # A solve alone takes 59 iterations, 12 loads.
-    assert again <= 0.85 * alone
+    # In random order the start is farther off: 49 of 59 iterations.
+    assert again <= (0.85 if order == "random" else 0.8) * alone
 
 
 @pytest.mark.parametrize("seed", range(1, 4))
