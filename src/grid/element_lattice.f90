@@ -41,6 +41,7 @@ module asperity_element_lattice
     real(real64) :: curvature_radius = 0.0_real64   !! 1/R = 1/RU + 1/RL
     real(real64) :: upper(2) = 0.0_real64           !! from the upper centre to the touch, in plan
     real(real64) :: lower(2) = 0.0_real64           !! from the lower centre to the touch, in plan
+    real(real64) :: slope(2) = 0.0_real64           !! of the plane that both touch
     real(real64) :: upper_height = 0.0_real64       !! from the upper centre to the touch
     real(real64) :: lower_height = 0.0_real64       !! from the lower centre to the touch
   end type gap_shape
@@ -136,6 +137,7 @@ contains
     profile%pair = number
     profile%penetration = penetration
     profile%cosine = pair%zc / pair%s
+    profile%slope = apart / pair%zc
     profile%upper = share * apart
     profile%lower = -(pair%lower_radius / pair%s) * apart
     profile%x = pair%upper_x + profile%upper(1)
@@ -158,17 +160,30 @@ contains
     type(gap_shape), intent(in) :: profile  !! gap of the pair, with its penetration
     real(real64), intent(in) :: x         !! from the place of first touch
     real(real64), intent(in) :: y         !! from the place of first touch
-    real(real64) :: gap, square, upper, lower
+    real(real64) :: gap, slope, square, upper, lower
 
     gap = missing_gap
     square = x * x + y * y
+    slope = profile%slope(1) * x + profile%slope(2) * y
     upper = 2.0_real64 * (profile%upper(1) * x + profile%upper(2) * y) + square
     lower = 2.0_real64 * (profile%lower(1) * x + profile%lower(2) * y) + square
     ! Beside one of the spheres.
     if (upper >= profile%upper_height**2 .or. lower >= profile%lower_height**2) return
-    gap = upper / (profile%upper_height + sqrt(profile%upper_height**2 - upper)) + &
-          lower / (profile%lower_height + sqrt(profile%lower_height**2 - lower)) - &
-          profile%penetration
+    gap = above_plane(profile%upper_height, upper, slope, square) + &
+          above_plane(profile%lower_height, lower, -slope, square) - profile%penetration
   end function gap_at
+
+  ! Distance of a sphere from its tangent plane at first touch, along the vertical. The slopes of
+  ! both spheres cancel, and would leave their rounding in the gap.
+  elemental real(real64) function above_plane(height, fall, slope, square)
+    real(real64), intent(in) :: height   ! from its centre to the touch
+    real(real64), intent(in) :: fall     ! square of `height` less that at this place
+    real(real64), intent(in) :: slope    ! height of the plane at this place over the touch
+    real(real64), intent(in) :: square   ! of the distance in plan from the touch
+
+    associate (both => height + sqrt(height**2 - fall))
+      above_plane = (square + slope * (fall / both)) / both
+    end associate
+  end function above_plane
 
 end module asperity_element_lattice

@@ -242,6 +242,10 @@ contains
       associate (largest => task%shapes(task%origin))
         if (.not. is_resolved(largest%x, largest%y, largest%contact_radius)) exit
       end associate
+      ! No error falls faster than with the third power of the side: a tolerance that is out of
+      ! reach is refused before its elements are solved.
+      call check_memory(lattice, width * min(0.5_real64, &
+        minval(allowed_errors(task) / max(lattice%left, tiny(width)))**(1.0_real64 / 3)), answer)
     end do
   end subroutine halve_elements
 
@@ -308,20 +312,14 @@ contains
     type(element_answer), intent(inout) :: answer
     real(real64), intent(in) :: width, residual       ! side; of gaps over the deepest penetration
     type(element_lattice) :: next
-    real(real64) :: rim(4), growth, low(2), high(2), bytes
+    real(real64) :: rim(4), growth, low(2), high(2)
     logical :: is_complete
 
     call box_of(task%shapes, lattice%x, lattice%y, low, high)
     growth = width
     task%totals = 0.0_real64
     do
-      ! 17 arrays of 8 bytes, and spectra and transform of twice the size in both directions.
-      bytes = 8 * (17 + 4) * product((lattice%window(3:) - lattice%window(:2)) / width + 2)
-      if (.not. bytes < bytes_allowed) then
-        answer%failure = 'the boundary elements would need more than 2 GiB of memory'
-      else if (.not. has_memory(nint(bytes, int64))) then
-        answer%failure = not_enough_memory // ' for the boundary elements of a group of contacts'
-      end if
+      call check_memory(lattice, width, answer)
       if (allocated(answer%failure)) return
       call lay_elements(task%shapes, lattice%x, lattice%y, width, lattice%window, next)
       if (allocated(lattice%elements%force)) call start_from(lattice%elements, next)
@@ -349,6 +347,22 @@ contains
       task%totals = [sum(together%load), sum(together%area)]
     end associate
   end subroutine press_in_window
+
+  ! Refuses elements of a side that need more memory than allowed or left.
+  subroutine check_memory(lattice, width, answer)
+    type(cluster_lattice), intent(in) :: lattice
+    real(real64), intent(in) :: width            ! side
+    type(element_answer), intent(inout) :: answer
+    real(real64) :: bytes
+
+    ! 17 arrays of 8 bytes, and spectra and transform of twice the size in both directions.
+    bytes = 8 * (17 + 4) * product((lattice%window(3:) - lattice%window(:2)) / width + 2)
+    if (.not. bytes < bytes_allowed) then
+      answer%failure = 'the boundary elements would need more than 2 GiB of memory'
+    else if (.not. has_memory(nint(bytes, int64))) then
+      answer%failure = not_enough_memory // ' for the boundary elements of a group of contacts'
+    end if
+  end subroutine check_memory
 
   ! Widens the box to each contact outside it that the displacement there leaves loaded.
   subroutine add_missed(task, lattice, is_complete)
