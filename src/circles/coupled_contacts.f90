@@ -20,13 +20,14 @@
 !> (converged); compression beyond the complete pair list (the caller repeats); two steps without a
 !> decrease, or too many steps (not converged); no memory, interrupted (failure).
 module asperity_coupled_contacts
-  use asperity_circle_field, only: are_close, many, most_repeats
+  use asperity_circle_field, only: are_close, circle_set, many, most_repeats
   use asperity_circle_potential, only: potential_change, potential_state, remember_state, &
                                        restore_state
   use asperity_circle_step, only: circle_model, find_step, prepare_model, trust_step
   use asperity_contact_law, only: contact_law
   use asperity_contact_pairs, only: contact_pairs, in_scene_units
-  use asperity_coupled_groups, only: find_groups, group_law, lift_out, put_back
+  use asperity_coupled_groups, only: find_groups, group_law, lift_out, most_in_group, &
+                                     put_back
   use asperity_coupled_start, only: few_contacts, prepare_start, scale_start
   use asperity_coupled_state, only: coupled_solution, evaluate_state, find_carried_load, &
                                     penetration_without_load, raise_to_load, resolved_contacts, &
@@ -54,8 +55,8 @@ module asperity_coupled_contacts
   ! Steps at most [1]; chosen, the hardest known scene takes 130; test: coupled_suite.f90.
   integer, parameter :: most_steps = 1000
   ! Ratio of the actual to the predicted decrease [1] from which a step is taken, below which the
-  ! region shrinks and above which it grows, and both factors; Nocedal and Wright 2006, algorithm
-  ! 4.1, and section 4.1; test: coupled_suite.f90.
+  ! region shrinks and above which it grows, and both factors, of the length of the step; Nocedal
+  ! and Wright 2006, algorithm 4.1, and section 4.1; test: coupled_suite.f90.
   real(real64), parameter :: taken = 0.1_real64, poor = 0.25_real64, good = 0.75_real64
   real(real64), parameter :: shrink = 0.25_real64, grow = 2.0_real64  ! 2006, as above
   ! Residual [1] above which the model is convex, and from which on the compression is compared with
@@ -88,8 +89,8 @@ contains
     real(real64), intent(in), optional :: share        !! residual of a group
     type(solve_state) :: state
     type(potential_state) :: before
-    real(real64) :: borne, enough, last, least, looked, radius, slope
-    integer :: joined, loaded, lost
+    real(real64) :: borne, deepest, enough, last, least, looked, radius, slope
+    integer :: joined, loaded, lost, most
     logical :: any_opened, eliminates, is_final, is_start, is_taken
 
     is_start = .not. allocated(solution%penetration)
@@ -108,6 +109,9 @@ contains
         size(solution%set%x) <= few_contacts) call scale_start(pairs, law, solution, state)
     state%is_near = solution%is_near
     solution%is_near = .false.
+    deepest = maxval(solution%penetration)
+    most = most_steps
+    if (present(share)) most = min(most_repeats, most_looks * most_in_group / size(pairs%list))
     is_final = .false.
     joined = -1
     loaded = 0
@@ -135,7 +139,9 @@ contains
         if (state%residual <= enough .and. joined == 0) exit
       end if
       if (lost > 1) exit
-      if (solution%ending%iterations >= merge(most_repeats, most_steps, present(share))) exit
+      if (solution%ending%iterations >= most) exit
+      ! The field of the others about a group is known near its start only.
+      if (present(share) .and. maxval(solution%penetration) > grow * deepest) exit
       if (eliminates) call eliminate_contacts(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       if (size(solution%set%x) < loaded) joined = -1
@@ -287,7 +293,7 @@ contains
     type(trust_step) :: step
     real(real64) :: change, left, noise, predicted, ratio
     real(real64), allocatable :: limit(:), part(:), slope(:)
-    integer :: k, n
+    integer :: n
 
     n = size(before%set%x)
     is_taken = .false.
@@ -298,15 +304,7 @@ contains
     model%keep_sum = state%target > 0.0_real64
     model%convex = before%state%residual > far_off
     call prepare_model(solution%set, model)
-    ! Shifts of a step at most: the own radius, or half of a circle around.
-    allocate (limit, source=before%set%circle)
-    do k = 1, size(before%set%one)
-      associate (i => before%set%one(k), j => before%set%other(k), a => before%set%circle)
-        if (.not. are_close(before%set, i, j, 1.0_real64)) cycle
-        limit(i) = max(limit(i), 0.5_real64 * a(j))
-        limit(j) = max(limit(j), 0.5_real64 * a(i))
-      end associate
-    end do
+    limit = largest_shifts(before%set)
     left = min(stagnates, max(least_left, sqrt(before%state%residual)))
     ! The last step of many need not go below what is accepted.
     if (n > many) left = max(left, group_left * accepted / before%state%residual)
@@ -339,8 +337,11 @@ contains
       ratio = -change / predicted
       if (.not. ratio >= poor) then
         radius = shrink * step%length
-      else if (ratio > good .and. step%at_border) then
-        radius = grow * radius
+      else if (ratio > good .and. (step%at_border .or. model%convex)) then
+        ! The region of the convex model follows its steps, also those within it (Dennis and
+        ! Schnabel, Numerical Methods for Unconstrained Optimization, 1983, algorithms A6.4.4 and
+        ! A6.4.5): in a wide one the first exact step would let a few contacts run away.
+        radius = grow * step%length
       end if
       is_taken = ratio > taken
       if (is_taken) return
@@ -354,6 +355,22 @@ contains
       end if
     end do
   end subroutine take_step
+
+  ! Shifts of a step at most: the own radius, or half of a circle around.
+  function largest_shifts(set) result(limit)
+    type(circle_set), intent(in) :: set
+    real(real64), allocatable :: limit(:)
+    integer :: k
+
+    allocate (limit, source=set%circle)
+    do k = 1, size(set%one)
+      associate (i => set%one(k), j => set%other(k))
+        if (.not. are_close(set, i, j, 1.0_real64)) cycle
+        limit(i) = max(limit(i), 0.5_real64 * set%circle(j))
+        limit(j) = max(limit(j), 0.5_real64 * set%circle(i))
+      end associate
+    end do
+  end function largest_shifts
 
   ! Penetration at a changed load. To first order it is p + dV/k. Where the load grows it follows a
   ! power law, V ~ p**(k p/V), which is exact for Hertz' law: along the tangent small loads would

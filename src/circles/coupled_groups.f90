@@ -32,9 +32,9 @@ module asperity_coupled_groups
   ! Share of the largest error of the equations [1] from which on a contact is eliminated; chosen;
   ! test: coupled_suite.f90.
   real(real64), parameter :: share_off = 0.05_real64
-  ! Contacts of a group at most [1]; chosen: larger ones take longer than they save; test:
-  ! coupled_suite.f90.
-  integer, parameter :: most_in_group = 100
+  !> Contacts of a group at most [1]; chosen: larger ones take longer than they save; test:
+  !> coupled_suite.f90.
+  integer, parameter, public :: most_in_group = 100
 
 contains
 

@@ -20,9 +20,11 @@ module asperity_open_contacts
 
   public :: find_touching, may_touch, stand_apart
 
-  !> Searches with the field about a new place [1], and halvings of the penetrations of contacts
-  !> that begin to touch, at most; chosen, 3 are needed; test: coupled_suite.f90.
+  !> Searches with the field about a new place [1], halvings of the penetrations of contacts that
+  !> begin to touch, and steps of the largest group that is eliminated, at most; chosen, 3 are
+  !> needed, and a group need not be solved; test: coupled_suite.f90.
   integer, parameter, public :: most_looks = 8
+
 contains
 
   !> Places of the open contacts that touch, with their penetrations and shifts.

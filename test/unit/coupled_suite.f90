@@ -430,7 +430,7 @@ contains
     call check(error, one%ending%iterations <= 8 .and. one%fields <= 16, 'crowd')
     call check(error, two%ending%iterations <= 8 .and. two%fields <= 17, 'large crowd')
     call check(error, three%ending%iterations <= 8 .and. three%fields <= 15, 'under a load')
-    call check(error, four%ending%iterations <= 27 .and. four%fields <= 78, 'lattice')
+    call check(error, four%ending%iterations <= 27 .and. four%fields <= 45, 'lattice')
   end subroutine few_steps
 
   subroutine estimate_is_above(error)
