@@ -292,7 +292,8 @@ contains
     type(circle_model) :: model
     type(trust_step) :: step
     real(real64) :: change, left, noise, predicted, ratio
-    real(real64), allocatable :: limit(:), part(:), slope(:)
+    real(real64) :: limit(size(before%set%x))
+    real(real64), allocatable :: part(:), slope(:)
     integer :: n
 
     n = size(before%set%x)
@@ -359,10 +360,10 @@ contains
   ! Shifts of a step at most: the own radius, or half of a circle around.
   function largest_shifts(set) result(limit)
     type(circle_set), intent(in) :: set
-    real(real64), allocatable :: limit(:)
+    real(real64) :: limit(size(set%circle))
     integer :: k
 
-    allocate (limit, source=set%circle)
+    limit = set%circle
     do k = 1, size(set%one)
       associate (i => set%one(k), j => set%other(k))
         if (.not. are_close(set, i, j, 1.0_real64)) cycle
