@@ -89,7 +89,7 @@ contains
     real(real64), intent(in), optional :: share        !! residual of a group
     type(solve_state) :: state
     type(potential_state) :: before
-    real(real64) :: borne, deepest, enough, last, least, looked, radius, slope
+    real(real64) :: borne, enough, last, least, looked, radius, slope
     integer :: joined, loaded, lost, most
     logical :: any_opened, eliminates, is_final, is_start, is_taken
 
@@ -109,7 +109,6 @@ contains
         size(solution%set%x) <= few_contacts) call scale_start(pairs, law, solution, state)
     state%is_near = solution%is_near
     solution%is_near = .false.
-    deepest = maxval(solution%penetration)
     most = most_steps
     if (present(share)) most = min(most_repeats, most_looks * most_in_group / size(pairs%list))
     is_final = .false.
@@ -140,8 +139,6 @@ contains
       end if
       if (lost > 1) exit
       if (solution%ending%iterations >= most) exit
-      ! The field of the others about a group is known near its start only.
-      if (present(share) .and. maxval(solution%penetration) > grow * deepest) exit
       if (eliminates) call eliminate_contacts(pairs, law, solution, state, resolved)
       if (allocated(solution%failure)) return
       if (size(solution%set%x) < loaded) joined = -1
@@ -247,6 +244,8 @@ contains
 
     call find_groups(solution%set, state%miss, member, first)
     if (size(member) == 0) return
+    ! Where most of many contacts are off, a step of all lowers the residual with fewer fields.
+    if (size(state%miss) > many .and. 2 * size(member) > size(state%miss)) return
     call remember_state(solution, state, before)
     !$omp parallel do schedule(dynamic)
     do k = 1, size(first) - 1
