@@ -2,13 +2,13 @@
 
 import json
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import fuzz_checks
 import pytest
 from fuzz_cases import Case, make_case
+from programs import run_program
 
 ROOT = Path(__file__).resolve().parents[2]
 FOUND = sorted((ROOT / "data/hard/found").glob("*/case.json"))
@@ -42,11 +42,8 @@ def test_found_case(path, asperity):
 
 def fuzz(asperity, folder, *words):
     """Runs of the fuzzer in a process of its own, whose limits they inherit: number by status."""
-    done = subprocess.run(
-        [sys.executable, ROOT / "tools/fuzz.py", "--exe", asperity, "--processes", "1",
-         "--seconds", "inf", *map(str, words)],
-        cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = run_program(sys.executable, ROOT / "tools/fuzz.py", "--exe", asperity, "--processes",
+                       "1", "--seconds", "inf", *words, cwd=folder)
     return {int(status): int(number) for number, status in
             re.findall(r"(\d+) with status (-?\d+)", done.stdout.splitlines()[-1])}
 

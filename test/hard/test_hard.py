@@ -6,7 +6,6 @@ original's behaviour, and stops where the original's numbers lost their meaning.
 
 import csv
 import filecmp
-import subprocess
 
 import pytest
 from cases import ARITHMETICS, scenes
@@ -17,6 +16,7 @@ from make_table import DOCUMENT, is_current
 from exact_contact import TOTALS
 from measure import (NO_NUMBER, condition, largest_coordinate, measure, measure_deck, run,
                      scene_of)
+from programs import run_program
 from test_solve import deck_truth, relative, solve_deck
 
 # Most units of the last place off. A sum of 144 loads has the most. A number of ibm370 has 21 to 24
@@ -116,8 +116,7 @@ def test_deck_in_the_present_day_solver(name, arithmetic, asperity, data, tmp_pa
 def test_deck_in_the_historic_port(name, arithmetic, asperity, data, tmp_path):
     case, path = DECKS[name], data / f"{name}.deck"
     file = tmp_path / "positions.csv"
-    done = subprocess.run([asperity, path, "--arithmetic", arithmetic, "--positions", file],
-                          capture_output=True, text=True, timeout=60)
+    done = run_program(asperity, path, "--arithmetic", arithmetic, "--positions", file, status=None)
     if case.historic != "runs":
         assert (done.returncode, done.stdout, file.exists()) == (1, "", False)
         assert done.stderr.startswith(f"{path}: position ") and case.historic in done.stderr
@@ -139,8 +138,7 @@ def test_historic_port_against_the_restated_march(name, asperity, data, tmp_path
     if case.historic != "runs":
         with pytest.raises(LostMeaningError) as lost:
             restate(**case.deck)
-        done = subprocess.run([asperity, path, "--arithmetic", "real128"], capture_output=True,
-                              text=True, timeout=60)
+        done = run_program(asperity, path, "--arithmetic", "real128", status=1)
         position, fault = lost.value.args
         assert f"position {position}: " in done.stderr and f"(fault {fault})" in done.stderr
         return
@@ -153,8 +151,7 @@ def test_historic_port_against_the_restated_march(name, asperity, data, tmp_path
 def historic_error(asperity, path, arithmetic, folder, expected):
     """The largest relative error; counts must be the same."""
     file = folder / f"{arithmetic}.csv"
-    subprocess.run([asperity, path, "--arithmetic", arithmetic, "--positions", file],
-                   capture_output=True, timeout=60, check=True)
+    run_program(asperity, path, "--arithmetic", arithmetic, "--positions", file)
     worst = 0.0
     with open(file, encoding="ascii", newline="") as lines:
         for m, (row, want) in enumerate(zip(csv.DictReader(lines), expected, strict=True), 1):

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from outside_runs import DECK, LONG, OUTPUTS, files, is_whole, one_line, wait_for
+from programs import run_program
 
 pytestmark = pytest.mark.usefixtures("signals_not_ignored")
 
@@ -34,9 +35,8 @@ def test_closed_pipe(run, tmp_path, words):
 
 
 def test_head(run, asperity, tmp_path):
-    done = subprocess.run(
-        ["bash", "-c", '"$0" "$@" | head -1; echo "${PIPESTATUS[0]}"', asperity, "t.deck", *LONG],
-        cwd=tmp_path, capture_output=True, timeout=60, check=False)
+    done = run_program("bash", "-c", '"$0" "$@" | head -1; echo "${PIPESTATUS[0]}"', asperity,
+                       "t.deck", *LONG, cwd=tmp_path, text=False)
     assert done.stdout.splitlines()[-1] == b"1"
     assert one_line(done) == "standard output: cannot be written: Broken pipe"
 
@@ -45,10 +45,9 @@ def test_head(run, asperity, tmp_path):
 def test_closed_stream(run, asperity, tmp_path, stream):
     """A stream that is closed from the start: no file is mistaken for it."""
     (tmp_path / "p.csv").write_text("kept\n", encoding="ascii")
-    done = subprocess.run(
-        ["bash", "-c", f'"$0" t.deck --positions p.csv {stream}', asperity],
-        cwd=tmp_path, capture_output=True, timeout=60, check=False)
-    assert done.returncode == (1 if ">&-" in stream.replace("2>&-", "") else 0)
+    done = run_program("bash", "-c", f'"$0" t.deck --positions p.csv {stream}', asperity,
+                       status=1 if ">&-" in stream.replace("2>&-", "") else 0, cwd=tmp_path,
+                       text=False)
     if done.returncode == 0:
         assert is_whole(tmp_path / "p.csv")
     else:
@@ -144,7 +143,7 @@ def test_surface_from_a_pipe(asperity, tmp_path, source, text, side, by_line):
     (tmp_path / "f.scene").write_text(scene("file"))
     words = [asperity, "solve", "f.scene", "--quiet", "--json", "f.json", "--positions", "-",
              "--html", "f.html"]
-    expected = subprocess.run(words, cwd=tmp_path, capture_output=True, timeout=60, check=True)
+    expected = run_program(*words, cwd=tmp_path, text=False)
     reading, writing = os.pipe()
     (tmp_path / "f.scene").write_text(scene(source.replace("N", str(reading))))
     if source == "pipe":
@@ -166,7 +165,7 @@ def test_surface_from_a_pipe(asperity, tmp_path, source, text, side, by_line):
     assert (status, found[0]) == (0, expected.stdout), found[1]
     checksums = [re.findall(r'"checksum": "(\w+)"', (tmp_path / "f.json").read_text())]
     (tmp_path / "f.scene").write_text(scene("file"))
-    subprocess.run(words, cwd=tmp_path, capture_output=True, timeout=60, check=True)
+    run_program(*words, cwd=tmp_path)
     checksums.append(re.findall(r'"checksum": "(\w+)"', (tmp_path / "f.json").read_text()))
     assert len(checksums[0]) == 2 and checksums[0][1] == checksums[1][1]
 

@@ -13,6 +13,7 @@ import metamorphic_laws as laws
 import metamorphic_scenes as scenes
 import numpy as np
 import pytest
+from programs import run_program
 
 # Powers of two next to 1e12 and 1e-12, and odd ones, of which no root is a power of two.
 UNITS = [(40, 0), (-40, 0), (0, 40), (0, -40), (39, 37), (-39, -41)]
@@ -70,8 +71,7 @@ def test_generate(power, asperity, tmp_path):
     """Decimal numbers: the same digits behind another power of ten."""
     def surface(power):
         (tmp_path / "g.spec").write_text(SPEC.replace("{L}", f"e{power}"), encoding="ascii")
-        done = subprocess.run([asperity, "generate", "g.spec", "--surface", "1"], cwd=tmp_path,
-                              capture_output=True, text=True, check=True)
+        done = run_program(asperity, "generate", "g.spec", "--surface", "1", cwd=tmp_path)
         return [[Decimal(cell) for cell in row]
                 for row in list(csv.reader(done.stdout.splitlines()))[1:]]
 
@@ -99,8 +99,7 @@ def study(asperity, folder, power, modulus, loading):
              "separation": f"separation = .28e{power}", "pressure": f"pressure = {modulus!r}"}
     (folder / "s.spec").write_text(STUDY.format(L=power, E=2.0 ** 18 * modulus,
                                                 loading=words[loading]), encoding="ascii")
-    done = subprocess.run([asperity, "study", "s.spec", "--csv", "s.csv"], cwd=folder,
-                          capture_output=True, text=True, check=False)
+    done = run_program(asperity, "study", "s.spec", "--csv", "s.csv", status=None, cwd=folder)
     rows = []
     if done.returncode == 0:
         rows = list(csv.DictReader((folder / "s.csv").read_text(encoding="ascii").splitlines()))
@@ -196,8 +195,8 @@ def test_accuracy(unit, asperity, tmp_path):
             "&surfaces upper = 'u.csv', lower = 'l.csv' /\n"
             "&material elastic_modulus = 2*2e5, poisson_ratio = 2*0.3 /\n"
             f"&limit criterion = 'load', value = {10 * scale ** 2!r} /\n", encoding="ascii")
-        subprocess.run([asperity, "accuracy", "s.scene", "--seconds", "3", "--quiet", "--csv",
-                        "a.csv"], cwd=tmp_path, check=True, timeout=60)
+        run_program(asperity, "accuracy", "s.scene", "--seconds", "3", "--quiet", "--csv", "a.csv",
+                    cwd=tmp_path)
         rows.append(rows_of(tmp_path / "a.csv"))
     named = [[(row["family"], row["arithmetic"], row["overlap"]) for row in table]
              for table in rows]

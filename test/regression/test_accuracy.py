@@ -12,6 +12,7 @@ import pytest
 
 from decks import random_deck, write_deck
 from exact_contact import Truth, read_deck
+from programs import run_program
 from surfaces_csv import exact_csv_scene, records, solve, write_csv_scene, write_scene
 
 # In the release build the whole study; in other builds what runs the same statements.
@@ -30,9 +31,7 @@ PART = {"x_first": 0.3, "x_step": 0.5, "positions": 20}
 def run_study(asperity, path, folder):
     """Table, rows of arithmetics and steps, rows of the levels of interaction."""
     file = folder / "study.csv"
-    done = subprocess.run([asperity, "accuracy", path, "--csv", file], capture_output=True,
-                          text=True, timeout=900)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, "accuracy", path, "--csv", file, timeout=900)
     rows = records(file)
     return (done.stdout, [row for row in rows if row["family"] in ("arithmetic", "steps")],
             [row for row in rows if row["family"] == "neighbours"])
@@ -304,9 +303,9 @@ def test_the_promise_holds_far_from_the_origin(offset, asperity, tmp_path):
 
 
 def test_an_accuracy_that_nothing_has(asperity, root):
-    done = subprocess.run([asperity, "solve", root / "data/hard/deck_one_pair.deck", "--accuracy",
-                           "1e-16"], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 1 and done.stdout == ""
+    done = run_program(asperity, "solve", root / "data/hard/deck_one_pair.deck", "--accuracy",
+                       "1e-16", status=1)
+    assert done.stdout == ""
     assert "no method has this accuracy" in done.stderr
 
 
@@ -416,15 +415,15 @@ def test_too_many_contacts_for_a_budget(asperity, tmp_path):
 
 def test_the_time_is_bounded(asperity, root, tmp_path):
     """Ways that take longer than the time given are left out; without a reference nothing is."""
-    done = subprocess.run([asperity, "accuracy", root / "data/thesis.deck", "--seconds", "1e-6"],
-                          capture_output=True, text=True, timeout=60)
-    assert done.returncode == 1 and done.stdout == ""
+    done = run_program(asperity, "accuracy", root / "data/thesis.deck", "--seconds", "1e-6",
+                       status=1)
+    assert done.stdout == ""
     assert "takes longer than --seconds: expected more of them" in done.stderr
     # The time is halved until something has to be left out, be it the reference itself.
     seconds = 2.5
     while True:
-        done = subprocess.run([asperity, "accuracy", root / "data/thesis.deck", "--seconds",
-                               str(seconds)], capture_output=True, text=True, timeout=60)
+        done = run_program(asperity, "accuracy", root / "data/thesis.deck", "--seconds", seconds,
+                           status=None)
         if done.returncode == 1 or " s are left" in done.stdout or " s were left" in done.stdout:
             break
         assert seconds > 0.05, "everything was done in a twentieth of a second"
@@ -436,9 +435,9 @@ def test_the_time_is_bounded(asperity, root, tmp_path):
     else:
         assert "takes longer than --seconds" in done.stderr
     for wrong in ("0", "-1", "x", "1e400"):
-        done = subprocess.run([asperity, "accuracy", root / "data/thesis.deck", "--seconds", wrong],
-                              capture_output=True, text=True, timeout=60)
-        assert done.returncode == 2 and "--seconds: found" in done.stderr
+        done = run_program(asperity, "accuracy", root / "data/thesis.deck", "--seconds", wrong,
+                           status=2)
+        assert "--seconds: found" in done.stderr
 
 
 def test_progress_and_an_interruption(asperity, root, tmp_path):

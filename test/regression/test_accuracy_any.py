@@ -1,7 +1,6 @@
 """What accuracy costs, for any scene: ten kinds of it, the front, the truth of the reference."""
 
 import re
-import subprocess
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,6 +13,7 @@ from dense_scenes import caps, dense_scenes, strewn
 from exact_contact import Truth
 from map_press_truth import press, rough
 from plastic_truth import STEEL
+from programs import run_program
 from promise_judge import KINDS as PROMISED, judge
 from surfaces_csv import exact_csv_scene, records, write_csv_scene, write_scene
 
@@ -27,9 +27,8 @@ def study(asperity, scene, folder, seconds=SECONDS):
     """The rows of a scene, and what was printed. The ways end in the time given; only what is
     under way then may take longer, and a slow build."""
     file = folder / "any.csv"
-    done = subprocess.run([asperity, "accuracy", scene, "--seconds", str(seconds), "--csv", file],
-                          capture_output=True, text=True, timeout=20 * seconds)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, "accuracy", scene, "--seconds", seconds, "--csv", file,
+                       timeout=20 * seconds)
     return list(records(file)), done.stdout
 
 
@@ -73,8 +72,7 @@ def generated(folder, root, exe):
         "&surfaces number = 200, length = 20., width = 20. /\n&radii mean = 1. /\n"
         "&heights mean = 0.1, deviation = 0.02 /\n", encoding="ascii")
     for side in ("upper", "lower"):
-        subprocess.run([exe, "generate", "g.spec", f"--{side}", f"{side}.csv"], cwd=folder,
-                       check=True, capture_output=True)
+        run_program(exe, "generate", "g.spec", f"--{side}", f"{side}.csv", cwd=folder)
     return write_scene(folder / "g.scene", surfaces={"upper": "upper.csv", "lower": "lower.csv"},
                        material={"elastic_modulus": (2e5, 2e5), "poisson_ratio": (0.3, 0.3)},
                        motion={"x_step": 0.5, "positions": 4},
@@ -203,18 +201,17 @@ def test_the_promise(kind, asked, asperity):
 def test_what_can_be_had(asperity, tmp_path):
     """A refusal tells what there is, and that is true."""
     scene = next(s for s in dense_scenes() if s.family == "triples")
-    done = subprocess.run([asperity, "solve", scene.write(tmp_path, interaction="auto"),
-                           "--accuracy", "1e-8"], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 1 and done.stdout == ""
+    done = run_program(asperity, "solve", scene.write(tmp_path, interaction="auto"), "--accuracy",
+                       "1e-8", status=1)
+    assert done.stdout == ""
     assert "the most accurate one has an estimated error of loads and separations" in done.stderr
     assert "where only loads are needed set tolerance" in done.stderr
 
 
 def test_the_choice_is_told(asperity, root):
     """Which way, its error, and ten times better."""
-    done = subprocess.run([asperity, "solve", root / "data/examples/effects/ten_minutes.scene",
-                           "--accuracy", "1e-2"], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, "solve", root / "data/examples/effects/ten_minutes.scene",
+                       "--accuracy", "1e-2")
     assert ("fastest method real64, 'auto' with tolerance 5.000000E-003, Hertzian contacts in the "
             "field of the others, estimated error") in done.stdout
     assert "ten times better: reached by this run" in done.stdout
@@ -225,10 +222,9 @@ def test_the_page(asperity, root, tmp_path):
     scene = root / "data/examples/csv_surfaces.scene"
     for name in ("a.html", "a.csv"):
         assert not (tmp_path / name).exists()
-    done = subprocess.run([asperity, "accuracy", scene, "--seconds", "5", "--quiet", "--csv",
-                           "a.csv", "--html", "a.html"], cwd=tmp_path, capture_output=True,
-                          text=True, timeout=100)
-    assert done.returncode == 0 and done.stdout == "", done.stderr
+    done = run_program(asperity, "accuracy", scene, "--seconds", "5", "--quiet", "--csv", "a.csv",
+                       "--html", "a.html", cwd=tmp_path)
+    assert done.stdout == "", done.stderr
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     tree = ElementTree.fromstring(page.split("\n", 1)[1])
     assert "default-src 'none'" in page and not re.search(r"(?:src|href)=|https?:|url\(", page)
@@ -365,8 +361,8 @@ def test_the_time_is_kept_within_cells(asperity, tmp_path):
 
 def test_peers_on_the_page(asperity, root, tmp_path):
     """A peer with the time and the error of a way is drawn about its dot, and is in the table."""
-    subprocess.run([asperity, "accuracy", root / "data/examples/csv_surfaces.scene", "--seconds",
-                    "2", "--quiet", "--html", "a.html"], cwd=tmp_path, check=True, timeout=100)
+    run_program(asperity, "accuracy", root / "data/examples/csv_surfaces.scene", "--seconds", "2",
+                "--quiet", "--html", "a.html", cwd=tmp_path)
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     data = re.findall(r'^\["(.*?)",\s*(\S+?),\s*(\S+?)\],$', page, re.M)
     name, seconds, error = data[2]
@@ -386,10 +382,8 @@ def cells_of(asperity, folder, name, *options, **effects):
     """The position of a dense scene."""
     scene = next(s for s in dense_scenes() if s.name == name)
     file = folder / "positions.csv"
-    done = subprocess.run([asperity, "solve", scene.write(folder, **effects), "--quiet",
-                           "--positions", file, *options], capture_output=True, text=True,
-                          timeout=60)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, "solve", scene.write(folder, **effects), "--quiet", "--positions", file,
+                *options)
     return records(file)[0]
 
 

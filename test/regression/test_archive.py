@@ -4,10 +4,10 @@ same bytes under every flag. Nothing here writes an archive.
 """
 
 import difflib
-import subprocess
 
 import pytest
 from builds import build
+from programs import run_program
 
 REPORTS = ("ibm370", "real32", "real64", "real128")
 CONTACTS = ("ibm370", "real64")
@@ -35,10 +35,8 @@ def archived(root, name):
 
 def run(executable, root, arithmetic, folder):
     """Report and contacts CSV of the thesis deck."""
-    done = subprocess.run([executable, root / "data" / "thesis.deck", "--arithmetic", arithmetic,
-                           "--contacts", "contacts.csv"],
-                          cwd=folder, capture_output=True, timeout=120)
-    assert done.returncode == 0, done.stderr
+    done = run_program(executable, root / "data" / "thesis.deck", "--arithmetic", arithmetic,
+                       "--contacts", "contacts.csv", cwd=folder, text=False)
     return done.stdout, (folder / "contacts.csv").read_bytes()
 
 

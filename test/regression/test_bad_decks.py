@@ -5,11 +5,12 @@ The columns below are the deck's as the original reads it, written down a second
 
 import os
 import re
-import subprocess
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
+from programs import run_program
 
 NAME = "bad.deck"
 MODEL = (("N", 1, 5), ("R", 6, 10), ("Z", 11, 15), ("E", 16, 25), ("MU", 26, 30),
@@ -72,8 +73,8 @@ class Runner:
     def run(self, content, *options, timeout=20):
         if content is not None:
             (self.folder / NAME).write_bytes(content)
-        return subprocess.run([self.executable, NAME, *options], cwd=self.folder,
-                              stdin=subprocess.DEVNULL, capture_output=True, timeout=timeout)
+        return run_program(self.executable, NAME, *options, status=None, cwd=self.folder,
+                           timeout=timeout, text=False)
 
     def problems(self, content, timeout=20):
         """Line, column and message of every problem of a deck that must be refused."""
@@ -106,10 +107,7 @@ def runner(asperity, tmp_path):
 @pytest.fixture(scope="module")
 def report(asperity, root):
     """What the thesis deck prints."""
-    done = subprocess.run([asperity, root / "data" / "thesis.deck"], capture_output=True,
-                          timeout=20)
-    assert done.returncode == 0
-    return done.stdout
+    return run_program(asperity, root / "data" / "thesis.deck", text=False).stdout
 
 
 def quoted(content, line, first, last):

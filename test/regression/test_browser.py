@@ -2,11 +2,11 @@
 text cut off, every figure within the page, wide tables in a box that scrolls."""
 
 import re
-import subprocess
 
 import pytest
 from browser import measured
 from builds import ROOT
+from programs import run_program
 from surfaces_csv import write_csv_scene
 
 pytestmark = pytest.mark.once
@@ -54,9 +54,7 @@ def long_words(folder, name="long"):
 
 
 def page_of(asperity, words, path):
-    done = subprocess.run([asperity, *words, "--quiet", "--html", path], cwd=ROOT, timeout=300,
-                          capture_output=True, text=True, stdin=subprocess.DEVNULL)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, *words, "--quiet", "--html", path, cwd=ROOT)
     return path.read_text(encoding="utf-8")
 
 

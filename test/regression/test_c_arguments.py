@@ -1,11 +1,10 @@
 """What C gives the library: null pointers, counts and numbers out of range, under valgrind."""
 
-import os
 import shutil
-import subprocess
 
 import pytest
 from builds import ROOT
+from programs import run_program
 
 pytestmark = pytest.mark.once
 
@@ -238,17 +237,15 @@ def test_bad_arguments_under_valgrind(venv, tmp_path):
     and nothing is left over."""
     library = next(venv.glob("lib/python*/site-packages/asperity"))
     (tmp_path / "a.c").write_text(PROGRAM)
-    subprocess.run(["gcc", "-std=c99", "-g", "-Wall", "-Wextra", "-Werror", "-I", ROOT / "include",
-                    "a.c", "-o", "a", "-L", library, "-lasperity", f"-Wl,-rpath,{library}"],
-                   cwd=tmp_path, check=True, timeout=100)
+    run_program("gcc", "-std=c99", "-g", "-Wall", "-Wextra", "-Werror", "-I", ROOT / "include",
+                "a.c", "-o", "a", "-L", library, "-lasperity", f"-Wl,-rpath,{library}",
+                cwd=tmp_path)
     (tmp_path / "m.txt").write_text("0 1 0\n1 3 1\n0 1 0\n")
     words = [tmp_path / "a", ROOT / "data/thesis.deck", tmp_path / "m.txt"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=100)
-    assert done.returncode == 0 and done.stdout == done.stderr == "", done.stdout + done.stderr
+    done = run_program(*words, cwd=tmp_path)
+    assert done.stdout == done.stderr == "", done.stdout + done.stderr
     if not shutil.which("valgrind"):
         pytest.skip("no valgrind here (bash .ci/setup trouble)")
-    done = subprocess.run(["valgrind", "-q", "--error-exitcode=99", "--leak-check=full",
-                           "--errors-for-leak-kinds=definite,indirect", *words],
-                          env={**os.environ, "OMP_NUM_THREADS": "1"}, cwd=tmp_path,
-                          capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stdout + done.stderr
+    run_program("valgrind", "-q", "--error-exitcode=99", "--leak-check=full",
+                "--errors-for-leak-kinds=definite,indirect", *words,
+                variables={"OMP_NUM_THREADS": "1"}, cwd=tmp_path)

@@ -3,10 +3,10 @@ are empty or below 0 only where the page says so."""
 
 import csv
 import re
-import subprocess
 
 import pytest
 from builds import ROOT
+from programs import run_program
 from surfaces_csv import write_scene
 
 # Of the release build: what other builds write has the same columns.
@@ -46,9 +46,7 @@ def read(path):
 
 
 def run(asperity, *words):
-    done = subprocess.run([asperity, *words], cwd=ROOT, stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=100)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, *words, cwd=ROOT)
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ import pytest
 
 from decks import write_deck
 from printed_report import NotFound, Report
+from programs import run_program
 
 CONTACTS = ("position,x_displacement,y_displacement,step,approach,area_no,x,y,upper,lower,area,"
             "projected_area,slope,load,average_pressure,maximum_pressure,limit_exceeded")
@@ -43,9 +44,7 @@ def run(asperity, tmp_path):
 @pytest.fixture(scope="module")
 def plain(asperity, thesis):
     """The report of the thesis deck without any option."""
-    done = subprocess.run([asperity, thesis], capture_output=True, text=True, timeout=20)
-    assert done.returncode == 0
-    return done.stdout
+    return run_program(asperity, thesis).stdout
 
 
 def test_no_arguments_says_what_to_type_next(run):
@@ -86,7 +85,7 @@ def test_manual_and_completion_have_the_options_of_the_help(run):
     script = completion + """
 COMP_WORDS=(asperity sol) COMP_CWORD=1; _asperity; echo ${COMPREPLY[@]}
 COMP_WORDS=(asperity study --k) COMP_CWORD=2; _asperity; echo ${COMPREPLY[@]}"""
-    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
+    done = run_program("bash", "-c", script)
     assert done.stdout.splitlines() == ["solve", "--keep"] and done.stderr == ""
 
 
@@ -210,10 +209,8 @@ def csv_rows(path, header):
 @pytest.fixture(scope="module", params=("ibm370", "real32", "real64", "real128"))
 def outputs(request, asperity, thesis, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
-    done = subprocess.run([asperity, thesis, "--arithmetic", request.param, "--contacts",
-                           "contacts.csv", "--positions", "positions.csv"],
-                          cwd=folder, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0
+    done = run_program(asperity, thesis, "--arithmetic", request.param, "--contacts",
+                       "contacts.csv", "--positions", "positions.csv", cwd=folder)
     assert sorted(os.listdir(folder)) == ["contacts.csv", "positions.csv"]
     return (Report(done.stdout), csv_rows(folder / "contacts.csv", CONTACTS),
             csv_rows(folder / "positions.csv", POSITIONS))

@@ -10,6 +10,7 @@ import pytest
 
 import made_maps
 from effect_runs import DECK
+from programs import run_program
 from surfaces_csv import write_scene
 
 # Its own process, as what the tests hold would count as the program's.
@@ -25,9 +26,7 @@ LEAST, MOST = 0.5, 2.0
 def told(asperity, folder, *words):
     """The lines of `--cost`: pieces, of them tried, bytes. No file appears."""
     before = sorted(path.name for path in folder.iterdir())
-    done = subprocess.run([asperity, *map(str, words), "--cost"], cwd=folder, text=True,
-                          capture_output=True, stdin=subprocess.DEVNULL, timeout=120)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, *words, "--cost", cwd=folder)
     assert sorted(path.name for path in folder.iterdir()) == before
     found = re.fullmatch(r"work: (\d+) .*, tried (\d+) in \d+\.\d+ s\n"
                          r"time: (?:about|at most) \d+ (?:s|min|h) .*\nmemory: about (\d+) MB\n",
@@ -40,8 +39,7 @@ def told(asperity, folder, *words):
 
 def taken(asperity, folder, *words):
     """The most memory that a run holds, bytes."""
-    done = subprocess.run([sys.executable, "-c", MEASURE, asperity, *map(str, words)], cwd=folder,
-                          capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=300)
+    done = run_program(sys.executable, "-c", MEASURE, asperity, *words, status=None, cwd=folder)
     status, most = map(int, done.stdout.split()[-2:])
     assert status == 0, done.stderr
     return most
@@ -99,10 +97,10 @@ def test_what_is_done_once_is_not_multiplied(asperity, root, tmp_path):
     (tmp_path / "s.spec").write_text(text)
     words, times = [asperity, "study", "s.spec", "--quiet"], []
     for _ in range(2):
-        said = subprocess.run([*words, "--cost"], cwd=tmp_path, text=True, capture_output=True)
+        said = run_program(*words, "--cost", cwd=tmp_path)
         seconds = int(re.search(r"time: about (\d+) s of one core", said.stdout)[1])
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(words, cwd=tmp_path, check=True, capture_output=True)
+        run_program(*words, cwd=tmp_path)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         times.append(seconds / (after.ru_utime - before.ru_utime))
     assert min(times) < 5
@@ -140,6 +138,5 @@ def test_every_command_tells_its_cost(asperity, root, tmp_path):
 
 
 def test_cost_and_budget_exclude_each_other(asperity, tmp_path):
-    done = subprocess.run([asperity, "solve", DECK, "--budget", "--cost"], cwd=tmp_path, text=True,
-                          capture_output=True)
-    assert done.returncode == 2 and "--cost does not estimate --budget" in done.stderr
+    done = run_program(asperity, "solve", DECK, "--budget", "--cost", status=2, cwd=tmp_path)
+    assert "--cost does not estimate --budget" in done.stderr

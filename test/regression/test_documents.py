@@ -6,10 +6,10 @@ blocks are accepted, and print what is shown; the tables of names are those of t
 
 import re
 import shlex
-import subprocess
 
 import pytest
 from builds import ROOT
+from programs import run_program
 
 # Says nothing about the build under test.
 pytestmark = pytest.mark.once
@@ -122,8 +122,7 @@ def options(asperity):
     known = {}
     for command in COMMANDS:
         words = [word for word in (command, "--help") if word]
-        done = subprocess.run([asperity, *words], capture_output=True, text=True, timeout=20)
-        assert done.returncode == 0
+        done = run_program(asperity, *words)
         known[command] = set(OPTION.findall(done.stdout))
         assert len(known[command]) > 1
     return known
@@ -202,16 +201,11 @@ def test_commands_and_scenes_are_accepted(page, asperity, options, workplace):
         strange = {word.partition("=")[0] for word in words if word.startswith("--")} \
             - options[command] - {"--help", "--version"}
         assert not strange, f"{where}: {strange}"
-        done = subprocess.run([asperity, *words, *SHORT.get(command, [])], cwd=workplace,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
-        assert done.returncode == 0, f"{where}: {done.stderr}"
+        done = run_program(asperity, *words, *SHORT.get(command, []), cwd=workplace)
         assert_shown(shown, done.stdout.splitlines(), where)
     for number, name in inputs:
         verb = "solve" if name.endswith(".scene") else "generate"
-        done = subprocess.run([asperity, verb, name, *(["--quiet"] if verb == "solve" else [])],
-                              cwd=workplace, stdin=subprocess.DEVNULL, capture_output=True,
-                              text=True, timeout=60)
-        assert done.returncode == 0, f"{name_of(page)}:{number}: {done.stderr}"
+        run_program(asperity, verb, name, *(["--quiet"] if verb == "solve" else []), cwd=workplace)
 
 
 def assert_shown(shown, printed, where):
@@ -266,8 +260,7 @@ def names_known(asperity, folder, command, group, suffix):
     """The names of a group, as the reader lists them when it finds another."""
     path = folder / f"a.{suffix}"
     path.write_text(f"&{group} no_such_name = 1 /\n", encoding="ascii")
-    done = subprocess.run([asperity, command, path], capture_output=True, text=True, timeout=20)
-    assert done.returncode == 2
+    done = run_program(asperity, command, path, status=2)
     told = re.search(rf"unknown name in &{group}: .*, expected (.*)", done.stderr)
     return set(re.split(r", | or ", told[1]))
 

@@ -16,6 +16,7 @@ from exact_contact import Truth, read_deck
 from fault_effects import (ARCHIVE, DECIMALS, DOCUMENT, MADE, archive, begin, effects, inside,
                            names, variance)
 from mpmath import mp, mpf
+from programs import run_program
 
 DIGITS = 40
 # A few units of the last place of a double, in which real128's results are written. Decks that take
@@ -30,8 +31,7 @@ SPOILT = {"list": ("deck_25_approaches", ""), "no-pair": ("deck_none_at_some", "
 
 
 def run(asperity, deck, mended, *options):
-    return subprocess.run([asperity, deck, "--fault-free", mended, *options], capture_output=True,
-                          text=True, check=False, timeout=60)
+    return run_program(asperity, deck, "--fault-free", mended, *options, status=None)
 
 
 def arithmetic_for(deck):
@@ -166,8 +166,7 @@ def test_tables_of_the_page_are_current(asperity):
 def test_effects_explain_the_corrected_table(asperity):
     """All at once meets `Table VI, corrected` of the solver; the sum does within what the page
     lists as not additive, in printed units."""
-    done = subprocess.run([asperity, "solve", THESIS], capture_output=True, text=True, check=False,
-                          timeout=60)
+    done = run_program(asperity, "solve", THESIS)
     lines = done.stdout.partition("Table VI, corrected")[2].splitlines()[1:]
     corrected = [line[44:55].strip() for line in lines]
     exact = variance(asperity, ("all",), "real128")

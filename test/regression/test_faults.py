@@ -2,11 +2,11 @@
 
 import csv
 import re
-import subprocess
 
 import pytest
 
 from decks import random_deck, write_deck
+from programs import run_program
 
 MODULUS = "   400000."  # both of the thesis' deck, F10.0
 
@@ -43,9 +43,7 @@ def test_the_pages_count_the_faults(root, page):
 
 def run(asperity, folder, deck, *options):
     """Rows of contacts and positions."""
-    done = subprocess.run([asperity, *options, deck, "--contacts", "c.csv", "--positions", "p.csv"],
-                          cwd=folder, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, *options, deck, "--contacts", "c.csv", "--positions", "p.csv", cwd=folder)
     return [[{name: float(text or "nan") for name, text in row.items()}
              for row in csv.DictReader((folder / name).read_text().splitlines())]
             for name in ("c.csv", "p.csv")]
@@ -141,13 +139,12 @@ def test_contacts_that_count(runs, page):
 
 def test_neighbours(asperity, root, tmp_path, page):
     """Overlapping circles, and what interaction takes off at position 56."""
-    done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck"], capture_output=True,
-                          text=True, timeout=120)
+    done = run_program(asperity, "solve", root / "data" / "thesis.deck")
     assert "circles overlap, at positions 18, 56, 79:" in done.stdout
     scene = tmp_path / "together.scene"
     scene.write_text(f"&surfaces deck = '{root / 'data' / 'thesis.deck'}' /\n"
                      "&motion x_first = 5.6 /\n&effects interaction = 'coupled' /\n")
-    done = subprocess.run([asperity, "solve", scene], capture_output=True, text=True, timeout=120)
+    done = run_program(asperity, "solve", scene)
     share = re.search(r"influence -(\S+ %)", done.stdout).group(1)
     assert "At positions 18, 56 (the maximum of Table VI) and 79 two" in row_of(page, 12)
     assert f"`coupled` reduces the vertical load by {share}" in row_of(page, 12)
@@ -155,8 +152,7 @@ def test_neighbours(asperity, root, tmp_path, page):
 
 def table_of(asperity, deck):
     """Table VI, corrected: by quantity and column, the words after both numbers."""
-    done = subprocess.run([asperity, "solve", deck], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, "solve", deck)
     lines = done.stdout.partition("Table VI, corrected")[2].splitlines()[1:]
     assert len(lines) == 21
     return {(line[2:22].strip(), line[23:30]): (line[33:44].strip(), line[57:]) for line in lines}
@@ -171,8 +167,7 @@ def edited(root, folder, old, new):
 
 
 def test_the_corrected_table_shown(asperity, root):
-    done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck"], capture_output=True,
-                          text=True, timeout=120)
+    done = run_program(asperity, "solve", root / "data" / "thesis.deck")
     page = (root / "docs/tutorial/thesis.md").read_text()
     block = page.partition("Table VI, corrected")[2].partition("```")[0]
     lines = [line for line in block.splitlines()[1:] if line.strip() != "..."]

@@ -5,7 +5,6 @@ displacements of the same pressures, closed forms."""
 import base64
 import csv
 import re
-import subprocess
 from xml.etree import ElementTree
 
 import numpy as np
@@ -13,6 +12,7 @@ import pytest
 from builds import ROOT
 from image_data import read_png, read_vti
 from map_press_truth import press, product, rough
+from programs import run_program
 from surfaces_csv import solve, write_scene
 from test_map_scene import E, level, load_for, map_scene, write_map
 
@@ -25,10 +25,7 @@ MAPS = [(64, 64, (0.01, 0.01), "periodic", False), (64, 64, (0.01, 0.01), "free"
 
 
 def run(asperity, *words, status=0, cwd=ROOT):
-    done = subprocess.run([asperity, *words], cwd=cwd, stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=300)
-    assert done.returncode == status, done.stderr
-    return done
+    return run_program(asperity, *words, status=status, cwd=cwd)
 
 
 def perimeter(pressed, there, sides, periodic):

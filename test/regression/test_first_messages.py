@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from programs import run_program
+
 BALL = "x,y,height,radius\n0,0,.1,1\n"
 SURFACES = "&surfaces upper = 'ball.csv', lower = 'plane' /\n"
 MATERIAL = "&material elastic_modulus = 210e3, 70e3, poisson_ratio = 2*0.3 /\n"
@@ -24,9 +26,7 @@ def run(asperity, tmp_path):
 
     def start(text, *words, name="my.scene", command=("solve",), status=2):
         (tmp_path / name).write_text(text, encoding="utf-8")
-        done = subprocess.run([asperity, *command, name, *words], cwd=tmp_path, text=True,
-                              capture_output=True, timeout=60, check=False)
-        assert done.returncode == status, (done.returncode, done.stderr)
+        done = run_program(asperity, *command, name, *words, status=status, cwd=tmp_path)
         return done.stderr
 
     return start
@@ -71,9 +71,8 @@ def test_a_deck_is_a_deck(asperity, root, tmp_path):
                           check=False).returncode == 0
     cards[1] = "   xx" + cards[1][5:]
     (tmp_path / "a.deck").write_text("\n".join(cards) + "\n", encoding="ascii")
-    done = subprocess.run([asperity, "solve", "a.deck"], cwd=tmp_path, capture_output=True,
-                          text=True, check=False)
-    assert done.returncode == 2 and "NU (number of asperities): found '   xx'" in done.stderr
+    done = run_program(asperity, "solve", "a.deck", status=2, cwd=tmp_path)
+    assert "NU (number of asperities): found '   xx'" in done.stderr
 
 
 @pytest.mark.parametrize("old, new, said", [
@@ -121,8 +120,8 @@ def test_a_missing_file_beside_a_map(run, tmp_path, upper, lower):
 def test_one_unit_by_many_names(run, asperity, tmp_path, unit):
     """A micrometre, wherever a unit is read: an option, a scene, the header of a surface."""
     (tmp_path / "m.txt").write_text(MAP, encoding="ascii")
-    done = subprocess.run([asperity, "summits", "m.txt", "--spacing", "1,1", "--unit", unit],
-                          cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = run_program(asperity, "summits", "m.txt", "--spacing", "1,1", "--unit", unit,
+                       cwd=tmp_path)
     assert done.stderr == "" and " um" in done.stdout
     run(f"&surfaces upper = 'm.txt', lower = 'plane', map_spacing = 1., 1., units = 'um', 'N', "
         f"map_unit = '{unit}' /\n&material contact_modulus = 1e5 /\n" + LOADING, status=0)
@@ -199,9 +198,8 @@ def test_a_file_in_a_folder_that_takes_none(asperity):
         (folder / "p.csv").write_text("kept\n", encoding="ascii")
         (folder / "p.csv").chmod(0o666)
         folder.chmod(0o755)
-        done = subprocess.run(["./program", "solve", "my.scene", "--positions", "p.csv"],
-                              cwd=folder, capture_output=True, text=True, user=65534, check=False)
-        assert done.returncode == 1
+        done = run_program("./program", "solve", "my.scene", "--positions", "p.csv", status=1,
+                           cwd=folder, user=65534)
         # A build that counts its lines adds its own complaints of the other user.
         said = [line for line in done.stderr.splitlines() if not line.startswith("profiling:")]
         assert said == ["p.csv: cannot be written: its folder takes no new file, which a whole "

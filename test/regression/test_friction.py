@@ -4,7 +4,6 @@ Two evaluations made apart: the superposition of Hertz states with mpmath (`clos
 of springs that touch, stick and slip one by one (`march`).
 """
 
-import subprocess
 from functools import cache
 
 import mpmath
@@ -14,6 +13,7 @@ import pytest
 import friction_truth
 from effect_runs import (CAP, COMBINED, DECK, MODULUS, RATIO, TOLD, Sweeps, by_position, column,
                          place_of, report, total)
+from programs import run_program
 from surfaces_csv import solve, write_csv_scene
 
 KAPPA = 2 * (1 - RATIO) / (2 - RATIO)  # tangential over normal stiffness (Mindlin 1949)
@@ -318,9 +318,7 @@ def test_same_bytes_again(sweeps, asperity, tmp_path):
                      "friction_coefficient = 0.1 /\n")
     files = [tmp_path / name for name in ("a.csv", "b.csv")]
     for file in files:
-        done = subprocess.run([asperity, "solve", scene, "--quiet", "--contacts", file],
-                              capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+        run_program(asperity, "solve", scene, "--quiet", "--contacts", file)
     assert files[0].read_bytes() == files[1].read_bytes()
 
 

@@ -3,7 +3,6 @@ the command says when it cannot do what is asked."""
 
 import math
 import os
-import subprocess
 from decimal import Decimal
 
 import mpmath
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 
 from philox import philox, whole_number
+from programs import run_program
 
 HEADER = "x,y,height,radius"
 PLAIN = """&surfaces number = {number}, length = 40., width = 25., least_distance = {least} /
@@ -25,11 +25,8 @@ def generate(asperity, tmp_path):
     def start(text, *options, status=0, **environment):
         spec = tmp_path / "a.spec"
         spec.write_text(text, encoding="ascii")
-        done = subprocess.run([asperity, "generate", "a.spec", *map(str, options)], cwd=tmp_path,
-                              capture_output=True, text=True, stdin=subprocess.DEVNULL,
-                              timeout=100, env={**os.environ, **environment})
-        assert done.returncode == status, done.stderr
-        return done
+        return run_program(asperity, "generate", "a.spec", *options, status=status, cwd=tmp_path,
+                           variables=environment)
     return start
 
 
@@ -241,9 +238,8 @@ def test_the_design_of_the_thesis(generate, root, asperity, tmp_path, tally):
         assert abs(z.mean() - m) < 4 * s / np.sqrt(len(z))
         assert abs(z.std() - s) < 4 * s * np.sqrt((fourth - 1) / 4 / len(z))
         tally.add("design of the thesis", 2, 2)
-    done = subprocess.run([asperity, tmp_path / "1.deck"], capture_output=True, text=True,
-                          timeout=60)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = run_program(asperity, tmp_path / "1.deck")
+    assert done.stderr == ""
     assert "    37" in done.stdout and "    75" in done.stdout
 
 
@@ -300,9 +296,8 @@ def test_the_solver_takes_what_was_generated(generate, root, asperity, tmp_path)
         "&surfaces upper = 'u.csv', lower = 'l.csv' /\n"
         "&material elastic_modulus = 2*275760., poisson_ratio = 2*0.42 /\n"
         "&loading control = 'load', value = 500. /\n")
-    done = subprocess.run([asperity, "solve", tmp_path / "a.scene", "--contacts",
-                           tmp_path / "c.csv"], capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = run_program(asperity, "solve", tmp_path / "a.scene", "--contacts", tmp_path / "c.csv")
+    assert done.stderr == ""
     assert (tmp_path / "c.csv").read_text().count("\n") > 2
 
 
@@ -385,6 +380,5 @@ def test_bad_options(options, words, generate, tmp_path):
 
 
 def test_a_spec_that_is_not_there(asperity, tmp_path):
-    done = subprocess.run([asperity, "generate", "none.spec"], cwd=tmp_path, capture_output=True,
-                          text=True)
-    assert done.returncode == 2 and done.stderr.startswith("none.spec:1:1: cannot be opened")
+    done = run_program(asperity, "generate", "none.spec", status=2, cwd=tmp_path)
+    assert done.stderr.startswith("none.spec:1:1: cannot be opened")

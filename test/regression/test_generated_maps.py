@@ -3,15 +3,14 @@ spectra of `asperity summits --spectrum`, against numpy and SurfaceTopography.""
 
 import csv
 import math
-import os
 import statistics
-import subprocess
 
 import mpmath
 import numpy as np
 import pytest
 
 from philox import philox
+from programs import run_program
 
 # A small map whose sides, spacings and lengths differ, with a prime factor of 7.
 SMALL = ("&map pixels = 42, 30, spacing = 0.5, 0.75, hurst = 0.7, roll_off = 9., cut_off = 2.,\n"
@@ -26,11 +25,7 @@ ndtri = np.vectorize(statistics.NormalDist().inv_cdf)
 @pytest.fixture
 def run(asperity, tmp_path):
     def start(*words, status=0, **environment):
-        done = subprocess.run([asperity, *map(str, words)], cwd=tmp_path, capture_output=True,
-                              text=True, stdin=subprocess.DEVNULL, timeout=100,
-                              env={**os.environ, **environment})
-        assert done.returncode == status, done.stderr
-        return done
+        return run_program(asperity, *words, status=status, cwd=tmp_path, variables=environment)
     return start
 
 
@@ -500,9 +495,7 @@ def test_memory_is_asked_for_beforehand(asperity, tmp_path):
     (tmp_path / "map.spec").write_text("&map pixels = 20000, spacing = 1., hurst = 0.8, "
                                        "rms_height = 1. /\n", encoding="ascii")
     command = f"ulimit -v 2000000; OMP_NUM_THREADS=1 {asperity} generate map.spec --output map.npy"
-    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True,
-                          timeout=100)
-    assert done.returncode == 1
+    done = run_program("bash", "-c", command, status=1, cwd=tmp_path)
     assert "not enough memory for the map, 20000 x 20000 pixels" in done.stderr
     assert not (tmp_path / "map.npy").exists()
 

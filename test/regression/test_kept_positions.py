@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from programs import run_program
 from surfaces_csv import write_csv_scene, write_scene
 
 OUTPUTS = ("contacts", "positions", "curve")
@@ -34,8 +35,8 @@ def run(command, scene, folder, *options):
     folder.mkdir()
     words = [word for name in OUTPUTS for word in (f"--{name}", f"{name}.csv")
              if name != "contacts" or "without a list" not in scene.name]
-    done = subprocess.run([*command, "solve", scene, "--threads", "1", *words, *options],
-                          cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=100)
+    done = run_program(*command, "solve", scene, "--threads", "1", *words, *options, status=None,
+                       cwd=folder, text=False)
     files = {name: (folder / f"{name}.csv").read_bytes() for name in OUTPUTS
              if (folder / f"{name}.csv").exists()}
     return done.returncode, done.stdout, done.stderr, files
@@ -126,8 +127,8 @@ def test_other_work_is_refused(change, asperity, tmp_path):
     command = [asperity, "solve", scene, "--keep", "a.keep", *options]
     if change != "contacts":
         command += ["--contacts", "c.csv"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=20)
-    assert done.returncode == 1 and done.stdout == ""
+    done = run_program(*command, status=1, cwd=tmp_path)
+    assert done.stdout == ""
     assert "a.keep: holds no positions of this scene" in done.stderr
     assert (tmp_path / "a.keep").read_bytes() == before
     assert not (tmp_path / "c.csv").exists()
@@ -139,9 +140,8 @@ def test_words_that_do_not_go_together(asperity, root, tmp_path):
     for words, message in ((["--keep", "k", "--accuracy", "1e-3"], "expected one of both"),
                            (["--keep", "a.deck"], "--keep names the input"),
                            (["--keep", "k", "--positions", "k"], "both name k")):
-        done = subprocess.run([asperity, "solve", "a.deck", *words], cwd=tmp_path,
-                              capture_output=True, text=True, timeout=20)
-        assert done.returncode == 2 and message in done.stderr
+        done = run_program(asperity, "solve", "a.deck", *words, status=2, cwd=tmp_path)
+        assert message in done.stderr
         assert deck.read_bytes() == (root / "data" / "thesis.deck").read_bytes()
 
 
@@ -206,9 +206,7 @@ def solve_to(name, scene):
 def compare_continued(command, asperity, scene, tmp_path):
     """Killed, then continued: the bytes of an undisturbed run."""
     for words, name in ((command, "part"), ([asperity], "whole")):
-        done = subprocess.run([*words, *solve_to(name, scene)], cwd=tmp_path, capture_output=True,
-                              stdin=subprocess.DEVNULL, timeout=100)
-        assert done.returncode == 0
+        run_program(*words, *solve_to(name, scene), cwd=tmp_path)
     for kind in ("csv", "keep"):
         assert (tmp_path / f"part.{kind}").read_bytes() == (tmp_path / f"whole.{kind}").read_bytes()
 

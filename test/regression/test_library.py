@@ -3,11 +3,11 @@
 import os
 import re
 import shutil
-import subprocess
 
 import numpy as np
 import pytest
 from builds import ROOT, build
+from programs import run_program
 from surfaces_csv import records, solve, write_csv_scene
 
 # The made-up case of example/close_to_a_load.f90, from its text.
@@ -24,8 +24,7 @@ def example(asperity):
         folder = build("release").parent.parent / "example"
 
     def run(name, *words):
-        done = subprocess.run([folder / name, *words], cwd=ROOT, capture_output=True, text=True,
-                              stdin=subprocess.DEVNULL, timeout=100)
+        done = run_program(folder / name, *words, status=None, cwd=ROOT)
         return done.returncode, done.stdout, done.stderr
     return run
 
@@ -34,8 +33,8 @@ def test_read_a_scene(example, asperity, tmp_path, tally):
     """The example prints the totals that the program writes, to its seven digits."""
     status, text, errors = example("read_a_scene")
     assert status == 0 and errors == ""
-    subprocess.run([asperity, "solve", ROOT / "data/examples/thesis.scene", "--quiet",
-                    "--positions", "p.csv"], cwd=tmp_path, check=True, timeout=100)
+    run_program(asperity, "solve", ROOT / "data/examples/thesis.scene", "--quiet", "--positions",
+                "p.csv", cwd=tmp_path)
     expected = records(tmp_path / "p.csv")
     lines = text.splitlines()[1:]
     assert len(lines) == len(expected) == 100
@@ -52,8 +51,7 @@ def test_read_a_scene_of_a_map(example, asperity, tmp_path, name):
     scene = ROOT / f"data/examples/summits/{name}.scene"
     status, text, errors = example("read_a_scene", scene)
     assert status == 0 and errors == ""
-    subprocess.run([asperity, "solve", scene, "--quiet", "--positions", "p.csv"], cwd=tmp_path,
-                   check=True, timeout=100)
+    run_program(asperity, "solve", scene, "--quiet", "--positions", "p.csv", cwd=tmp_path)
     row, = records(tmp_path / "p.csv")
     assert text.splitlines()[-1] == (f"{1:8d}{int(row['contacts']):10d}"
                                      f"{float(row['load']):15.6E}{float(row['area']):15.6E}")
@@ -71,7 +69,7 @@ def test_summits_of_a_map(example, asperity, tmp_path):
     path = ROOT / "data/examples/summits/rough.sdf"
     status, text, errors = example("summits_of_a_map", path)
     assert status == 0 and errors == ""
-    done = subprocess.run([asperity, "summits", path], capture_output=True, text=True, check=True)
+    done = run_program(asperity, "summits", path)
     for name, own in (("density of summits", "density"), ("mean summit height", "mean height"),
                       ("mean summit curvature", "mean curvature")):
         found = [re.search(rf"^{key} +(\S+)", output, re.M)[1]
@@ -107,8 +105,7 @@ def test_close_to_a_load(example, asperity, tmp_path, tally):
 def test_from_c(example, asperity, tmp_path):
     """The example in C prints what the program writes, to the last bit; what is wrong it tells."""
     scene = ROOT / "data/examples/thesis.scene"
-    subprocess.run([asperity, "solve", scene, "--quiet", "--positions", "p.csv"], cwd=tmp_path,
-                   check=True, capture_output=True, timeout=100)
+    run_program(asperity, "solve", scene, "--quiet", "--positions", "p.csv", cwd=tmp_path)
     status, text, errors = example("press_two_surfaces", scene)
     assert status == 0 and errors.count("warning") == 3
     assert [tuple(map(float, line.split())) for line in text.splitlines()] == [
@@ -165,9 +162,7 @@ def test_project_outside(asperity, tmp_path):
         f'name = "outside"\n[dependencies]\nasperity.path = "{path}"\n')
     (tmp_path / "app").mkdir()
     (tmp_path / "app" / "main.f90").write_text(OUTSIDE)
-    done = subprocess.run([fpm, "run", "--flag", "-O0"], cwd=tmp_path, capture_output=True,
-                          text=True, stdin=subprocess.DEVNULL, timeout=500)
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = run_program(fpm, "run", "--flag", "-O0", cwd=tmp_path, timeout=500)
     first, rest = re.search(r"^(0 F [^\n]*)\n(.*)", done.stdout, re.M | re.S).groups()
     expected = 4 / 3 * 2e5 / (2 * (1 - 0.3**2)) * np.sqrt(0.5) * 0.01**1.5
     assert float(first.split()[2]) == pytest.approx(expected, rel=1e-14)

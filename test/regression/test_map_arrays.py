@@ -4,7 +4,6 @@ same map gives the same numbers to the last bit, however it comes."""
 import ctypes
 import os
 import re
-import subprocess
 import sys
 from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_void_p
 
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 
 from made_maps import self_affine, write_bytes
+from programs import run_program
 
 # The library of the package, not the build under test: `checks` runs this file with its own.
 pytestmark = pytest.mark.once
@@ -387,8 +387,8 @@ def test_summits_of_a_periodic_array(library, asperity, tmp_path):
     """As --edge periodic does."""
     heights, _ = self_affine((32, 24), 4, shortest=6, periodic=True)
     np.save(tmp_path / "m.npy", heights)
-    subprocess.run([asperity, "summits", "m.npy", "--spacing", "0.5,0.375", "--unit", "um",
-                    "--edge", "periodic", "--quiet", "--output", "s.csv"], cwd=tmp_path, check=True)
+    run_program(asperity, "summits", "m.npy", "--spacing", "0.5,0.375", "--unit", "um", "--edge",
+                "periodic", "--quiet", "--output", "s.csv", cwd=tmp_path)
     rows = np.loadtxt(tmp_path / "s.csv", delimiter=",", skiprows=1)
     found = library.summits(height_map(heights, periodic=1)).table(SUMMITS)
     assert np.array_equal(rows, np.column_stack([found[n] for n in ("x", "y", "height", "radius")]))
@@ -540,18 +540,16 @@ def test_refused_arrays(library, asperity, tmp_path, data, expected):
     assert read.status == BAD_INPUT
     assert expected in read.wrong and read.wrong.startswith(str(tmp_path / "m.npy")), read.wrong
     assert read.wrong.count("\n") == 1 and "expected" in read.wrong
-    done = subprocess.run([asperity, "summits", "-", "--spacing=1,1"], input=data,
-                          capture_output=True, timeout=60)
-    assert done.returncode == 2 and done.stderr.count(b"\n") == 1, done.stderr
+    done = run_program(asperity, "summits", "-", "--spacing=1,1", status=2, input=data, text=False)
+    assert done.stderr.count(b"\n") == 1, done.stderr
 
 
 def test_array_without_a_spacing(library, asperity, tmp_path):
     np.save(tmp_path / "m.npy", ROUGH)
     read = library.read(tmp_path / "m.npy")
     assert "m.npy: found heights without a spacing, expected spacing along x and y" in read.wrong
-    done = subprocess.run([asperity, "summits", "m.npy"], cwd=tmp_path, capture_output=True,
-                          text=True, timeout=60)
-    assert done.returncode == 2 and "expected --spacing along x and y" in done.stderr
+    done = run_program(asperity, "summits", "m.npy", status=2, cwd=tmp_path)
+    assert "expected --spacing along x and y" in done.stderr
 
 
 def test_array_through_a_pipe(library, asperity, tmp_path):
@@ -559,8 +557,7 @@ def test_array_through_a_pipe(library, asperity, tmp_path):
     command = [str(asperity), "summits", "--spacing=0.5,0.375", "--output", "s.csv"]
     for source in ("m.npy", "-"):
         with open(tmp_path / "m.npy", "rb") as file:
-            subprocess.run([*command, source], cwd=tmp_path, check=True, stdin=file,
-                           capture_output=True, timeout=60)
+            run_program(*command, source, cwd=tmp_path, stdin=file)
         (tmp_path / "s.csv").rename(tmp_path / f"{len(source)}.csv")
     assert (tmp_path / "5.csv").read_bytes() == (tmp_path / "1.csv").read_bytes()
 
@@ -622,8 +619,8 @@ def test_the_command_reads_what_is_written(library, asperity, tmp_path):
     """As text with its header, and as surface data."""
     for ending in ("txt", "sdf"):
         library.write(height_map(ROUGH, unit=b"m"), tmp_path / f"m.{ending}")
-        subprocess.run([asperity, "summits", f"m.{ending}", "--quiet", "--output", "s.csv"],
-                       cwd=tmp_path, check=True, timeout=60)
+        run_program(asperity, "summits", f"m.{ending}", "--quiet", "--output", "s.csv",
+                    cwd=tmp_path)
         rows = np.loadtxt(tmp_path / "s.csv", delimiter=",", skiprows=1)
         found = library.summits(height_map(ROUGH, unit=b"m")).table(SUMMITS)
         assert np.array_equal(rows[:, 3], found["radius"])

@@ -6,12 +6,12 @@ values themselves are held against numpy in test_map_scene.py and against Wester
 """
 
 import csv
-import subprocess
 
 import numpy as np
 import pytest
 
 from map_press_truth import press
+from programs import run_program
 
 MODULUS = 3.0
 CHANGES = ("rolled", "transposed", "mirrored along x", "mirrored along y", "turned", "shifted",
@@ -83,8 +83,7 @@ def laws_of(of, random):
 
 
 def command(asperity, folder, *words):
-    return subprocess.run([asperity, *words], cwd=folder, capture_output=True, text=True,
-                          check=False, timeout=120)
+    return run_program(asperity, *words, status=None, cwd=folder)
 
 
 def rows_of(path):

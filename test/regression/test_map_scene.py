@@ -2,13 +2,13 @@
 against the map, what the summary says of that, and what is refused."""
 
 import re
-import subprocess
 
 import numpy as np
 import pytest
 
 import made_maps
 from map_press_truth import press, rough
+from programs import run_program
 from surfaces_csv import records, solve, write_scene
 
 E = 3.0
@@ -201,9 +201,8 @@ def test_auto_keeps_its_answer_alone(asperity, tmp_path):
     assert plain.positions[0]["interaction"] == "boundary"
 
     def kept():
-        return subprocess.run([asperity, "solve", scene.name, "--quiet", "--keep", "keep",
-                               "--positions", "kept.csv"], cwd=tmp_path, capture_output=True,
-                              text=True, timeout=60)
+        return run_program(asperity, "solve", scene.name, "--quiet", "--keep", "keep",
+                           "--positions", "kept.csv", status=None, cwd=tmp_path)
 
     for _ in range(2):
         assert kept().returncode == 0
@@ -233,9 +232,7 @@ def test_a_pressure_is_a_load_over_the_map(asperity, tmp_path):
 def test_commands_that_take_no_map(asperity, tmp_path):
     scene = map_scene(tmp_path, rough(32, shortest=4), (0.1, 0.1), interaction="off",
                       loading={"control": "limit"}, limit={"criterion": "load", "value": 1e-3})
-    done = subprocess.run([asperity, "solve", scene, "--budget"], capture_output=True, text=True,
-                          timeout=60)
-    assert done.returncode == 2, done
+    done = run_program(asperity, "solve", scene, "--budget", status=2)
     assert "map" in done.stderr
 
 

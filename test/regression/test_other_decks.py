@@ -5,12 +5,12 @@ shares the marching rule with the original, because the results depend on it.
 """
 
 import csv
-import subprocess
 
 import numpy as np
 import pytest
 
 from decks import random_deck, write_deck
+from programs import run_program
 
 INCH, PSI = 2.54, 0.6894
 LIMIT = 65 * 9.8 / 2.205
@@ -69,10 +69,8 @@ def restate(upper, lower, width, angles, displacement):
 def test_random_deck(seed, asperity, tmp_path):
     deck = random_deck(seed)
     path = write_deck(tmp_path / "random.deck", **deck)
-    done = subprocess.run([asperity, path, "--arithmetic", "real64", "--tables", "none",
-                           "--positions", tmp_path / "positions.csv"],
-                          capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, path, "--arithmetic", "real64", "--tables", "none", "--positions",
+                tmp_path / "positions.csv")
     with open(tmp_path / "positions.csv") as file:
         found = list(csv.DictReader(file))
     expected = restate(**deck)
@@ -95,7 +93,5 @@ def test_random_deck(seed, asperity, tmp_path):
 @pytest.mark.parametrize("arithmetic", ("ibm370", "real32", "real128"))
 def test_other_arithmetics_run_other_decks(arithmetic, asperity, tmp_path):
     path = write_deck(tmp_path / "random.deck", **random_deck(1))
-    done = subprocess.run([asperity, path, "--arithmetic", arithmetic],
-                          capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, path, "--arithmetic", arithmetic)
     assert "TABLE VI\n" in done.stdout and "nan" not in done.stdout.lower()

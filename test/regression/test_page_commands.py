@@ -8,10 +8,10 @@ few that cannot run are listed in `NOT_RUN`, each with its reason.
 import os
 import re
 import shutil
-import subprocess
 
 import pytest
 from builds import ROOT, build
+from programs import run_program
 from test_documents import PAGES, command_lines, name_of
 
 pytestmark = pytest.mark.once
@@ -122,11 +122,9 @@ def shell(asperity, tmp_path):
              if not name.startswith(("MAKE", "MFLAGS"))}
 
     def shell(commands, folder=tmp_path, status=0, **variables):
-        done = subprocess.run(["bash", "-ec", commands], cwd=folder, stdin=subprocess.DEVNULL,
-                              env={**plain, **variables,
-                                   "PATH": f"{programs}:{os.environ['PATH']}"},
-                              capture_output=True, text=True, timeout=500)
-        assert done.returncode == status, done.stdout + done.stderr
+        done = run_program("bash", "-ec", commands, status=status, cwd=folder,
+                           env={**plain, **variables, "PATH": f"{programs}:{os.environ['PATH']}"},
+                           timeout=500)
         return done.stdout + done.stderr if status else done.stdout
     return shell
 

@@ -7,11 +7,11 @@ must be the same, pair for pair, in the same order; penetrations are computed an
 """
 
 import csv
-import subprocess
 
 import numpy as np
 import pytest
 
+from programs import run_program
 from search_files import Surface, read_pairs, run_search, search_program, write_input
 
 N = 100_000
@@ -196,9 +196,7 @@ def test_contacts(case, asperity, tmp_path, tally):
         f"&motion x_first = {shift[0]}, y_first = {shift[1]}, positions = 1 /\n"
         f"&loading control = 'separation', value = {level!r} /\n"
         "&effects interaction = 'off' /\n", encoding="ascii")
-    done = subprocess.run([asperity, "solve", scene, "--quiet", "--contacts", tmp_path / "c.csv"],
-                          capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, "solve", scene, "--quiet", "--contacts", tmp_path / "c.csv")
     with open(tmp_path / "c.csv", encoding="ascii") as file:
         rows = list(csv.DictReader(file))
     up, low = (np.array([int(row[key]) - 1 for row in rows]) for key in ("upper", "lower"))

@@ -2,13 +2,13 @@
 
 import math
 import re
-import subprocess
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 from ball_scenes import column
+from programs import run_program
 from surfaces_csv import solve, write_scene, write_surface
 
 E = 2.0e4
@@ -241,12 +241,9 @@ def test_commands(asperity, tmp_path):
                         limit={"criterion": "load", "value": 1.0})
     once = solve(asperity, scene)
     for options in (["--keep", str(tmp_path / "keep")], ["--accuracy", "1e-2"], ["--budget"]):
-        done = subprocess.run([asperity, "solve", scene, *options], capture_output=True, text=True,
-                              timeout=100)
-        assert done.returncode == 0, done.stderr
-    again = subprocess.run([asperity, "solve", scene, "--keep", tmp_path / "keep", "--positions",
-                            tmp_path / "kept.csv", "--quiet"], timeout=100)
-    assert again.returncode == 0
+        run_program(asperity, "solve", scene, *options)
+    run_program(asperity, "solve", scene, "--keep", tmp_path / "keep", "--positions",
+                tmp_path / "kept.csv", "--quiet")
     assert (tmp_path / "kept.csv").read_text().splitlines()[1].split(",") == list(
         once.positions[0].values())
 

@@ -3,13 +3,13 @@ forms, the conditions of the one solution, projected gradients in numpy, cycles,
 
 import csv
 import re
-import subprocess
 
 import numpy as np
 import pytest
 
 from image_data import read_vti
 from map_press_truth import product, rough
+from programs import run_program
 from surfaces_csv import solve
 from test_map_scene import E, level, load_for, map_scene
 
@@ -25,11 +25,9 @@ def run(asperity, folder, height, hardness, name="map", edge="free",
     text = text.replace("plasticity = 'off'", f"plastic_hardness = {hardness!r}, "
                         "plasticity = 'on'")
     scene.write_text(text)
-    done = subprocess.run(
-        [asperity, "solve", scene, "--quiet", "--fields", folder / f"{name}.vti", "--fields-of",
-         "all", "--curve", folder / f"{name}.curve", "--positions", folder / f"{name}.positions"],
-        stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, "solve", scene, "--quiet", "--fields", folder / f"{name}.vti",
+                "--fields-of", "all", "--curve", folder / f"{name}.curve", "--positions",
+                folder / f"{name}.positions")
     tables = []
     for kind in ("curve", "positions"):
         with open(folder / f"{name}.{kind}", newline="") as file:
@@ -316,10 +314,8 @@ def test_accuracy_against_numpy(asperity, tmp_path, interaction):
     elastic = scene.read_text()
     scene.write_text(elastic.replace("plasticity = 'off'", "plasticity = 'on', "
                                      f"plastic_hardness = {hardness!r}"))
-    done = subprocess.run(
-        [asperity, "accuracy", scene, "--quiet", "--seconds", "3", "--csv", tmp_path / "a.csv"],
-        stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, "accuracy", scene, "--quiet", "--seconds", "3", "--csv",
+                tmp_path / "a.csv")
     with open(tmp_path / "a.csv", newline="") as file:
         rows = {row["method"]: row for row in csv.DictReader(file)}
     of = level(height)

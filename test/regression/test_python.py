@@ -2,7 +2,6 @@
 
 import csv
 import math
-import os
 import re
 import shutil
 import signal
@@ -13,6 +12,7 @@ import time
 import numpy as np
 import pytest
 from builds import ROOT, build
+from programs import run_program
 from surfaces_csv import records, write_csv_scene
 
 # Says nothing about the build under test: the package has the release build.
@@ -27,20 +27,14 @@ FILES = {"positions": "--positions", "states": "--curve", "contacts": "--contact
 
 def run(venv, *words, cwd=ROOT, timeout=100):
     """The standard output of the venv's Python."""
-    done = subprocess.run([venv / "bin" / "python", *words], cwd=cwd, stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=timeout)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return run_program(venv / "bin" / "python", *words, cwd=cwd, timeout=timeout).stdout
 
 
 def test_build_says_what_is_missing(tmp_path):
     """In one sentence, before anything is built: the compiler, fpm, FFTW, the sources."""
     def told(folder, **environment):
-        done = subprocess.run(
-            [sys.executable, "-c", "import build_backend as b; b.build_wheel('.')"], cwd=folder,
-            env={**os.environ, **environment}, stdin=subprocess.DEVNULL, capture_output=True,
-            text=True, timeout=100)
-        assert done.returncode == 1
+        done = run_program(sys.executable, "-c", "import build_backend as b; b.build_wheel('.')",
+                           status=1, cwd=folder, variables=environment)
         return done.stderr.strip()
     assert told(ROOT / "python", FPM_FC="no-compiler") == (
         "asperity: gfortran is not found; on Debian or Ubuntu: "
@@ -90,10 +84,9 @@ def assert_same(table, path, tally, name):
                                   "data/hard/effects/inside_circle_auto.scene",
                                   "data/examples/effects/ten_minutes.scene"])
 def test_as_the_program(package, name, tmp_path, tally):
-    done = subprocess.run(
-        [build("release"), "solve", name, *sum(([option, tmp_path / which]
-                                                for which, option in FILES.items()), [])],
-        cwd=ROOT, capture_output=True, text=True, timeout=100, check=True)
+    done = run_program(build("release"), "solve", name,
+                       *sum(([option, tmp_path / which] for which, option in FILES.items()), []),
+                       cwd=ROOT)
     results = package.solve(ROOT / name)
     for which in FILES:
         assert_same(getattr(results, which), tmp_path / which, tally, which)
@@ -109,22 +102,20 @@ def test_fortran_c_and_python(package, venv, tmp_path, tally):
     scene = write_csv_scene(tmp_path, BALL, BUMPS, modulus=STEEL["elastic_modulus"],
                             ratio=STEEL["poisson_ratio"], loading=CURVE,
                             effects={"interaction": "coupled"})
-    subprocess.run([build("release"), "solve", scene, "--curve", tmp_path / "states"], check=True,
-                   capture_output=True, timeout=100)
+    run_program(build("release"), "solve", scene, "--curve", tmp_path / "states")
     results = package.solve(scene_as_dict(BALL, BUMPS, loading=CURVE,
                                           effects={"interaction": "coupled"}))
     assert_same(results.states, tmp_path / "states", tally, "states of arrays")
     program = tmp_path / "press"
     library = next(venv.glob("lib/python*/site-packages/asperity"))
-    subprocess.run(["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-I", "include",
-                    "example/press_two_surfaces.c", "-o", program, "-L", library, "-lasperity",
-                    f"-Wl,-rpath,{library}"], cwd=ROOT, check=True, timeout=100)
+    run_program("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-I", "include",
+                "example/press_two_surfaces.c", "-o", program, "-L", library, "-lasperity",
+                f"-Wl,-rpath,{library}", cwd=ROOT)
     for words, table in ((), results.states), (("data/examples/thesis.scene",), None):
         if table is None:
             with pytest.warns(package.TheoryWarning):
                 table = package.solve(ROOT / words[0]).positions
-        done = subprocess.run([program, *words], cwd=ROOT, capture_output=True, text=True,
-                              check=True, timeout=100)
+        done = run_program(program, *words, cwd=ROOT)
         rows = [tuple(map(float, line.split())) for line in done.stdout.splitlines()]
         assert rows == list(zip(table["separation"], table["load"]))
 
@@ -142,8 +133,8 @@ def test_report(package):
 
 def test_summits(package, tmp_path):
     map_file = ROOT / "data/examples/summits/rough.sdf"
-    done = subprocess.run([build("release"), "summits", map_file, "--unit", "um", "--output",
-                           tmp_path / "s.csv"], capture_output=True, text=True, check=True)
+    done = run_program(build("release"), "summits", map_file, "--unit", "um", "--output",
+                       tmp_path / "s.csv")
     found = package.summits(map_file, unit="um")
     for name, cells in found.items():
         assert list(cells) == [float(row[name]) for row in records(tmp_path / "s.csv")]
@@ -159,8 +150,8 @@ def test_generate(package, tmp_path):
     spec.write_text("&surfaces number = 9, length = 1., width = 2. / &radii mean = 3. /\n"
                     "&heights mean = 0.1, deviation = 0.01 / &random ensemble = 2 /\n")
     for number, side in enumerate(("upper", "lower")):
-        subprocess.run([build("release"), "generate", spec, f"--{side}", tmp_path / side,
-                        "--surface", "2"], check=True, capture_output=True, timeout=100)
+        run_program(build("release"), "generate", spec, f"--{side}", tmp_path / side, "--surface",
+                    "2")
         for made in package.generate(spec, 2), package.generate(
                 {"surfaces": {"number": 9, "length": 1.0, "width": 2.0}, "radii": {"mean": 3.0},
                  "heights": {"mean": 0.1, "deviation": 0.01}, "random": {"ensemble": 2}}, 2):
@@ -233,7 +224,7 @@ def test_problems(package, tmp_path):
         (str(scene), 2, 1), (str(scene), 1, 1), (str(scene), 1, 1), (str(scene), 1, 1),
         (str(tmp_path / "none.csv"), 1, 1)]
     assert problems[0].text.startswith("unknown group: found '&loadin', expected ")
-    done = subprocess.run([build("release"), "solve", scene], capture_output=True, text=True)
+    done = run_program(build("release"), "solve", scene, status=2)
     assert str(caught.value) + "\n" == done.stderr
     assert issubclass(package.InputError, ValueError)
 

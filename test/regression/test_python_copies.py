@@ -7,12 +7,12 @@ import gc
 import json
 import os
 import pickle
-import subprocess
 import threading
 
 import numpy as np
 import pytest
 from builds import ROOT
+from programs import run_program
 
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -145,9 +145,7 @@ def test_spawn_pools(venv, tmp_path):
     """Results come back from processes, and go to them, as in docs/reference/python.md."""
     script = tmp_path / "pool.py"
     script.write_text(POOL.replace("SPEC", repr(SPEC)))
-    done = subprocess.run([venv / "bin/python", "-W", "ignore", script], capture_output=True,
-                          text=True, stdin=subprocess.DEVNULL, timeout=300)
-    assert done.returncode == 0, done.stderr
+    done = run_program(venv / "bin/python", "-W", "ignore", script)
     loads, sizes, told, again, tables = json.loads(done.stdout)
     assert loads == pytest.approx([1.0 + i for i in range(40)], 1e-6)
     assert sizes == [60, 60] and "loading.control: found '1'" in told
@@ -228,8 +226,6 @@ print(before, used())
 def test_many_solves_with_files(venv, tmp_path):
     """Two thousand solves of surfaces and maps from files, some refused, with room for 64 open
     files: as many are open afterwards as before, and less than half a kilobyte a solve is left."""
-    done = subprocess.run([venv / "bin/python", "-W", "ignore", "-c", MANY], cwd=tmp_path,
-                          capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=300)
-    assert done.returncode == 0, done.stderr
+    done = run_program(venv / "bin/python", "-W", "ignore", "-c", MANY, cwd=tmp_path)
     before, after = json.loads(f"[{done.stdout.replace('] [', '], [')}]")
     assert after[0] == before[0] and after[1] - before[1] < 1000, (before, after)

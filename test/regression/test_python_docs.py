@@ -5,13 +5,13 @@ import doctest
 import inspect
 import os
 import re
-import subprocess
 import sys
 
 import matplotlib
 import notebooks
 import pytest
 from builds import ROOT
+from programs import run_program
 
 matplotlib.use("Agg")
 
@@ -39,10 +39,8 @@ def test_types(tmp_path):
         cells = notebooks.nbformat.read(ROOT / f"python/notebooks/{name}.ipynb", 4).cells
         sources[-1].write_text("\n".join(cell.source for cell in cells
                                          if cell.cell_type == "code"))
-    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path,
-                           "--disable-error-code", "import-untyped", *sources],
-                          cwd=ROOT / "python", capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stdout
+    run_program(sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path,
+                "--disable-error-code", "import-untyped", *sources, cwd=ROOT / "python")
     assert len(sources) > 8
 
 
@@ -50,9 +48,8 @@ def test_types_notice_an_error(tmp_path):
     """A wrong argument is found by the types of the package."""
     (tmp_path / "wrong.py").write_text("import asperity\nasperity.solve(3)\n"
                                        "asperity.HeightMap([[0.0]], 1.0, periodic='yes')\n")
-    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path,
-                           tmp_path / "wrong.py"], cwd=ROOT / "python", capture_output=True,
-                          text=True, timeout=300)
+    done = run_program(sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path,
+                       tmp_path / "wrong.py", status=1, cwd=ROOT / "python")
     assert done.stdout.count("error:") == 2, done.stdout
 
 
@@ -97,10 +94,7 @@ def test_page_examples(package, venv, tmp_path):
     environment = {**os.environ, "PYTHONPATH": str(next(venv.glob("lib/python*/site-packages"))),
                    "MPLBACKEND": "Agg"}
     for name, text in page_examples().items():
-        done = subprocess.run([sys.executable, "-W", "ignore", "-c", text], cwd=ROOT,
-                              env=environment, capture_output=True, text=True,
-                              stdin=subprocess.DEVNULL, timeout=100)
-        assert done.returncode == 0, (name, done.stderr)
+        run_program(sys.executable, "-W", "ignore", "-c", text, cwd=ROOT, env=environment)
 
 
 def test_first_example_is_short():

@@ -3,13 +3,13 @@ states, copies, plots, refusals, and a Python without numpy."""
 
 import copy
 import pickle
-import subprocess
 
 import matplotlib
 import numpy as np
 import pytest
 from builds import ROOT
 from image_data import read_vti
+from programs import run_program
 from surfaces_csv import write_scene
 
 matplotlib.use("Agg")
@@ -53,8 +53,8 @@ def solved(package, path):
 
 
 def test_all_states_are_those_of_the_files(solved, path, asperity):
-    subprocess.run([asperity, "solve", path, "--quiet", "--fields", path.parent / "f.vti",
-                    "--fields-of", "all"], check=True, capture_output=True)
+    run_program(asperity, "solve", path, "--quiet", "--fields", path.parent / "f.vti",
+                "--fields-of", "all")
     assert len(solved.states) == 4
     for number in range(4):
         fields = solved.fields(state=number)
@@ -181,9 +181,7 @@ pressure, density = results.pressure_histogram(bins=5)
 print(sum(density) * pressure[0] * 2)
 print(fields)
 """
-    done = subprocess.run([venv / "bin/python", "-c", program], capture_output=True, text=True,
-                          timeout=100)
-    assert done.returncode == 0, done.stderr
+    done = run_program(venv / "bin/python", "-c", program)
     lines = done.stdout.splitlines()
     assert lines[0] == "(13, 18) 13 18"
     assert lines[1] == f"{float(solved.fields().gap[2, 3])!r} True"

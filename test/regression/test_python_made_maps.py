@@ -1,11 +1,11 @@
 """Random height maps and power spectra in Python: the numbers of the command."""
 
 import csv
-import subprocess
 
 import numpy as np
 import pytest
 from builds import ROOT
+from programs import run_program
 
 pytestmark = pytest.mark.once
 
@@ -15,9 +15,7 @@ NAMES = {"pixels": (42, 30), "spacing": (0.5, 0.75), "hurst": 0.7, "rms_slope": 
 
 
 def run(asperity, folder, *words):
-    done = subprocess.run([asperity, *map(str, words)], cwd=folder, stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=100)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, *words, cwd=folder)
 
 
 def test_a_map_from_a_file_from_names_and_from_groups(package, asperity, tmp_path):

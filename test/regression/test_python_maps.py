@@ -2,7 +2,6 @@
 
 import copy
 import pickle
-import subprocess
 import sys
 
 import matplotlib
@@ -10,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from builds import ROOT
+from programs import run_program
 from SurfaceTopography import Topography
 
 matplotlib.use("Agg")
@@ -132,9 +132,8 @@ def test_read_and_write(package, asperity, tmp_path):
         assert np.allclose(again.heights, HEIGHTS, atol=1e-15, **tolerance)
         assert again.spacing == pytest.approx((DX, DY), rel=1e-14) and again.unit == "um"
         words = ["--spacing", f"{DX},{DY}"] if given else []
-        done = subprocess.run([asperity, "summits", path, "--unit", "um", *words],
-                              capture_output=True, text=True, timeout=100)
-        assert done.returncode == 0 and f"{HEIGHTS.size}" in done.stdout, done.stderr
+        done = run_program(asperity, "summits", path, "--unit", "um", *words)
+        assert f"{HEIGHTS.size}" in done.stdout, done.stderr
     assert np.array_equal(np.load(tmp_path / "m.npy"), HEIGHTS)
     with pytest.raises(package.InputError, match="sdf"):
         surface.write(tmp_path / "m.jpg")
@@ -276,8 +275,8 @@ print(*states["area_fraction"])
 def test_twelve_lines(package_folder):
     """A numpy map to area against pressure, in twelve lines."""
     code = f"import sys; sys.path.insert(0, {str(package_folder)!r})"
-    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code + TWELVE], text=True,
-                          env={"MPLBACKEND": "Agg"}, capture_output=True, timeout=100)
-    assert done.returncode == 0 and len(TWELVE.strip().splitlines()) <= 12, done.stderr
+    done = run_program(sys.executable, "-W", "ignore", "-c", code + TWELVE,
+                       env={"MPLBACKEND": "Agg"})
+    assert len(TWELVE.strip().splitlines()) <= 12, done.stderr
     areas = [float(word) for word in done.stdout.split()]
     assert len(areas) >= 5 and areas == sorted(areas) and 0 < areas[-1] < 1

@@ -4,7 +4,6 @@ import copy
 import gc
 import json
 import pickle
-import subprocess
 import warnings
 
 import matplotlib
@@ -12,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from builds import ROOT
+from programs import run_program
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -242,10 +242,8 @@ print(load, states["contacts"])
 
 def test_without_numpy(venv):
     """In a venv that has nothing else: the package solves lists, and prints columns."""
-    done = subprocess.run([venv / "bin/python", "-W", "ignore", "-c",
-                           WITHOUT.replace("SCENE", repr(CURVE))], capture_output=True, text=True,
-                          stdin=subprocess.DEVNULL, timeout=100)
-    assert done.returncode == 0, done.stderr
+    done = run_program(venv / "bin/python", "-W", "ignore", "-c",
+                       WITHOUT.replace("SCENE", repr(CURVE)))
     numbers, _, counts = done.stdout.splitlines()[-1].partition("] ")
     assert np.allclose([float(word) for word in numbers[1:].split(",")], LOAD, rtol=1e-12)
     assert counts == "[1, 1, 1, 1, 1]"

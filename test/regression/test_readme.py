@@ -3,10 +3,10 @@ checkout."""
 
 import os
 import re
-import subprocess
 
 import pytest
 from builds import ROOT
+from programs import run_program
 from surfaces_csv import records
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -30,11 +30,8 @@ def run(asperity, tmp_path):
     (words / "fpm").chmod(0o755)
 
     def run(commands):
-        done = subprocess.run(["bash", "-ec", commands], cwd=tmp_path, stdin=subprocess.DEVNULL,
-                              env={**os.environ, "PATH": f"{words}:{os.environ['PATH']}"},
-                              capture_output=True, text=True, timeout=200)
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
+        return run_program("bash", "-ec", commands, cwd=tmp_path,
+                           variables={"PATH": f"{words}:{os.environ['PATH']}"}).stdout
     return run
 
 

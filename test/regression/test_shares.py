@@ -3,20 +3,17 @@ are the whole, byte for byte."""
 
 import os
 import re
-import subprocess
 
 import pytest
 from builds import ROOT
+from programs import run_program
 from test_kept_positions import OUTPUTS, SCENES, thesis_scene
 
 STUDY = ROOT / "data/examples/study"
 
 
 def run(asperity, folder, *words, status=0):
-    done = subprocess.run([asperity, *words], cwd=folder, stdin=subprocess.DEVNULL, timeout=200,
-                          capture_output=True, text=True)
-    assert done.returncode == status, done.stderr
-    return done
+    return run_program(asperity, *words, status=status, cwd=folder)
 
 
 def outputs(scene):
@@ -129,8 +126,8 @@ def test_the_recipe_for_a_cluster(asperity, root, tmp_path):
     paths = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "OMP_NUM_THREADS": "1"}
 
     def bash(script, **more):
-        subprocess.run(["bash", "-ec", script.replace("SCENE", str(scene))], cwd=tmp_path,
-                       timeout=100, check=True, env={**paths, **more}, capture_output=True)
+        run_program("bash", "-ec", script.replace("SCENE", str(scene)), cwd=tmp_path,
+                    env={**paths, **more})
     for task in range(1, int(tasks) + 1):
         bash(array, SLURM_ARRAY_TASK_ID=str(task))
     assert files(tmp_path) == {}

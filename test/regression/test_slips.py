@@ -1,9 +1,9 @@
 """Common mistakes, each with the message of docs/how-to/common-mistakes.md, word for word."""
 
-import subprocess
 
 import pytest
 from builds import ROOT
+from programs import run_program
 
 UPPER = "x,y,height,radius\n0,0,.1,1\n.1,0,.1,1\n"
 LOWER = "x,y,height,radius\n0,0,.1,100\n"
@@ -41,8 +41,7 @@ ROWS = [[cell.strip() for cell in line.strip("|").split(" | ")]
 
 
 def typed(asperity, words, folder):
-    return subprocess.run([asperity, *words], cwd=folder, capture_output=True, text=True,
-                          check=False)
+    return run_program(asperity, *words, status=None, cwd=folder)
 
 
 def test_every_slip_is_made():

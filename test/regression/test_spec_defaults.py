@@ -2,10 +2,10 @@
 results of one without it, and another value has others."""
 
 import re
-import subprocess
 
 import pytest
 from builds import ROOT
+from programs import run_program
 
 pytestmark = pytest.mark.once
 
@@ -70,9 +70,7 @@ def result(asperity, folder, command, groups):
         outputs = ["--csv", "out.csv"]
     elif "map" in groups or "deck" in groups:
         outputs = ["--output", "out_%.txt"]
-    done = subprocess.run([asperity, command, "a.spec", *outputs], cwd=folder, capture_output=True,
-                          text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, command, "a.spec", *outputs, cwd=folder)
     return [(path.name, path.read_bytes()) for path in sorted(folder.glob("out*"))]
 
 

@@ -13,6 +13,8 @@ import time
 import numpy as np
 import pytest
 
+from programs import run_program
+
 SPEC = """&surfaces density = 0.5, 0.4, length = 30., 32., width = 28., least_distance = {least} /
 &heights mean = 0.127, 0.12, deviation = 0.03, 0.04, lowest_deviation = -1., \
 highest_deviation = 2. /
@@ -30,11 +32,7 @@ def study(asperity, tmp_path):
     def start(text, *options, status=0, command=None):
         (tmp_path / "a.spec").write_text(text, encoding="ascii")
         first = shlex.split(command) if command else [asperity]
-        done = subprocess.run([*first, "study", "a.spec", *map(str, options)], cwd=tmp_path,
-                              capture_output=True, text=True, stdin=subprocess.DEVNULL,
-                              timeout=100)
-        assert done.returncode == status, done.stderr
-        return done
+        return run_program(*first, "study", "a.spec", *options, status=status, cwd=tmp_path)
     return start
 
 
@@ -50,8 +48,8 @@ def rows(path):
 def surface(asperity, folder, text, member, side):
     """A surface as `asperity generate` writes it: x, y, height, radius."""
     (folder / "g.spec").write_text(text.split("&material")[0], encoding="ascii")
-    subprocess.run([asperity, "generate", "g.spec", "--surface", str(member), f"--{side}", "s.csv"],
-                   cwd=folder, check=True)
+    run_program(asperity, "generate", "g.spec", "--surface", member, f"--{side}", "s.csv",
+                cwd=folder)
     return np.loadtxt(folder / "s.csv", delimiter=",", skiprows=1).T
 
 

@@ -2,10 +2,10 @@
 
 import csv
 import re
-import subprocess
 
 import pytest
 from builds import ROOT
+from programs import run_program
 from surfaces_csv import write_csv_scene
 
 # One of each effect, a hold under a load and one at an approach.
@@ -37,8 +37,7 @@ def summary_of(lines):
 def test_numbers(asperity):
     """Counts are integers, all numbers have one format, and the press example fits a screen."""
     for path in sorted((ROOT / "data/examples").rglob("*.scene")):
-        done = subprocess.run([asperity, "solve", path], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+        done = run_program(asperity, "solve", path)
         if "1 position" not in done.stdout.splitlines()[0]:
             continue
         shown = summary_of(done.stdout.splitlines())
@@ -47,8 +46,7 @@ def test_numbers(asperity):
         for value in shown.values():
             assert re.fullmatch(r"-?\d+(\.\d+)?(e-?\d+)?", value), (path, value)
             assert len(re.sub(r"e.*|\D", "", value).lstrip("0")) <= 6
-    done = subprocess.run([asperity, "solve", ROOT / "data/examples/summits/press.scene"],
-                          capture_output=True, text=True, check=True)
+    done = run_program(asperity, "solve", ROOT / "data/examples/summits/press.scene")
     assert len(done.stdout.splitlines()) <= 25
 
 
@@ -60,9 +58,7 @@ def near(value):
 def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
     files = {which: tmp_path / which for which in ("contacts", "positions", "curve")}
     outputs = [word for which, path in files.items() for word in (f"--{which}", path)]
-    run = subprocess.run([asperity, "solve", ROOT / f"data/examples/effects/{name}.scene",
-                          *outputs],
-                         capture_output=True, text=True, check=True)
+    run = run_program(asperity, "solve", ROOT / f"data/examples/effects/{name}.scene", *outputs)
     rows = {which: list(csv.DictReader(path.open())) for which, path in files.items()}
     shown = {name: float(value) for name, value in summary_of(run.stdout.splitlines()).items()}
     position, last = rows["positions"][-1], rows["curve"][-1]
@@ -112,9 +108,7 @@ def solve_at_load(asperity, folder, effects, load):
         effects={**effects, "friction_coefficient": 0.3} if effects else {"tolerance": 0.01})
     text = scene.read_text()
     scene.write_text(text.replace("lower = 'pair_lower.csv'", "lower = 'plane'"))
-    done = subprocess.run([asperity, "solve", scene, "--curve", folder / "curve"], cwd=folder,
-                          capture_output=True, text=True, timeout=100)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, "solve", scene, "--curve", folder / "curve", cwd=folder)
     last = list(csv.DictReader((folder / "curve").open()))[-1]
     return float(last["compression"]), float(last["area"]), done.stdout
 
@@ -138,9 +132,8 @@ def test_influence_at_the_load_asked_for(asperity, tmp_path):
 
 def test_energy_lost_in_each_cycle(asperity, tmp_path):
     """The loops of load against compression enclose the energy that the summary has."""
-    done = subprocess.run([asperity, "solve", ROOT / "data/examples/effects/cycle.scene",
-                           "--curve", tmp_path / "curve"],
-                          capture_output=True, text=True, check=True)
+    done = run_program(asperity, "solve", ROOT / "data/examples/effects/cycle.scene", "--curve",
+                       tmp_path / "curve")
     rows = list(csv.DictReader((tmp_path / "curve").open()))
     closing, load, work = ([float(row[name]) for row in rows]
                            for name in ("compression", "vertical_load", "dissipated_work"))

@@ -4,7 +4,6 @@ the command says of maps that it cannot read."""
 import base64
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
@@ -15,6 +14,7 @@ import pytest
 import map_truth
 from image_data import read_png
 from made_maps import FOLDER, self_affine, write_bytes
+from programs import run_program
 
 # Measured maps to try, one file each, where somebody has some.
 MEASURED = sorted(Path(folder).glob("*.sdf") if (folder := os.environ.get("ASPERITY_MAPS")) else [])
@@ -27,10 +27,8 @@ def summits(asperity, tmp_path):
     def start(path, *options, status=0, **environment):
         out = tmp_path / "s.csv"
         out.unlink(missing_ok=True)
-        done = subprocess.run([asperity, "summits", path, "--output", out, *map(str, options)],
-                              capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=100,
-                              cwd=tmp_path, env={**os.environ, **environment})
-        assert done.returncode == status, done.stderr
+        done = run_program(asperity, "summits", path, "--output", out, *options, status=status,
+                           cwd=tmp_path, variables=environment)
         if status != 0:
             assert not out.exists() and done.stdout == ""
             return done
@@ -373,10 +371,9 @@ def test_points(order, header, summits, tmp_path):
 def test_a_pipe_serves_too(asperity, tmp_path):
     path = write_matrix(tmp_path / "a.txt", MADE["smooth"]())
     command = [asperity, "summits", "--spacing", "1,1"]
-    direct = subprocess.run([*command, path], capture_output=True, text=True, check=True)
+    direct = run_program(*command, path)
     for name in ("/dev/stdin", "-"):
-        piped = subprocess.run([*command, name], input=path.read_text(encoding="ascii"),
-                               capture_output=True, text=True, check=True)
+        piped = run_program(*command, name, input=path.read_text(encoding="ascii"))
         assert piped.stdout.splitlines()[1:] == direct.stdout.splitlines()[1:]
 
 
@@ -507,9 +504,7 @@ def test_a_scene_takes_the_surface(summits, asperity, tmp_path):
         "&material elastic_modulus = 1e3, 1e3, poisson_ratio = 0.3, 0.3 /\n"
         "&loading control = 'load', value = 1. /\n", encoding="ascii")
     (tmp_path / "ball.csv").write_text("x,y,height,radius\n60,40,0,1e4\n", encoding="ascii")
-    done = subprocess.run([asperity, "solve", "a.scene"], cwd=tmp_path, capture_output=True,
-                          text=True)
-    assert done.returncode == 0, done.stderr
+    run_program(asperity, "solve", "a.scene", cwd=tmp_path)
 
 
 def test_memory_that_is_not_there_is_told(summits, asperity, tmp_path):
@@ -522,8 +517,7 @@ def test_memory_that_is_not_there_is_told(summits, asperity, tmp_path):
     def limit():
         resource.setrlimit(resource.RLIMIT_AS, (150_000_000, 150_000_000))
 
-    done = subprocess.run([asperity, "summits", "a.sdf", "--output", "b.csv"], cwd=tmp_path,
-                          capture_output=True, text=True, preexec_fn=limit,
-                          env={**os.environ, "OMP_NUM_THREADS": "1"})
-    assert done.returncode == 1 and "not enough memory" in done.stderr
+    done = run_program(asperity, "summits", "a.sdf", "--output", "b.csv", status=1, cwd=tmp_path,
+                       preexec_fn=limit, variables={"OMP_NUM_THREADS": "1"})
+    assert "not enough memory" in done.stderr
     assert not (tmp_path / "b.csv").exists()

@@ -5,21 +5,18 @@ import csv
 import math
 import pickle
 import re
-import subprocess
 
 import numpy as np
 import pytest
 from image_data import read_vti
+from programs import run_program
 from surfaces_csv import write_csv_scene, write_scene, write_surface
 
 E, R, DEPTH, SIDE = 1000.0, 1.0, 0.01, 0.0123
 
 
 def run(asperity, *words, status=0):
-    done = subprocess.run([asperity, "solve", *words], stdin=subprocess.DEVNULL,
-                          capture_output=True, text=True, timeout=300)
-    assert done.returncode == status, done.stderr
-    return done
+    return run_program(asperity, "solve", *words, status=status)
 
 
 def plane_scene(folder, rows, side=SIDE, effects=None, surfaces=None, **loading):

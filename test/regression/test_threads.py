@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import made_maps
+from programs import run_program
 from surfaces_csv import write_csv_scene, write_scene
 
 OUTPUTS = ("contacts", "positions", "curve")
@@ -31,8 +32,8 @@ def outcome(asperity, scene, threads, folder):
     """Everything a run leaves: status, both streams, files by name."""
     folder.mkdir()
     words = [word for name in OUTPUTS for word in (f"--{name}", folder / f"{name}.csv")]
-    done = subprocess.run([asperity, "solve", scene, "--threads", str(threads), *words],
-                          stdin=subprocess.DEVNULL, capture_output=True, timeout=60)
+    done = run_program(asperity, "solve", scene, "--threads", threads, *words, status=None,
+                       text=False)
     return (done.returncode, done.stdout, done.stderr,
             {path.name: path.read_bytes() for path in sorted(folder.iterdir())})
 
@@ -113,9 +114,8 @@ def test_first_failure_is_told(asperity, tmp_path, tally):
 
 @pytest.mark.parametrize("word", ["0", "-1", "two", "1.5", "10000", "+2"])
 def test_numbers_that_are_none(asperity, root, word):
-    done = subprocess.run([asperity, "solve", root / "data" / "thesis.deck", "--threads", word],
-                          capture_output=True, text=True, timeout=20)
-    assert done.returncode == 2
+    done = run_program(asperity, "solve", root / "data" / "thesis.deck", "--threads", word,
+                       status=2)
     assert "--threads: found" in done.stderr
     assert "expected a number from 1 to 9999" in done.stderr
 
@@ -179,7 +179,6 @@ def test_no_progress_elsewhere(asperity, endless):
                                         ("much", True), ("100k", False)])
 def test_stack_of_a_thread(asperity, size, good):
     """What the environment gives a thread is read as OpenMP reads it, and has to do."""
-    done = subprocess.run([asperity, "--version"], capture_output=True, text=True, timeout=60,
-                          env={**os.environ, "OMP_STACKSIZE": size})
-    assert done.returncode == (0 if good else 1)
+    done = run_program(asperity, "--version", status=0 if good else 1,
+                       variables={"OMP_STACKSIZE": size})
     assert ("found 100 kB, expected at least 512 kB: OMP_STACKSIZE=8M" in done.stderr) != good

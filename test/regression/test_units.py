@@ -2,12 +2,12 @@
 
 import json
 import re
-import subprocess
 
 import numpy as np
 import pytest
 from builds import ROOT
 from made_maps import write_bytes
+from programs import run_program
 from surfaces_csv import write_csv_scene
 
 SURFACES = "upper = 'pair_upper.csv', lower = 'pair_lower.csv'"
@@ -15,10 +15,7 @@ NAMED = "length mm, force N, area mm2, pressure N/mm2"
 
 
 def run(asperity, *words, status=0):
-    done = subprocess.run([asperity, "solve", *words], cwd=ROOT, capture_output=True, text=True,
-                          timeout=100, stdin=subprocess.DEVNULL)
-    assert done.returncode == status, done.stderr
-    return done
+    return run_program(asperity, "solve", *words, status=status, cwd=ROOT)
 
 
 def scene_with(folder, units, header="x,y,height,radius"):

@@ -1,10 +1,10 @@
 """The lint for words: it refuses every sentence of a list, in a page and in a message."""
 
-import subprocess
 import sys
 
 import pytest
 from builds import ROOT
+from programs import run_program
 
 pytestmark = pytest.mark.once
 
@@ -14,7 +14,7 @@ REFUSED = (ROOT / "test/regression/refused_sentences.txt").read_text(encoding="u
 
 
 def lint(*files):
-    return subprocess.run([sys.executable, LINT, *files], capture_output=True, text=True)
+    return run_program(sys.executable, LINT, *files, status=None)
 
 
 def test_the_project_passes():
@@ -50,8 +50,7 @@ def test_sentences_in_a_message(tmp_path):
 def test_all_pages_are_read():
     """Without names the lint reads every page of docs: one more sentence in any is a finding."""
     code = "import words; print(*words.all_files(), sep='\\n')"
-    done = subprocess.run([sys.executable, "-c", code], cwd=LINT.parent, capture_output=True,
-                          text=True, check=True)
+    done = run_program(sys.executable, "-c", code, cwd=LINT.parent)
     pages = {str(page) for page in (*ROOT.glob("docs/**/*.md"), ROOT / "CONTRIBUTING.md")}
     assert len(pages) > 30 and pages <= set(done.stdout.split())
 

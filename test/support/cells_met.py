@@ -3,10 +3,10 @@
 As a script: cells_met.py EXECUTABLE prints the table of docs/theory/original.md.
 """
 
-import subprocess
 import sys
 from pathlib import Path
 
+from programs import run_program
 from report_comparison import EXACT, TOLERATED, Comparison
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -16,9 +16,8 @@ ARITHMETICS = ("ibm370", "real32", "real64", "real128")
 
 def report_of(asperity, arithmetic, *options):
     """The printed report of the thesis deck."""
-    done = subprocess.run([asperity, ROOT / "data" / "thesis.deck", "--arithmetic", arithmetic,
-                           *options], capture_output=True, timeout=60)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, ROOT / "data" / "thesis.deck", "--arithmetic", arithmetic,
+                       *options, text=False)
     return done.stdout.decode("latin-1")
 
 

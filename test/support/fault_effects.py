@@ -17,6 +17,7 @@ import sys
 from pathlib import Path
 
 from printed_report import Report
+from programs import run_program
 
 ROOT = Path(__file__).resolve().parents[2]
 DECK = ROOT / "data" / "thesis.deck"
@@ -42,9 +43,7 @@ def names(asperity):
 def variance(asperity, mended=(), arithmetic="ibm370", deck=DECK):
     """Table VI with all digits, by quantity and column, without some faults."""
     options = ["--fault-free", ",".join(mended)] if mended else []
-    done = subprocess.run([asperity, deck, "--arithmetic", arithmetic, *options, "--variance",
-                           "-"], capture_output=True, text=True, check=False, timeout=60)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, deck, "--arithmetic", arithmetic, *options, "--variance", "-")
     return {(row["quantity"], column): float(row[column])
             for row in csv.DictReader(io.StringIO(done.stdout)) for column in COLUMNS}
 
@@ -58,9 +57,7 @@ def effects(asperity, *mended):
 def printed_rows(asperity, *mended):
     """Rows of the printed tables VIIA to C by what names them, and of Table VI."""
     options = ["--fault-free", ",".join(mended)] if mended else []
-    done = subprocess.run([asperity, DECK, *options], capture_output=True, text=True, check=False,
-                          timeout=60)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, DECK, *options)
     report, rows = Report(done.stdout), {}
     for table in TABLES:
         step = 1

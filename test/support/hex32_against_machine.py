@@ -15,13 +15,13 @@ import array
 import csv
 import hashlib
 import random
-import subprocess
 import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
 
 import s370_machine
+from programs import run_program
 from s370_machine import BODIES, DIVIDE_CODE, OVERFLOW_CODE, SHORT, UNDERFLOW, WHOLE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -136,8 +136,7 @@ def arithmetic(program, kind, pairs):
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder, "in"), Path(folder, "out")
         array.array("I", [number for one in pairs for number in one]).tofile(source.open("wb"))
-        done = subprocess.run([program, name, source, target], capture_output=True, text=True,
-                              check=False, timeout=120)
+        done = run_program(program, name, source, target, status=None)
         if done.returncode:
             raise RuntimeError(done.stderr)
         words = array.array("I", target.read_bytes())

@@ -15,7 +15,6 @@ import csv
 import functools
 import math
 import random
-import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -28,6 +27,7 @@ import metamorphic_laws as laws
 import metamorphic_scenes as scenes
 
 import made_maps
+from programs import run_program
 
 # Gaps of samples are closed to 1e-9 of the range of heights: of the load that is, by how stiff the
 # contact is, up to some hundred times as much.
@@ -298,9 +298,8 @@ def law_of_summits(scene, exe, folder, rng):
     for other in (scene, mapped(scene, of_map, swap)):
         write(other, folder)
         spacing = ",".join(map(repr, other.groups["surfaces"]["map_spacing"]))
-        done = subprocess.run([exe, "summits", "s0.txt", "--rule", rule, "--spacing", spacing,
-                               "--output", "-"], cwd=folder, capture_output=True, text=True,
-                              check=False, stdin=subprocess.DEVNULL)
+        done = run_program(exe, "summits", "s0.txt", "--rule", rule, "--spacing", spacing,
+                           "--output", "-", status=None, cwd=folder)
         laws.claim(done.returncode == 0, done.stderr)
         found.append(np.array([[float(v) for v in row.values()]
                                for row in csv.DictReader(done.stdout.splitlines())]))

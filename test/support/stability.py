@@ -8,7 +8,6 @@ the scene, so rounding them to the arithmetic is part of the error. Cases are le
 are refused, where nothing is borne, and the sweeps of ten thousand positions and more.
 """
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from deck_cases import decks
 from exact_contact import TOTALS, Truth, read_deck
 from measure import positions_of, positions_of_deck, scene_of
 from mpmath import mp
+from programs import run_program
 
 FORMULAS = ("stable", "original")
 # What an operation may lose: a hexadecimal digit is cut, the others round; results of real128 are
@@ -31,8 +31,7 @@ DIGITS = 340
 
 def totals(program, path, arithmetic, formula):
     """Totals by position, or nothing when the arithmetic refuses the case."""
-    done = subprocess.run([program, path, arithmetic, formula], capture_output=True, text=True,
-                          check=False, timeout=120)
+    done = run_program(program, path, arithmetic, formula, status=None)
     if done.returncode:
         return None
     return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]

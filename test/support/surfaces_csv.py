@@ -1,11 +1,11 @@
 """Small scenes for tests: surfaces and scene files written, solved, and the results read."""
 
 import csv
-import subprocess
 from dataclasses import astuple, dataclass, fields
 from fractions import Fraction
 
 from exact_contact import Scene, Surface
+from programs import run_program
 
 
 @dataclass
@@ -91,8 +91,7 @@ def solve(asperity, scene, *options, folder=None, contacts=True, curve=False):
     wanted = ["positions"] + ["contacts"] * contacts + ["curve"] * curve
     files = {name: folder / "-".join((scene.name, *options, name + ".csv")) for name in wanted}
     named = [part for name, path in files.items() for part in ("--" + name, path)]
-    done = subprocess.run([asperity, "solve", scene, *options, *named], capture_output=True,
-                          text=True, timeout=120)
+    done = run_program(asperity, "solve", scene, *options, *named, status=None)
     return Solved(done.returncode, done.stdout, done.stderr,
                   *(records(files.get(name)) for name in ("positions", "contacts", "curve")))
 
