@@ -4,7 +4,6 @@ Units and truth are those of measure.py. Decks also run through the historic por
 original's behaviour, and stops where the original's numbers lost their meaning.
 """
 
-import csv
 import filecmp
 
 import pytest
@@ -17,6 +16,7 @@ from exact_contact import TOTALS
 from measure import (NO_NUMBER, condition, largest_coordinate, measure, measure_deck, run,
                      scene_of)
 from programs import run_program
+from surfaces_csv import records
 from test_solve import deck_truth, relative, solve_deck
 
 # Most units of the last place off. A sum of 144 loads has the most. A number of ibm370 has 21 to 24
@@ -126,8 +126,7 @@ def test_deck_in_the_historic_port(name, arithmetic, asperity, data, tmp_path):
     assert "TABLE VI\n" in done.stdout and not NO_NUMBER.search(done.stdout.replace("*", " "))
     if arithmetic in ("real64", "real128"):
         assert case.note in done.stderr
-    with open(file, encoding="ascii", newline="") as lines:
-        rows = list(csv.DictReader(lines))
+    rows = records(file)
     assert len(rows) == 100
     assert all(abs(float(cell)) < float("inf") for row in rows for cell in row.values())
 
@@ -153,15 +152,14 @@ def historic_error(asperity, path, arithmetic, folder, expected):
     file = folder / f"{arithmetic}.csv"
     run_program(asperity, path, "--arithmetic", arithmetic, "--positions", file)
     worst = 0.0
-    with open(file, encoding="ascii", newline="") as lines:
-        for m, (row, want) in enumerate(zip(csv.DictReader(lines), expected, strict=True), 1):
-            for name, value in zip(NAMES, want):
-                if name in ("steps", "contacts", "limit_reached"):
-                    assert int(row[name]) == value, f"position {m}: {name}"
-                elif value:
-                    worst = max(worst, abs(float((float(row[name]) - value) / value)))
-                else:
-                    assert float(row[name]) == 0.0, f"position {m}: {name}"
+    for m, (row, want) in enumerate(zip(records(file), expected, strict=True), 1):
+        for name, value in zip(NAMES, want):
+            if name in ("steps", "contacts", "limit_reached"):
+                assert int(row[name]) == value, f"position {m}: {name}"
+            elif value:
+                worst = max(worst, abs(float((float(row[name]) - value) / value)))
+            else:
+                assert float(row[name]) == 0.0, f"position {m}: {name}"
     return worst
 
 

@@ -4,7 +4,6 @@ Always: the archived pairs, in reference_output/hex32, and random operands again
 With the emulator Hercules: more pairs, under both program masks, and the archived ones again.
 """
 
-import csv
 import random
 from fractions import Fraction
 
@@ -14,6 +13,7 @@ import s370_machine
 from builds import ROOT, build
 from hex32_against_machine import (BODIES, COUNTS, FOLDER, FRACTION, KEPT, LARGEST, MASKS, PAIRS,
                                    ROUGH, SIGN, agrees, arithmetic, compare, explained, fraction,
+from surfaces_csv import records
                                    kept, machine, machine_result, operands, told, word)
 
 # The same words whatever build is under test: the unit tests try its rules in every build.
@@ -28,8 +28,7 @@ def program():
 
 
 def counts():
-    with (FOLDER / "counts.csv").open(newline="", encoding="ascii") as file:
-        return list(csv.DictReader(file))
+    return records(FOLDER / "counts.csv")
 
 
 @pytest.mark.parametrize("kind", BODIES)

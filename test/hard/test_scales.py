@@ -14,6 +14,7 @@ import metamorphic_scenes as scenes
 import numpy as np
 import pytest
 from programs import run_program
+from surfaces_csv import records
 
 # Powers of two next to 1e12 and 1e-12, and odd ones, of which no root is a power of two.
 UNITS = [(40, 0), (-40, 0), (0, 40), (0, -40), (39, 37), (-39, -41)]
@@ -102,7 +103,7 @@ def study(asperity, folder, power, modulus, loading):
     done = run_program(asperity, "study", "s.spec", "--csv", "s.csv", status=None, cwd=folder)
     rows = []
     if done.returncode == 0:
-        rows = list(csv.DictReader((folder / "s.csv").read_text(encoding="ascii").splitlines()))
+        rows = records(folder / "s.csv")
         (folder / "s.csv").unlink()
     assert not ODD.search(done.stdout + str(rows)), done.stdout
     return done, rows
@@ -148,11 +149,6 @@ def map_file(folder, unit):
                                             for row in rows), encoding="ascii")
 
 
-def rows_of(path):
-    with open(path, newline="", encoding="ascii") as file:
-        return list(csv.DictReader(file))
-
-
 @pytest.mark.parametrize("unit", UNITS, ids=str)
 def test_maps(unit, asperity, tmp_path, tally):
     """Summits of a map, and the map pressed by a load on its samples."""
@@ -173,7 +169,7 @@ def test_maps(unit, asperity, tmp_path, tally):
             [asperity, "solve", "m.scene", "--positions", "p.csv", "--curve", "k.csv", "--contacts",
              "c.csv"], cwd=tmp_path, capture_output=True, text=True, check=True))
         assert not any(ODD.search(run.stdout) for run in done), done
-        found.append(scenes.Run(0, "", "", {name: rows_of(tmp_path / f"{name}.csv")
+        found.append(scenes.Run(0, "", "", {name: records(tmp_path / f"{name}.csv")
                                             for name in ("eight", "contact", *"pkc")}))
     assert all(len(rows) > 1 for name, rows in found[0].files.items() if name != "p")
     laws.same_digits(*found, *unit)
@@ -197,7 +193,7 @@ def test_accuracy(unit, asperity, tmp_path):
             f"&limit criterion = 'load', value = {10 * scale ** 2!r} /\n", encoding="ascii")
         run_program(asperity, "accuracy", "s.scene", "--seconds", "3", "--quiet", "--csv", "a.csv",
                     cwd=tmp_path)
-        rows.append(rows_of(tmp_path / "a.csv"))
+        rows.append(records(tmp_path / "a.csv"))
     named = [[(row["family"], row["arithmetic"], row["overlap"]) for row in table]
              for table in rows]
     assert named[0] and named[0] == named[1]

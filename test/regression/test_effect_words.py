@@ -1,6 +1,5 @@
 """Which effects a scene may name, what each needs, and where `auto` calls for them."""
 
-import csv
 import math
 import re
 from itertools import product
@@ -10,7 +9,7 @@ import pytest
 
 from ball_scenes import balls, column, compare, off, solved
 from effect_runs import DECK, ROOT, TOLD
-from surfaces_csv import solve, write_scene
+from surfaces_csv import records, solve, write_scene
 
 EXAMPLES = ROOT / "data" / "examples" / "effects"
 ON = {"interaction": ("coupled", "boundary"), "friction": ("on",), "plasticity": ("on",),
@@ -249,8 +248,7 @@ def test_examples(name, asperity, tmp_path, tally):
     row = done.positions[0]
     simulated = {effect: row[effect] for effect in ON if row.get(effect, "off") != "off"}
     assert simulated == ABOUT[name]
-    with open(EXAMPLES / f"{name}.curve.csv", newline="") as file:
-        kept = list(csv.DictReader(file))
+    kept = records(EXAMPLES / f"{name}.curve.csv")
     assert len(kept) == len(done.curve) and kept[0].keys() == done.curve[0].keys()
     for column_name in ("separation", "load", "area", "time"):
         found, true = column(done.curve, column_name), column(kept, column_name)

@@ -3,7 +3,6 @@
 The truth is reference_output/boundary; its README tells how it was made and how well it holds.
 """
 
-import csv
 import re
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 
 from effect_runs import (CAP, CELLS, COMBINED, CONVERGED, COUPLED_APART, COUPLED_OVERLAPPING, DECK,
                          ROOT, TOLD, Sweeps, by_position, column, report, total)
-from surfaces_csv import solve, write_scene
+from surfaces_csv import records, solve, write_scene
 
 OVERLAPPING = (18, 56, 79)  # positions of the thesis where contact circles overlap
 # What the last halving of cells may change of the factor, a ratio of two loads.
@@ -32,8 +31,7 @@ def sweeps(asperity, tmp_path_factory):
 @pytest.fixture(scope="module")
 def truth():
     """The rows of factors.csv, by position."""
-    with open(ROOT / "reference_output" / "boundary" / "factors.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = records(ROOT / "reference_output" / "boundary" / "factors.csv")
     assert [int(row["position"]) for row in rows] == list(range(1, 101))
     return rows
 

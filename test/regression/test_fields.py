@@ -13,7 +13,7 @@ from builds import ROOT
 from image_data import read_png, read_vti
 from map_press_truth import press, product, rough
 from programs import run_program
-from surfaces_csv import solve, write_scene
+from surfaces_csv import records, solve, write_scene
 from test_map_scene import E, level, load_for, map_scene, write_map
 
 # Pixels along x and y, spacings, edge, whether pixels are missing.
@@ -51,9 +51,8 @@ def test_ten_maps_against_numpy(asperity, tmp_path, tally, number):
                       loading={"control": "load", "value": load})
     run(asperity, "solve", scene, "--quiet", "--fields", tmp_path / "f.vti", "--positions",
         tmp_path / "p.csv")
-    with open(tmp_path / "p.csv", newline="") as file:
-        row = {name: float(cell) for name, cell in next(csv.DictReader(file)).items()
-               if name not in ("interaction",) and cell}
+    row = {name: float(cell) for name, cell in records(tmp_path / "p.csv")[0].items()
+           if name not in ("interaction",) and cell}
     origin, spacing, fields = read_vti(tmp_path / "f.vti")
     assert origin[:2] == pytest.approx(-0.5 * np.array(sides))
     assert tuple(spacing[:2]) == sides

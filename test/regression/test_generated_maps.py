@@ -1,7 +1,6 @@
 """Random height maps of `asperity generate`, against an independent synthesis in numpy, and power
 spectra of `asperity summits --spectrum`, against numpy and SurfaceTopography."""
 
-import csv
 import math
 import statistics
 
@@ -11,6 +10,7 @@ import pytest
 
 from philox import philox
 from programs import run_program
+from surfaces_csv import records
 
 # A small map whose sides, spacings and lengths differ, with a prime factor of 7.
 SMALL = ("&map pixels = 42, 30, spacing = 0.5, 0.75, hurst = 0.7, roll_off = 9., cut_off = 2.,\n"
@@ -509,13 +509,12 @@ def test_cost_is_estimated(run, tmp_path):
 def spectra(path):
     """The three spectra of a CSV: columns of numbers."""
     found = {"iso": [], "x": [], "y": []}
-    with open(path, encoding="ascii", newline="") as file:
-        for row in csv.DictReader(file):
-            assert list(row) == ["spectrum", "q", "c_iso", "c_1d", "number"]
-            kind = row["spectrum"]
-            full, empty = ("c_iso", "c_1d") if kind == "iso" else ("c_1d", "c_iso")
-            assert row[empty] == ""
-            found[kind].append([float(row["q"]), float(row[full]), int(row["number"])])
+    for row in records(path):
+        assert list(row) == ["spectrum", "q", "c_iso", "c_1d", "number"]
+        kind = row["spectrum"]
+        full, empty = ("c_iso", "c_1d") if kind == "iso" else ("c_1d", "c_iso")
+        assert row[empty] == ""
+        found[kind].append([float(row["q"]), float(row[full]), int(row["number"])])
     return {kind: np.array(rows).T for kind, rows in found.items()}
 
 

@@ -5,13 +5,13 @@ map tilted: nothing but places changes. The truth of each law is the same map be
 values themselves are held against numpy in test_map_scene.py and against Westergaard here.
 """
 
-import csv
 
 import numpy as np
 import pytest
 
 from map_press_truth import press
 from programs import run_program
+from surfaces_csv import records
 
 MODULUS = 3.0
 CHANGES = ("rolled", "transposed", "mirrored along x", "mirrored along y", "turned", "shifted",
@@ -86,11 +86,6 @@ def command(asperity, folder, *words):
     return run_program(asperity, *words, status=None, cwd=folder)
 
 
-def rows_of(path):
-    with open(path, encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
 def column(rows, name):
     return np.array([float(row[name]) if row[name] else np.nan for row in rows])
 
@@ -108,9 +103,9 @@ def solve(asperity, folder, of, pressure, interaction="boundary", name="m"):
     run = command(asperity, folder, "solve", f"{name}.scene", "--quiet", "--threads", "1",
                   "--positions", "p.csv", "--contacts", "c.csv")
     assert run.returncode == 0, run.stderr
-    contacts = rows_of(folder / "c.csv")
+    contacts = records(folder / "c.csv")
     order = np.argsort(column(contacts, "load"))
-    return rows_of(folder / "p.csv")[0], [contacts[i] for i in order], run.stderr
+    return records(folder / "p.csv")[0], [contacts[i] for i in order], run.stderr
 
 
 def summits(asperity, folder, of, rule, *options, name="m"):
@@ -120,7 +115,7 @@ def summits(asperity, folder, of, rule, *options, name="m"):
                   f"{of.spacing[0]!r},{of.spacing[1]!r}", "--edge",
                   "periodic" if of.periodic else "free", "--output", "s.csv", *options)
     assert run.returncode == 0, run.stderr
-    rows = rows_of(folder / "s.csv")
+    rows = records(folder / "s.csv")
     return run.stdout, np.array(sorted((float(row["height"]), float(row["radius"]))
                                        for row in rows)).reshape(-1, 2)
 
@@ -257,7 +252,7 @@ def test_from_first_touch_to_far_beyond_full_contact(asperity, tmp_path, tally):
             "&effects interaction = 'boundary' /\n")
         run = command(asperity, tmp_path, "solve", "m.scene", "--quiet", "--curve", "c.csv")
         assert run.returncode == 0, (number, run.stderr)
-        states = rows_of(tmp_path / "c.csv")
+        states = records(tmp_path / "c.csv")
         area = column(states, "area") / of.area()
         assert len(states) == 20
         assert area.max() < 1 + 1e-12 and np.all(np.diff(column(states, "sample_area")
@@ -385,7 +380,7 @@ def test_levels_of_a_scene(asperity, tmp_path):
             "&effects interaction = 'boundary' /\n")
         run = command(asperity, tmp_path, "solve", "m.scene", "--quiet", "--positions", "p.csv")
         assert run.returncode == 0, run.stderr
-        found[how] = float(rows_of(tmp_path / "p.csv")[0]["separation"])
+        found[how] = float(records(tmp_path / "p.csv")[0]["separation"])
     level, _ = press((height - height.mean()).T, (1.0, 1.0), 1.0, 20.0)
     assert found["mean"] == pytest.approx(level, abs=1e-8)
     assert found["none"] == pytest.approx(level + height.mean(), abs=1e-8)

@@ -4,13 +4,13 @@ The restatement below is written from the geometry and Hertz's equations with wh
 shares the marching rule with the original, because the results depend on it.
 """
 
-import csv
 
 import numpy as np
 import pytest
 
 from decks import random_deck, write_deck
 from programs import run_program
+from surfaces_csv import records
 
 INCH, PSI = 2.54, 0.6894
 LIMIT = 65 * 9.8 / 2.205
@@ -71,8 +71,7 @@ def test_random_deck(seed, asperity, tmp_path):
     path = write_deck(tmp_path / "random.deck", **deck)
     run_program(asperity, path, "--arithmetic", "real64", "--tables", "none", "--positions",
                 tmp_path / "positions.csv")
-    with open(tmp_path / "positions.csv") as file:
-        found = list(csv.DictReader(file))
+    found = records(tmp_path / "positions.csv")
     expected = restate(**deck)
     names = ("steps", "approach", "contacts", "load", "area", "projected_area", "limit_reached")
     worst = 0.0

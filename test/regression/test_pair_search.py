@@ -6,13 +6,13 @@ must be the same, pair for pair, in the same order; penetrations are computed an
 (touching_level), so they agree within rounding.
 """
 
-import csv
 
 import numpy as np
 import pytest
 
 from programs import run_program
 from search_files import Surface, read_pairs, run_search, search_program, write_input
+from surfaces_csv import records
 
 N = 100_000
 SIDE = (N / 0.48) ** 0.5
@@ -197,8 +197,7 @@ def test_contacts(case, asperity, tmp_path, tally):
         f"&loading control = 'separation', value = {level!r} /\n"
         "&effects interaction = 'off' /\n", encoding="ascii")
     run_program(asperity, "solve", scene, "--quiet", "--contacts", tmp_path / "c.csv")
-    with open(tmp_path / "c.csv", encoding="ascii") as file:
-        rows = list(csv.DictReader(file))
+    rows = records(tmp_path / "c.csv")
     up, low = (np.array([int(row[key]) - 1 for row in rows]) for key in ("upper", "lower"))
     penetration = np.array([float(row["penetration"]) for row in rows])
 

@@ -1,7 +1,6 @@
 """Pressures limited by a hardness on the pixels of a height map (`plastic_hardness`): closed
 forms, the conditions of the one solution, projected gradients in numpy, cycles, refused scenes."""
 
-import csv
 import re
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 from image_data import read_vti
 from map_press_truth import product, rough
 from programs import run_program
-from surfaces_csv import solve
+from surfaces_csv import records, solve
 from test_map_scene import E, level, load_for, map_scene
 
 SIDES = (0.01, 0.013)
@@ -30,9 +29,8 @@ def run(asperity, folder, height, hardness, name="map", edge="free",
                 folder / f"{name}.positions")
     tables = []
     for kind in ("curve", "positions"):
-        with open(folder / f"{name}.{kind}", newline="") as file:
-            tables.append([{key: cell if key in ("interaction", "plasticity") else float(cell or
-                            "nan") for key, cell in row.items()} for row in csv.DictReader(file)])
+        tables.append([{key: cell if key in ("interaction", "plasticity") else float(cell or "nan")
+                        for key, cell in row.items()} for row in records(folder / f"{name}.{kind}")])
     count = len(tables[0])
     files = [folder / f"{name}_{k:04}.vti" for k in range(1, count + 1)]
     return tables[0], tables[1][0], [read_vti(file)[2] for file in files]
@@ -316,8 +314,7 @@ def test_accuracy_against_numpy(asperity, tmp_path, interaction):
                                      f"plastic_hardness = {hardness!r}"))
     run_program(asperity, "accuracy", scene, "--quiet", "--seconds", "3", "--csv",
                 tmp_path / "a.csv")
-    with open(tmp_path / "a.csv", newline="") as file:
-        rows = {row["method"]: row for row in csv.DictReader(file)}
+    rows = {row["method"]: row for row in records(tmp_path / "a.csv")}
     of = level(height)
     flat, _ = projected_gradients(of, hardness, "free", total=load / AREA)
     softer, _ = projected_gradients(of, 1e9, "free", total=load / AREA)

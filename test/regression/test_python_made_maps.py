@@ -1,11 +1,11 @@
 """Random height maps and power spectra in Python: the numbers of the command."""
 
-import csv
 
 import numpy as np
 import pytest
 from builds import ROOT
 from programs import run_program
+from surfaces_csv import records
 
 pytestmark = pytest.mark.once
 
@@ -37,8 +37,7 @@ def test_spectra_are_those_of_the_command(periodic, package, asperity, tmp_path)
     made.write(tmp_path / "m.sdf")
     run(asperity, tmp_path, "summits", "m.sdf", "--unit", "um", "--edge",
         "periodic" if periodic else "free", "--quiet", "--spectrum", "s.csv")
-    with open(tmp_path / "s.csv", encoding="ascii", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = records(tmp_path / "s.csv")
     for kind, name, unit in (("iso", "c_iso", "um4"), ("x", "c_1d", "um3"), ("y", "c_1d", "um3")):
         table = made.power_spectrum(kind)
         assert list(table) == ["q", name, "number"]

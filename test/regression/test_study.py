@@ -1,7 +1,6 @@
 """`asperity study`: contacts and sections against numpy, the integrals against numpy's own, kept
 surfaces, and what the command says when it cannot do what is asked."""
 
-import csv
 import math
 import os
 import re
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 
 from programs import run_program
+from surfaces_csv import records
 
 SPEC = """&surfaces density = 0.5, 0.4, length = 30., 32., width = 28., least_distance = {least} /
 &heights mean = 0.127, 0.12, deviation = 0.03, 0.04, lowest_deviation = -1., \
@@ -38,11 +38,6 @@ def study(asperity, tmp_path):
 
 def spec(study="separation = 0.2", least=0.5, seed=3, ensemble=4):
     return SPEC.format(study=study, least=least, seed=seed, ensemble=ensemble)
-
-
-def rows(path):
-    with open(path, encoding="ascii") as file:
-        return list(csv.DictReader(file))
 
 
 def surface(asperity, folder, text, member, side):
@@ -84,7 +79,7 @@ def test_against_numpy(asperity, study, tmp_path, tally):
     """Means, deviations, standard errors and shares of all sizes from contacts found in numpy."""
     text = spec("separation = 0.2, factor = 2., steps = 4, tolerance = 0.3")
     study(text, "--csv", "a.csv", "--quiet")
-    table = rows(tmp_path / "a.csv")
+    table = records(tmp_path / "a.csv")
     found = [contacts(surface(asperity, tmp_path, text, member, "upper"),
                       surface(asperity, tmp_path, text, member, "lower"), 0.2)
              for member in range(1, 5)]
@@ -149,7 +144,7 @@ def integrals(separation, densities):
 def test_integrals(study, tmp_path, tally):
     """The columns of integrals; the edge t = 0 in the sum over heights costs digits."""
     study(spec("separation = 0.2, steps = 1", ensemble=2), "--csv", "a.csv", "--quiet")
-    table = rows(tmp_path / "a.csv")
+    table = records(tmp_path / "a.csv")
     expected = integrals(0.2, [float(table[0]["upper_density"]), float(table[0]["lower_density"])])
     found = [float(row["integral"]) for row in table]
     tally.add("study: integrals", 4, int(np.isclose(found, expected, rtol=1e-3).sum()))
@@ -164,7 +159,7 @@ def test_ensemble_meets_integral(study, tmp_path, tally, loading, least, places)
     text = spec(f"{loading}, steps = 2, {places}", least=least, seed=7, ensemble=60)
     study(text, "--csv", "a.csv",
           "--quiet")
-    table = rows(tmp_path / "a.csv")
+    table = records(tmp_path / "a.csv")
     near = [abs(float(row["mean"]) - float(row["integral"])) < 4 * float(row["standard_error"])
             and float(row["standard_error"]) < 0.04 * float(row["integral"]) for row in table]
     tally.add("study: means and integrals", len(near), sum(near))
@@ -174,7 +169,7 @@ def test_ensemble_meets_integral(study, tmp_path, tally, loading, least, places)
 def test_pressure(study, tmp_path):
     """The separation is the one at which large surfaces of the design bear the pressure."""
     study(spec("pressure = 100., steps = 1", least=0, ensemble=2), "--csv", "a.csv", "--quiet")
-    row = rows(tmp_path / "a.csv")[3]
+    row = records(tmp_path / "a.csv")[3]
     design = round(0.5 * 30 * 28) / (30 * 28), round(0.4 * 32 * 28) / (32 * 28)
     ratio = design[0] * design[1] / (float(row["upper_density"]) * float(row["lower_density"]))
     assert float(row["integral"]) * ratio == pytest.approx(100, rel=1e-12)
@@ -184,7 +179,7 @@ def test_verdict(study, tmp_path):
     """The representative size is the least from which on up enough sections are within."""
     done = study(spec("separation = 0.2, steps = 5, tolerance = 0.5, confidence = 0.8",
                       ensemble=20), "--csv", "a.csv")
-    table = rows(tmp_path / "a.csv")[::4]
+    table = records(tmp_path / "a.csv")[::4]
     good = [float(row["all_within"]) >= 0.8 for row in table]
     expected = good.index(False) - 1
     assert 0 <= expected < 4

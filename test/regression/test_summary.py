@@ -1,12 +1,11 @@
 """What the summary shows beside the totals, against the files of the same run."""
 
-import csv
 import re
 
 import pytest
 from builds import ROOT
 from programs import run_program
-from surfaces_csv import write_csv_scene
+from surfaces_csv import records, write_csv_scene
 
 # One of each effect, a hold under a load and one at an approach.
 SCENES = ["ten_minutes", "ten_minutes_approach", "cycle", "gelatine", "index_092"]
@@ -59,7 +58,7 @@ def test_summary_shows_what_the_files_say(asperity, tmp_path, name):
     files = {which: tmp_path / which for which in ("contacts", "positions", "curve")}
     outputs = [word for which, path in files.items() for word in (f"--{which}", path)]
     run = run_program(asperity, "solve", ROOT / f"data/examples/effects/{name}.scene", *outputs)
-    rows = {which: list(csv.DictReader(path.open())) for which, path in files.items()}
+    rows = {which: records(path) for which, path in files.items()}
     shown = {name: float(value) for name, value in summary_of(run.stdout.splitlines()).items()}
     position, last = rows["positions"][-1], rows["curve"][-1]
 
@@ -109,7 +108,7 @@ def solve_at_load(asperity, folder, effects, load):
     text = scene.read_text()
     scene.write_text(text.replace("lower = 'pair_lower.csv'", "lower = 'plane'"))
     done = run_program(asperity, "solve", scene, "--curve", folder / "curve", cwd=folder)
-    last = list(csv.DictReader((folder / "curve").open()))[-1]
+    last = records(folder / "curve")[-1]
     return float(last["compression"]), float(last["area"]), done.stdout
 
 
@@ -134,7 +133,7 @@ def test_energy_lost_in_each_cycle(asperity, tmp_path):
     """The loops of load against compression enclose the energy that the summary has."""
     done = run_program(asperity, "solve", ROOT / "data/examples/effects/cycle.scene", "--curve",
                        tmp_path / "curve")
-    rows = list(csv.DictReader((tmp_path / "curve").open()))
+    rows = records(tmp_path / "curve")
     closing, load, work = ([float(row[name]) for row in rows]
                            for name in ("compression", "vertical_load", "dissipated_work"))
     lost = [float(word) for word in

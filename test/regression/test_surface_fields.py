@@ -1,7 +1,6 @@
 """Pressure, gap and displacement of asperities on a grid (`field_spacing`), against Hertz' closed
 form, direct sums of Boussinesq's and the contacts of the same run."""
 
-import csv
 import math
 import pickle
 import re
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 from image_data import read_vti
 from programs import run_program
-from surfaces_csv import write_csv_scene, write_scene, write_surface
+from surfaces_csv import records, write_csv_scene, write_scene, write_surface
 
 E, R, DEPTH, SIDE = 1000.0, 1.0, 0.01, 0.0123
 
@@ -38,10 +37,9 @@ def fields_of(asperity, folder, scene, *words):
             for i, n in enumerate(fields["pressure"].shape))
     tables = []
     for name in "cp":
-        with open(folder / f"{name}.csv", newline="") as file:
-            tables.append([{key: float(cell) for key, cell in row.items()
-                            if re.fullmatch(r"[-+.\dEe]+", cell)}
-                           for row in csv.DictReader(file)])
+        tables.append([{key: float(cell) for key, cell in row.items()
+                        if re.fullmatch(r"[-+.\dEe]+", cell)}
+                       for row in records(folder / f"{name}.csv")])
     return np.meshgrid(x, y, indexing="ij"), fields, *tables
 
 
@@ -342,8 +340,7 @@ def test_states_picture_and_histogram(asperity, tmp_path):
     run(asperity, scene, "--quiet", "--fields", tmp_path / "f.vti", "--fields-of", "all", "--curve",
         tmp_path / "s.csv", "--picture", tmp_path / "p.svg", "--histogram", tmp_path / "h.csv",
         "--html", tmp_path / "p.html")
-    with open(tmp_path / "s.csv", newline="") as file:
-        states = list(csv.DictReader(file))
+    states = records(tmp_path / "s.csv")
     for number, (load, state) in enumerate(zip((1.0, 2.0, 0.5), states, strict=True), 1):
         _, _, fields = read_vti(tmp_path / f"f_000{number}.vti")
         assert np.nansum(fields["pressure"]) * 0.02**2 == pytest.approx(load, rel=1e-6)
@@ -351,8 +348,7 @@ def test_states_picture_and_histogram(asperity, tmp_path):
     assert "mean pressure" in (tmp_path / "p.svg").read_text()
     page = (tmp_path / "p.html").read_text()
     assert "pressure in plan" in page and "pressures of contacts: " in page
-    with open(tmp_path / "h.csv", newline="") as file:
-        bins = [[float(cell) for cell in row.values()] for row in csv.DictReader(file)]
+    bins = [[float(cell) for cell in row.values()] for row in records(tmp_path / "h.csv")]
     width = 2 * bins[0][0]
     assert width * sum(row[1] for row in bins) == pytest.approx(
         fields["contact"].sum() / (~np.isnan(fields["pressure"])).sum())

@@ -4,6 +4,8 @@ import csv
 from fractions import Fraction
 from pathlib import Path
 
+from surfaces_csv import records
+
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT / "reference_output" / "thesis"
 DECK = ROOT / "data" / "thesis.deck"
@@ -27,12 +29,6 @@ def read(path):
     """Rows of a CSV file, header first."""
     with open(path, newline="", encoding="ascii") as file:
         return list(csv.reader(file))
-
-
-def records(path):
-    """Rows of a CSV file as dictionaries."""
-    with open(path, newline="", encoding="ascii") as file:
-        return list(csv.DictReader(file))
 
 
 def legible(cell):

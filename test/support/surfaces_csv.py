@@ -93,13 +93,12 @@ def solve(asperity, scene, *options, folder=None, contacts=True, curve=False):
     named = [part for name, path in files.items() for part in ("--" + name, path)]
     done = run_program(asperity, "solve", scene, *options, *named, status=None)
     return Solved(done.returncode, done.stdout, done.stderr,
-                  *(records(files.get(name)) for name in ("positions", "contacts", "curve")))
+                  *(records(files[name]) if name in files and files[name].exists() else []
+                    for name in ("positions", "contacts", "curve")))
 
 
 def records(path):
-    """Rows of a CSV file; none when it is not there."""
-    if path is None or not path.exists():
-        return []
+    """Rows of a CSV file."""
     with open(path, encoding="ascii", newline="") as file:
         return list(csv.DictReader(file))
 
