@@ -10,11 +10,11 @@ from fractions import Fraction
 import mpmath
 import pytest
 import s370_machine
-from builds import ROOT, build
+from builds import build
 from hex32_against_machine import (BODIES, COUNTS, FOLDER, FRACTION, KEPT, LARGEST, MASKS, PAIRS,
                                    ROUGH, SIGN, agrees, arithmetic, compare, explained, fraction,
-from surfaces_csv import records
                                    kept, machine, machine_result, operands, told, word)
+from surfaces_csv import records
 
 # The same words whatever build is under test: the unit tests try its rules in every build.
 pytestmark = pytest.mark.once
@@ -25,10 +25,6 @@ NORMAL = [kind for kind in BODIES if not kind.endswith(ROUGH)]
 @pytest.fixture(scope="module")
 def program():
     return build("release").parent.parent / "example" / "hex32_words"
-
-
-def counts():
-    return records(FOLDER / "counts.csv")
 
 
 @pytest.mark.parametrize("kind", BODIES)
@@ -60,7 +56,7 @@ def test_a_wrong_digit_is_seen():
 def test_archived_counts():
     """100000 operations of each kind under each mask, no difference that is not explained, none at
     all where operands are normalised; and the page tells so."""
-    lines = counts()
+    lines = records(FOLDER / "counts.csv")
     assert [(line["program_mask"], line["kind"]) for line in lines] == \
         [(mask, kind) for mask in MASKS for kind in BODIES]
     for line in lines:

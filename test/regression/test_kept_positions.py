@@ -17,6 +17,7 @@ import pytest
 
 from programs import run_program
 from surfaces_csv import write_csv_scene, write_scene
+from test_result_files import fnv
 
 OUTPUTS = ("contacts", "positions", "curve")
 IMAGES = shlex.split(os.environ.get("ASPERITY_IMAGES", ""))
@@ -89,18 +90,10 @@ def test_kept_positions_are_taken(asperity, root, tmp_path):
     # The displacement is the first number; 0.1 becomes 0.5.
     assert lines[2].startswith(b"3FB999999999999A")
     lines[2] = np.float64(0.5).tobytes()[::-1].hex().upper().encode() + lines[2][16:]
-    lines[1] = lines[1][:-8] + b"%08X" % fnv(lines[2])
+    lines[1] = lines[1][:-8] + fnv(lines[2]).encode()
     (tmp_path / "a.keep").write_bytes(b"\n".join(lines))
     done = run([asperity], scene, tmp_path / "again", "--keep", "../a.keep")
     assert done[3]["positions"].split(b"\n")[1].startswith(b"1,5.000000")
-
-
-def fnv(data):
-    """FNV-1a of 32 bits, from its definition."""
-    state = 2166136261
-    for byte in data:
-        state = (state ^ byte) * 16777619 % 2**32
-    return state
 
 
 @pytest.mark.parametrize("change", ["arithmetic", "scene", "surface", "contacts", "version"])

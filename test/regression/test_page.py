@@ -2,13 +2,13 @@
 and the summary hold, loads nothing, and can be read without eyes and without a mouse."""
 
 import re
-import subprocess
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from builds import ROOT
+from programs import run_program
 from surfaces_csv import records, write_csv_scene
 
 SCENES = ("data/examples/thesis.scene", "data/examples/position_56.scene",
@@ -77,9 +77,7 @@ class Page(HTMLParser):
 
 
 def page_of(asperity, scene, path, *words, **more):
-    done = subprocess.run([asperity, "solve", scene, "--html", path, *words], cwd=ROOT, timeout=100,
-                          capture_output=True, text=True, stdin=subprocess.DEVNULL, **more)
-    assert done.returncode == 0, done.stderr
+    done = run_program(asperity, "solve", scene, "--html", path, *words, cwd=ROOT, **more)
     text = path.read_bytes().decode()
     ElementTree.fromstring(text.replace("<!DOCTYPE html>", ""))
     return Page(text), text, done
@@ -360,12 +358,11 @@ def test_page_in_pieces(asperity, tmp_path):
     """A page goes to standard output, and appears whole or not at all."""
     scene = "data/examples/one_pair.scene"
     _, text, _ = page_of(asperity, scene, tmp_path / "r.html")
-    done = subprocess.run([asperity, "solve", scene, "--html", "-"], cwd=ROOT, capture_output=True,
-                          timeout=100)
+    done = run_program(asperity, "solve", scene, "--html", "-", cwd=ROOT, text=False)
     assert done.stdout.decode() == text
-    full = subprocess.run([asperity, "solve", scene, "--html", "/dev/full", "--json",
-                           tmp_path / "r.json"], cwd=ROOT, capture_output=True, timeout=100)
-    assert full.returncode == 1 and b"/dev/full: cannot be written" in full.stderr
+    full = run_program(asperity, "solve", scene, "--html", "/dev/full", "--json",
+                       tmp_path / "r.json", status=1, cwd=ROOT)
+    assert "/dev/full: cannot be written" in full.stderr
     assert not (tmp_path / "r.json").exists()
 
 

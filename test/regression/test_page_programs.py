@@ -2,10 +2,10 @@
 
 import os
 import re
-import subprocess
 
 import pytest
 from builds import ROOT, build
+from programs import run_program
 
 pytestmark = pytest.mark.once
 
@@ -64,9 +64,7 @@ def library(venv):
 
 
 def run(command, library=""):
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=100,
-                          env={**os.environ, "LD_LIBRARY_PATH": str(library)})
-    assert done.returncode == 0, done.stdout + done.stderr
+    run_program(*command, cwd=ROOT, variables={"LD_LIBRARY_PATH": str(library)})
 
 
 def test_c(library, tmp_path):

@@ -30,7 +30,8 @@ def run(asperity, folder, height, hardness, name="map", edge="free",
     tables = []
     for kind in ("curve", "positions"):
         tables.append([{key: cell if key in ("interaction", "plasticity") else float(cell or "nan")
-                        for key, cell in row.items()} for row in records(folder / f"{name}.{kind}")])
+                        for key, cell in row.items()}
+                       for row in records(folder / f"{name}.{kind}")])
     count = len(tables[0])
     files = [folder / f"{name}_{k:04}.vti" for k in range(1, count + 1)]
     return tables[0], tables[1][0], [read_vti(file)[2] for file in files]

@@ -10,7 +10,7 @@ from mpmath import mpf
 from ball_scenes import balls, column, compare, off, path, rises, solved, work
 from effect_runs import DECK, by_position
 from plastic_truth import BETWEEN, POINTS, STEEL, Sphere, unloading
-from surfaces_csv import write_scene
+from surfaces_csv import write_plane_scene, write_scene
 
 ONSET = 1.9 * float(STEEL.critical_overlap)
 # The steel of Jackson and Green: on a rigid flat, or on its like with twice the modulus.
@@ -365,10 +365,8 @@ def test_body_that_yields(ball, body, asperity, tmp_path):
     ((1e3, 1e3), (0.4, 0.2), "lower"), ((1e3, 1e3), (0.2, 0.4), "upper")])
 def test_softer_body_yields(modulus, ratio, yields, asperity, tmp_path):
     """The smaller modulus; of equal moduli the smaller Poisson's ratio."""
-    (tmp_path / "ball.csv").write_text("x,y,height,radius\n0,0,0.5,1\n")
-    run = solved(asperity, write_scene(
-        tmp_path / "ball.scene", surfaces={"upper": "plane", "lower": "ball.csv"},
-        material={"elastic_modulus": modulus, "poisson_ratio": ratio},
+    run = solved(asperity, write_plane_scene(
+        tmp_path, [(0, 0, 0.5, 1)], None, modulus, ratio,
         loading={"control": "approach", "value": 0.499},
         effects={"plasticity": "on", "plastic_yield_stress": 2.0}))
     assert f"the {yields} body yields" in run.stdout

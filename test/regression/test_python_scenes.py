@@ -13,6 +13,7 @@ import time
 import numpy as np
 import pytest
 from builds import ROOT
+from programs import run_program
 
 pytestmark = [pytest.mark.once, pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -156,10 +157,9 @@ asperity.solve({"surfaces": {"deck": "data/thesis.deck"}, "loading": {"control":
 def test_progress(package_folder, hide, told):
     """A bar of tqdm, or a line without it, on standard error; it ends with all states."""
     code = f"import sys; sys.path.insert(0, {str(package_folder)!r})"
-    done = subprocess.run([sys.executable, "-W", "ignore", "-c",
-                           code + PROGRESS.replace("HIDE", str(hide))], cwd=ROOT, text=True,
-                          capture_output=True, timeout=100)
-    assert done.returncode == 0 and done.stdout == "", done.stderr
+    done = run_program(sys.executable, "-W", "ignore", "-c",
+                       code + PROGRESS.replace("HIDE", str(hide)), cwd=ROOT)
+    assert done.stdout == ""
     counts = [tuple(map(int, pair)) for pair in re.findall(told, done.stderr)]
     assert len(counts) >= 2 and counts[-1][0] == counts[-1][1] > 1000
     assert counts == sorted(counts) and done.stderr.endswith("\n")

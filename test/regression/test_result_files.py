@@ -4,11 +4,11 @@ stands for the standard streams."""
 import json
 import math
 import re
-import subprocess
 from xml.etree import ElementTree
 
 import pytest
 from builds import ROOT
+from programs import run_program
 from surfaces_csv import records, write_csv_scene
 
 SCHEMA = json.loads((ROOT / "docs/results.schema.json").read_text(encoding="utf-8"))
@@ -49,10 +49,7 @@ def faults(value, schema, place=""):
 
 
 def run(asperity, *words, cwd=ROOT, status=0, **more):
-    done = subprocess.run([asperity, *words], cwd=cwd, capture_output=True, text=True, timeout=100,
-                          **({"stdin": subprocess.DEVNULL} | more))
-    assert done.returncode == status, done.stderr
-    return done
+    return run_program(asperity, *words, status=status, cwd=cwd, **more)
 
 
 def fnv(data):

@@ -5,13 +5,13 @@ below the highest, at which its isolated contact begins; Johnson's closed form o
 beside a Hertzian contact (Contact Mechanics, 1985, eq. 3.42a), by which a contact begins later.
 """
 
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 from made_maps import self_affine
-from surfaces_csv import records, solve, write_scene, write_surface
+from programs import run_program
+from surfaces_csv import records, solve, write_plane_scene, write_scene
 
 E, RADIUS = 1000.0, 2.0
 # Heights are multiples of 1/8, so that the compression at which a contact begins is exact.
@@ -28,12 +28,8 @@ MODES = ("off", "coupled", "boundary", "auto", None)
 
 def pressed(asperity, folder, loading, mode, caps=CAPS, options=(), **groups):
     effects = {} if mode is None else {"effects": {"interaction": mode}}
-    scene = write_scene(
-        folder / "caps.scene",
-        surfaces={"upper": "plane", "lower": write_surface(folder / "caps.csv", caps),
-                  "nominal_area": 100.0},
-        material={"contact_modulus": E}, limit={"value": 500.0}, loading=loading, **effects,
-        **groups)
+    scene = write_plane_scene(folder, caps, {"nominal_area": 100.0}, E, limit={"value": 500.0},
+                              loading=loading, **effects, **groups)
     return solve(asperity, scene, *options, curve=True)
 
 
@@ -155,8 +151,7 @@ def test_five_points_of_many_contacts(asperity, tmp_path):
         "&surfaces number = 100000, length = 1000., width = 1000. /\n"
         "&heights mean = .5, deviation = .1, lowest_deviation = -3, highest_deviation = 3 /\n"
         "&radii mean = 1. /\n")
-    subprocess.run([asperity, "generate", "spec", "--upper", "u.csv", "--lower", "l.csv"],
-                   cwd=tmp_path, check=True, capture_output=True)
+    run_program(asperity, "generate", "spec", "--upper", "u.csv", "--lower", "l.csv", cwd=tmp_path)
     scene = write_scene(
         tmp_path / "many.scene",
         surfaces={"upper": "u.csv", "lower": "l.csv", "nominal_area": 1e6},
@@ -165,9 +160,8 @@ def test_five_points_of_many_contacts(asperity, tmp_path):
     # What a process held before it became another counts for both: this one holds much.
     between = ("import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True); "
                "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)")
-    done = subprocess.run([sys.executable, "-c", between, asperity, "solve", scene, "--quiet",
-                           "--curve", tmp_path / "curve.csv", "--json", tmp_path / "all.json",
-                           "--html", tmp_path / "page.html"],
-                          capture_output=True, text=True, check=True)
+    done = run_program(sys.executable, "-c", between, asperity, "solve", scene, "--quiet",
+                       "--curve", tmp_path / "curve.csv", "--json", tmp_path / "all.json", "--html",
+                       tmp_path / "page.html")
     assert len(records(tmp_path / "curve.csv")) == 6
     assert int(done.stdout) < 300_000

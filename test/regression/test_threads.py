@@ -17,15 +17,7 @@ import pytest
 import made_maps
 from programs import run_program
 from surfaces_csv import write_csv_scene, write_scene
-
-OUTPUTS = ("contacts", "positions", "curve")
-
-
-def rough(rng, n, lowest=0.03):
-    """Asperities as dense as in the thesis, of its radius."""
-    side = (n / 0.48) ** 0.5
-    return np.column_stack((rng.random((n, 2)) * side, rng.normal(0.127, 0.03, n).clip(lowest, 0.2),
-                            np.full(n, 1.27)))
+from test_kept_positions import OUTPUTS, rough
 
 
 def outcome(asperity, scene, threads, folder):

@@ -13,7 +13,7 @@ import pytest
 from ball_scenes import balls
 from effect_runs import CAP, COMBINED, DECK, MODULUS, RATIO, column
 from plastic_truth import STEEL
-from surfaces_csv import solve, write_csv_scene, write_scene
+from surfaces_csv import solve, write_csv_scene, write_plane_scene, write_scene
 
 # A ball on a ball as large, one above the other: combined radius R/2.
 RADIUS = 2.0
@@ -70,11 +70,8 @@ def test_contact_radius(asperity, tmp_path):
 
 def test_plane_below_a_sphere(asperity, tmp_path):
     """A sphere of radius 1 that a plane meets with an area of 2576 lies on no side of it."""
-    (tmp_path / "one.csv").write_text("x,y,height,radius\n0,0,0.5,1\n")
-    run = solve(asperity, write_scene(
-        tmp_path / "one.scene", surfaces={"upper": "plane", "lower": "one.csv"},
-        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
-        loading={"control": "approach", "value": 0.5 - 820.0}))
+    run = solve(asperity, write_plane_scene(
+        tmp_path, [(0, 0, 0.5, 1)], loading={"control": "approach", "value": 0.5 - 820.0}))
     assert run.status == 1
     assert "times the radius of its sphere" in run.stderr
 
@@ -120,17 +117,13 @@ def test_yield(given, pressure, asperity, tmp_path):
     assert told(plastic, "beyond yield") == ""
 
 
-def caps(asperity, folder, side, overlap, nominal=None, interaction="off"):
+def caps(asperity, folder, side, overlap, nominal=None, interaction="off", **effects):
     """Four caps on the corners of a square, on a plane."""
-    folder.mkdir()
-    (folder / "caps.csv").write_text("x,y,height,radius\n" + "".join(
-        f"{x * side!r},{y * side!r},0.5,{CAP}\n" for x in (0, 1) for y in (0, 1)))
-    area = {"nominal_area": nominal} if nominal else {}
-    return solve(asperity, write_scene(
-        folder / "caps.scene", surfaces={"upper": "plane", "lower": "caps.csv", **area},
-        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
+    return solve(asperity, write_plane_scene(
+        folder, [(x * side, y * side, 0.5, CAP) for x, y in np.ndindex(2, 2)],
+        {"nominal_area": nominal} if nominal else {}, (MODULUS, MODULUS), (RATIO, RATIO),
         loading={"control": "approach", "value": 0.5 - overlap},
-        effects={"interaction": interaction}))
+        effects={"interaction": interaction, **effects}))
 
 
 def test_circles_overlap(asperity, tmp_path):
@@ -199,13 +192,11 @@ def test_relaxing(hold, asperity, tmp_path):
 def test_area(asperity, tmp_path):
     """Told where the column of the area's error is above the tolerance, and nowhere else."""
     what = "less sure than the tolerance"
-    (tmp_path / "caps.csv").write_text("x,y,height,radius\n0,0,0.107,1\n0.2,0,0.1015,1\n")
 
     def caps_by(tolerance):
-        run = solve(asperity, write_scene(
-            tmp_path / "caps.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
-            material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
-            loading={"control": "approach", "value": 0.0945},
+        run = solve(asperity, write_plane_scene(
+            tmp_path, [(0, 0, 0.107, 1), (0.2, 0, 0.1015, 1)], None, (MODULUS, MODULUS),
+            (RATIO, RATIO), loading={"control": "approach", "value": 0.0945},
             effects={"interaction": "auto", "tolerance": tolerance}))
         return run, float(run.positions[0]["area_error_estimate"])
 
@@ -242,16 +233,9 @@ def test_load_direction(asperity, tmp_path):
 def test_no_common_theory(asperity, tmp_path):
     """Adhesion and interaction by `auto`, each of more than the tolerance or one of them not."""
     def caps_that_adhere(side, work):
-        folder = tmp_path / f"{side} {work}"
-        folder.mkdir()
-        (folder / "caps.csv").write_text("x,y,height,radius\n" + "".join(
-            f"{x * side!r},{y * side!r},0.5,{CAP}\n" for x in (0, 1) for y in (0, 1)))
-        return solve(asperity, write_scene(
-            folder / "caps.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
-            material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
-            loading={"control": "approach", "value": 0.499},
-            effects={"interaction": "auto", "adhesion": "auto", "work_of_adhesion": work,
-                     "equilibrium_distance": 1e-6, "tolerance": 0.01}))
+        return caps(asperity, tmp_path / f"{side} {work}", side, 0.001, interaction="auto",
+                    adhesion="auto", work_of_adhesion=work, equilibrium_distance=1e-6,
+                    tolerance=0.01)
     what = "two effects have no common theory"
     assert told(caps_that_adhere(1e4, 1.0), what) == ""
     assert told(caps_that_adhere(0.5, 0.0), what) == ""

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from ball_scenes import balls
-from effect_runs import CAP, COMBINED, MODULUS, RATIO
+from effect_runs import CAP, COMBINED
 from map_press_truth import rough
 from plastic_truth import Sphere
-from surfaces_csv import solve, write_csv_scene, write_scene, write_surface
+from surfaces_csv import solve, write_csv_scene, write_plane_scene
 from test_map_scene import E, load_for, map_scene
 from test_warnings import INSIDE, OUTSIDE, RADIUS, check_pair, overlap_of, pressed, told
 
@@ -42,12 +42,8 @@ def beyond_limit_pressure(asperity, folder, factor):
 
 
 def tilted_plane(asperity, folder, factor):
-    folder.mkdir()
-    (folder / "cap.csv").write_text("x,y,height,radius\n0,0,0.5,2\n")
-    return solve(asperity, write_scene(
-        folder / "tilt.scene", surfaces={"upper": "plane", "lower": "cap.csv"},
-        tilt={"upper_slope": (0.18 * factor, 0.24 * factor)},
-        material={"elastic_modulus": (MODULUS, MODULUS), "poisson_ratio": (RATIO, RATIO)},
+    return solve(asperity, write_plane_scene(
+        folder, [(0, 0, 0.5, 2)], tilt={"upper_slope": (0.18 * factor, 0.24 * factor)},
         loading={"control": "approach", "value": 0.49}))
 
 
@@ -59,10 +55,8 @@ def far_adhesion(asperity, folder, factor):
         {"control": "approach", "value": -1e-3}, radii=(RADIUS,), modulus=1000.0))
 
 
-def unlike_bodies(asperity, folder, factor):
-    """k(1 - k)/(1 + k) of the compliance, k the ratio of the two: equal Poisson's ratios."""
-    share = 0.01 * factor
-    ratio = ((1 - share) - math.sqrt((1 - share) ** 2 - 4 * share)) / 2
+def relaxing_pair(asperity, folder, ratio):
+    """Two balls whose moduli have this ratio."""
     folder.mkdir()
     return solve(asperity, write_csv_scene(
         folder, [(0.0, 0.0, 1.9, RADIUS)], [(0.0, 0.0, 1.9, RADIUS)],
@@ -70,6 +64,13 @@ def unlike_bodies(asperity, folder, factor):
         loading={"control": "approach", "value": 3.8 - 1e-4},
         effects={"creep": "on", "hold_time": 30.0, "relaxation_time": 1.0,
                  "relaxed_modulus_ratio": 0.5}))
+
+
+def unlike_bodies(asperity, folder, factor):
+    """k(1 - k)/(1 + k) of the compliance, k the ratio of the two: equal Poisson's ratios."""
+    share = 0.01 * factor
+    ratio = ((1 - share) - math.sqrt((1 - share) ** 2 - 4 * share)) / 2
+    return relaxing_pair(asperity, folder, ratio)
 
 
 def yield_strain(asperity, folder, factor):
@@ -130,14 +131,7 @@ def test_limit_with_plasticity(asperity, tmp_path):
 def test_like_and_rigid_bodies(asperity, tmp_path):
     """Equal bodies are like; a rigid one has nothing to relax."""
     for ratio in (1.0, 1e-9):
-        folder = tmp_path / f"{ratio}"
-        folder.mkdir()
-        run = solve(asperity, write_csv_scene(
-            folder, [(0.0, 0.0, 1.9, RADIUS)], [(0.0, 0.0, 1.9, RADIUS)],
-            modulus=(1000.0, 1000.0 / ratio), ratio=(0.3, 0.3),
-            loading={"control": "approach", "value": 3.8 - 1e-4},
-            effects={"creep": "on", "hold_time": 30.0, "relaxation_time": 1.0,
-                     "relaxed_modulus_ratio": 0.5}))
+        run = relaxing_pair(asperity, tmp_path / f"{ratio}", ratio)
         assert told(run, "they are unlike") == ""
 
 
@@ -313,11 +307,8 @@ def test_pixels_beyond_yield(name, what, asperity, tmp_path):
 
 def nested(asperity, folder, ratio, gap, interaction="coupled", **effects):
     """A blunt cap that the plane presses by 1e-4, a sharper one in its circle of about 0.01."""
-    folder.mkdir(exist_ok=True)
-    write_surface(folder / "caps.csv", [(0.0, 0.0, 0.0, 1.0), (0.004, 0.002, -gap, 1 / ratio)])
-    return solve(asperity, write_scene(
-        folder / "nested.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
-        material={"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
+    return solve(asperity, write_plane_scene(
+        folder, [(0, 0, 0, 1), (0.004, 0.002, -gap, 1 / ratio)],
         loading={"control": "approach", "value": -1e-4},
         effects={"interaction": interaction, **effects}))
 
@@ -369,14 +360,9 @@ SPOTS = ((0.0, 0.0, 1.0, 4974.1524222838307),
 
 def test_error_of_nested_contacts(asperity, tmp_path):
     """Circles miss the compression by 3.0 % where their estimate is 2.3 %."""
-    write_surface(tmp_path / "spots.csv", SPOTS)
-    run = {}
-    for interaction in ("coupled", "auto", "boundary"):
-        run[interaction] = solve(asperity, write_scene(
-            tmp_path / "spots.scene", surfaces={"upper": "plane", "lower": "spots.csv"},
-            material={"contact_modulus": 1000.0},
-            loading={"control": "load", "value": 101.49736966383077},
-            effects={"interaction": interaction}))
+    run = {interaction: solve(asperity, write_plane_scene(
+        tmp_path, SPOTS, modulus=1e3, loading={"control": "load", "value": 101.49736966383077},
+        effects={"interaction": interaction})) for interaction in ("coupled", "auto", "boundary")}
     closing = {name: SPOTS[1][2] - float(found.positions[0]["separation"])
                for name, found in run.items()}
     error = abs(closing["coupled"] / closing["boundary"] - 1)
@@ -387,22 +373,14 @@ def test_error_of_nested_contacts(asperity, tmp_path):
 
 # Results without a meaning.
 
-def caps_on(folder, nominal, load, count=12, **effects):
-    folder.mkdir(exist_ok=True)
-    (folder / "caps.csv").write_text("x,y,height,radius\n" + "".join(
-        f"{0.1 * i!r},{0.1 * j!r},0.5,2\n" for i in range(count) for j in range(count)))
-    return write_scene(
-        folder / "caps.scene",
-        surfaces={"upper": "plane", "lower": "caps.csv", "nominal_area": nominal},
-        material={"contact_modulus": 1000.0}, loading={"control": "load", "value": load},
-        **({"effects": effects} if effects else {}))
-
-
 @pytest.mark.parametrize("interaction", ["off", "auto", "coupled", "boundary"])
 @pytest.mark.parametrize("nominal, load, count", [(1.44, 10000.0, 12), (1e-6, 30.0, 1)])
 def test_area_above_the_nominal_area(nominal, load, count, interaction, asperity, tmp_path):
     """No file and one sentence."""
-    run = solve(asperity, caps_on(tmp_path, nominal, load, count, interaction=interaction))
+    run = solve(asperity, write_plane_scene(
+        tmp_path, [(0.1 * i, 0.1 * j, 0.5, 2) for i, j in np.ndindex(count, count)],
+        {"nominal_area": nominal}, 1e3, loading={"control": "load", "value": load},
+        effects={"interaction": interaction}))
     assert run.status == 1 and not run.positions
     lines = run.stderr.splitlines()
     assert len(lines) == 1 and (interaction != "off" or "times the nominal area" in lines[0]), lines
@@ -410,13 +388,11 @@ def test_area_above_the_nominal_area(nominal, load, count, interaction, asperity
 
 def test_area_at_the_nominal_area(asperity, tmp_path):
     """One contact on its own area, a hair more and less."""
-    (tmp_path / "one.csv").write_text(f"x,y,height,radius\n0,0,0.5,{CAP}\n")
     area = math.pi * CAP * 0.01
     for factor, status in ((INSIDE, 0), (OUTSIDE, 1)):
-        run = solve(asperity, write_scene(
-            tmp_path / "one.scene", surfaces={"upper": "plane", "lower": "one.csv",
-                                              "nominal_area": area / factor},
-            material={"contact_modulus": 1000.0}, loading={"control": "approach", "value": 0.49}))
+        run = solve(asperity, write_plane_scene(
+            tmp_path, [(0, 0, 0.5, CAP)], {"nominal_area": area / factor}, 1e3,
+            loading={"control": "approach", "value": 0.49}))
         assert run.status == status, run.stderr
 
 
@@ -434,13 +410,10 @@ def test_area_above_that_of_a_map(interaction, asperity, tmp_path):
                                      {"plasticity": "on", "plastic_yield_stress": 1e9}])
 def test_plane_at_the_bottom_of_a_sphere(effects, asperity, tmp_path):
     """The overlap is twice the radius there."""
-    (tmp_path / "one.csv").write_text("x,y,height,radius\n0,0,0.5,1\n")
     for factor, status in ((INSIDE, 0), (OUTSIDE, 1)):
-        run = solve(asperity, write_scene(
-            tmp_path / "one.scene", surfaces={"upper": "plane", "lower": "one.csv"},
-            material={"elastic_modulus": (1e3, 1e3), "poisson_ratio": (0.3, 0.3)},
-            loading={"control": "approach", "value": 0.5 - 2 * factor},
-            **({"effects": effects} if effects else {})))
+        run = solve(asperity, write_plane_scene(
+            tmp_path, [(0, 0, 0.5, 1)], effects=effects,
+            loading={"control": "approach", "value": 0.5 - 2 * factor}))
         assert run.status == status, run.stderr
         assert status == 0 or "beyond the sphere" in run.stderr
 
@@ -455,20 +428,18 @@ NUMBERS = {"friction_coefficient": 0.2, "plastic_yield_stress": 5.0, "work_of_ad
            "relaxation_time": 1.0, "relaxed_modulus_ratio": 0.9}
 
 
-def dense(asperity, folder, effects, material):
-    (folder / "caps.csv").write_text("x,y,height,radius\n0,0,0.5,2\n0.5,0,0.5,2\n"
-                                     "0.25,0.4330127018922193,0.5,2\n")
-    return solve(asperity, write_scene(
-        folder / "dense.scene", surfaces={"upper": "plane", "lower": "caps.csv"},
-        material=material, limit={"criterion": "load", "value": 1.0},
+def dense(asperity, folder, effects, modulus):
+    return solve(asperity, write_plane_scene(
+        folder, [(0, 0, 0.5, 2), (0.5, 0, 0.5, 2), (0.25, 0.4330127018922193, 0.5, 2)],
+        modulus=modulus, limit={"criterion": "load", "value": 1.0},
         loading={"control": "load", "value": 40.0}, effects={**NUMBERS, **effects}))
 
 
-def check_advice(asperity, folder, effects, material, run):
+def check_advice(asperity, folder, effects, modulus, run):
     """Every effect that a warning proposes is computed when it is set."""
     proposed = set(re.findall(r"set (\w+) = '(\w+)'", run.stderr)) - {("control", "vertical_load")}
     for name, mode in proposed:
-        again = dense(asperity, folder, {**effects, name: mode}, material)
+        again = dense(asperity, folder, {**effects, name: mode}, modulus)
         assert again.status == 0, (effects, name, mode, again.stderr)
         assert f"({name} beside" not in again.stderr or "auto" in effects.values(), (effects, name)
     return len(proposed)
@@ -476,7 +447,7 @@ def check_advice(asperity, folder, effects, material, run):
 
 def test_advice_of_every_combination(asperity, tmp_path):
     """All combinations of effects that are not refused, each at dense contacts beyond the limit."""
-    bodies = {"elastic_modulus": (2e3, 2e3), "poisson_ratio": (0.3, 0.3)}
+    bodies = (2e3, 2e3)
     solved = followed = 0
     for modes in itertools.product(*MODES.values()):
         effects = dict(zip(MODES, modes))
@@ -490,14 +461,13 @@ def test_advice_of_every_combination(asperity, tmp_path):
 
 def test_advice_beside_a_combined_modulus(asperity, tmp_path):
     """Plasticity needs Poisson's ratios, which a combined modulus hides."""
-    material = {"contact_modulus": 1e3}
     effects = {"interaction": "off", "adhesion": "off"}
-    run = dense(asperity, tmp_path, effects, material)
+    run = dense(asperity, tmp_path, effects, 1e3)
     assert told(run, "exceeds the limit of the scene").endswith(", reduce the load")
-    assert check_advice(asperity, tmp_path, effects, material, run) == 1
+    assert check_advice(asperity, tmp_path, effects, 1e3, run) == 1
 
 
 def test_adhesion_beside_dense_contacts(asperity, tmp_path):
-    run = dense(asperity, tmp_path, {"adhesion": "on"}, {"contact_modulus": 1e3})
+    run = dense(asperity, tmp_path, {"adhesion": "on"}, 1e3)
     assert told(run, "contact circles overlap") and told(run, "interaction is left out")
     assert "interaction = 'auto'" not in run.stderr

@@ -9,9 +9,8 @@ def run_program(*words, status=0, variables=None, **options):
 
     The exit status must be `status`; None allows any. `variables` are added to the environment.
     """
-    given = {} if "input" in options else {"stdin": subprocess.DEVNULL}
-    done = subprocess.run([*map(str, words)], **given, **{
-        "capture_output": True, "text": True, "timeout": 300,
-        "env": {**os.environ, **(variables or {})}, **options})
+    done = subprocess.run([*map(str, words)], **{
+        **({} if "input" in options else {"stdin": subprocess.DEVNULL}), "capture_output": True,
+        "text": True, "timeout": 300, "env": {**os.environ, **(variables or {})}, **options})
     assert status in (None, done.returncode), done.stderr or done.stdout
     return done

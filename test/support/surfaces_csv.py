@@ -61,6 +61,16 @@ def write_csv_scene(folder, upper, lower, name="pair", modulus=(2.0e5, 1.0e5), r
         material={"elastic_modulus": modulus, "poisson_ratio": ratio}, **groups)
 
 
+def write_plane_scene(folder, caps, surfaces=None, modulus=(1e3, 1e3), ratio=(0.3, 0.3), **groups):
+    """A plane over asperities in a folder; one number as modulus is the contact modulus."""
+    folder.mkdir(exist_ok=True)
+    lower = write_surface(folder / "caps.csv", caps)
+    return write_scene(
+        folder / "caps.scene", surfaces={"upper": "plane", "lower": lower, **(surfaces or {})},
+        material={"contact_modulus": modulus} if isinstance(modulus, float) else
+        {"elastic_modulus": modulus, "poisson_ratio": ratio}, **groups)
+
+
 def exact_csv_scene(upper, lower, modulus=(2.0e5, 1.0e5), ratio=(0.3, 0.25), **groups):
     """The same scene for the exact evaluation. CSV cells are doubles, the rest is its text."""
     def decimals(values):
