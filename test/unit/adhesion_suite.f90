@@ -94,10 +94,10 @@ contains
                    (above%vertical_load - below%vertical_load) / (2.0_real64 * step), &
                    1.0e-7_real64, 'slope')
         ! The overlap as a plain difference, and the cosine.
-        call near(error, middle%overlap, 1.0_real64 * pairs%list(1)%s - &
-                  sqrt(pairs%list(1)%d**2 + (pairs%list(1)%zc - p)**2), 1.0_real64, 'overlap')
-        call near(error, middle%vertical_load, middle%load * (pairs%list(1)%zc - p) / &
-                  (pairs%list(1)%s - middle%overlap), 1.0_real64, 'vertical load')
+        call check(error, middle%overlap, 1.0_real64 * pairs%list(1)%s - &
+                   sqrt(pairs%list(1)%d**2 + (pairs%list(1)%zc - p)**2), tolerance, 'overlap')
+        call check(error, middle%vertical_load, middle%load * (pairs%list(1)%zc - p) / &
+                   (pairs%list(1)%s - middle%overlap), tolerance, 'vertical load')
       end do
     end do
   end subroutine slopes
@@ -349,14 +349,5 @@ contains
     ! The distance matters to the contact alone.
     call answer_along_centres(adhesion_numbers(modulus, work, 1.0_real64), contact, overlap, answer)
   end function answer_of
-
-  ! Notes a failure unless a number is the expected one to rounding, as a share of a scale.
-  subroutine near(error, found, expected, scale, message)
-    type(error_type), allocatable, intent(inout) :: error
-    real(real64), intent(in) :: found, expected, scale
-    character(*), intent(in) :: message
-
-    call check(error, found, expected, tolerance * abs(scale), message)
-  end subroutine near
 
 end module asperity_adhesion_suite

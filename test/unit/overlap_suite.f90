@@ -4,6 +4,7 @@
 !> so the plain difference s - sqrt(d**2 + z**2) serves down to overlaps of 1e-6 of s, and its
 !> series from there on.
 module asperity_overlap_suite
+  use asperity_coupled_scenes, only: random
   use asperity_kernel_real32, only: overlap_32 => stable_overlap, height_32 => touching_height
   use asperity_kernel_real64, only: overlap_64 => stable_overlap, height_64 => touching_height
   use asperity_kinds, only: int64, real128, real32, real64
@@ -109,32 +110,32 @@ contains
     real(real64), intent(in) :: decades  ! magnitudes below 1 to go down to
     real(real64) :: drawn(3), s, d, share
 
-    s = 2.0_real64**(5.0_real64 * random() - 4.0_real64)
+    s = 2.0_real64**(5.0_real64 * random(seed) - 4.0_real64)
     select case (modulo(i, 7))
     case (0)  ! anywhere
-      d = s * random()
+      d = s * random(seed)
     case (1)  ! near the axis
-      d = s * 10.0_real64**(-decades * random())
+      d = s * 10.0_real64**(-decades * random(seed))
     case (2)  ! a few units of the last place below s
-      d = s - s * step * aint(8.0_real64 * random())
+      d = s - s * step * aint(8.0_real64 * random(seed))
     case (3)  ! grazing, at any magnitude
-      d = s - s * 10.0_real64**(-15.0_real64 * random())
+      d = s - s * 10.0_real64**(-15.0_real64 * random(seed))
     case (4)  ! within the candidate distance of the thesis, d**2 < 2 s * height
-      d = s * sqrt(0.14_real64 * random())
+      d = s * sqrt(0.14_real64 * random(seed))
     case (5)  ! radii up to 1e6 apart, heights those of the smaller sphere
-      d = s * sqrt(2.0_real64 * 10.0_real64**(-6.0_real64 * random()) * random())
+      d = s * sqrt(2.0_real64 * 10.0_real64**(-6.0_real64 * random(seed)) * random(seed))
     case default  ! on the axis
       d = 0.0_real64
     end select
     select case (modulo(i / 7, 4))
     case (0)  ! anywhere
-      share = random()
+      share = random(seed)
     case (1)  ! small, down to the smallest numbers
-      share = 10.0_real64**(-decades * random())
+      share = 10.0_real64**(-decades * random(seed))
     case (2)  ! nearly level
-      share = 1.0_real64 - 10.0_real64**(-16.0_real64 * random())
+      share = 1.0_real64 - 10.0_real64**(-16.0_real64 * random(seed))
     case default  ! where both terms of the numerator matter
-      share = 0.5_real64 + 0.5_real64 * random()
+      share = 0.5_real64 + 0.5_real64 * random(seed)
     end select
     drawn = [s, d, share]
   end function draw
@@ -153,16 +154,6 @@ contains
       w = s * a * (1 + a * (0.5_real128 + a * (0.5_real128 + 0.625_real128 * a)))
     end if
   end function overlap
-
-  ! A number from 0 to 1.
-  function random() result(number)
-    real(real64) :: number
-
-    seed = ieor(seed, shiftl(seed, 13))
-    seed = ieor(seed, shiftr(seed, 7))
-    seed = ieor(seed, shiftl(seed, 17))
-    number = shiftr(seed, 11) * 2.0_real64**(-53)
-  end function random
 
   pure function told(worst, at) result(text)
     real(real128), intent(in) :: worst, at(3)
