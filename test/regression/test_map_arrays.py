@@ -499,7 +499,6 @@ def array_bytes(descr="'<f8'", order="False", shape="(3, 4)", pixels=96, version
     (array_bytes("'<f2'"), "type of the array: found '<f2', expected float64 or float32"),
     (array_bytes("'<c16'"), "type of the array: found '<c16'"),
     (array_bytes("'|b1'"), "type of the array: found '|b1'"),
-    (array_bytes("'|O'"), "type of the array: found '|O'"),
     (array_bytes("'=f8'"), "type of the array: found '=f8'"),
     (array_bytes("[('a', '<f8'), ('b', '<f8')]"), "type of the array: found "),
     (array_bytes(shape="(12,)"), "shape of the array: found '(12,)', expected (ROWS, COLUMNS)"),

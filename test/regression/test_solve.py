@@ -181,18 +181,24 @@ def both_surfaces(seed):
     return random_surface(rng, 15), random_surface(rng, 20, radii=(0.2, 2.5))
 
 
+def solve_against_truth(asperity, folder, seed, title, **groups):
+    """The run of a tilted sweep whose totals and penetrations are those of the truth."""
+    upper, lower = both_surfaces(seed)
+    groups = {**TILTED, **groups}
+    run = solve(asperity, write_csv_scene(folder, upper, lower, **groups))
+    assert run.status == 0, run.stderr
+    worst = Worst()
+    compare_with_truth(run, Truth(exact_csv_scene(upper, lower, **groups)), worst)
+    worst.show(title)
+    return run
+
+
 @pytest.mark.parametrize("limit", (
     {"criterion": "load", "value": 350.0}, {"criterion": "pressure", "value": 9000.0},
     {"criterion": "greenwood_williamson", "hardness": 6000.0},
     {"criterion": "hardy", "yield_stress": 5000.0}), ids=lambda limit: limit["criterion"])
 def test_limits(limit, asperity, tmp_path):
-    upper, lower = both_surfaces(1)
-    groups = {**TILTED, "limit": limit}
-    run = solve(asperity, write_csv_scene(tmp_path, upper, lower, **groups))
-    assert run.status == 0, run.stderr
-    worst = Worst()
-    compare_with_truth(run, Truth(exact_csv_scene(upper, lower, **groups)), worst)
-    worst.show(limit["criterion"])
+    run = solve_against_truth(asperity, tmp_path, 1, limit["criterion"], limit=limit)
     # In words: the first contact at its limit carries the load or pressure that was asked for.
     for m in map(str, range(1, 5)):
         rows = [row for row in run.contacts if row["position"] == m]
@@ -239,13 +245,8 @@ def test_smallest_loads(asperity, tmp_path):
 
 @pytest.mark.parametrize("approach", (0.45, 0.4, 0.31))
 def test_approach_control(approach, asperity, tmp_path):
-    upper, lower = both_surfaces(4)
-    groups = {**TILTED, "loading": {"control": "approach", "value": approach}}
-    run = solve(asperity, write_csv_scene(tmp_path, upper, lower, **groups))
-    assert run.status == 0, run.stderr
-    worst = Worst()
-    compare_with_truth(run, Truth(exact_csv_scene(upper, lower, **groups)), worst)
-    worst.show(f"approach {approach}")
+    solve_against_truth(asperity, tmp_path, 4, f"approach {approach}",
+                        loading={"control": "approach", "value": approach})
 
 
 @pytest.mark.parametrize("loading", ({"control": "limit"}, {"control": "load", "value": 4e3}),

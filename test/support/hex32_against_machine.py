@@ -22,7 +22,7 @@ from pathlib import Path
 
 import s370_machine
 from programs import run_program
-from s370_machine import BODIES, DIVIDE_CODE, OVERFLOW_CODE, SHORT, UNDERFLOW, WHOLE
+from s370_machine import BODIES, DIVIDE_CODE, OVERFLOW_CODE, UNDERFLOW, WHOLE
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "reference_output" / "hex32"
