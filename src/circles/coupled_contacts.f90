@@ -10,11 +10,12 @@
 !> Method: trust region with truncated conjugate gradients (circle_step; Nocedal and Wright,
 !> Numerical Optimization, 2006, algorithm 4.1). Far from the solution the model is convex: every
 !> bounded model converges (Conn, Gould and Toint, Trust-Region Methods, 2000, theorem 6.4.6). Where
-!> a step has left more than a share of the residual, the contacts with the largest residuals are
-!> first solved in the field of the others (nonlinear elimination; Cai and Li, SIAM J. Sci. Comput.
-!> 33 (2011) 746). Active set: a contact opens where its penetration falls to 0, or where the field
-!> exceeds its penetration many times; open contacts that touch get the largest share 1, 1/2, 1/4,
-!> ... of their penetration with which the potential does not increase (Armijo's backtracking).
+!> a step has left more than a share of the residual, or contacts begin to touch, the contacts with
+!> the largest residuals are first solved in the field of the others (nonlinear elimination; Cai and
+!> Li, SIAM J. Sci. Comput. 33 (2011) 746). Active set: a contact opens where its penetration falls
+!> to 0, or where the field exceeds its penetration many times; open contacts that touch get the
+!> largest share 1, 1/2, 1/4, ... of their penetration with which the potential does not increase
+!> (Armijo's backtracking).
 !>
 !> Exits: residual over the largest penetration small enough and no open contact touches
 !> (converged); compression beyond the complete pair list (the caller repeats); two steps without a
@@ -136,6 +137,9 @@ contains
                            resolved, joined)
         if (allocated(solution%failure)) return
         if (state%residual <= enough .and. joined == 0) exit
+        ! Contacts that begin to touch are far from their loads: these are found by themselves.
+        if (joined > 0 .and. state%residual > stagnates * looked) &
+          eliminates = .not. present(share)
       end if
       if (lost > 1) exit
       if (solution%ending%iterations >= most) exit
@@ -230,7 +234,8 @@ contains
   end subroutine join_touching
 
   ! Nonlinear elimination: solves contacts with large residuals in the field of the others, group by
-  ! group. The result is kept where residual or potential decrease.
+  ! group. The result is kept where the potential does not increase: a residual alone may decrease
+  ! because contacts have opened.
   recursive subroutine eliminate_contacts(pairs, law, solution, state, resolved)
     type(contact_pairs), intent(in) :: pairs
     class(contact_law), intent(in), target :: law
@@ -257,7 +262,7 @@ contains
     call evaluate_state(pairs, law, solution, state, resolved)
     if (allocated(solution%failure)) return
     call potential_change(pairs, law, before, solution, state, change, noise)
-    if (state%residual < before%state%residual .or. change < -noise) return
+    if (change <= noise) return
     call restore_state(before, solution, state)
   end subroutine eliminate_contacts
 
