@@ -408,10 +408,13 @@ contains
           call take_secant(search, load, task%target, closing, task%of_closing)
           cycle
         end if
-        if (any_loaded(pairs, pack([(k, k=1, size(is_member))], .not. is_member), closing, &
-                       outside_field(), task%clusters(1)%lattice)) then
-          at = closing
-          call find_near_tops(pairs, task%law, along, at, near, host, radius)
+        ! Near at this compression, or loaded by it: the area of a blunt contact that the probes of
+        ! `any_loaded` miss may count.
+        at = closing
+        call find_near_tops(pairs, task%law, along, at, near, host, radius)
+        if (any(near .and. .not. is_member) .or. any_loaded(pairs, pack([(k, k=1, &
+            size(is_member))], .not. is_member), closing, outside_field(), &
+            task%clusters(1)%lattice)) then
           is_whole = is_one_cluster(pairs, near, radius, found)
           if (.not. is_whole) return
           is_member = is_member .or. near
