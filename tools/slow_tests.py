@@ -3,7 +3,7 @@
     ASPERITY_TEST_TIMES=times.csv bash .ci/test          (all tests; appends a line for each)
     python tools/slow_tests.py times.csv [SECONDS]
 
-The slowest tests are listed until the others take SECONDS (default 140) of processor time in all.
+The slowest tests are listed until the others take SECONDS (default 120) of processor time in all.
 A function whose tests are all slow is listed by its name. What times.csv does not have stays as it
 was listed. KEPT tests are not listed.
 """
@@ -18,7 +18,7 @@ KEPT = ("test/regression/test_python_docs.py::",
         "test/regression/test_python_maps.py::test_twelve_lines")
 
 
-def main(times, seconds=140.0):
+def main(times, seconds=120.0):
     with open(times, newline="", encoding="utf-8") as file:
         costs = {name: float(cost) for name, cost in csv.reader(file)}
     functions = {}
