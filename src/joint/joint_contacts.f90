@@ -444,6 +444,8 @@ contains
 
     associate (one => task%clusters(1), coupled => solution%coupled)
       if (allocated(one%host)) deallocate (one%host)
+      ! Members change with the compression.
+      if (allocated(one%change)) deallocate (one%change, one%taken)
       call coupled%set%make_room(0)
       one%members = pack([(k, k=1, size(task%is_near))], task%resolved%is_one)
       one%is_solved = .false.
