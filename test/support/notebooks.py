@@ -6,17 +6,24 @@ To be run by a Python that has the package `asperity`. Paths are relative to the
 """
 
 import sys
+import tempfile
 from pathlib import Path
 
 import nbformat
+from jupyter_client.manager import AsyncKernelManager
 from nbclient import NotebookClient
 
 
 def executed(path):
-    """The notebook with the outputs of a fresh run."""
+    """The notebook with the outputs of a fresh run.
+
+    Sockets are files: a free TCP port may be taken by another program before the kernel binds it.
+    """
     book = nbformat.read(path, as_version=4)
-    NotebookClient(book, timeout=100, kernel_name="python3",
-                   resources={"metadata": {"path": str(Path(path).parent)}}).execute()
+    with tempfile.TemporaryDirectory() as folder:
+        kernel = AsyncKernelManager(kernel_name="python3", transport="ipc", ip=f"{folder}/kernel")
+        NotebookClient(book, timeout=100, km=kernel,
+                       resources={"metadata": {"path": str(Path(path).parent)}}).execute()
     for cell in book.cells:
         cell.metadata.pop("execution", None)
     return book
